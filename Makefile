@@ -1,0 +1,47 @@
+# Two commands do all the set-up: `make build` (the main job) and `make test`.
+PYTHON ?= python3.11
+VENV   := .venv
+BIN    := $(VENV)/bin
+DESIGN ?= params/mbcdm.yaml
+
+.PHONY: build test test-slow lint setup picture docs benchmark lock clean
+
+build: setup
+	$(BIN)/mbcdm build $(DESIGN)
+
+test: setup
+	$(BIN)/pytest -q -n auto --dist loadfile -m "not slow"
+
+test-slow: setup
+	$(BIN)/pytest -q -n auto --dist loadfile -m slow
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+setup: $(VENV)/.ready
+
+$(VENV)/.ready: requirements.lock pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@touch $@
+
+# The picture at the top of the README.
+picture: setup
+	$(BIN)/mbcdm picture $(DESIGN) docs/pictures/assembly.png
+
+docs: setup
+	$(BIN)/mbcdm schema --reference > docs/design-file.md
+
+benchmark: setup
+	$(BIN)/python benchmarks/speed.py
+
+# Pinned versions with hashes, from pyproject.toml.
+lock:
+	$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --extra dev --strip-extras \
+	  --no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --output-file requirements.lock pyproject.toml
+
+clean:
+	rm -rf $(VENV) out

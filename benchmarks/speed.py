@@ -1,0 +1,223 @@
+"""How fast the program is, as ratios within one run, so that the figures mean the same on any machine.
+
+    python benchmarks/speed.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
+
+Each time is the least of N runs, in processes of their own. Exit code 1 if a limit is exceeded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+CHECK_RATIO_LIMIT = 2.0
+BUILD_RATIO_LIMIT = 2.0
+UNCHANGED_LIMIT_S = 0.5
+INTERFERENCE_LIMIT_S = 15.0
+CORES = 2  # the interference limit is stated for two
+# A dimension of the drum alone: after editing it, nothing else should be drawn anew.
+EDITED_PARAMETER = "web_thickness_mm"
+_BARE_IMPORT = "import numpy, yaml, pydantic"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One measured figure against its limit (None: for information)."""
+
+    name: str
+    value: float
+    unit: str
+    limit: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        return self.limit is None or self.value <= self.limit
+
+    def __str__(self) -> str:
+        limit = (
+            "" if self.limit is None else f"   limit {self.limit:g}{self.unit}   {'ok' if self.holds else 'TOO SLOW'}"
+        )
+        return f"{self.name:<72}{self.value:8.2f}{self.unit}{limit}"
+
+
+class Bench:
+    """Runs the command line with a cache and output folders of its own."""
+
+    def __init__(self, design: Path, room: Path, repeat: int) -> None:
+        self.design = design
+        self.room = room
+        self.repeat = repeat
+        self.cache = room / "cache"
+        self.environment = {**os.environ, "MBCDM_CACHE_DIR": str(self.cache), "PYTHONPATH": str(ROOT)}
+        self._runs = 0
+
+    def python(self, *arguments: str) -> tuple[float, str]:
+        """Wall time in s and standard output of one Python process. Exit code 1 (a check failed) is allowed."""
+        start = time.perf_counter()
+        done = subprocess.run(
+            [sys.executable, *arguments], env=self.environment, cwd=ROOT, capture_output=True, text=True, check=False
+        )
+        elapsed = time.perf_counter() - start
+        if done.returncode not in (0, 1) or "Traceback" in done.stderr:
+            raise RuntimeError(f"{' '.join(arguments)} ended with {done.returncode}:\n{done.stderr[-3000:]}")
+        return elapsed, done.stdout
+
+    def least(self, once: Callable[[], float], repeat: int | None = None) -> float:
+        return min(once() for _ in range(repeat or self.repeat))
+
+    def check(self) -> float:
+        return self.python("-m", "mbcdm_cad", "check", str(self.design))[0]
+
+    def build(self, *options: str, design: Path | None = None, out: Path | None = None) -> tuple[float, str]:
+        """One build, into a new folder unless ``out`` is given."""
+        self._runs += 1
+        target = out or self.room / f"out{self._runs}"
+        command = ("-m", "mbcdm_cad", "build", str(design or self.design), "--out", str(target), "--force")
+        return self.python(*command, "--jobs", str(CORES), *options)
+
+    def kernel_imports(self, *arguments: str) -> int:
+        """How many modules of the CAD library and its kernel a command imports."""
+        code = (
+            "import sys; from mbcdm_cad.cli import run; run(sys.argv[1:]); "
+            "print('imports', sum(n.split('.')[0] in ('cadquery', 'OCP', 'vtkmodules') for n in sys.modules))"
+        )
+        return int(self.python("-c", code, *arguments)[1].split()[-1])
+
+    def forget(self, what: str) -> None:
+        """Remove the "interference" run from the cache, or all the "rest" (designs, parts, assembly)."""
+        for path in self.cache.glob("*/*"):
+            # The names of what an entry holds stand at its head.
+            if (b'"clashes"' in path.read_bytes()[:200]) == (what == "interference"):
+                path.unlink()
+
+
+def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
+    """From a finished output: one BREP a part, and the plan that bare_build.py follows."""
+    import cadquery as cq
+
+    from mbcdm_cad.assembly.bill import bill
+    from mbcdm_cad.design import load_design
+    from mbcdm_cad.export.meshing import kernel_tolerances
+    from mbcdm_cad.layout.layout import layout
+
+    drive = load_design(design).drive
+    assembly = bill(layout(drive))
+    target.mkdir()
+    for part in assembly.parts:
+        solid = cq.importers.importStep(str(built / "parts" / f"{part}.step")).val()
+        solid.exportBrep(str(target / f"{part}.brep"))
+    linear_mm, angular_rad = kernel_tolerances(drive.export.mesh_tolerance_mm)
+    items = [
+        {
+            "name": item.name,
+            "part": item.part,
+            "origin": item.location.shift_mm.tolist(),
+            "x": item.location.rotation[:, 0].tolist(),
+            "z": item.location.rotation[:, 2].tolist(),
+        }
+        for item in assembly.items
+    ]
+    plan = {"parts": list(assembly.parts), "items": items, "linear_mm": linear_mm, "angular_rad": angular_rad}
+    (target / "parts.json").write_text(json.dumps(plan))
+
+
+def edited(design: Path, target: Path) -> Path:
+    """A copy of the design with one dimension 1 % larger."""
+    text, count = re.subn(
+        rf"^(\s*{EDITED_PARAMETER}:\s*)([0-9.]+)",
+        lambda match: f"{match[1]}{float(match[2]) * 1.01:.6g}",
+        design.read_text("utf-8"),
+        count=1,
+        flags=re.MULTILINE,
+    )
+    if not count:
+        raise RuntimeError(f"{design} has no {EDITED_PARAMETER} to edit")
+    target.write_text(text, "utf-8")
+    return target
+
+
+def measured(bench: Bench) -> list[Figure]:
+    """All figures, each printed as soon as it is there."""
+    figures: list[Figure] = []
+
+    def note(figure: Figure) -> None:
+        figures.append(figure)
+        print(figure, flush=True)
+
+    imports = bench.least(lambda: bench.python("-c", _BARE_IMPORT)[0], 5)
+    note(Figure(f"bare {_BARE_IMPORT}", imports, " s"))
+    first = bench.check()
+    again = bench.least(bench.check, 5)
+    note(Figure("check, first time, over the bare import", first / imports, "x", CHECK_RATIO_LIMIT))
+    note(Figure("check, over the bare import", again / imports, "x", CHECK_RATIO_LIMIT))
+
+    built = bench.room / "built"
+    full = bench.build(out=built)[0]
+    (folder,) = (path for path in built.iterdir() if not path.name.startswith("."))
+    note(Figure("build from nothing, interference run included", full, " s"))
+
+    same = ("build", str(bench.design), "--out", str(built), "--force")
+    imported = bench.kernel_imports("check", str(bench.design)) + bench.kernel_imports(*same)
+    note(Figure("modules of the CAD library imported by check, and with nothing changed", imported, "", 0))
+    unchanged = bench.least(lambda: bench.build(out=built)[0], 5)
+    note(Figure("build, nothing changed", unchanged, " s", UNCHANGED_LIMIT_S))
+    elsewhere = bench.least(lambda: bench.build()[0])
+    note(Figure("build, nothing changed, into a new folder", elsewhere, " s"))
+
+    def only_interference() -> float:
+        bench.forget("interference")
+        return bench.build()[0] - elsewhere
+
+    interference = bench.least(only_interference)
+    note(Figure(f"interference run over the travel, {CORES} cores", interference, " s", INTERFERENCE_LIMIT_S))
+
+    def without_interference() -> float:
+        bench.forget("rest")
+        return bench.build()[0]
+
+    own = bench.least(without_interference)
+    plan = bench.room / "plan"
+    prepare_bare_build(bench.design, folder, plan)
+    script = str(ROOT / "benchmarks" / "bare_build.py")
+    targets = iter(range(1000))
+    bare = bench.least(lambda: bench.python(script, str(plan), str(bench.room / f"bare{next(targets)}"))[0])
+    note(Figure("bare process that loads the solids and writes the same files", bare, " s"))
+    note(Figure("build from nothing, interference known", own, " s"))
+    note(Figure("build from nothing over the bare process", own / bare, "x", BUILD_RATIO_LIMIT))
+
+    changed = edited(bench.design, bench.room / "edited.yaml")
+    time_changed, said = bench.build(design=changed)
+    note(Figure(f"one parameter edited ({EDITED_PARAMETER}), interference run included", time_changed, " s"))
+    print("  " + next((line for line in said.splitlines() if "made" in line), said[:200]))
+    return figures
+
+
+def main() -> int:
+    """Measure, print, and tell whether all limits hold."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("design", nargs="?", type=Path, default=ROOT / "params" / "mbcdm.yaml")
+    parser.add_argument("--repeat", type=int, default=3, help="runs of each build (default 3)")
+    parser.add_argument("--json", type=Path, help="also write the figures there")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as room:
+        print("Ratios are between processes of this run; limits are those of the project.")
+        figures = measured(Bench(options.design.resolve(), Path(room), options.repeat))
+    if options.json:
+        options.json.write_text(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n")
+    return 0 if all(figure.holds for figure in figures) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""The parts put in their places at a given drum angle, as numbers and as solids."""

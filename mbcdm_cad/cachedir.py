@@ -1,0 +1,139 @@
+"""What was made before, by the hash of what it was made from: in the user's cache folder, shared by all processes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+ENVIRONMENT_VARIABLE = "MBCDM_CACHE_DIR"
+DEFAULT_LIMIT_BYTES = 1 << 30
+_MAGIC = b"mbcdm-cache-1\n"
+_KEY = re.compile(r"[0-9a-f]{64}")
+_STALE_S = 3600.0
+
+
+def cache_folder() -> Path:
+    """``MBCDM_CACHE_DIR`` if set, else the system's cache folder of this user."""
+    named = os.environ.get(ENVIRONMENT_VARIABLE)
+    if named:
+        return Path(named)
+    import platformdirs  # only where the variable is not set
+
+    return platformdirs.user_cache_path("mbcdm_cad")
+
+
+class Cache:
+    """Entries of named blobs by content key. ``Cache(None)`` holds nothing and keeps nothing.
+
+    An entry is one file, written aside and renamed into place, so a reader never sees half of one and processes need
+    no lock. Every read is checked against the entry's own hash; a broken entry is removed and counts as absent. A
+    cache that cannot be read or written never stops a build: ``problem`` then says why in one sentence.
+    """
+
+    def __init__(self, folder: Path | None, limit_bytes: int = DEFAULT_LIMIT_BYTES) -> None:
+        self._folder = folder
+        self._limit_bytes = limit_bytes
+        self.problem = ""
+
+    def get(self, key: str) -> dict[str, bytes] | None:
+        """The blobs under ``key`` by name; None where there are none."""
+        if self._folder is None:
+            return None
+        path = self._path(key)
+        try:
+            data = path.read_bytes()
+            os.utime(path)  # used now: evicted last
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            self._note(error)
+            return None
+        blobs = _unpacked(data)
+        if blobs is None:
+            self._remove(path)
+        return blobs
+
+    def put(self, key: str, blobs: Mapping[str, bytes]) -> None:
+        """Store the blobs under ``key``; if the cache has grown beyond its limit, the longest unused entries go."""
+        if self._folder is None:
+            return
+        path = self._path(key)
+        aside = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            aside.write_bytes(_packed(blobs))
+            aside.replace(path)
+        except OSError as error:
+            self._remove(aside)
+            self._note(error)
+        self.trim()
+
+    def get_or_make(self, key: str, make: Callable[[], Mapping[str, bytes]]) -> dict[str, bytes]:
+        """The blobs under ``key``, made and stored if there are none."""
+        blobs = self.get(key)
+        if blobs is None:
+            blobs = dict(make())
+            self.put(key, blobs)
+        return blobs
+
+    def trim(self) -> None:
+        """Remove the longest unused entries until the cache is within its limit, and what dead processes left."""
+        if self._folder is None:
+            return
+        entries: list[tuple[float, int, Path]] = []
+        now = time.time()
+        for path in self._folder.glob("*/*"):
+            try:
+                status = path.stat()
+            except OSError:  # gone: another process trims too
+                continue
+            if path.name.startswith("."):
+                if now - status.st_mtime > _STALE_S:
+                    self._remove(path)
+            elif _KEY.fullmatch(path.name):
+                entries.append((status.st_mtime, status.st_size, path))
+        excess = sum(size for _, size, _ in entries) - self._limit_bytes
+        for _, size, path in sorted(entries):
+            if excess <= 0:
+                break
+            self._remove(path)
+            excess -= size
+
+    def _path(self, key: str) -> Path:
+        if not _KEY.fullmatch(key):
+            raise ValueError(f"cache key must be 64 hexadecimal digits, got {key!r}")
+        assert self._folder is not None
+        return self._folder / key[:2] / key
+
+    def _remove(self, path: Path) -> None:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            self._note(error)
+
+    def _note(self, error: OSError) -> None:
+        self.problem = self.problem or f"cache {self._folder} is not usable: {error.strerror or error}"
+
+
+def _packed(blobs: Mapping[str, bytes]) -> bytes:
+    sizes = json.dumps([[name, len(blob)] for name, blob in blobs.items()]).encode() + b"\n"
+    body = sizes + b"".join(blobs.values())
+    return _MAGIC + hashlib.sha256(body).digest() + body
+
+
+def _unpacked(data: bytes) -> dict[str, bytes] | None:
+    start = len(_MAGIC) + hashlib.sha256().digest_size
+    body = data[start:]
+    if data[: len(_MAGIC)] != _MAGIC or data[len(_MAGIC) : start] != hashlib.sha256(body).digest():
+        return None
+    header, _, rest = body.partition(b"\n")
+    blobs: dict[str, bytes] = {}
+    for name, size in json.loads(header):
+        blobs[name], rest = rest[:size], rest[size:]
+    return blobs

@@ -1,0 +1,79 @@
+"""Checks on what was drawn: mass, box and interference. The build calls them with the figures of its solids."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mbcdm_cad.checks.finding import Check, at_most
+from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.run import judged
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.design.drive import Drive
+
+_AXES = ("X", "Z", "Y")
+
+
+def _nothing(subject: Subject) -> None:
+    raise NotImplementedError("the build measures this")
+
+
+def _result(
+    check: Check, drive: Drive, what: str, actual: float, limit: float, unit: str, note: str = ""
+) -> CheckResult:
+    return judged(check, at_most(what, actual, limit, unit, note), Subject(drive))
+
+
+def mass_check(drive: Drive, mass_g: float, sigma_g: float) -> CheckResult:
+    """Mass of all items against the target; ``sigma_g`` is what the estimates leave open (one sigma)."""
+    target = drive.targets
+    over = mass_g - target.mass_g
+    advice = (
+        f"{'thin' if over > 0 else 'thicken'} walls of the frame where their limits allow, about {abs(over):.3g} g, "
+        "or set targets.mass_g to what is wanted"
+    )
+    check = Check("mass", "Mass against the target", "targets.mass_g; paper section 4.1", _nothing, advice=advice)  # type: ignore[arg-type]
+    what = f"mass {mass_g:.2f} g +- {sigma_g:.2g}: from the target of {target.mass_g:g} g"
+    return _result(
+        check,
+        drive,
+        what,
+        abs(over),
+        target.mass_tolerance_g,
+        "g",
+        f"the prototype was measured at {target.prototype_mass_g:g} g",
+    )
+
+
+def frame_windup_check(drive: Drive, windup_mrad: float) -> CheckResult:
+    """What the support's deflection adds to the drum's turn at the test torque, against the design's limit."""
+    check = Check(
+        "frame_windup", "Frame stiff against the test torque", "limits.frame_windup_max_mrad; derived", _nothing,  # type: ignore[arg-type]
+        advice="thicken the walls that bend most: support.rib_mm, support.back_plate_mm, support.motor_shelf_mm",
+    )  # fmt: skip
+    what = f"the frame's deflection turns the drum at {drive.loads.test_torque_Nm:g} N m by"
+    return _result(check, drive, what, windup_mrad, drive.limits.frame_windup_max_mrad, "mrad")
+
+
+def envelope_check(drive: Drive, box_mm: Sequence[float]) -> CheckResult:
+    """Box (X, Z, Y) of all solids with the drum centred against the target, the worst side."""
+    target = drive.targets
+    off = [abs(size - want) for size, want in zip(box_mm, target.envelope_mm, strict=True)]
+    k = off.index(max(off))
+    advice = "see envelope_x, envelope_z and envelope_y for what to turn, or set targets.envelope_mm to what is wanted"
+    check = Check("envelope", "Box of all solids", "targets.envelope_mm; paper section 4.1", _nothing, advice=advice)  # type: ignore[arg-type]
+    box = " x ".join(f"{size:.2f}" for size in box_mm)
+    what = f"box X x Z x Y {box} mm: {_AXES[k]} from the target of {target.envelope_mm[k]:g} mm"
+    return _result(check, drive, what, off[k], target.envelope_tolerance_mm, "mm")
+
+
+def interference_check(drive: Drive, clashes: Sequence[object]) -> CheckResult:
+    """No two bodies overlap over the travel. ``clashes`` say themselves what and where."""
+    listed = "; ".join(str(clash) for clash in clashes[:3]) + ("; ..." if len(clashes) > 3 else "")
+    check = Check(
+        "interference",
+        "Interference over the travel",
+        "solids under 0.01 mm^3, cables at d",
+        _nothing,  # type: ignore[arg-type]
+        advice="give the parts named more room: centre distance, steps, or smaller bought parts",
+    )
+    return _result(check, drive, "clashes over the travel", float(len(clashes)), 0.0, "clashes", listed)

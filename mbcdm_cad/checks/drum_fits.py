@@ -1,0 +1,175 @@
+"""Drum sector: rim, web, hub, and the slot that the stop pin runs in."""
+
+from __future__ import annotations
+
+from math import asin, degrees, radians
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
+from mbcdm_cad.checks.knobs import down, up
+from mbcdm_cad.checks.subject import Subject
+
+# Rim under a pocket's floor, in thinnest walls: it carries the lug's root (estimate).
+RIM_WALLS = 1.5
+# Bridges of the web beside the stop's slot, in thinnest walls (estimate).
+SLOT_WALLS = 2.0
+# Hub over the shaft's diameter (usual: 1 to 1.5).
+HUB_DIAMETERS = 1.0
+# How much later than the travel the stops may engage (the stops stand between 35.0 and 35.5 degrees).
+STOP_WINDOW_DEG = 0.5
+# Spigot over the shaft, to bear on the inner ring.
+SPIGOT_MM = 0.3
+
+
+def rim_height(s: Subject) -> Finding:
+    """Rim left under the deepest pocket and the smallest land."""
+    d = s.layout.drum
+    floors = [(f"pocket of {t.cable_name}", t.radius_mm - d.nut_pocket) for t in d.tensioners]
+    floors.append(("land of step 1", d.lands[0].surface_radius_mm))
+    limit = RIM_WALLS * s.drive.drum.material.min_wall_mm
+    return worst(at_least(f"rim under the {name}", floor - d.rim_inner_radius, limit, "mm") for name, floor in floors)
+
+
+def web_inside_rim(s: Subject) -> Finding:
+    """Web lies within the rim's width and is no thinner than can be made."""
+    d = s.layout.drum
+    return worst(
+        (
+            at_least("rim's outer face beyond the web", s.drive.drum.outer_face_y_mm - d.web_end_y, 0.0, "mm"),
+            at_least(
+                "web's thickness over the thinnest wall",
+                d.web_end_y - d.web_start_y - s.drive.drum.material.min_wall_mm,
+                0.0,
+                "mm",
+            ),
+        )
+    )
+
+
+def land_thickness(s: Subject) -> Finding:
+    """Every land has width: walls follow each other along y."""
+    return worst(
+        at_least(f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm, "mm")
+        for land in s.layout.drum.lands
+    )
+
+
+def hub_walls(s: Subject) -> Finding:
+    """Hub takes the payload's threads between shaft and outside, and its set screws' threads."""
+    d = s.layout.drum
+    screw = s.drive.screw(d.set_screw)
+    wall = s.drive.drum.material.min_wall_mm
+    return worst(
+        (
+            at_least(
+                "wall beside the payload's threads",
+                (d.hub_radius - d.bore_radius - d.payload_screw_thread) / 2,
+                wall,
+                "mm",
+            ),
+            at_least("hub outside the set screws", d.hub_radius - d.set_screw_radius - screw.length_mm, 0.0, "mm"),
+        )
+    )
+
+
+def hub_length(s: Subject) -> Finding:
+    """Hub holds the shaft over its diameter, and has room for the set screws before the web."""
+    d = s.layout.drum
+    screw = s.drive.screw(d.set_screw)
+    beyond = d.hub_face_y - d.web_end_y
+    return worst(
+        (
+            at_least(
+                "hub's length over the shaft's diameter",
+                d.hub_face_y - d.hub_start_y - HUB_DIAMETERS * 2 * d.bore_radius,
+                0.0,
+                "mm",
+            ),
+            at_least(
+                "hub beyond the web, over set screws and walls",
+                beyond - screw.thread_mm - 2 * s.drive.drum.material.min_wall_mm,
+                0.0,
+                "mm",
+            ),
+            at_least("hub beyond the web, over the payload's threads", beyond - d.payload_depth, 0.0, "mm"),
+        )
+    )
+
+
+def hub_spigot(s: Subject) -> Finding:
+    """Spigot bears on the inner ring of the front bearing and stays inside the hub."""
+    d = s.layout.drum
+    return worst(
+        (
+            at_least("hub's spigot over the shaft", d.spigot_radius - d.bore_radius, SPIGOT_MM, "mm"),
+            at_least("hub over its spigot", d.hub_radius - d.spigot_radius, SPIGOT_MM, "mm"),
+        )
+    )
+
+
+def shaft_wall(s: Subject) -> Finding:
+    """Wall of the hollow drum shaft."""
+    shaft = s.layout.drum_shaft
+    return at_least(
+        "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.drum.shaft_material.min_wall_mm, "mm"
+    )
+
+
+def stop_slot(s: Subject) -> Finding:
+    """Stop's slot lies in the web between hub and rim and ends before the sector does."""
+    d = s.layout.drum
+    half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum.material.min_wall_mm
+    end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
+    return worst(
+        (
+            at_least("web between stop slot and rim", d.rim_inner_radius - d.stop_radius - half, limit, "mm"),
+            at_least("web between stop slot and hub", d.stop_radius - half - d.hub_radius, limit, "mm"),
+            at_least(
+                "web between stop slot and the sector's end",
+                radians(d.half_angle_deg - end) * (d.stop_radius - half),
+                limit,
+                "mm",
+            ),
+        )
+    )
+
+
+def _stop_angle_deg(s: Subject) -> float:
+    """Drum angle at which the pin meets the slot's end, beyond the travel."""
+    d = s.layout.drum
+    play = d.stop_slot_width / 2 - s.layout.frame.stop_pin_radius
+    return d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg
+
+
+def stop_late(s: Subject) -> Finding:
+    """Stops engage no earlier than the travel ends."""
+    return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
+
+
+def stop_early(s: Subject) -> Finding:
+    """Stops engage within half a degree of the travel's end."""
+    return at_most("stops engage beyond the travel by", _stop_angle_deg(s), STOP_WINDOW_DEG, "deg")
+
+
+_WALL = "material: min_wall_mm"
+CHECKS = (
+    Check("rim_height", "Rim under pockets and lands", _WALL + " x 1.5: estimate", rim_height,
+          turns=(down("drum.rim_inner_radius_mm"),)),
+    Check("web_in_rim", "Web lies within the rim", _WALL, web_inside_rim,
+          turns=(up("drum.outer_face_y_mm"), down("drum.web_thickness_mm"), up("drum.web_thickness_mm"))),
+    Check("land_thickness", "Every land is half a cable wide", "derived", land_thickness,
+          turns=(down("clearances.land_edge_mm"), up("all radii of transmission"), up("drum.outer_face_y_mm"))),
+    Check("hub_walls", "Hub's walls round threads and screws", _WALL, hub_walls, turns=(up("drum.hub_diameter_mm"),)),
+    Check("hub_length", "Hub is long enough", "usual rule: one shaft diameter", hub_length,
+          turns=(up("drum.hub_face_y_mm"), down("drum.web_thickness_mm"))),
+    Check("hub_spigot", "Hub bears on the front bearing", "bearing catalogue; 0.3 mm: estimate", hub_spigot,
+          turns=(up("drum.hub_diameter_mm"),), advice="choose another drum.bearing"),
+    Check("shaft_wall", "Wall of the drum shaft", _WALL, shaft_wall, turns=(down("drum.shaft_bore_mm"),)),
+    Check("stop_slot", "Stop slot lies in the web", _WALL + " x 2: estimate", stop_slot,
+          turns=(up("drum.rim_inner_radius_mm"), down("drum.hub_diameter_mm"), up("drum.sector_half_angle_deg"),
+                 down("travel.half_angle_deg"), down("travel.stop_clearance_deg"),
+                 down("support.coupling_space_mm"))),
+    Check("stop_after_travel", "Stops engage after the travel", "derived", stop_late,
+          turns=(up("travel.stop_clearance_deg"),)),
+    Check("stop_within_half_degree", "Stops engage within half a degree", "derived: 35.0 to 35.5 deg", stop_early,
+          turns=(down("travel.stop_clearance_deg"),)),
+)  # fmt: skip

@@ -1,0 +1,82 @@
+"""A measured figure against its limit, and the check that asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from math import inf, isfinite
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from mbcdm_cad.checks.knobs import Turn
+    from mbcdm_cad.checks.subject import Subject
+
+# Rounding of sums of millimetres must not turn a gap that is exactly kept into one that is missed.
+TOLERANCE = 1e-9
+
+
+# Below this a figure is rounding of what is exactly nothing.
+NOTHING = 1e-11
+
+
+def shown(value: float) -> str:
+    """Four significant digits; 0 for what only rounding keeps from it."""
+    return "0" if abs(value) < NOTHING else f"{value:.4g}"
+
+
+class Finding(NamedTuple):
+    """``actual`` of ``subject`` against ``limit``: at least (``sense`` +1) or at most (-1); no limit, only told (0)."""
+
+    subject: str
+    actual: float
+    limit: float
+    unit: str
+    sense: int
+    note: str = ""
+
+    @property
+    def margin(self) -> float:
+        """Distance from the limit in ``unit``, positive inside; minus infinity where the figure is no number."""
+        if not isfinite(self.actual):
+            return -inf
+        return self.sense * (self.actual - self.limit)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the limit is kept, rounding aside."""
+        return self.margin >= -TOLERANCE
+
+
+def at_least(subject: str, actual: float, limit: float, unit: str, note: str = "") -> Finding:
+    """``actual`` must not fall below ``limit``."""
+    return Finding(subject, float(actual), float(limit), unit, 1, note)
+
+
+def at_most(subject: str, actual: float, limit: float, unit: str, note: str = "") -> Finding:
+    """``actual`` must not exceed ``limit``."""
+    return Finding(subject, float(actual), float(limit), unit, -1, note)
+
+
+def told(subject: str, actual: float, unit: str, note: str = "") -> Finding:
+    """A figure worth knowing, held against nothing."""
+    return Finding(subject, float(actual), 0.0, unit, 0, note)
+
+
+def worst(findings: Iterable[Finding]) -> Finding:
+    """The finding nearest to, or furthest beyond, its limit; all in one unit."""
+    return min(findings, key=lambda finding: finding.margin)
+
+
+class Check(NamedTuple):
+    """One check. ``measure`` may raise :class:`~mbcdm_cad.checks.subject.NoFigureError`.
+
+    ``severity``: what a broken limit amounts to. ``turns``: parameters that may mend it, tried in this order.
+    ``advice``: what else helps, or more than one number can say.
+    """
+
+    id: str
+    title: str
+    source: str
+    measure: Callable[[Subject], Finding]
+    severity: str = "fail"
+    turns: tuple[Turn, ...] = ()
+    advice: str | Callable[[Subject], str] = ""

@@ -1,0 +1,145 @@
+"""Eq. (1) row by row, equal total ratio of both inputs, and what it costs where the radii miss it.
+
+The paper prints the third row with r_g1 and r_g2; the right input runs on steps 3 and 4, so it must be r_g3 and r_g4.
+Rows are held on the nominal radii, to far less than can be machined: a drive whose drawing misses them is wrong on
+paper already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mbcdm_cad.checks.finding import Check, Finding, at_most, shown, told
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.design.drive import CableRun
+
+# 0.6 um on a radius of 6 mm, a tenth of what good turning holds: rounding of the drawing, not of the part.
+RATIO_TOLERANCE = 1e-4
+# Tension that the mismatch of a pair may add over the travel, as a share of the preload; beyond it the preload that
+# was set is not the preload that acts (estimate).
+MISMATCH_SHARE = 0.1
+
+EQ1 = "paper Eq. (1)"
+
+
+def _spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note: str = "") -> Finding:
+    """Largest relative deviation of the ratios from the first of them."""
+    off = [abs(ratio / ratios[0] - 1.0) for ratio in ratios]
+    k = int(np.argmax(off))
+    listed = ", ".join(f"{ratio:.6g}" for ratio in ratios)
+    return at_most(f"{name} = {listed}: {cables[k].name} off", off[k], RATIO_TOLERANCE, "relative", note)
+
+
+def guide_to_drum(s: Subject) -> Finding:
+    """Row 1: r_g/r_o the same for all four steps."""
+    return _spread("r_g/r_o", [c.guide_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
+
+
+def _own(s: Subject, index: int) -> list[CableRun]:
+    return [c for c in s.steps if c.input_name == s.drive.input_names[index]]
+
+
+def first_input(s: Subject) -> Finding:
+    """Row 2: r_m/r_g the same for both cables of the first input."""
+    own = _own(s, 0)
+    return _spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own)
+
+
+def second_input(s: Subject) -> Finding:
+    """Row 3 as it must be: r_m/r_g the same for both cables of the second input, over its own guide steps."""
+    own = _own(s, 1)
+    steps = " and ".join(f"r_g{c.step}" for c in own)
+    note = f"over {steps}; the paper prints r_g1, r_g2"
+    return _spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own, note)
+
+
+def equal_total_ratio(s: Subject) -> Finding:
+    """i_c = r_o/r_m the same for both inputs, else the drum is over-constrained."""
+    mean = [float(np.mean([c.drum_radius_mm / c.input_radius_mm for c in _own(s, i)])) for i in (0, 1)]
+    names = s.drive.input_names
+    return at_most(
+        f"total ratio {mean[0]:.6g} of {names[0]}, {mean[1]:.6g} of {names[1]}: difference",
+        abs(mean[1] / mean[0] - 1.0),
+        RATIO_TOLERANCE,
+        "relative",
+    )
+
+
+def _surface_hint(s: Subject) -> str:
+    """Whether the radii would satisfy Eq. (1) with half a cable added: then surface radii were entered."""
+    half = s.flank_mm
+    pitch = [(c.drum_radius_mm + half, c.guide_radius_mm + half, c.input_radius_mm + half) for c in s.steps]
+    rows = [g / o for o, _, g in pitch]
+    if max(abs(r / rows[0] - 1.0) for r in rows) <= RATIO_TOLERANCE:
+        return (
+            f"with d/2 = {half:g} mm added to every radius the ratios agree: these look like surface radii; "
+            "give pitch radii, to the cable's centre line"
+        )
+    ratio = s.steps[0]
+    i_g, i_c = ratio.drum_radius_mm / ratio.guide_radius_mm, ratio.drum_radius_mm / ratio.input_radius_mm
+    guide = ", ".join(f"{c.drum_radius_mm / i_g:.5g}" for c in s.steps)
+    pulley = ", ".join(f"{c.drum_radius_mm / i_c:.5g}" for c in s.steps)
+    return f"with step 1 kept, guide_radii_mm: [{guide}] and input_radii_mm: [{pulley}] satisfy Eq. (1)"
+
+
+def pair_mismatch(s: Subject) -> Finding:
+    """Tension that the two cables of an input put on each other over the travel, from the model."""
+    from mbcdm_cad.model.equilibrium import solve_equilibrium
+    from mbcdm_cad.model.kinematics import pair_mismatch_m
+
+    si, idle = s.loads.si, s.loads.idle
+    one_of_each = [si.input_of.index(i) for i in range(si.n_inputs)]
+    angle = s.half_travel_rad * si.total_ratio[one_of_each]
+    poses = np.stack([angle, -angle], axis=1)
+    moved = solve_equilibrium(si, np.zeros(2), input_angle_rad=poses).tension_N
+    change = np.abs(moved - idle[:, None]).max(axis=1)
+    k = int(np.argmax(change))
+    length = np.abs(pair_mismatch_m(si, poses)).max() * 1e3
+    cable = s.drive.cables[k]
+    what = f"over the travel {cable.name} changes by {shown(change[k])} N (pair mismatch {shown(length)} mm):"
+    return at_most(
+        what,
+        change[k] / cable.preload_N,
+        MISMATCH_SHARE,
+        "of T_pre",
+    )
+
+
+def path_length(s: Subject) -> Finding:
+    """Length that helix and fleet angle add to a cable at the ends of travel, which no radius can take away."""
+    (_, back), (_, centred), (_, forward) = s.extreme_paths
+    drift = [[end[k].length_mm - centred[k].length_mm for end in (back, forward)] for k in range(len(centred))]
+    # What turns into rotation is common to all cables and no drift: only the even part stretches.
+    even = [abs(sum(d)) / 2 for d in drift]
+    k = int(np.argmax(even))
+    stiffness = s.drive.cable.axial_stiffness_N / max(centred[k].length_mm, 1e-9)
+    return told(
+        f"{s.drive.cables[k].name} is longer at the ends of travel than centred by",
+        even[k],
+        "mm",
+        f"{even[k] * stiffness:.3g} N if spread over its whole length; from the fleet angle, not the radii",
+    )
+
+
+CHECKS = (
+    Check("eq1_guide_drum", "Eq. (1) row 1: guide to drum", EQ1, guide_to_drum, advice=_surface_hint),
+    Check("eq1_first_input", "Eq. (1) row 2: first input to guide", EQ1, first_input, advice=_surface_hint),
+    Check(
+        "eq1_second_input",
+        "Eq. (1) row 3: second input to guide",
+        EQ1 + ", its slip corrected: r_g3, r_g4",
+        second_input,
+        advice=_surface_hint,
+    ),
+    Check("equal_total_ratio", "Both inputs have one total ratio", "derived", equal_total_ratio, advice=_surface_hint),
+    Check(
+        "pair_mismatch",
+        "Cables of one input agree over the travel",
+        "derived; a tenth of the preload: estimate",
+        pair_mismatch,
+        advice=_surface_hint,
+    ),
+    Check("path_length", "Length added by helix and fleet angle", "derived", path_length),
+)

@@ -1,0 +1,71 @@
+"""The page that lists every check, written from the registry: docs/checks.md."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from mbcdm_cad.checks.finding import Check
+from mbcdm_cad.checks.registry import BUILD_IDS, FAMILIES
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.terminal import figures
+from mbcdm_cad.design.drive import Drive
+
+_HEAD = """\
+# The checks
+
+`mbcdm check DESIGN` runs them in this order; `mbcdm build` runs them before it draws anything and refuses a design that
+fails one, unless `--force` is given. Figures below are those of the reference design.
+
+- A check gives the worst case it finds: `actual` against `limit`, and `margin`, in the unit of both, positive inside.
+- Status: `pass`, `warn` (worth knowing, never stops a build) or `fail`. Checks marked *warn* never fail.
+- The remedy's figures were tried on the design: with that one change the check passes. What else the change does, the
+  next run says.
+- A waiver in the design file (`waivers: [{check: ID, reason: WHY}]`) lets a failing check pass; every output prints the
+  reason. A figure that does not exist ("not evaluated because ...") cannot be waived.
+- Thresholds that are not in the design file stand as named constants beside the check, with their source; "estimate"
+  says that nobody else gave them.
+
+"""
+_BUILD = {
+    "mass": "mass of all items against `targets.mass_g`",
+    "envelope": "box of all solids, drum centred, against `targets.envelope_mm`",
+    "interference": "no two bodies overlap at nine poses over the travel",
+    "frame_windup": "what the support's deflection adds to the drum's turn, against `limits.frame_windup_max_mrad`",
+}
+
+
+def checks_page(drive: Drive) -> str:
+    """Markdown: id, what, figure of ``drive`` against its limit, source; one table a family."""
+    subject, lines = Subject(drive), []
+    for family in FAMILIES:
+        lines += [
+            "",
+            f"## {_first_line(family.__doc__)}",
+            "",
+            "| id | what | figure | source |",
+            "| --- | --- | --- | --- |",
+        ]
+        lines += [_row(check, subject) for check in family.CHECKS]
+    lines += ["", "## Checks of the build", "", "| id | what |", "| --- | --- |"]
+    lines += [f"| `{name}` | {_BUILD[name]} |" for name in BUILD_IDS]
+    return _HEAD + "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _first_line(text: str | None) -> str:
+    return (text or "").strip().split("\n")[0].rstrip(".")
+
+
+def _row(check: Check, subject: Subject) -> str:
+    measure = check.measure.func if isinstance(check.measure, partial) else check.measure
+    what = f"{check.title}. {_first_line(measure.__doc__)}."
+    mark = " *(warn)*" if check.severity == "warn" else ""
+    return f"| `{check.id}`{mark} | {what} | {figures(run_check(check, subject))} | {check.source} |"
+
+
+if __name__ == "__main__":
+    from pathlib import Path
+
+    from mbcdm_cad.design import load_design
+
+    print(checks_page(load_design(Path("params/mbcdm.yaml")).drive), end="")

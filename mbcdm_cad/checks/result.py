@@ -1,0 +1,30 @@
+"""What a check says: the same record for the terminal, the JSON and the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Status = Literal["pass", "warn", "fail"]
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """Outcome of one check; plain data, no number is ever infinite or NaN.
+
+    ``margin`` is in ``unit`` and positive inside the limit; ``actual``, ``limit`` and ``margin`` are None where there
+    is none to give. ``message`` says what was found against which limit, ``remedy`` what would make it pass (empty
+    where it passes). A waived failure has status "pass" and its ``waived_reason``.
+    """
+
+    id: str
+    title: str
+    status: Status
+    actual: float | None
+    limit: float | None
+    unit: str
+    margin: float | None
+    message: str
+    remedy: str
+    source: str
+    waived_reason: str | None = None

@@ -1,0 +1,162 @@
+"""Cables under load: none slack, none near breaking, and what equal preloads cost each input."""
+
+from __future__ import annotations
+
+from math import exp, radians, tau
+
+import numpy as np
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
+from mbcdm_cad.checks.knobs import down, floored, up
+from mbcdm_cad.checks.subject import NoFigureError, Subject
+
+# A cable under a hundredth of its preload counts as slack: it leaves its land (estimate).
+SLACK_SHARE = 0.01
+# Share of an input's rated torque that the preload alone may take (estimate).
+BIAS_SHARE = 0.1
+# Strength of a swaged end over the rope's (makers of swaged terminals: nine tenths and more).
+SWAGE_EFFICIENCY = 0.9
+
+
+def no_slack(s: Subject) -> Finding:
+    """Lowest tension at peak torque, both ways, at both ends of travel with the wraps that are left there."""
+    from mbcdm_cad.model.equilibrium import solve_equilibrium
+    from mbcdm_cad.model.errors import ModelError
+
+    peak = s.drive.loads.peak_torque_Nm
+    si = s.loads.si
+    found = []
+    for angle in (radians(s.drive.half_travel_deg), -radians(s.drive.half_travel_deg)):
+        on_input, on_drum = s.wraps_rad(angle)
+        wound = si.with_(input_wrap_rad=on_input, drum_wrap_rad=on_drum)
+        try:
+            tension = solve_equilibrium(wound, np.array([peak, -peak])).tension_N
+        except ModelError as error:
+            raise NoFigureError(f"the model has no answer: {error}") from None
+        for k, c in enumerate(s.drive.cables):
+            low = float(tension[k].min())
+            found.append(at_least(f"lowest tension of {c.name} at +-{peak:g} N m", low, SLACK_SHARE * c.preload_N, "N"))
+    return worst(found)
+
+
+def tension(s: Subject) -> Finding:
+    """Breaking load over the largest tension at peak torque."""
+    highest = s.loads.highest_N
+    return at_least(
+        f"breaking load {s.drive.cable.breaking_load_N:g} N over the largest tension {highest:.4g} N",
+        s.drive.cable.breaking_load_N / highest,
+        s.drive.limits.tension_safety_factor,
+        "times",
+    )
+
+
+def preload_share(s: Subject) -> Finding:
+    """Preload over breaking load."""
+    most = max(s.drive.cables, key=lambda c: c.preload_N)
+    return at_most(
+        f"preload of {most.name} over the breaking load",
+        most.preload_N / s.drive.cable.breaking_load_N,
+        s.drive.limits.preload_share_max,
+        "of breaking load",
+    )
+
+
+def cable_ends(s: Subject) -> Finding:
+    """Swaged stop behind its dead turn, and swaged terminal, against the cable's force."""
+    highest = s.loads.highest_N
+    grip = SWAGE_EFFICIENCY * s.drive.cable.breaking_load_N
+    at_stop = highest * exp(-s.drive.friction_coefficient * tau * s.drive.dead_turns)
+    factor = s.drive.limits.tension_safety_factor
+    return worst(
+        (
+            at_least(f"swaged terminal: {grip:.4g} N over {highest:.4g} N", grip / highest, factor, "times"),
+            at_least(f"swaged stop: {grip:.4g} N over {at_stop:.4g} N there", grip / at_stop, factor, "times"),
+        )
+    )
+
+
+def rated_input_Nm(s: Subject) -> float:
+    """Motor's rated torque through the gearhead, lossless as the paper counts."""
+    return s.drive.motor.rated_torque_mNm * 1e-3 * s.drive.gearhead.ratio
+
+
+def preload_bias(s: Subject) -> Finding:
+    """Torque on each input from the preload alone, T_2 r_2 - T_1 r_1: equal preloads on unequal radii never cancel."""
+    bias = s.loads.input_torque_Nm[0]
+    rated = rated_input_Nm(s)
+    listed = ", ".join(f"{name} {value * 1e3:+.4g} mN m" for name, value in zip(s.drive.input_names, bias, strict=True))
+    k = int(np.argmax(np.abs(bias)))
+    return at_most(
+        f"preload bias {listed}: share of the rated {rated * 1e3:.4g} mN m on {s.drive.input_names[k]}",
+        abs(float(bias[k])) / rated,
+        BIAS_SHARE,
+        "of rated torque",
+    )
+
+
+def balanced_preloads(s: Subject) -> str:
+    """Preloads with T ~ 1/r within each pair, and what they reach."""
+    from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
+
+    try:
+        si = s.loads.si
+    except NoFigureError:
+        return ""
+    balanced = balanced_preload_N(si)
+    freed = si.with_(preload_N=balanced)
+    both = [float(torque_at_input_limit_Nm(freed, rated_input_Nm(s), sign).min()) for sign in (1, -1)]
+    given = ", ".join(f"{c.name} {value:.4g}" for c, value in zip(s.drive.cables, balanced, strict=True))
+    return (
+        f"preload_N per cable of T ~ 1/r ({given} N) leaves no bias on any input and reaches "
+        f"{both[0]:.4g} and {both[1]:.4g} N m"
+    )
+
+
+def _less_bias(s: Subject) -> str:
+    """The bias grows with the preload, so less of it stays within the share."""
+    most = max(c.preload_N for c in s.drive.cables)
+    fitting = floored(BIAS_SHARE / preload_bias(s).actual * most)
+    return f"lower rope.preload_N to at most {fitting} or give {balanced_preloads(s)}"
+
+
+CHECKS = (
+    Check(
+        "no_slack",
+        "No cable slack at peak torque",
+        "paper section 3; a hundredth of the preload: estimate",
+        no_slack,
+        turns=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
+    ),
+    Check(
+        "tension",
+        "Tension against the breaking load",
+        "limits.tension_safety_factor; rope makers: 5 to 10",
+        tension,
+        turns=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
+        advice="choose a stronger rope",
+    ),
+    Check(
+        "preload_share",
+        "Preload against the breaking load",
+        "limits.preload_share_max; rope makers: under half",
+        preload_share,
+        turns=(down("rope.preload_N"),),
+        advice="choose a stronger rope",
+    ),
+    Check(
+        "cable_ends",
+        "Swaged ends hold the cable",
+        "limits.tension_safety_factor; swages hold nine tenths of the rope",
+        cable_ends,
+        turns=(up("rope.dead_turns"), down("loads.peak_torque_Nm"), down("rope.preload_N")),
+        advice="choose a stronger rope",
+    ),
+    Check(
+        "preload_bias",
+        "Preload's bias on each input",
+        "model: T_2 r_2 - T_1 r_1; a tenth of the rated torque: estimate",
+        preload_bias,
+        "warn",
+        advice=_less_bias,
+    ),
+)

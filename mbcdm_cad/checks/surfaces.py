@@ -1,0 +1,89 @@
+"""Pitch radii against surface radii: metal is cut at r - d/2, and there must be metal to cut."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
+from mbcdm_cad.checks.knobs import down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.design.drive import CableRun
+
+# Thinnest stub that is still turned between journals of this size (estimate).
+SMALLEST_SURFACE_MM = 1.0
+# Cut surfaces must stand at pitch radius less half a cable: rounding of the drawing only.
+SURFACE_TOLERANCE_MM = 1e-6
+
+
+def ratio_if_cut_as_surface(s: Subject, cable: CableRun) -> float:
+    """Total ratio of a cable if its pitch radii were cut as surface radii: (r_o + d/2) / (r_m + d/2)."""
+    return (cable.drum_radius_mm + s.flank_mm) / (cable.input_radius_mm + s.flank_mm)
+
+
+def smallest_surface(s: Subject) -> Finding:
+    """Every surface radius r - d/2 can be machined."""
+    ratios = "/".join(f"{ratio_if_cut_as_surface(s, c):.4g}" for c in s.steps)
+    meant = "/".join(f"{c.drum_radius_mm / c.input_radius_mm:.4g}" for c in s.steps)
+    note = f"radii are pitch radii; cut as surface radii the total ratios would be {ratios} instead of {meant}"
+    return worst(
+        at_least(f"r - d/2 of {c.name} on the {body}", radius - s.flank_mm, SMALLEST_SURFACE_MM, "mm", note)
+        for c in s.steps
+        for body, radius in (
+            ("input pulley", c.input_radius_mm),
+            ("guide", c.guide_radius_mm),
+            ("drum", c.drum_radius_mm),
+        )
+    )
+
+
+def cut_at_pitch(s: Subject) -> Finding:
+    """The layout cuts every surface at the pitch radius less d/2, so that all cables keep one ratio."""
+    lay = s.layout
+    cut: list[tuple[str, float, float]] = []
+    for k, c in enumerate(s.steps):
+        cut.append((f"guide, {c.name}", lay.guide.surface_radii[k], c.guide_radius_mm))
+        cut.append((f"drum, {c.name}", lay.drum.lands[k].surface_radius_mm, c.drum_radius_mm))
+    for pulley in lay.inputs:
+        own = [c for c in s.steps if c.input_name == pulley.name]
+        for c, surface in zip(own, (pulley.lower_surface_radius, pulley.upper_surface_radius), strict=True):
+            cut.append((f"input pulley, {c.name}", surface, c.input_radius_mm))
+    ratios = ", ".join(
+        f"{(land.surface_radius_mm + s.flank_mm) / (surface + s.flank_mm):.6g}"
+        for land, surface in zip(lay.drum.lands, _input_surfaces(s), strict=True)
+    )
+    return worst(
+        at_most(
+            f"surface of {name} from pitch radius less d/2",
+            abs(surface + s.flank_mm - pitch),
+            SURFACE_TOLERANCE_MM,
+            "mm",
+            f"total ratios at the cables' centre lines {ratios}",
+        )
+        for name, surface, pitch in cut
+    )
+
+
+def _input_surfaces(s: Subject) -> list[float]:
+    by_name = {p.name: p for p in s.layout.inputs}
+    found = []
+    for c in s.steps:
+        own = [o.step for o in s.steps if o.input_name == c.input_name]
+        pulley = by_name[c.input_name]
+        found.append(pulley.lower_surface_radius if c.step == min(own) else pulley.upper_surface_radius)
+    return found
+
+
+CHECKS = (
+    Check(
+        "surface_radius",
+        "Surfaces r - d/2 can be machined",
+        "derived from paper Table 2, which gives pitch radii",
+        smallest_surface,
+        turns=(down("rope diameter_mm"), up("all radii of transmission")),
+    ),
+    Check(
+        "cut_at_pitch",
+        "Surfaces are cut half a cable inside the pitch radii",
+        "derived from paper Table 2, which gives pitch radii",
+        cut_at_pitch,
+        advice="the layout room cuts at r - d/2; this fails only if that is changed",
+    ),
+)

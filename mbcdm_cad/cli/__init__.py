@@ -1,0 +1,49 @@
+"""The command line: parses, calls, and turns errors into a sentence and an exit code.
+
+Exit codes: 0 done, 1 a check failed, 2 bad input or a fault the user can put right, 130 interrupted, 141 reader gone.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+import click
+
+from mbcdm_cad.cli.commands import mbcdm
+from mbcdm_cad.errors import MbcdmError
+
+
+def main() -> None:
+    """Entry point of the ``mbcdm`` command."""
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins costs a tenth of a start
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command line and return its exit code; every foreseeable error ends as text on stderr."""
+    try:
+        with mbcdm.make_context("mbcdm", list(arguments)) as context:
+            code = mbcdm.invoke(context)
+        sys.stdout.flush()
+    except click.exceptions.Exit as stop:
+        return stop.exit_code
+    except click.ClickException as error:
+        error.show()
+        return 2
+    except MbcdmError as error:
+        click.echo(str(error), err=True)
+        return 2
+    except BrokenPipeError:
+        # the reader of our output has gone (as in "| head"); keep Python from complaining again when it flushes at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        click.echo(f"{where}{error.strerror or error}; check the path, the rights and the space left", err=True)
+        return 2
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("interrupted", err=True)
+        return 130
+    return int(code or 0)

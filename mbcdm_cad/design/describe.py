@@ -1,0 +1,112 @@
+"""What the schema says about a field, read off its JSON Schema: for messages, the reference page and new files."""
+
+from __future__ import annotations
+
+import json
+import re
+from functools import cache
+from typing import Any
+
+from pydantic.json_schema import GenerateJsonSchema
+
+from mbcdm_cad.design.fields import PATTERN_WORDS
+from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.design.schema import Design
+
+Node = dict[str, Any]
+
+_PLAIN = re.compile(
+    r"(?!(?i:true|false|null)\Z)([A-Za-z][A-Za-z0-9_./+-]*|[-+][a-z]|[0-9]+/[0-9]+|[0-9]+x[0-9.]+-?[0-9.]*)\Z"
+)
+
+
+class _InOrder(GenerateJsonSchema):
+    """Keeps everything in the order of the schema's source, examples too."""
+
+    def sort(self, value: Any, parent_key: str | None = None) -> Any:
+        return value
+
+
+@cache
+def json_schema() -> Node:
+    """JSON Schema of the design file; do not change it."""
+    schema: Node = Design.model_json_schema(schema_generator=_InOrder)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def node_at(path: FieldPath) -> Node | None:
+    """The schema's node for a field path, with references followed and "or nothing" dropped; None if unknown."""
+    node: Node | None = solid(json_schema())
+    for part in path:
+        if node is None:
+            return None
+        if isinstance(part, int):
+            child = _item(node, part)
+        else:
+            child = node.get("properties", {}).get(part) or named_values(node)
+        node = solid(child) if isinstance(child, dict) else None
+    return node
+
+
+def solid(node: Node) -> Node:
+    """The node with its ``$ref`` followed and its non-null branch merged in; the field's own words win."""
+    merged = dict(node)
+    for branch in merged.pop("anyOf", []):
+        if branch.get("type") != "null":
+            merged = {**branch, **merged}
+    reference = merged.pop("$ref", None)
+    if reference is not None:
+        target = json_schema()["$defs"][reference.rsplit("/", 1)[1]]
+        merged = {**solid(target), **merged}
+    return merged
+
+
+def named_values(node: Node) -> Node | None:
+    """The node of the values of a block whose keys are names of the user's, such as the entries of a catalogue."""
+    return next(iter(node.get("patternProperties", {}).values()), None)
+
+
+def _item(node: Node, index: int) -> Node | None:
+    """The node of an item of a list, with the list's unit where it has none of its own."""
+    prefix = node.get("prefixItems", [])
+    item = prefix[index] if index < len(prefix) else node.get("items")
+    return {"unit": node.get("unit", "-"), **item} if isinstance(item, dict) else None
+
+
+def limit_text(node: Node) -> str:
+    """The bounds of a field in words: ``1 to 120 deg``, ``over 0, up to 5 mm``, ``one of -x, +x``, ``4 values``."""
+    if "enum" in node or "const" in node:
+        return "one of " + ", ".join(str(word) for word in node.get("enum", [node.get("const")]))
+    if "pattern" in node:
+        return PATTERN_WORDS[node["pattern"]]
+    if node.get("type") == "array":
+        low, high = node.get("minItems", 0), node.get("maxItems")
+        count = str(low) if low == high else f"{low} to {high}" if high is not None else f"{low} or more"
+        each = limit_text(_item(node, 0) or {})
+        return f"{count} values" + (f", each {each}" if each else "")
+    unit = node.get("unit", "-")
+    suffix = "" if unit == "-" else f" {unit}"
+    low = _end(node, "minimum", "", "exclusiveMinimum", "over ")
+    high = _end(node, "maximum", "", "exclusiveMaximum", "under ")
+    if low and high:
+        if low == high:
+            return f"{low}{suffix}"
+        return f"{low} to {high}{suffix}"
+    return f"{low or high}{suffix}" if low or high else ""
+
+
+def _end(node: Node, closed: str, closed_word: str, open_: str, open_word: str) -> str:
+    if closed in node:
+        return f"{closed_word}{node[closed]:g}"
+    return f"{open_word}{node[open_]:g}" if open_ in node else ""
+
+
+def flow(value: Any) -> str:
+    """A value as YAML on one line: ``[1.0, 2.0]``, ``{name: left, side: -x}``; text in quotes where YAML needs them."""
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(flow(item) for item in value) + "]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {flow(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, str):
+        return value if _PLAIN.match(value) else json.dumps(value, ensure_ascii=False)
+    return json.dumps(value)

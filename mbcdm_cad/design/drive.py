@@ -1,0 +1,358 @@
+"""The resolved design: every reference looked up, every radius known, nothing optional left open.
+
+The YAML file is validated by :mod:`mbcdm_cad.design.schema`; what the other rooms read is the ``Drive`` below.
+Units are those of the file: mm, degrees, N, grams, GPa. The model converts to SI in one place of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material of the catalogue. ``colour`` is linear RGB in 0..1."""
+
+    name: str
+    density_g_cm3: float
+    youngs_modulus_GPa: float
+    poisson_ratio: float
+    yield_MPa: float
+    process: str  # "milled", "turned", "printed" or "bought"
+    min_wall_mm: float
+    min_internal_radius_mm: float
+    colour: tuple[float, float, float]
+    source: str
+
+
+@dataclass(frozen=True)
+class CableSpec:
+    """The rope. E is never given without the area it refers to (``area_mm2``)."""
+
+    name: str
+    construction: str
+    diameter_mm: float
+    metallic_area_mm2: float
+    modulus_GPa: float
+    modulus_area: str  # "metallic" or "nominal"
+    breaking_load_N: float
+    mass_g_m: float
+    bend_ratio_minimum: float
+    bend_ratio_desired: float
+    material: str
+    source: str
+
+    @property
+    def area_mm2(self) -> float:
+        """Area that ``modulus_GPa`` refers to: metallic, or pi d^2 / 4 (nominal)."""
+        if self.modulus_area == "metallic":
+            return self.metallic_area_mm2
+        return 3.141592653589793 * self.diameter_mm**2 / 4.0
+
+    @property
+    def axial_stiffness_N(self) -> float:
+        """EA in N (GPa x mm^2 = kN)."""
+        return self.modulus_GPa * self.area_mm2 * 1e3
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """Deep-groove bearing: bore d, outside D, width B; shoulder limits d_a (inner ring) and D_a (outer ring)."""
+
+    name: str
+    bore_mm: float
+    outer_diameter_mm: float
+    width_mm: float
+    inner_shoulder_mm: float
+    outer_shoulder_mm: float
+    static_rating_N: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Motor body, the shaft hidden in the gearhead."""
+
+    name: str
+    diameter_mm: float
+    length_mm: float
+    rated_torque_mNm: float
+    rotor_inertia_g_cm2: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Gearhead:
+    """Gearhead on the motor: body, output shaft, face pattern."""
+
+    name: str
+    ratio: float
+    efficiency: float
+    rated_torque_mNm: float
+    diameter_mm: float
+    length_mm: float
+    shaft_diameter_mm: float
+    shaft_length_mm: float
+    pilot_diameter_mm: float
+    pilot_height_mm: float
+    bolt_circle_mm: float
+    screw: str
+    screw_count: int
+    max_torque_mNm: float
+    radial_load_N: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Encoder:
+    """Encoder housing on a shaft, fixed by axial screws on a bolt circle."""
+
+    name: str
+    resolution_urad: float
+    diameter_mm: float
+    length_mm: float
+    bore_mm: float
+    bolt_circle_mm: float
+    screw: str
+    screw_count: int
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Screw:
+    """Socket-head cap screw or set screw (``head_diameter_mm`` 0). ``key_mm`` is across flats of the socket."""
+
+    name: str
+    thread_mm: float
+    tap_drill_mm: float
+    clearance_mm: float
+    length_mm: float
+    head_diameter_mm: float
+    head_height_mm: float
+    key_mm: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class TensionerSpec:
+    """Threaded terminal swaged on the cable, nut and lock nut against a lug of the drum."""
+
+    name: str
+    thread_mm: float
+    clearance_mm: float
+    stress_area_mm2: float
+    nut_across_flats_mm: float
+    nut_height_mm: float
+    swage_diameter_mm: float
+    swage_length_mm: float
+    lug_thickness_mm: float
+    stud_length_mm: float
+    material: str
+    source: str
+
+
+@dataclass(frozen=True)
+class CableRun:
+    """One cable of the drive and the three pitch radii it runs on (to the cable's centre line)."""
+
+    name: str
+    input_name: str
+    input_side: int  # -1: input at x = -L, +1: at x = +L
+    drum_side: int  # +1: runs on the drum towards +x, -1: towards -x
+    step: int  # 1..4, axial step on guide and drum
+    input_radius_mm: float
+    guide_radius_mm: float
+    drum_radius_mm: float
+    preload_N: float
+
+    @property
+    def sigma(self) -> int:
+        """Sense in which this cable's tension turns the drum about +Y (mechanism: -1 towards +x, +1 towards -x)."""
+        return -self.drum_side
+
+
+@dataclass(frozen=True)
+class Clearances:
+    """Gaps the geometry must keep, all in mm between finished surfaces."""
+
+    transfer_gap_mm: float  # guide step 1 surface to the drum's inner face
+    land_edge_mm: float  # edge of a drum land to the next cable's contact line
+    running_mm: float  # any moving solid to any fixed one, elsewhere
+
+
+@dataclass(frozen=True)
+class Bearings:
+    """The bearing chosen for each role."""
+
+    drum: Bearing
+    guide: Bearing
+    input_lower: Bearing  # next to the gearhead
+    input_upper: Bearing  # in the top plate
+
+    def all(self) -> tuple[Bearing, ...]:
+        """The four roles in the order drum, guide, input lower, input upper (types may repeat)."""
+        return (self.drum, self.guide, self.input_lower, self.input_upper)
+
+
+@dataclass(frozen=True)
+class DrumSpec:
+    """Drum sector and its shaft; y is measured along the drum axis from the guide's axis."""
+
+    material: Material
+    sector_half_angle_deg: float
+    rim_inner_radius_mm: float
+    outer_face_y_mm: float
+    web_thickness_mm: float
+    hub_diameter_mm: float
+    hub_face_y_mm: float
+    shaft_bore_mm: float
+    shaft_material: Material
+
+
+@dataclass(frozen=True)
+class GuideSpec:
+    """Guide pulley and its fixed axle."""
+
+    material: Material
+    axle_material: Material
+
+
+@dataclass(frozen=True)
+class InputPulleySpec:
+    """Input pulleys, both alike but for their radii."""
+
+    material: Material
+
+
+@dataclass(frozen=True)
+class SupportSpec:
+    """Frame: back plate, side walls, shelves, ribs and the separate top plate."""
+
+    material: Material
+    back_y_mm: float
+    back_plate_mm: float
+    side_wall_mm: float
+    motor_shelf_mm: float
+    coupling_space_mm: float
+    bearing_shelf_mm: float
+    top_plate_mm: float
+    rib_mm: float
+
+
+@dataclass(frozen=True)
+class Loads:
+    """External torques on the drum that the design is judged at."""
+
+    test_torque_Nm: float
+    peak_torque_Nm: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of this design that the checks hold it against."""
+
+    bend_ratio_min: float
+    fleet_angle_max_deg: float
+    tension_safety_factor: float
+    preload_share_max: float
+    frame_windup_max_mrad: float
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What mass and box should come to, and by how much they may differ. The box is (X, Z, Y)."""
+
+    mass_g: float
+    mass_tolerance_g: float
+    prototype_mass_g: float
+    envelope_mm: tuple[float, float, float]
+    envelope_tolerance_mm: float
+
+
+@dataclass(frozen=True)
+class ExportSettings:
+    """Settings of the files written."""
+
+    mesh_tolerance_mm: float
+
+
+@dataclass(frozen=True)
+class Waiver:
+    """A check that may fail, and why."""
+
+    check: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Drive:
+    """All that the model, the checks and the parts need to know of one design.
+
+    ``screws`` and ``materials`` hold the whole catalogue with the design's own entries, since parts choose screws by
+    name and bought parts name their material.
+    """
+
+    name: str
+    configuration: str
+    cables: tuple[CableRun, ...]
+    input_names: tuple[str, ...]
+    input_sides: tuple[int, ...]
+    centre_distance_mm: float
+    half_travel_deg: float
+    stop_clearance_deg: float
+    cable: CableSpec
+    friction_coefficient: float
+    helix_lead_mm: float
+    dead_turns: float
+    radii_explicit: bool
+    clearances: Clearances
+    motor: Motor
+    gearhead: Gearhead
+    encoder: Encoder
+    drum_encoder: Encoder
+    bearings: Bearings
+    tensioner: TensionerSpec
+    drum: DrumSpec
+    guide: GuideSpec
+    input_pulleys: InputPulleySpec
+    support: SupportSpec
+    loads: Loads
+    limits: Limits
+    targets: Targets
+    export: ExportSettings
+    waivers: tuple[Waiver, ...]
+    screws: tuple[Screw, ...]
+    materials: tuple[Material, ...]
+
+    def screw(self, name: str) -> Screw:
+        """The screw of the catalogue called ``name``; KeyError if there is none."""
+        return _named(self.screws, name, "screw")
+
+    def material(self, name: str) -> Material:
+        """The material of the catalogue called ``name``; KeyError if there is none."""
+        return _named(self.materials, name, "material")
+
+    def waiver(self, check: str) -> Waiver | None:
+        """The waiver for the check with this id, if the design holds one."""
+        return next((waiver for waiver in self.waivers if waiver.check == check), None)
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+_Entry = TypeVar("_Entry", bound=_Named)
+
+
+def _named(entries: tuple[_Entry, ...], name: str, kind: str) -> _Entry:
+    for entry in entries:
+        if entry.name == name:
+            return entry
+    raise KeyError(f"no {kind} {name!r} in the catalogue; it holds {', '.join(entry.name for entry in entries)}")

@@ -1,0 +1,161 @@
+"""Schema of the catalogue: one class per kind of entry, the same for the package's data files and a design's own.
+
+Field names and meaning follow the dataclasses of :mod:`mbcdm_cad.design.drive`, to which entries are converted.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, Text
+
+
+def _field(meaning: str, unit: str, **bounds: Any) -> Any:
+    return Field(..., description=meaning, json_schema_extra={"unit": unit}, **bounds)
+
+
+class Entry(Block):
+    """Anything in the catalogue."""
+
+    source: Text = _field("where the figures come from; says 'estimate' where they are one", "-")
+
+
+class RopeEntry(Entry):
+    """A rope. The modulus is never given without the area it refers to."""
+
+    construction: Literal["7x7", "7x19"] = _field("strands x wires", "-")
+    diameter_mm: Number = _field("nominal diameter", "mm", ge=0.2, le=5.0)
+    metallic_area_mm2: Number = _field("sum of the wires' cross-sections", "mm2", gt=0.0, le=20.0)
+    modulus_GPa: Number = _field("effective tensile modulus of the rope", "GPa", ge=1.0, le=250.0)
+    modulus_area: Literal["metallic", "nominal"] = _field("area the modulus refers to: wires, or pi d^2 / 4", "-")
+    breaking_load_N: Number = _field("minimum breaking load", "N", ge=10.0, le=50000.0)
+    mass_g_m: Number = _field("mass per length", "g/m", gt=0.0, le=200.0)
+    bend_ratio_minimum: Number = _field("smallest D/d the maker allows", "-", ge=1.0, le=200.0)
+    bend_ratio_desired: Number = _field("D/d the maker asks for", "-", ge=1.0, le=200.0)
+    material: EntryName = _field("material of the wires", "-")
+
+
+class MotorEntry(Entry):
+    """A motor, its shaft hidden in the gearhead."""
+
+    diameter_mm: Number = _field("body diameter", "mm", ge=3.0, le=100.0)
+    length_mm: Number = _field("body length", "mm", ge=3.0, le=200.0)
+    rated_torque_mNm: Number = _field("continuous torque", "mN m", gt=0.0, le=1000.0)
+    rotor_inertia_g_cm2: Number = _field("rotor inertia", "g cm2", gt=0.0, le=10000.0)
+    mass_g: Number = _field("mass", "g", gt=0.0, le=5000.0)
+
+
+class GearheadEntry(Entry):
+    """A gearhead: body, output shaft and face pattern."""
+
+    ratio: Number = _field("reduction", "-", ge=1.0, le=10000.0)
+    efficiency: Number = _field("efficiency at rated torque", "-", gt=0.0, le=1.0)
+    rated_torque_mNm: Number = _field("continuous output torque", "mN m", gt=0.0, le=1e6)
+    max_torque_mNm: Number = _field("intermittent output torque", "mN m", gt=0.0, le=1e6)
+    radial_load_N: Number = _field("radial load the output shaft takes", "N", gt=0.0, le=10000.0)
+    diameter_mm: Number = _field("body diameter", "mm", ge=3.0, le=100.0)
+    length_mm: Number = _field("body length", "mm", ge=3.0, le=200.0)
+    shaft_diameter_mm: Number = _field("output shaft diameter", "mm", ge=1.0, le=20.0)
+    shaft_length_mm: Number = _field("output shaft length from the face", "mm", ge=1.0, le=60.0)
+    pilot_diameter_mm: Number = _field("centring boss diameter", "mm", ge=1.0, le=60.0)
+    pilot_height_mm: Number = _field("centring boss height", "mm", ge=0.1, le=10.0)
+    bolt_circle_mm: Number = _field("diameter of the screws' circle on the face", "mm", ge=2.0, le=90.0)
+    screw: EntryName = _field("screw that holds the face", "-")
+    screw_count: Integer = _field("number of those screws", "-", ge=1, le=12)
+    mass_g: Number = _field("mass", "g", gt=0.0, le=5000.0)
+
+
+class EncoderEntry(Entry):
+    """An encoder housing on a shaft."""
+
+    resolution_urad: Number = _field("resolution", "urad", gt=0.0, le=100000.0)
+    diameter_mm: Number = _field("housing diameter", "mm", ge=3.0, le=100.0)
+    length_mm: Number = _field("housing length", "mm", ge=1.0, le=100.0)
+    bore_mm: Number = _field("bore of the hub", "mm", ge=0.5, le=60.0)
+    bolt_circle_mm: Number = _field("diameter of the screws' circle", "mm", ge=2.0, le=90.0)
+    screw: EntryName = _field("screw that holds the housing", "-")
+    screw_count: Integer = _field("number of those screws", "-", ge=1, le=12)
+    mass_g: Number = _field("mass", "g", gt=0.0, le=1000.0)
+
+
+class BearingEntry(Entry):
+    """A deep-groove ball bearing."""
+
+    bore_mm: Number = _field("bore d", "mm", ge=1.0, le=60.0)
+    outer_diameter_mm: Number = _field("outside diameter D", "mm", ge=2.0, le=100.0)
+    width_mm: Number = _field("width B", "mm", ge=0.5, le=30.0)
+    inner_shoulder_mm: Number = _field("shoulder diameter d_a at the inner ring", "mm", ge=1.0, le=100.0)
+    outer_shoulder_mm: Number = _field("shoulder diameter D_a at the outer ring", "mm", ge=1.0, le=100.0)
+    static_rating_N: Number = _field("static load rating C0", "N", gt=0.0, le=100000.0)
+    mass_g: Number = _field("mass", "g", gt=0.0, le=2000.0)
+
+
+class ScrewEntry(Entry):
+    """A socket-head cap screw, or a set screw (head sizes 0)."""
+
+    thread_mm: Number = _field("nominal thread diameter", "mm", ge=0.5, le=12.0)
+    tap_drill_mm: Number = _field("tapping drill", "mm", ge=0.3, le=12.0)
+    clearance_mm: Number = _field("clearance hole", "mm", ge=0.5, le=15.0)
+    length_mm: Number = _field("length below the head", "mm", ge=1.0, le=100.0)
+    head_diameter_mm: Number = _field("head diameter", "mm", ge=0.0, le=25.0)
+    head_height_mm: Number = _field("head height", "mm", ge=0.0, le=15.0)
+    key_mm: Number = _field("hexagon socket across flats", "mm", ge=0.3, le=12.0)
+    mass_g: Number = _field("mass", "g", gt=0.0, le=200.0)
+
+
+class TensionerEntry(Entry):
+    """A threaded terminal swaged on the cable, with nut and lock nut."""
+
+    thread_mm: Number = _field("nominal thread diameter", "mm", ge=0.5, le=12.0)
+    clearance_mm: Number = _field("clearance hole in the lug", "mm", ge=0.5, le=15.0)
+    stress_area_mm2: Number = _field("tensile stress area of the thread", "mm2", gt=0.0, le=100.0)
+    nut_across_flats_mm: Number = _field("nut across flats", "mm", ge=1.0, le=25.0)
+    nut_height_mm: Number = _field("nut height", "mm", ge=0.3, le=15.0)
+    swage_diameter_mm: Number = _field("diameter of the swaged sleeve", "mm", ge=0.5, le=20.0)
+    swage_length_mm: Number = _field("length of the swaged sleeve", "mm", ge=0.5, le=50.0)
+    lug_thickness_mm: Number = _field("thickness of the drum's lug along the stud", "mm", ge=0.5, le=20.0)
+    stud_length_mm: Number = _field("length of the threaded stud", "mm", ge=2.0, le=100.0)
+    material: EntryName = _field("material of stud, sleeve and nuts", "-")
+
+
+Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
+
+
+class MaterialEntry(Entry):
+    """A material with what it needs to be made."""
+
+    density_g_cm3: Number = _field("density", "g/cm3", ge=0.1, le=25.0)
+    youngs_modulus_GPa: Number = _field("Young's modulus", "GPa", ge=0.01, le=1000.0)
+    poisson_ratio: Number = _field("Poisson's ratio", "-", ge=0.0, lt=0.5)
+    yield_MPa: Number = _field("yield strength", "MPa", ge=1.0, le=5000.0)
+    process: Literal["milled", "turned", "printed", "bought"] = _field("how parts of it are made", "-")
+    min_wall_mm: Number = _field("thinnest wall that can be made", "mm", ge=0.0, le=10.0)
+    min_internal_radius_mm: Number = _field("smallest internal corner radius", "mm", ge=0.0, le=10.0)
+    colour: tuple[Fraction, Fraction, Fraction] = _field("linear red, green, blue", "-")
+
+
+KINDS: dict[str, type[Entry]] = {
+    "ropes": RopeEntry,
+    "motors": MotorEntry,
+    "gearheads": GearheadEntry,
+    "encoders": EncoderEntry,
+    "bearings": BearingEntry,
+    "screws": ScrewEntry,
+    "tensioners": TensionerEntry,
+    "materials": MaterialEntry,
+}
+
+
+class OwnEntries(Block):
+    """Entries of the design's own, by kind and name; a name of the package's catalogue is overridden."""
+
+    ropes: dict[EntryName, RopeEntry] = Field(default={}, max_length=64, description="ropes by name")
+    motors: dict[EntryName, MotorEntry] = Field(default={}, max_length=64, description="motors by name")
+    gearheads: dict[EntryName, GearheadEntry] = Field(default={}, max_length=64, description="gearheads by name")
+    encoders: dict[EntryName, EncoderEntry] = Field(default={}, max_length=64, description="encoders by name")
+    bearings: dict[EntryName, BearingEntry] = Field(default={}, max_length=64, description="bearings by name")
+    screws: dict[EntryName, ScrewEntry] = Field(default={}, max_length=64, description="screws by name")
+    tensioners: dict[EntryName, TensionerEntry] = Field(default={}, max_length=64, description="tensioners by name")
+    materials: dict[EntryName, MaterialEntry] = Field(default={}, max_length=64, description="materials by name")

@@ -1,0 +1,49 @@
+"""Building blocks of the schema: strict number types and the one way of declaring a field."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Integer = Annotated[int, Strict()]
+SLUG = r"^[a-z0-9][a-z0-9_-]{0,63}$"
+ENTRY_NAME = r"^[A-Za-z0-9][A-Za-z0-9._/+-]{0,63}$"
+CHECK_ID = r"^[a-z][a-z0-9_]{0,63}$"
+PATTERN_WORDS = {
+    SLUG: "1 to 64 of a-z, 0-9, _ and -, a letter or digit first",
+    ENTRY_NAME: "1 to 64 of A-Z, a-z, 0-9 and . _ / + -, a letter or digit first",
+    CHECK_ID: "1 to 64 of a-z, 0-9 and _, a letter first",
+}
+Slug = Annotated[str, StringConstraints(pattern=SLUG)]
+EntryName = Annotated[str, StringConstraints(pattern=ENTRY_NAME)]
+CheckId = Annotated[str, StringConstraints(pattern=CHECK_ID)]
+Text = Annotated[str, StringConstraints(min_length=1, max_length=400, strip_whitespace=True)]
+
+
+class Block(BaseModel):
+    """A block of the design file: unknown keys refused, values fixed once read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+
+def quantity(meaning: str, *, unit: str, source: str, reference: Any = None, example: Any = None, **bounds: Any) -> Any:
+    """A field with its meaning, unit, source and bounds in one place.
+
+    ``reference`` is the value of the reference design, from which ``mbcdm init`` writes a starting file; a field
+    with ``example`` instead is written there as a comment. Either is shown to the user as an example. ``bounds`` go to
+    pydantic (``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``); a ``default`` among them makes the field
+    optional.
+    """
+    extra: dict[str, Any] = {"unit": unit, "source": source}
+    if reference is not None:
+        extra |= {"examples": [reference], "in_reference": True}
+    elif example is not None:
+        extra |= {"examples": [example]}
+    return Field(**{"default": ..., **bounds}, description=meaning, json_schema_extra=extra)
+
+
+def choice(meaning: str, *, source: str, reference: Any = None, example: Any = None, **bounds: Any) -> Any:
+    """A field without a unit: a name, a word of a fixed set, a list of names."""
+    return quantity(meaning, unit="-", source=source, reference=reference, example=example, **bounds)

@@ -1,0 +1,48 @@
+"""A design that was read: what :func:`mbcdm_cad.design.load_design` gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mbcdm_cad.design.drive import Drive
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.schema import Design
+
+FieldPath = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class LoadedDesign:
+    """A design file that passed schema and rules.
+
+    ``sha256`` is over the content: the values read and all catalogue entries they draw on, not layout or comments.
+    """
+
+    drive: Drive
+    path: Path
+    sha256: str
+    text: str = field(repr=False)
+    lines: Mapping[FieldPath, int] = field(repr=False)
+
+    @cached_property
+    def design(self) -> Design:
+        """The file as its schema's model. Read again from the text, since hardly anyone asks beside ``drive``."""
+        from mbcdm_cad.design.loader import validated
+
+        return validated(self.text, self.path)[0]
+
+    def line_of(self, *field_path: str | int) -> int:
+        """Line of a field, as in ``line_of("cables", 0, "step")``; of the block above it where it is not given."""
+        return nearest_line(self.lines, field_path)
+
+
+def nearest_line(lines: Mapping[FieldPath, int], path: FieldPath) -> int:
+    """Line of the field, or of the nearest block above it that the file holds."""
+    while path and path not in lines:
+        path = path[:-1]
+    return lines.get(path, 1)

@@ -1,0 +1,55 @@
+"""Reading a design file: bytes, YAML, schema, rules, ``Drive``; every fault becomes an ``InputError``."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.resolve import resolve
+from mbcdm_cad.design.rules import broken_rules
+from mbcdm_cad.design.schema import Design
+from mbcdm_cad.design.source import read_text
+from mbcdm_cad.errors import InputError, Problem
+
+
+def load_design(path: str | Path) -> LoadedDesign:
+    """Read, validate and resolve a design file. Raises InputError with all problems found at one stage."""
+    path = Path(path)
+    return load_text(read_text(path), path)
+
+
+def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
+    """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
+    design, tree = validated(text, path)
+    drive = resolve(design)
+    return LoadedDesign(drive, Path(path), _sha256(design, drive), text, tree.lines)
+
+
+def validated(text: str, path: str | Path) -> tuple[Design, yamltree.Tree]:
+    """The design as its schema's model, with the tree it was read from, once schema and rules are satisfied."""
+    tree = yamltree.parse(text, str(path))
+    try:
+        design = Design.model_validate(tree.data)
+    except ValidationError as error:
+        from mbcdm_cad.design.problems import schema_problems  # costs a start nothing while the file is right
+
+        raise InputError(schema_problems(error, tree, str(path))) from None
+    broken = [
+        Problem(str(path), tree.line_of(rule.path), yamltree.dotted(rule.path), *rule[1:])
+        for rule in broken_rules(design)
+    ]
+    if broken:
+        raise InputError(sorted(broken, key=lambda problem: problem.line))
+    return design, tree
+
+
+def _sha256(design: Design, drive: Drive) -> str:
+    content = {"design": design.model_dump(mode="json"), "drive": dataclasses.asdict(drive)}
+    return hashlib.sha256(json.dumps(content, sort_keys=True, separators=(",", ":")).encode()).hexdigest()

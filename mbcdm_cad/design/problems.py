@@ -1,0 +1,111 @@
+"""Pydantic's findings as problems in the user's words, with file, line, value, limit and remedy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from mbcdm_cad.design.describe import Node, flow, limit_text, node_at
+from mbcdm_cad.design.fields import PATTERN_WORDS
+from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.design.yamltree import Tree, dotted
+from mbcdm_cad.errors import Problem, did_you_mean, shortened
+
+MAX_LISTED = 50
+
+_WANTED = {"number": "a number", "integer": "a whole number", "string": "text", "array": "a list", "object": "a block"}
+
+
+def schema_problems(error: ValidationError, tree: Tree, file: str) -> list[Problem]:
+    """All findings by line, cut after ``MAX_LISTED`` with a word on how many more there are."""
+    found = sorted(
+        (_problem(item, tree, file) for item in error.errors(include_url=False) if not _follows(item)),
+        key=lambda problem: problem.line,
+    )
+    if len(found) > MAX_LISTED:
+        rest = len(found) - MAX_LISTED
+        last = Problem(
+            file, found[MAX_LISTED].line, "", f"{rest} more problems are not listed", remedy="put these right first"
+        )
+        found = [*found[:MAX_LISTED], last]
+    return found
+
+
+def _follows(item: Any) -> bool:
+    """Whether a list is called too short only because its items were refused, which is said already."""
+    return bool(item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"])
+
+
+def _problem(item: Any, tree: Tree, file: str) -> Problem:
+    path: FieldPath = tuple(part for part in item["loc"] if part != "[key]")
+    kind, value = item["type"], item["input"]
+    node = node_at(path) or {}
+    line, where, limit = tree.line_of(path), dotted(path), limit_text(node)
+    example = next(iter(node.get("examples", [])), None)
+    if kind == "missing":
+        shown = f"add it, for example {path[-1]}: {flow(example)}" if _simple(example) else "add it"
+        return Problem(file, line, where, "missing", "", limit, f"{shown}{_meaning(node)}")
+    if kind == "extra_forbidden":
+        known = (node_at(path[:-1]) or {}).get("properties", {})
+        return Problem(file, line, where, "unknown field", remedy=did_you_mean(str(path[-1]), known))
+    if kind == "string_pattern_mismatch":
+        signs = PATTERN_WORDS[item["ctx"]["pattern"]]
+        return Problem(file, line, where, "not a plain name", shortened(value), signs, "use these signs only")
+    if kind == "literal_error":
+        words = [str(word) for word in node.get("enum", [node.get("const")])]
+        return Problem(file, line, where, "not a known word", shortened(value), limit, did_you_mean(str(value), words))
+    if kind.endswith(("_type", "_attributes_type", "from_float")):
+        return Problem(
+            file,
+            line,
+            where,
+            f"not {_WANTED.get(node.get('type', ''), 'of the right kind')}",
+            shortened(value),
+            limit,
+            _type_remedy(node, value, example),
+        )
+    if kind in ("too_short", "too_long") or kind.startswith("string_too"):
+        what = "too short" if kind.endswith("short") else "too long"
+        return Problem(file, line, where, what, shortened(value), _length(item, limit), f"give {_length(item, limit)}")
+    return Problem(
+        file,
+        line,
+        where,
+        "out of bounds" if limit else str(item["msg"]),
+        shortened(value),
+        limit,
+        f"choose a value within the limit{_meaning(node)}",
+    )
+
+
+def _length(item: Any, limit: str) -> str:
+    context = item.get("ctx", {})
+    if item["type"].startswith("string"):
+        return " ".join(
+            f"{word} {context[key]} characters"
+            for key, word in (("min_length", "at least"), ("max_length", "at most"))
+            if key in context
+        )
+    return limit
+
+
+def _type_remedy(node: Node, value: Any, example: Any) -> str:
+    wanted = node.get("type", "")
+    if wanted == "string" and isinstance(value, int | float):
+        return f'put it in quotes: "{value}"'
+    if wanted in ("number", "integer") and isinstance(value, str):
+        unit = node.get("unit", "-")
+        return "write the bare number" + ("" if unit == "-" else f", in {unit}") + ", without quotes or unit"
+    if wanted == "object":
+        return "give its fields, indented below it"
+    return f"write for example {flow(example)}" if _simple(example) else f"write {_WANTED.get(wanted, 'another')}"
+
+
+def _meaning(node: Node) -> str:
+    words = node.get("description", "").split("\n")[0]
+    return f" ({words})" if words else ""
+
+
+def _simple(example: Any) -> bool:
+    return isinstance(example, int | float | str) or (isinstance(example, list) and bool(example))

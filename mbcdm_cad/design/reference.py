@@ -1,0 +1,88 @@
+"""The reference page of the design file in Markdown, written from the schema and the catalogue."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.describe import Node, flow, json_schema, limit_text, named_values, solid
+from mbcdm_cad.design.entries import KINDS
+
+_INTRO = """\
+# The design file
+
+Written by `mbcdm schema --reference` from the schema; do not edit by hand. `mbcdm init NEW.yaml` writes a file with the
+reference values to start from, `mbcdm schema` the JSON Schema for completion in an editor.
+
+Lengths are in mm, angles in degrees, as the names say. "Paper", "Table", "section" and "Fig." refer to the paper that
+describes the mechanism; "estimate" marks what is one. Fields without a reference value are optional.
+
+What no single field can show is checked too: names, steps and sides are used as the layout needs them, references lead
+to catalogue entries, radii are given either by ratios or explicitly, a modulus comes with its area.
+"""
+
+
+def reference_page() -> str:
+    """The whole page."""
+    schema = solid(json_schema())
+    top = {key: solid(raw) for key, raw in schema["properties"].items()}
+    blocks = {key: node for key, node in top.items() if "properties" in node and key != "catalogue"}
+    lines = [_INTRO, "## Top level", "", *_table({key: node for key, node in top.items() if key not in blocks})]
+    for key, node in blocks.items():
+        lines += [f"## {key}", "", _sentence(node), "", *_table(_flattened(node))]
+    for key in ("inputs", "cables", "waivers"):
+        lines += [f"## Items of {key}", "", *_table(_flattened(solid(top[key]["items"])))]
+    lines.append("## Catalogue\n")
+    lines.append("A design may add or override entries under `catalogue: {KIND: {NAME: {...}}}`, with these fields.\n")
+    for kind in KINDS:
+        entry = solid(named_values(solid(top["catalogue"]["properties"][kind])) or {})
+        lines += [f"### {kind}", "", _sentence(entry), "", *_fields(entry), *_entries(kind)]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _flattened(node: Node, prefix: str = "") -> dict[str, Node]:
+    rows: dict[str, Node] = {}
+    for key, raw in node["properties"].items():
+        child = solid(raw)
+        if "properties" in child and child.get("in_reference"):
+            rows |= _flattened(child, f"{prefix}{key}.")
+        else:
+            rows[prefix + key] = child
+    return rows
+
+
+def _sentence(node: Node) -> str:
+    return str(node.get("description", "")).split("\n")[0].rstrip(".") + "."
+
+
+def _table(rows: dict[str, Node]) -> Iterator[str]:
+    yield "| field | unit | limits | reference | meaning | source |"
+    yield "| --- | --- | --- | --- | --- | --- |"
+    for key, node in rows.items():
+        reference = f"`{flow(node['examples'][0])}`" if node.get("in_reference") else ""
+        if node.get("type") == "array" and "properties" in solid(node.get("items", {})):
+            reference = "see `mbcdm init`" if node["examples"][0] else reference
+        cells = (f"`{key}`", node.get("unit", "-"), limit_text(node), reference, node.get("description", ""),
+                 node.get("source", "-"))  # fmt: skip
+        yield _row(cells)
+    yield ""
+
+
+def _fields(entry: Node) -> Iterator[str]:
+    yield "| field | unit | limits | meaning |"
+    yield "| --- | --- | --- | --- |"
+    for key, raw in entry["properties"].items():
+        node = solid(raw)
+        yield _row((f"`{key}`", node.get("unit", "-"), limit_text(node), node.get("description", "")))
+    yield ""
+
+
+def _entries(kind: str) -> Iterator[str]:
+    yield "| in the package | source |"
+    yield "| --- | --- |"
+    yield from (_row((f"`{name}`", entry["source"])) for name, entry in package_entries(kind).items())
+    yield ""
+
+
+def _row(cells: tuple[str, ...]) -> str:
+    return "| " + " | ".join(" ".join(str(cell).split()).replace("|", "\\|") for cell in cells) + " |"

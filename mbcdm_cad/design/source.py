@@ -1,0 +1,49 @@
+"""The text of a design file, whatever the path may lead to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mbcdm_cad.errors import InputError, Problem
+
+MAX_BYTES = 1 << 20
+
+
+def read_text(path: Path) -> str:
+    """Text of the file; at most MAX_BYTES + 1 bytes are ever read, so that a device or pipe cannot hang or fill us."""
+    try:
+        if path.exists() and not path.is_file():
+            raise _file_error(path, "not a regular file", remedy="give the path of a design file")
+        with open(path, "rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise _file_error(
+            path,
+            f"cannot be read: {error.strerror or error}",
+            remedy="check the path; 'mbcdm init NEW.yaml' writes a file to start from",
+        ) from None
+    except ValueError as error:
+        raise _file_error(path, f"cannot be read: {error}", remedy="check the path") from None
+    if len(content) > MAX_BYTES:
+        raise _file_error(
+            path,
+            "too big",
+            value=f"over {MAX_BYTES} bytes",
+            limit=f"{MAX_BYTES} bytes",
+            remedy="a design file is about 10 kB; check that this is one",
+        )
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise _file_error(
+            path,
+            "not UTF-8 text",
+            value=f"byte 0x{content[error.start]:02x}",
+            line=line,
+            remedy="save the file as UTF-8",
+        ) from None
+
+
+def _file_error(path: Path, what: str, *, value: str = "", limit: str = "", line: int = 1, remedy: str) -> InputError:
+    return InputError([Problem(str(path), line, "", what, value, limit, remedy)])

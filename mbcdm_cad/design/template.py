@@ -1,0 +1,117 @@
+"""A new design file: the reference design, written from the schema, with unit, meaning and source beside each value."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator
+from typing import Any
+
+from mbcdm_cad.design.describe import Node, flow, json_schema, solid
+from mbcdm_cad.design.entries import OwnEntries
+
+WIDTH = 120
+_MAX_COLUMN = 44  # comments stand no further right than this, so that long values do not push the others away
+
+_HEADER = """\
+# Design of a cable drive. Lengths in mm, angles in degrees; the unit of every value is in its name.
+# Behind each value: what it means and, in brackets, where it comes from. "Table", "section" and "Fig." are those of the
+# paper that describes the mechanism; an estimate says so. All fields: docs/design-file.md; for completion in an editor,
+# save the output of 'mbcdm schema' beside this file and name it in a first line '# yaml-language-server: $schema=FILE'.
+
+"""
+
+
+def new_design_text(name: str) -> str:
+    """Text of a design file called ``name`` (a slug) that loads and equals the reference design but for the name."""
+    lines = list(_block(solid(json_schema()), indent=0, given={"name": name}))
+    return _HEADER + "\n".join(lines) + "\n"
+
+
+def slug(text: str) -> str:
+    """A legal design name made from any text, such as a file's stem; ``design`` where nothing is left of it."""
+    plain = re.sub(r"[^a-z0-9_-]+", "-", text.lower()).strip("-_")
+    return plain[:64] or "design"
+
+
+def reference_data() -> dict[str, Any]:
+    """The reference design as plain data, as its file would be read."""
+    return _data(solid(json_schema()))
+
+
+def _data(node: Node) -> dict[str, Any]:
+    data: dict[str, Any] = {}
+    for key, raw in node["properties"].items():
+        child = solid(raw)
+        if _is_block(child):
+            data[key] = _data(child)
+        elif child.get("in_reference"):
+            data[key] = child["examples"][0]
+    return data
+
+
+def _is_block(node: Node) -> bool:
+    """Whether the node is a block of the reference design, not an optional one that it leaves out."""
+    if "properties" not in node or node["title"] == OwnEntries.__name__:
+        return False
+    return "default" not in node or bool(node.get("in_reference"))
+
+
+def _block(node: Node, indent: int, given: dict[str, Any]) -> Iterator[str]:
+    """The lines of a block: its scalars with comments in one column, its inner blocks below their heading."""
+    rows = [(key, solid(raw)) for key, raw in node["properties"].items()]
+    entries = [(_entry(key, child, given), child) for key, child in rows if not _is_heading(child)]
+    column = min(max((len(text) for text, _ in entries if text), default=0) + 2, _MAX_COLUMN)
+    for key, child in rows:
+        if _is_heading(child):
+            yield from _heading(key, child, indent)
+        elif text := _entry(key, child, given):
+            yield from _commented(" " * indent + text, _comment(child), indent + column)
+            if not child.get("in_reference") and "properties" in child:
+                pad = " " * indent + "#   "
+                yield from (f"{pad}{name}: {flow(value)}" for name, value in child["examples"][0].items())
+
+
+def _is_heading(node: Node) -> bool:
+    return _is_block(node) or (node.get("type") == "array" and "properties" in solid(node.get("items", {})))
+
+
+def _heading(key: str, node: Node, indent: int) -> Iterator[str]:
+    if indent == 0:
+        yield ""
+        comment = _comment(node)
+        yield from textwrap.wrap(comment[0].upper() + comment[1:], WIDTH, initial_indent="# ", subsequent_indent="# ")
+    pad = " " * indent
+    if _is_block(node):
+        yield f"{pad}{key}:" + (f"  # {_comment(node)}" if indent else "")
+        yield from _block(node, indent + 2, {})
+    elif items := node["examples"][0]:
+        yield f"{pad}{key}:"
+        yield from (f"{pad}  - {flow(item)}" for item in items)
+    else:
+        yield f"{pad}{key}: []"
+
+
+def _entry(key: str, node: Node, given: dict[str, Any]) -> str:
+    if key in given or node.get("in_reference"):
+        return f"{key}: {flow(given.get(key, node['examples'][0]))}"
+    if "examples" not in node:
+        return ""
+    return f"# {key}:" + ("" if "properties" in node else " " + flow(node["examples"][0]))
+
+
+def _comment(node: Node) -> str:
+    unit, source = node.get("unit", "-"), node.get("source", "-")
+    meaning = str(node.get("description", "")).split("\n")[0].rstrip(".")
+    return ("" if unit == "-" else f"{unit}: ") + meaning + ("" if source == "-" else f" [{source}]")
+
+
+def _commented(text: str, comment: str, column: int) -> Iterator[str]:
+    """``text`` with its comment from ``column`` on, carried on below where the line would be too long."""
+    if len(text) + 2 > column:
+        yield from (" " * column + "# " + line for line in textwrap.wrap(comment, WIDTH - column - 2))
+        yield text
+        return
+    first, *rest = textwrap.wrap(comment, WIDTH - column - 2) or [""]
+    yield f"{text:<{column}}# {first}".rstrip(" #")
+    yield from (" " * column + "# " + line for line in rest)

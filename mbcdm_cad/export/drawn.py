@@ -1,0 +1,24 @@
+"""Draw a part from its entry in the bill and make all its files."""
+
+from __future__ import annotations
+
+from mbcdm_cad.assembly.bill import PartSpec
+from mbcdm_cad.design.drive import Material
+from mbcdm_cad.export.errors import GeometryError
+from mbcdm_cad.export.makefiles import make_part_files
+from mbcdm_cad.export.partfiles import PartFiles
+from mbcdm_cad.parts.make import make
+
+
+def drawn_part(spec: PartSpec, material: Material, mesh_tolerance_mm: float) -> PartFiles:
+    """All files of one part. Raises ``GeometryError``, naming the part, if what is drawn is not one sound solid."""
+    try:
+        solid = make(spec.maker, spec.args)
+    except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
+        raise GeometryError(
+            f"{spec.name}: the kernel could not draw it ({type(error).__name__}: {error}); the checks did not foresee "
+            "these dimensions, so please report the design file"
+        ) from error
+    # A swept rod that cuts itself takes a second to find here, and the interference run finds it by distance.
+    is_cable = spec.maker.startswith("cable:")
+    return make_part_files(spec.name, solid, material, mesh_tolerance_mm, self_intersection=not is_cable)

@@ -1,0 +1,13 @@
+"""Errors of this room that a user can put right."""
+
+from __future__ import annotations
+
+from mbcdm_cad.errors import MbcdmError
+
+
+class OutputError(MbcdmError):
+    """The output folder cannot be written, or must not be: says which folder, why, and what to do."""
+
+
+class GeometryError(MbcdmError):
+    """A solid that is not one sound body, or that cannot be meshed within its tolerance: says which and why."""

@@ -1,0 +1,51 @@
+"""The few conversions between plain numbers and the kernel that every writer of this room needs."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+from OCP.BinTools import BinTools, BinTools_FormatVersion
+from OCP.gp import gp_Trsf
+from OCP.Message import Message_ProgressRange
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Shape
+
+from mbcdm_cad.assembly.placement import Placement
+
+# A cadquery.Shape (anything with ``wrapped``) or the kernel's own shape; cadquery itself is not needed to write files.
+Shape = Any
+
+
+def kernel_shape(shape: Shape) -> TopoDS_Shape:
+    """The kernel's shape inside a cadquery shape, or the kernel's shape itself."""
+    return getattr(shape, "wrapped", shape)
+
+
+def location(placement: Placement) -> TopLoc_Location:
+    """A placement as the kernel's location.
+
+    The identity too is a location that moves by nothing, not the empty one: an instance with an empty location is to
+    the kernel the part itself, and the STEP writer then gives its name to another instance.
+    """
+    transformation = gp_Trsf()
+    first, second, third = placement.rows
+    transformation.SetValues(*first, *second, *third)
+    return TopLoc_Location(transformation)
+
+
+def brep_bytes(shape: Shape) -> bytes:
+    """The shape in the kernel's binary form: exact doubles, no mesh, the same bytes every time."""
+    buffer = io.BytesIO()
+    version = BinTools_FormatVersion.BinTools_FormatVersion_VERSION_4
+    BinTools.Write_s(kernel_shape(shape), buffer, False, False, version, Message_ProgressRange())
+    return buffer.getvalue()
+
+
+def shape_from_brep(data: bytes) -> TopoDS_Shape:
+    """The kernel's shape from :func:`brep_bytes`. Raises ``ValueError`` where the bytes hold no shape."""
+    shape = TopoDS_Shape()
+    BinTools.Read_s(shape, io.BytesIO(data), Message_ProgressRange())
+    if shape.IsNull():
+        raise ValueError(f"{len(data)} bytes hold no shape in the kernel's binary form")
+    return shape

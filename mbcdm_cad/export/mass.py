@@ -1,0 +1,120 @@
+"""Mass, centre of gravity and inertia: of a part from its shape, of an assembly from its items. Plain sums, no kernel.
+
+Masses in g, lengths in mm, inertia in g mm^2 (1 g mm^2 = 1e-9 kg m^2).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.assembly.item import Item
+from mbcdm_cad.assembly.placement import Placement, Vector
+
+Matrix = tuple[Vector, Vector, Vector]
+_KG_M2_PER_G_MM2 = 1e-9
+_CM3_PER_MM3 = 1e-3
+
+
+@dataclass(frozen=True)
+class ShapeProperties:
+    """What a solid's shape alone gives, in its own frame.
+
+    ``inertia_mm5`` is the inertia tensor about the centroid for a density of 1 per mm^3, with the off-diagonal terms
+    of a tensor (minus the products of inertia). ``low_mm`` and ``high_mm`` are the corners of the tight box.
+    """
+
+    volume_mm3: float
+    area_mm2: float
+    centroid_mm: Vector
+    inertia_mm5: Matrix
+    low_mm: Vector
+    high_mm: Vector
+
+    def to_json(self) -> str:
+        """The properties as JSON text."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> ShapeProperties:
+        """The properties from :meth:`to_json`, to the last bit."""
+        content = json.loads(text)
+        return cls(
+            content["volume_mm3"],
+            content["area_mm2"],
+            _vector(content["centroid_mm"]),
+            _matrix(content["inertia_mm5"]),
+            _vector(content["low_mm"]),
+            _vector(content["high_mm"]),
+        )
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass, centre of gravity, and the inertia tensor about it in the directions of the frame in use."""
+
+    mass_g: float
+    cog_mm: Vector
+    inertia_g_mm2: Matrix
+
+    @property
+    def inertia_kg_m2(self) -> Matrix:
+        """The inertia tensor about the centre of gravity in SI."""
+        return _matrix(np.array(self.inertia_g_mm2) * _KG_M2_PER_G_MM2)
+
+    def placed(self, placement: Placement) -> MassProperties:
+        """The same body moved: seen from the frame that ``placement`` leads to."""
+        rotation = placement.rotation
+        turned = rotation @ np.array(self.inertia_g_mm2) @ rotation.T
+        return MassProperties(self.mass_g, _vector(placement.apply(np.array(self.cog_mm))), _matrix(turned))
+
+    def about_axis(self, direction: Vector, point_mm: Vector = (0.0, 0.0, 0.0)) -> float:
+        """Moment of inertia in g mm^2 about the line through ``point_mm`` along ``direction`` (any length)."""
+        unit = np.array(direction) / np.linalg.norm(direction)
+        offset = np.array(self.cog_mm) - np.array(point_mm)
+        across = offset - unit * (offset @ unit)
+        return float(unit @ np.array(self.inertia_g_mm2) @ unit + self.mass_g * (across @ across))
+
+
+def item_mass(item: Item, shape: ShapeProperties) -> MassProperties:
+    """Mass properties of one item at its place.
+
+    Mass is the item's catalogue mass where it has one, spread evenly over its volume, else volume times density.
+    """
+    volume_mass_g = item.material.density_g_cm3 * shape.volume_mm3 * _CM3_PER_MM3
+    mass_g = volume_mass_g if item.mass_g is None else item.mass_g
+    inertia = np.array(shape.inertia_mm5) * (mass_g / shape.volume_mm3)
+    return MassProperties(mass_g, shape.centroid_mm, _matrix(inertia)).placed(item.location)
+
+
+def combined(bodies: Iterable[MassProperties]) -> MassProperties:
+    """Mass properties of several bodies together, all seen from one frame (Steiner). Raises ``ValueError`` if none."""
+    parts = list(bodies)
+    mass_g = sum(part.mass_g for part in parts)
+    if not mass_g > 0.0:
+        raise ValueError(f"{len(parts)} bodies with {mass_g} g have no centre of gravity")
+    cog = sum((part.mass_g * np.array(part.cog_mm) for part in parts), np.zeros(3)) / mass_g
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        offset = np.array(part.cog_mm) - cog
+        inertia += np.array(part.inertia_g_mm2) + part.mass_g * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+    return MassProperties(mass_g, _vector(cog), _matrix(inertia))
+
+
+def assembly_mass(items: Iterable[Item], shapes: Mapping[str, ShapeProperties]) -> MassProperties:
+    """Mass properties of all ``items`` together; ``shapes`` maps each part to its shape's properties."""
+    return combined(item_mass(item, shapes[item.part]) for item in items)
+
+
+def _vector(values: Iterable[float] | NDArray[np.float64]) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+def _matrix(rows: Iterable[Iterable[float]] | NDArray[np.float64]) -> Matrix:
+    first, second, third = (_vector(row) for row in rows)
+    return first, second, third

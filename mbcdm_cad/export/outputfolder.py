@@ -1,0 +1,165 @@
+"""The output folder: written aside, put in place at one stroke, so that a build that dies leaves the last one whole."""
+
+from __future__ import annotations
+
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+
+from mbcdm_cad.export.errors import OutputError
+from mbcdm_cad.export.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
+from mbcdm_cad.export.swap import recover, replace_folder
+
+_LOCK_TIMEOUT_S = 600.0
+
+
+class OutputFolder:
+    """A folder being written. ``path`` is the folder aside; what is in it at the end becomes the output."""
+
+    def __init__(self, path: Path, target: Path) -> None:
+        self.path = path
+        self._target = target
+
+    def write(self, name: str, data: bytes | str) -> None:
+        """Write one file, ``name`` with forward slashes below the folder.
+
+        Raises ``ValueError`` for a name that leaves the folder or is the manifest's, ``OutputError`` if the system
+        refuses (disk full, say).
+        """
+        path = self.path / _checked(name)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data.encode("utf-8") if isinstance(data, str) else data)
+        except OSError as error:
+            raise _refused(self._target, error) from error
+
+
+@contextmanager
+def output_folder(target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIMEOUT_S) -> Iterator[OutputFolder]:
+    """A folder to write to that takes the place of ``target`` when the block ends well, with its manifest.
+
+    Whatever happens before (an exception, a full disk, SIGKILL), ``target`` stays as it was; what is left lying beside
+    it (``.NAME.new-*``) is removed by the next build. Builds into one folder take turns. Files in ``target`` that its
+    manifest does not list are somebody's own and move along. ``files`` of ``manifest`` is filled in here.
+
+    Raises ``OutputError`` if ``target`` is something that this program did not make, if another build holds it for
+    longer than ``timeout_s``, or if the system refuses to write.
+    """
+    import filelock  # only a build that writes needs it
+
+    target = target.resolve()
+    old = target.with_name(f".{target.name}.before-swap")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        lock = filelock.FileLock(target.with_name(f".{target.name}.lock"))
+        lock.acquire(timeout=timeout_s)
+    except filelock.Timeout as error:
+        raise OutputError(
+            f"{target}: another build has been writing here for {timeout_s:g} s; wait for it, stop it, or choose "
+            "another folder with --out"
+        ) from error
+    except OSError as error:
+        raise _refused(target, error) from error
+    staging = target.with_name(f".{target.name}.new-{secrets.token_hex(8)}")
+    try:
+        try:
+            recover(target, old)
+            _remove_leftovers(target)
+            _refuse_what_is_not_ours(target)
+            staging.mkdir()
+        except OSError as error:
+            raise _refused(target, error) from error
+        yield OutputFolder(staging, target)
+        try:
+            _finish(staging, target, manifest)
+            replace_folder(staging, target, old)
+            _sync(target.parent)
+        except OSError as error:
+            raise _refused(target, error) from error
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+        lock.release()
+
+
+def _finish(staging: Path, target: Path, manifest: Manifest) -> None:
+    """Write the manifest, bring along the files that are not the program's, and see it all onto the disk."""
+    names = sorted(path.relative_to(staging).as_posix() for path in staging.rglob("*") if not path.is_dir())
+    files = {name: file_entry(staging / name) for name in names}
+    (staging / MANIFEST_NAME).write_text(replace(manifest, files=files).text(), "utf-8")
+    for name in (*names, MANIFEST_NAME):
+        _sync(staging / name)
+    _bring_along(target, staging)
+    for folder in (staging, *(path for path in staging.rglob("*") if path.is_dir() and not path.is_symlink())):
+        _sync(folder)
+
+
+def _bring_along(target: Path, staging: Path) -> None:
+    before = read_manifest(target)
+    if before is None:
+        return
+    made = {*before.files, MANIFEST_NAME}
+    for path in sorted(target.rglob("*")):
+        name = path.relative_to(target)
+        if name.as_posix() in made or (path.is_dir() and not path.is_symlink()):
+            continue
+        place = staging / name
+        if os.path.lexists(place):
+            raise OutputError(
+                f"{path}: this build makes a file of that name, but the one there is not from a build before; "
+                "move it away or choose another folder with --out"
+            )
+        place.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            os.link(path, place, follow_symlinks=False)
+        except OSError:  # a file system without hard links
+            shutil.copy2(path, place, follow_symlinks=False)
+
+
+def _refuse_what_is_not_ours(target: Path) -> None:
+    if target.exists() and not target.is_dir():
+        raise OutputError(f"{target}: there is a file of that name; choose another folder with --out")
+    if target.is_dir() and any(target.iterdir()) and read_manifest(target) is None:
+        raise OutputError(
+            f"{target}: not empty, and not made by this program (no {MANIFEST_NAME} of its own); "
+            "empty it or choose another folder with --out"
+        )
+
+
+def _remove_leftovers(target: Path) -> None:
+    """Remove what builds that died have left; called under the lock, so no living build's folder is among them."""
+    pattern = re.compile(re.escape(f".{target.name}.new-") + "[0-9a-f]{16}")
+    for path in target.parent.iterdir():
+        if pattern.fullmatch(path.name):
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _checked(name: str) -> PurePosixPath:
+    path = PurePosixPath(name)
+    plain = name and not path.is_absolute() and ".." not in path.parts and "\\" not in name and "\0" not in name
+    if not plain or path.parts == (MANIFEST_NAME,) or not path.parts:
+        raise ValueError(f"output file {name!r}: must be a plain relative name below the folder, not {MANIFEST_NAME}")
+    return path
+
+
+def _sync(path: Path) -> None:
+    """See a file or a folder onto the disk: a full disk must show before the swap, not after."""
+    if os.name != "posix" and path.is_dir():
+        return
+    descriptor = os.open(path, os.O_RDONLY if os.name == "posix" else os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _refused(target: Path, error: OSError) -> OutputError:
+    where = f" ({error.filename})" if error.filename else ""
+    return OutputError(
+        f"{target}: cannot write: {error.strerror or error}{where}; make room or rights, or choose another folder with "
+        "--out. What was there before is unchanged"
+    )

@@ -1,0 +1,42 @@
+"""All that a build needs of one part, as it lies in the cache: read without the kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mbcdm_cad.export.mass import ShapeProperties
+from mbcdm_cad.export.stl import stl_bytes
+from mbcdm_cad.export.trianglemesh import TriangleMesh
+
+
+@dataclass(frozen=True)
+class PartFiles:
+    """One part drawn: its solid in the kernel's form, its STEP file, its mesh and what was measured."""
+
+    name: str
+    brep: bytes
+    step: bytes
+    mesh: TriangleMesh
+    shape: ShapeProperties
+
+    @property
+    def stl(self) -> bytes:
+        """The part's STL file."""
+        return stl_bytes(self.name, self.mesh)
+
+    @property
+    def mesh_volume_error(self) -> float:
+        """Volume of the mesh over that of the solid, less one."""
+        return self.mesh.volume_mm3 / self.shape.volume_mm3 - 1.0
+
+    def to_blobs(self) -> dict[str, bytes]:
+        """What is stored of the part."""
+        properties = self.shape.to_json().encode()
+        return {"brep": self.brep, "step": self.step, "mesh": self.mesh.to_bytes(), "properties": properties}
+
+    @classmethod
+    def from_blobs(cls, name: str, blobs: Mapping[str, bytes]) -> PartFiles:
+        """The part from :meth:`to_blobs`."""
+        mesh = TriangleMesh.from_bytes(blobs["mesh"])
+        return cls(name, blobs["brep"], blobs["step"], mesh, ShapeProperties.from_json(blobs["properties"]))

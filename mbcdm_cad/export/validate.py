@@ -1,0 +1,62 @@
+"""Is it one sound body? The kernel's own verdict alone is not enough: it calls an empty cut valid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from OCP.BRep import BRep_Tool
+from OCP.BRepAlgoAPI import BRepAlgoAPI_Check
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepGProp import BRepGProp
+from OCP.GProp import GProp_GProps
+from OCP.TopAbs import TopAbs_SHELL, TopAbs_SOLID
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS_Shape
+
+from mbcdm_cad.export.errors import GeometryError
+from mbcdm_cad.export.kernel import Shape, kernel_shape
+
+
+def validate_solid(name: str, shape: Shape, self_intersection: bool = True) -> None:
+    """Raise ``GeometryError``, naming the part and the reason, unless ``shape`` is exactly one sound solid.
+
+    Sound: a Solid (not a Compound about one), its shells closed, valid to the kernel, no face that cuts another
+    (the test behind ``cadquery.func.check``), volume above zero. ``self_intersection=False`` leaves out faces that
+    cut each other: on a helical cable that takes a second, and the distance of its turns says the same at once.
+    """
+    reason = _reason(kernel_shape(shape), self_intersection)
+    if reason:
+        raise GeometryError(f"{name}: {reason}")
+
+
+def _reason(shape: TopoDS_Shape, self_intersection: bool) -> str:
+    if shape is None or shape.IsNull():
+        return "no shape at all; the last operation has failed"
+    if shape.ShapeType() != TopAbs_SOLID:
+        count = len(_all(shape, TopAbs_SOLID))
+        kind = shape.ShapeType().name.removeprefix("TopAbs_").capitalize()
+        return f"a {kind} of {count} solids, must be one Solid; take the solid out, or find what cut it apart"
+    shells = _all(shape, TopAbs_SHELL)
+    if not shells:
+        return "a solid without a shell"
+    if not all(BRep_Tool.IsClosed_s(shell) for shell in shells):
+        return "its shell is open; a face is missing"
+    if not BRepCheck_Analyzer(shape).IsValid():
+        return "not valid to the kernel; edges or faces do not fit together"
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    if not properties.Mass() > 0.0:
+        return f"volume {properties.Mass():.6g} mm^3, must be above 0; is it inside out?"
+    check = BRepAlgoAPI_Check(shape, True, self_intersection)
+    if not check.IsValid():
+        faults = sorted({result.GetCheckStatus().name.removeprefix("BOPAlgo_") for result in check.Result()})
+        return f"not sound: {', '.join(faults)}; do faces touch or cut each other?"
+    return ""
+
+
+def _all(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:
+    found, explorer = [], TopExp_Explorer(shape, kind)
+    while explorer.More():
+        found.append(explorer.Current())
+        explorer.Next()
+    return found

@@ -1,0 +1,38 @@
+"""Independent work on several cores, by forked processes that find everything already in memory."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+Argument = TypeVar("Argument")
+Result = TypeVar("Result")
+
+# What the forked processes work on: inherited with the memory, so that no kernel shape has to be pickled.
+_work: tuple[Callable[[Any], Any], Sequence[Any]] | None = None
+
+
+def fork_map(function: Callable[[Argument], Result], arguments: Sequence[Argument], jobs: int) -> list[Result]:
+    """``[function(a) for a in arguments]`` on up to ``jobs`` processes; give the longest work first.
+
+    Results must pickle; function and arguments need not. An exception of ``function`` is raised here. One process, or
+    a system that cannot fork, does the work in this process. Not to be called from within ``function``.
+    """
+    global _work
+    jobs = min(jobs, len(arguments))
+    if jobs <= 1 or "fork" not in multiprocessing.get_all_start_methods():
+        return [function(argument) for argument in arguments]
+    assert _work is None, "fork_map within fork_map"
+    _work = (function, arguments)
+    try:
+        with multiprocessing.get_context("fork").Pool(jobs) as pool:
+            return pool.map(_call, range(len(arguments)), chunksize=1)
+    finally:
+        _work = None
+
+
+def _call(index: int) -> Any:
+    assert _work is not None
+    function, arguments = _work
+    return function(arguments[index])

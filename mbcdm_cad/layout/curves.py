@@ -1,0 +1,146 @@
+"""Pieces of a cable's centre line: straight, circular, helical, and the short parabola that joins two slopes.
+
+All lengths in mm, angles in rad, points in the frame of the mechanism (drum axis Y, guide axis Z).
+Every piece is parametrised by a fraction 0..1, knows its exact length and its end tangents.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+
+def _v(a: Sequence[float]) -> Vector:
+    return np.asarray(a, dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Line:
+    """Straight piece from ``start`` to ``end``."""
+
+    start: Triple
+    end: Triple
+
+    @property
+    def length_mm(self) -> float:
+        return float(np.linalg.norm(_v(self.end) - _v(self.start)))
+
+    def points(self, fraction: Vector) -> Vector:
+        """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
+        return _v(self.start) + np.multiply.outer(fraction, _v(self.end) - _v(self.start))
+
+    def tangent(self, fraction: float) -> Vector:
+        """Unit tangent, the same everywhere."""
+        d = _v(self.end) - _v(self.start)
+        return d / np.linalg.norm(d)
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circular piece: centre + r (cos a e1 + sin a e2), ``a`` running from ``angle_start`` to ``angle_end`` (rad)."""
+
+    centre: Triple
+    e1: Triple
+    e2: Triple
+    radius_mm: float
+    angle_start: float
+    angle_end: float
+
+    @property
+    def length_mm(self) -> float:
+        return self.radius_mm * abs(self.angle_end - self.angle_start)
+
+    def points(self, fraction: Vector) -> Vector:
+        """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
+        a = self.angle_start + np.asarray(fraction) * (self.angle_end - self.angle_start)
+        ring = np.multiply.outer(np.cos(a), _v(self.e1)) + np.multiply.outer(np.sin(a), _v(self.e2))
+        return _v(self.centre) + self.radius_mm * ring
+
+    def tangent(self, fraction: float) -> Vector:
+        """Unit tangent at ``fraction``."""
+        a = self.angle_start + fraction * (self.angle_end - self.angle_start)
+        sign = np.sign(self.angle_end - self.angle_start)
+        return np.asarray(sign * (-np.sin(a) * _v(self.e1) + np.cos(a) * _v(self.e2)))
+
+
+@dataclass(frozen=True)
+class Helix:
+    """Turns about a line parallel to Z: angle and height run linearly together.
+
+    ``centre`` (x, y) of the axis; ``angle_start`` -> ``angle_end`` (rad, anticlockwise positive);
+    ``z_start`` -> ``z_end``. Lead = |dz| 2 pi / |da|.
+    """
+
+    centre: tuple[float, float]
+    radius_mm: float
+    angle_start: float
+    angle_end: float
+    z_start: float
+    z_end: float
+
+    @property
+    def length_mm(self) -> float:
+        return float(np.hypot(self.radius_mm * (self.angle_end - self.angle_start), self.z_end - self.z_start))
+
+    def points(self, fraction: Vector) -> Vector:
+        """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
+        f = np.asarray(fraction, dtype=np.float64)
+        a = self.angle_start + f * (self.angle_end - self.angle_start)
+        z = self.z_start + f * (self.z_end - self.z_start)
+        return np.stack(
+            [self.centre[0] + self.radius_mm * np.cos(a), self.centre[1] + self.radius_mm * np.sin(a), z], axis=-1
+        )
+
+    def tangent(self, fraction: float) -> Vector:
+        """Unit tangent at ``fraction``."""
+        da = self.angle_end - self.angle_start
+        a = self.angle_start + fraction * da
+        t = _v([-self.radius_mm * np.sin(a) * da, self.radius_mm * np.cos(a) * da, self.z_end - self.z_start])
+        return t / np.linalg.norm(t)
+
+
+@cache
+def _gauss() -> tuple[Vector, Vector]:
+    """Nodes on 0..1 and weights (sum 2) of a quadrature that is exact here to rounding."""
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    return (nodes + 1) / 2, weights
+
+
+@dataclass(frozen=True)
+class Parabola:
+    """Quadratic Bezier: tangent to ``start -> middle`` at its start and to ``middle -> end`` at its end."""
+
+    start: Triple
+    middle: Triple
+    end: Triple
+
+    @property
+    def length_mm(self) -> float:
+        f, w = _gauss()
+        p0, p1, p2 = _v(self.start), _v(self.middle), _v(self.end)
+        speed = 2 * (np.multiply.outer(1 - f, p1 - p0) + np.multiply.outer(f, p2 - p1))
+        return float(np.sum(w / 2 * np.linalg.norm(speed, axis=1)))
+
+    def points(self, fraction: Vector) -> Vector:
+        """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
+        f = np.asarray(fraction, dtype=np.float64)
+        p0, p1, p2 = _v(self.start), _v(self.middle), _v(self.end)
+        return (
+            np.multiply.outer((1 - f) ** 2, p0) + np.multiply.outer(2 * f * (1 - f), p1) + np.multiply.outer(f**2, p2)
+        )
+
+    def tangent(self, fraction: float) -> Vector:
+        """Unit tangent at ``fraction``."""
+        p0, p1, p2 = _v(self.start), _v(self.middle), _v(self.end)
+        t = (1 - fraction) * (p1 - p0) + fraction * (p2 - p1)
+        return t / np.linalg.norm(t)
+
+
+Piece = Line | Arc | Helix | Parabola

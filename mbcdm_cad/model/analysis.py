@@ -1,0 +1,188 @@
+"""One call that turns a design into every figure the report prints."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
+from mbcdm_cad.model.bearing_loads import bearing_loads
+from mbcdm_cad.model.calibration import implied_modulus_Pa
+from mbcdm_cad.model.capability import (
+    TorqueLimit,
+    balanced_preload_N,
+    input_bias_Nm,
+    torque_limits,
+    torque_to_weight_Nm_kg,
+)
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.figures import Analysis, BearingFigures, CableFigures, LoadCase, ModulusReading
+from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m
+from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
+from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
+from mbcdm_cad.model.wrap import slip_angle_rad
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import Drive
+
+# Names of the ratings in `Analysis.limits`.
+MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_efficiency", "gearhead_rated", "gearhead_maximum"
+
+
+def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
+    """Every figure of the model for one design.
+
+    ``wraps_rad`` are the live wraps (input, drum) of each cable at the pose of interest, both (n_cables,); without them
+    wraps are taken longer than any slip zone. Errors: ``ModelError`` where the geometry leaves no free span.
+    """
+    d = to_si(drive)
+    if wraps_rad is not None:
+        d = d.with_(input_wrap_rad=wraps_rad[0], drum_wrap_rad=wraps_rad[1])
+    test, peak = drive.loads.test_torque_Nm, drive.loads.peak_torque_Nm
+    endless = d.with_(input_wrap_rad=np.full(d.n_cables, np.inf), drum_wrap_rad=np.full(d.n_cables, np.inf))
+    ratings = input_ratings_Nm(drive)
+    strength = drive.cable.breaking_load_N / drive.limits.tension_safety_factor
+    limits = torque_limits(d, ratings, strength)
+    balanced = balanced_preload_N(d)
+    balanced_limits = torque_limits(d.with_(preload_N=balanced), ratings, strength)
+    lossless = lowest_each_way(limits, MOTOR)
+    mismatch_mm, mismatch_N = pair_mismatch(d, np.radians(drive.half_travel_deg))
+    return Analysis(
+        name=drive.name,
+        friction_coefficient=float(d.friction_coefficient),
+        modulus_GPa=drive.cable.modulus_GPa,
+        modulus_area=drive.cable.modulus_area,
+        area_mm2=drive.cable.area_mm2,
+        axial_stiffness_kN=float(d.axial_stiffness_N) / 1e3,
+        centre_distance_mm=drive.centre_distance_mm,
+        eq1_worst_residual=eq1_residuals(d).worst,
+        pair_mismatch_mm=mismatch_mm,
+        pair_mismatch_N=mismatch_N,
+        cables=cable_figures(d, test),
+        test=(load_case(d, test), load_case(d, -test)),
+        peak=(load_case(d, peak), load_case(d, -peak)),
+        reversal_swing_mrad=float(drum_backlash(endless, test).reversal_swing_rad) * 1e3,
+        sticking_stiffness_Nm_rad=float(sticking_stiffness_Nm_rad(d)),
+        input_bias_mNm=_floats(input_bias_Nm(d) * 1e3),
+        limits=limits,
+        peak_torque_Nm=lossless,
+        peak_torque_with_efficiency_Nm=lowest_each_way(limits, MOTOR_LOSSY),
+        balanced_preload_N=_floats(balanced),
+        balanced_peak_torque_Nm=lowest_each_way(balanced_limits, MOTOR),
+        torque_to_weight_Nm_kg=torque_to_weight_Nm_kg(min(lossless), drive.targets.mass_g),
+        bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
+        measured_backlash_mrad=BACKLASH_RAD * 1e3,
+        implied_modulus=modulus_readings(endless),
+        notes=notes(drive),
+    )
+
+
+def input_ratings_Nm(drive: Drive) -> dict[str, float]:
+    """Torque limits of one input, N m: motor through the gearhead, without and with losses; the gearhead's own."""
+    lossless = drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio
+    return {
+        MOTOR: lossless,
+        MOTOR_LOSSY: lossless * drive.gearhead.efficiency,
+        GEARHEAD: drive.gearhead.rated_torque_mNm * 1e-3,
+        GEARHEAD_PEAK: drive.gearhead.max_torque_mNm * 1e-3,
+    }
+
+
+def lowest_each_way(limits: tuple[TorqueLimit, ...], rating: str) -> tuple[float, float]:
+    """(for +, for -): the lowest of one rating, cable strength and slack, N m."""
+
+    def lowest(direction: int) -> float:
+        causes = (rating, "strength", "slack")
+        return min(limit.torque_Nm for limit in limits if limit.direction == direction and limit.cause in causes)
+
+    return lowest(1), lowest(-1)
+
+
+def cable_figures(d: DriveSI, load_Nm: float) -> tuple[CableFigures, ...]:
+    """Each cable by the paper's formulas at ``load_Nm``."""
+    figures = cable_backlash(d, load_Nm)
+    return tuple(
+        CableFigures(
+            name=name,
+            input_name=d.input_names[d.input_of[j]],
+            sigma=int(d.sigma[j]),
+            total_ratio=float(d.total_ratio[j]),
+            free_span_mm=float(d.free_span_m[j]) * 1e3,
+            preload_N=float(d.preload_N[j]),
+            kappa=float(d.kappa[j]),
+            high_tension_N=float(figures.high_N[j]),
+            low_tension_N=float(figures.low_N[j]),
+            high_tension_simplified_N=float(figures.high_simplified_N[j]),
+            low_tension_simplified_N=float(figures.low_simplified_N[j]),
+            backlash_mrad=float(figures.backlash_rad[j]) * 1e3,
+            backlash_simplified_mrad=float(figures.backlash_simplified_rad[j]) * 1e3,
+        )
+        for j, name in enumerate(d.cable_names)
+    )
+
+
+def load_case(d: DriveSI, load_Nm: float) -> LoadCase:
+    """All cables at once under ``load_Nm``, not zero."""
+    at = solve_equilibrium(d, load_Nm)
+    idle = solve_equilibrium(d, 0.0)
+    slip = slip_angle_rad(np.maximum(at.tension_N, 0.0), d.preload_N, d.friction_coefficient)
+    return LoadCase(
+        load_Nm=load_Nm,
+        turn_mrad=float(at.drum_angle_rad - idle.drum_angle_rad) * 1e3,
+        tension_N=_floats(at.tension_N),
+        slip_angle_deg=_floats(np.degrees(slip)),
+        slack=tuple(bool(is_slack) for is_slack in at.slack),
+        input_torque_mNm=_floats(at.input_torque_Nm(d) * 1e3),
+        load_share=_floats(at.load_share(d, load_Nm)),
+        tangent_stiffness_Nm_rad=float(tangent_stiffness_Nm_rad(d, load_Nm)),
+        secant_stiffness_Nm_rad=float(secant_stiffness_Nm_rad(d, load_Nm)),
+    )
+
+
+def bearing_figures(d: DriveSI, load_Nm: float) -> BearingFigures:
+    """Magnitudes of the bearing loads under ``load_Nm``."""
+    loads = bearing_loads(d, solve_equilibrium(d, load_Nm).tension_N)
+    return BearingFigures(
+        load_Nm=load_Nm,
+        input_radial_N=_floats(np.linalg.norm(loads.input_force_N, axis=1)),
+        guide_radial_N=float(np.linalg.norm(loads.guide_force_N)),
+        guide_moment_Nm=float(np.linalg.norm(loads.guide_moment_Nm)),
+        drum_radial_N=float(np.linalg.norm(loads.drum_force_N)),
+    )
+
+
+def pair_mismatch(d: DriveSI, half_travel_rad: float) -> tuple[tuple[float, ...], float]:
+    """Over the travel, drum unloaded: pair mismatch of each input in mm, largest change of a tension in N."""
+    one_of_each = [d.input_of.index(i) for i in range(d.n_inputs)]
+    angle = half_travel_rad * d.total_ratio[one_of_each]
+    length = np.abs(np.array([pair_mismatch_m(d, angle[i])[i] for i in range(d.n_inputs)]))
+    idle = solve_equilibrium(d, 0.0).tension_N
+    ends = [solve_equilibrium(d, 0.0, input_angle_rad=sign * angle).tension_N for sign in (1.0, -1.0)]
+    return _floats(length * 1e3), float(max(np.abs(tension - idle).max() for tension in ends))
+
+
+def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
+    """E implied by the paper's 0.33 mrad at 0.91 N m under both readings and by both routes."""
+    return tuple(
+        ModulusReading(reading, route, implied_modulus_Pa(d, BACKLASH_RAD, BACKLASH_TORQUE_NM, reading, route) / 1e9)
+        for reading in ("reversal", "single")
+        for route in ("mean_radii", "all_cables")
+    )
+
+
+def notes(drive: Drive) -> tuple[str, ...]:
+    """What a reader must know before using the figures."""
+    return (
+        f"E = {drive.cable.modulus_GPa:g} GPa on the {drive.cable.modulus_area} area {drive.cable.area_mm2:.4f} mm^2 "
+        f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
+        "different one under each reading.",
+        "Peak torque counts the gearhead as lossless, as the paper does; the figure with its efficiency is beside it.",
+        "Nothing is lost at the guide, and the rope has no bending stiffness; slip on the guide's wraps would add "
+        "about 8 % to the backlash.",
+    )
+
+
+def _floats(values: Any) -> tuple[float, ...]:
+    return tuple(float(value) for value in np.ravel(values))

@@ -1,0 +1,86 @@
+"""Transmission backlash: each cable by the paper's formulas, and the drum with all cables at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.model import equations as eq
+from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium
+from mbcdm_cad.model.si import DriveSI, Floats
+
+
+@dataclass(frozen=True, eq=False)
+class CableBacklash:
+    """Per cable (n_cables, ...): tensions (N) and theta_b (rad), exact by Eq. (14) and simplified by (16) to (18)."""
+
+    low_N: Floats
+    high_N: Floats
+    backlash_rad: Floats
+    low_simplified_N: Floats
+    high_simplified_N: Floats
+    backlash_simplified_rad: Floats
+
+    @property
+    def simplification_error(self) -> Floats:
+        """(simplified - exact)/exact of theta_b: what setting kappa = 0 in (14) costs."""
+        return np.asarray(self.backlash_simplified_rad / self.backlash_rad - 1.0)
+
+
+def cable_backlash(d: DriveSI, load_Nm: Any) -> CableBacklash:
+    """Each cable alone, as the paper does: half of the load on a symmetric pair of its radii. Sign of M ignored."""
+    load = np.abs(np.asarray(load_Nm, dtype=float))
+    w = d.lifted(np.broadcast_shapes(load.shape, d.batch_shape))
+    low, high = eq.eq14_tensions(load, w.preload_N, w.drum_radius_m, w.kappa)
+    simple_low = eq.eq17_low_tension(load, w.preload_N, w.drum_radius_m)
+    simple_high = eq.eq18_high_tension(load, w.preload_N, w.drum_radius_m)
+
+    def angle(tension: Floats) -> Floats:
+        return eq.eq20_backlash(
+            tension, w.preload_N, w.friction_coefficient, w.drum_radius_m, w.input_radius_m, w.free_span_m,
+            w.axial_stiffness_N,
+        )  # fmt: skip
+
+    return CableBacklash(low, high, angle(high), simple_low, simple_high, angle(simple_high))
+
+
+def mean_radii(d: DriveSI) -> DriveSI:
+    """The same drive with every radius, and the preload, replaced by its mean over the cables."""
+
+    def mean(values: Floats) -> Floats:
+        return np.asarray(np.broadcast_to(values.mean(axis=0), values.shape).copy())
+
+    return d.with_(
+        input_radius_m=mean(d.input_radius_m),
+        guide_radius_m=mean(d.guide_radius_m),
+        drum_radius_m=mean(d.drum_radius_m),
+        preload_N=mean(d.preload_N),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class DrumBacklash:
+    """All cables together (rad, >= 0): first loading from the even preload, and the swing of a full reversal."""
+
+    first_loading_rad: Floats
+    reversal_swing_rad: Floats
+    idle: Equilibrium
+    loaded: Equilibrium
+    reversed_: Equilibrium
+
+
+def drum_backlash(d: DriveSI, load_Nm: Any) -> DrumBacklash:
+    """Inputs locked: load to M (turn counted from the unloaded drum), then reverse to -M (swing counted from +M)."""
+    load = np.asarray(load_Nm, dtype=float)
+    idle = solve_equilibrium(d, 0.0)
+    loaded = solve_equilibrium(d, load)
+    back = solve_equilibrium(d, -load, turned_at_N=loaded.tension_N)
+    return DrumBacklash(
+        np.abs(loaded.drum_angle_rad - idle.drum_angle_rad),
+        np.abs(back.drum_angle_rad - loaded.drum_angle_rad),
+        idle,
+        loaded,
+        back,
+    )

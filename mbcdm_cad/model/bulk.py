@@ -1,0 +1,182 @@
+"""Many designs at once: the figures a search needs, from the same formulas as one design, some 1e5 designs a second.
+
+Nothing here is approximate: every figure equals that of :func:`mbcdm_cad.model.analyse` for that design to rounding.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
+from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.kinematics import guide_wraps_rad
+from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, Floats
+from mbcdm_cad.model.wrap import slip_angle_rad
+
+# Designs worked on at a time: their arrays then stay in the processor's cache.
+BLOCK = 4096
+
+
+@dataclass(frozen=True)
+class Requirements:
+    """What the designs are judged by; each a number or one value a design."""
+
+    load_Nm: Any
+    half_travel_rad: Any
+    input_rating_Nm: Any
+    rope_diameter_m: Any
+    tension_limit_N: Any
+
+
+@dataclass(frozen=True, eq=False)
+class BulkFigures:
+    """Figures of n designs. ``valid`` is False, and every other figure NaN, where there is no free span.
+
+    Shapes: (n,), (n_cables, n), or (2, n) for a load of either sign, + (opposing positive rotation) first.
+    ``drum_wrap_needed_rad`` is the wrap at the middle of the travel that still holds the slip zone of the test load at
+    its end; ``input_wrap_needed_rad`` what an input winds over the whole travel.
+    """
+
+    valid: Any
+    eq1_residual: Floats
+    bend_ratio: Floats
+    free_span_m: Floats
+    guide_wrap_rad: Floats
+    input_wrap_needed_rad: Floats
+    drum_wrap_needed_rad: Floats
+    cable_backlash_rad: Floats
+    turn_rad: Floats
+    reversal_swing_rad: Floats
+    highest_tension_N: Floats
+    lowest_tension_N: Floats
+    peak_torque_Nm: Floats
+
+
+def stack_designs(designs: list[DriveSI]) -> DriveSI:
+    """One batch from single designs. Errors: ``ModelError`` if there are none, or cables run from different inputs."""
+    if not designs:
+        raise ModelError("no designs to stack; give at least one")
+    first = designs[0]
+    for other in designs[1:]:
+        if other.input_of != first.input_of or not np.array_equal(other.sigma, first.sigma):
+            raise ModelError(
+                "designs differ in which input a cable runs from or which way it turns; stack them by kind"
+            )
+    columns = {name: np.stack([getattr(d, name) for d in designs], axis=-1) for name in PER_CABLE + PER_DESIGN}
+    return first.with_(**columns)
+
+
+def analyse_many(d: DriveSI, need: Requirements) -> BulkFigures:
+    """Figures of a batch: per-cable arrays of ``d`` are (n_cables, n) or (n_cables, 1), the others (n,) or scalar."""
+    if len(d.batch_shape) != 1:
+        raise ModelError(f"the batch has shape {d.batch_shape}; give one axis of designs")
+    n = d.batch_shape[0]
+    wide = d.spread(n)
+    asked = Requirements(*(np.broadcast_to(np.asarray(getattr(need, f.name), float), (n,)) for f in fields(need)))
+    reach = (wide.guide_radius_m + wide.input_radius_m).max(axis=0)
+    valid = (wide.centre_distance_m > reach) & (wide.friction_coefficient > 0.0)
+    blocks = []
+    for start in range(0, n, BLOCK):
+        here = slice(start, min(start + BLOCK, n))
+        good = valid[here]
+        part, want = _taken(wide, here), Requirements(*(getattr(asked, f.name)[here] for f in fields(asked)))
+        if good.all():
+            blocks.append(_block(part, want, good))
+            continue
+        if not good.any():
+            blocks.append(_missing(d, good))
+            continue
+        some = _block(
+            _taken(part, good), Requirements(*(getattr(want, f.name)[good] for f in fields(want))), good[good]
+        )
+        full = _missing(d, good)
+        for f in fields(BulkFigures):
+            getattr(full, f.name)[..., good] = getattr(some, f.name)
+        blocks.append(full)
+    return BulkFigures(*(np.concatenate([getattr(b, f.name) for b in blocks], axis=-1) for f in fields(BulkFigures)))
+
+
+def _taken(d: DriveSI, which: Any) -> DriveSI:
+    columns = {name: np.ascontiguousarray(getattr(d, name)[..., which]) for name in PER_CABLE + PER_DESIGN}
+    return d.with_(**columns)
+
+
+def _missing(d: DriveSI, good: Any) -> BulkFigures:
+    per_cable = ("free_span_m", "guide_wrap_rad", "input_wrap_needed_rad", "drum_wrap_needed_rad", "cable_backlash_rad")
+    rows = dict.fromkeys(per_cable, d.n_cables) | {"turn_rad": 2, "peak_torque_Nm": 2}
+    empty = [
+        np.full((rows[f.name], good.size) if f.name in rows else good.size, np.nan) for f in fields(BulkFigures)[1:]
+    ]
+    return BulkFigures(np.zeros(good.size, dtype=bool), *empty)
+
+
+def _block(d: DriveSI, need: Requirements, good: Any) -> BulkFigures:
+    backlash = cable_backlash(d, need.load_Nm)
+    drum = drum_backlash(d, need.load_Nm)
+    other_way = solve_equilibrium(d, -need.load_Nm)
+    tension = np.concatenate([drum.loaded.tension_N, other_way.tension_N])
+    slip = np.maximum(
+        slip_angle_rad(drum.loaded.tension_N, d.preload_N, d.friction_coefficient),
+        slip_angle_rad(other_way.tension_N, d.preload_N, d.friction_coefficient),
+    )
+    guide = d.guide_radius_m / d.drum_radius_m
+    inner = d.input_radius_m / d.guide_radius_m
+    first = [d.input_of.index(i) for i in d.input_of]
+    total = d.input_radius_m / d.drum_radius_m
+    residual = np.maximum(np.abs(guide / guide[0] - 1).max(axis=0), np.abs(inner / inner[first] - 1).max(axis=0))
+    by_input = np.stack(
+        [total[[j for j, k in enumerate(d.input_of) if k == i]].mean(axis=0) for i in range(d.n_inputs)]
+    )
+    return BulkFigures(
+        valid=good,
+        eq1_residual=np.maximum(residual, np.abs(by_input / by_input[0] - 1).max(axis=0)),
+        bend_ratio=2.0 * np.minimum(d.input_radius_m, d.guide_radius_m).min(axis=0) / need.rope_diameter_m,
+        free_span_m=d.free_span_m,
+        guide_wrap_rad=guide_wraps_rad(d),
+        input_wrap_needed_rad=2.0 * need.half_travel_rad * d.total_ratio,
+        drum_wrap_needed_rad=need.half_travel_rad + slip,
+        cable_backlash_rad=backlash.backlash_rad,
+        turn_rad=np.stack([drum.loaded.drum_angle_rad, other_way.drum_angle_rad]) - drum.idle.drum_angle_rad,
+        reversal_swing_rad=drum.reversal_swing_rad,
+        highest_tension_N=tension.max(axis=0),
+        lowest_tension_N=tension.min(axis=0),
+        peak_torque_Nm=np.stack([_peak_torque(d, need, drum.idle, way) for way in (1, -1)]),
+    )
+
+
+def _peak_torque(d: DriveSI, need: Requirements, idle: Equilibrium, way: int) -> Floats:
+    """Lowest load in one direction at which an input reaches its rating or a cable its tension limit.
+
+    Solved for the first input; only where another input, or a cable, is then beyond its limit is that one solved for:
+    all grow with the load, so the last one solved for is the first to be reached.
+    """
+    everything = np.arange(d.batch_shape[0])
+    rating, strength = need.input_rating_Nm, need.tension_limit_N
+    at = solve_weighted(d, _input_weight(d, 0), way * rating)
+    for i in range(1, d.n_inputs):
+        over = everything[way * at.input_torque_Nm(d)[i] > rating]
+        if over.size:
+            part = _taken(d, over)
+            _put(at, over, solve_weighted(part, _input_weight(part, i), way * rating[over]))
+    for j in range(d.n_cables):
+        over = everything[at.tension_N[j] > strength]
+        if over.size and d.sigma[j] == way:
+            part = _taken(d, over)
+            weight = d.column(d.sigma * (np.arange(d.n_cables) == j), 2) * np.ones(over.size)
+            _put(at, over, solve_weighted(part, weight, way * strength[over]))
+    load = way * np.einsum("jn,jn->n", d.sigma[:, None] * d.drum_radius_m, at.tension_N)
+    biased = (way * idle.input_torque_Nm(d) >= rating).any(axis=0)
+    return np.where(biased, 0.0, np.maximum(load, 0.0))
+
+
+def _input_weight(d: DriveSI, index: int) -> Floats:
+    return np.asarray(d.column(d.sigma * d.of_input(index), 2) * d.input_radius_m)
+
+
+def _put(at: Equilibrium, which: Any, found: Equilibrium) -> None:
+    at.drum_angle_rad[which] = found.drum_angle_rad
+    at.tension_N[:, which] = found.tension_N

@@ -1,0 +1,122 @@
+"""The figures that `analyse` returns: frozen, plain numbers only, ready for JSON.
+
+Units are in the names. Angles of backlash are in mrad, torques on inputs in mN m, as a designer reads them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from mbcdm_cad.model.capability import TorqueLimit
+
+
+@dataclass(frozen=True)
+class CableFigures:
+    """One cable at the test torque. ``*_simplified`` are the paper's (16) to (20), the others use Eq. (14) exactly."""
+
+    name: str
+    input_name: str
+    sigma: int
+    total_ratio: float
+    free_span_mm: float
+    preload_N: float
+    kappa: float
+    high_tension_N: float
+    low_tension_N: float
+    high_tension_simplified_N: float
+    low_tension_simplified_N: float
+    backlash_mrad: float
+    backlash_simplified_mrad: float
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """All cables at once, inputs locked, first loading to ``load_Nm`` (> 0 opposes positive rotation).
+
+    ``turn_mrad`` is the drum's turn from no load; ``slip_angle_deg`` that of the free span's tension on each wrap;
+    tuples follow the drive's cables and inputs.
+    """
+
+    load_Nm: float
+    turn_mrad: float
+    tension_N: tuple[float, ...]
+    slip_angle_deg: tuple[float, ...]
+    slack: tuple[bool, ...]
+    input_torque_mNm: tuple[float, ...]
+    load_share: tuple[float, ...]
+    tangent_stiffness_Nm_rad: float
+    secant_stiffness_Nm_rad: float
+
+
+@dataclass(frozen=True)
+class BearingFigures:
+    """Radial loads (N) and guide moment (N m) at one load; the drum's is the pull across its axis."""
+
+    load_Nm: float
+    input_radial_N: tuple[float, ...]
+    guide_radial_N: float
+    guide_moment_Nm: float
+    drum_radial_N: float
+
+
+@dataclass(frozen=True)
+class ModulusReading:
+    """E that the paper's measured backlash implies under one reading of it and one route of the model."""
+
+    reading: str
+    route: str
+    modulus_GPa: float
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Everything the model says about one design, for the report and for ``mbcdm analyse``.
+
+    ``peak_torque_Nm`` and ``peak_torque_with_efficiency_Nm`` are (for +, for -): the lowest limit each way with the
+    gearhead lossless, as the paper counts, and with its efficiency. ``balanced_*`` repeat it with preloads T ~ 1/r.
+    """
+
+    name: str
+    friction_coefficient: float
+    modulus_GPa: float
+    modulus_area: str
+    area_mm2: float
+    axial_stiffness_kN: float
+    centre_distance_mm: float
+    eq1_worst_residual: float
+    pair_mismatch_mm: tuple[float, ...]
+    pair_mismatch_N: float
+    cables: tuple[CableFigures, ...]
+    test: tuple[LoadCase, LoadCase]
+    peak: tuple[LoadCase, LoadCase]
+    reversal_swing_mrad: float
+    sticking_stiffness_Nm_rad: float
+    input_bias_mNm: tuple[float, ...]
+    limits: tuple[TorqueLimit, ...]
+    peak_torque_Nm: tuple[float, float]
+    peak_torque_with_efficiency_Nm: tuple[float, float]
+    balanced_preload_N: tuple[float, ...]
+    balanced_peak_torque_Nm: tuple[float, float]
+    torque_to_weight_Nm_kg: float
+    bearings: tuple[BearingFigures, ...]
+    measured_backlash_mrad: float
+    implied_modulus: tuple[ModulusReading, ...]
+    notes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Nested dicts and lists for JSON; infinite figures (no such limit) become None."""
+        plain = _plain(asdict(self))
+        assert isinstance(plain, dict)
+        return plain
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,232 @@
+"""The time-series reference model: drum angle and tensions for given input angles and load, with memory.
+
+Both inputs are held at their measured angles; cable j stretches by delta_j = sigma_j (r_ij theta_i - r_oj theta_o) and
+sum_j sigma_j T_j r_oj = M. The clip rule of :mod:`mbcdm_cad.model.wrap` has a closed form: after a reversal at T_r
+
+    EA (delta - delta_r) = L_free (T - T_r) +- (r_i + r_o)/mu (sqrt T - sqrt T_r)^2,
+
+a quadratic in sqrt T, until the loop closes at the turning point before (both are then forgotten), or, on a branch that
+left the first-loading curve at T_1, until T T_1 = T_pre^2, where the first-loading curve goes on. So a stack of turning
+points for each cable is the whole memory, and each sample costs a few square roots. Wraps are longer than any slip
+zone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.model.compiled import compiled
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import DriveSI, Floats
+
+# Columns of the table of constants, one row a cable.
+FREE, REACH, PRELOAD, DRUM, SIGMA = range(5)
+# Columns of the table of states.
+TENSION, STRETCH, DIRECTION, LEVEL, MIRROR = range(5)
+STEPS = 200
+VIRGIN_STEPS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Drum angle (rad, shape (n,)) and free-span tensions (N, shape (n_cables, n)) at each sample."""
+
+    drum_angle_rad: Floats
+    tension_N: Floats
+
+    def input_torque_Nm(self, d: DriveSI) -> Floats:
+        """Torque that holds each input at each sample, shape (n_inputs, n)."""
+        pull = (d.sigma * d.input_radius_m)[:, None] * self.tension_N
+        return np.stack([pull[[j for j, k in enumerate(d.input_of) if k == i]].sum(axis=0) for i in range(d.n_inputs)])
+
+
+def simulate(d: DriveSI, input_angle_rad: Any, load_Nm: Any, path_m: Any = None) -> Response:
+    """Run the model over a series.
+
+    ``input_angle_rad`` (n_inputs, n), in the sense that drives the drum positive; ``load_Nm`` (n,) or one value, > 0
+    opposing positive rotation; ``path_m`` (n_cables, n) lengthens the path of each cable, as an eccentric pulley does,
+    and is added to its stretch. Before the first sample every cable holds its preload with all angles zero; the first
+    sample is reached in one monotone step. Errors: ``ModelError`` for shapes that do not fit, values that are not
+    finite, a batch of designs, or a friction of zero.
+    """
+    angle, load = checked_series(d, input_angle_rad, load_Nm)
+    drum, tension = np.empty(load.size), np.empty((d.n_cables, load.size))
+    offset = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)]
+    if path_m is not None:
+        path = np.asarray(path_m, dtype=float)
+        if path.shape != offset.shape or not np.isfinite(path).all():
+            raise ModelError(f"path_m has shape {path.shape} or holds NaN; give finite numbers of shape {offset.shape}")
+        offset = offset + path
+    turns = np.empty((d.n_cables, load.size + 2, 2))
+    failed = _run(constants(d), offset, load, drum, tension, turns)
+    if failed >= 0:
+        raise ModelError(
+            f"sample {failed}: no drum angle balances a load of {load[failed]:.6g} N m; check its unit and sign"
+        )
+    return Response(drum, tension)
+
+
+def checked_series(d: DriveSI, input_angle_rad: Any, load_Nm: Any) -> tuple[Floats, Floats]:
+    """Input angles (n_inputs, n) and load (n,) as contiguous arrays; errors as in :func:`simulate`."""
+    angle = np.ascontiguousarray(np.atleast_2d(np.asarray(input_angle_rad, dtype=float)))
+    if d.batch_shape:
+        raise ModelError(f"a series runs on one design, got a batch of shape {d.batch_shape}; loop over the designs")
+    if angle.shape[0] != d.n_inputs or angle.ndim != 2:
+        raise ModelError(
+            f"input_angle_rad has shape {angle.shape}, the drive needs ({d.n_inputs}, n): one row an input"
+        )
+    load = np.asarray(load_Nm, dtype=float)
+    if load.ndim > 1 or (load.ndim == 1 and load.size != angle.shape[1]):
+        raise ModelError(f"load_Nm has shape {load.shape} for {angle.shape[1]} samples; give one value or one a sample")
+    if not (np.isfinite(angle).all() and np.isfinite(load).all()):
+        raise ModelError("input_angle_rad or load_Nm holds NaN or infinity; clean the series first")
+    if not float(d.friction_coefficient) > 0.0:
+        friction = float(d.friction_coefficient)
+        raise ModelError(f"friction_coefficient {friction:g}: slip zones have no end; give it > 0")
+    return angle, np.ascontiguousarray(np.broadcast_to(load, (angle.shape[1],)))
+
+
+def constants(d: DriveSI) -> Floats:
+    """Per cable: L_free/(EA) and (r_i + r_o)/(mu EA) in m/N, preload in N, r_o in m, sigma; shape (n_cables, 5)."""
+    stiffness = float(d.axial_stiffness_N)
+    columns = (d.free_span_m / stiffness, d.slip_reach_m / stiffness, d.preload_N, d.drum_radius_m, d.sigma)
+    return np.ascontiguousarray(np.stack(np.broadcast_arrays(*columns), axis=1))
+
+
+@compiled
+def _virgin_stretch(c: Floats, tension: float) -> float:
+    """First-loading curve, m; ``c`` is the cable's row of constants."""
+    u = tension / c[PRELOAD]
+    slip = u - 1.0 - math.log(u)
+    return float(c[PRELOAD] * (c[FREE] * (u - 1.0) + (c[REACH] * slip if u >= 1.0 else -c[REACH] * slip)))
+
+
+@compiled
+def _virgin_tension(c: Floats, stretch: float) -> tuple[float, float]:
+    """Tension and dT/d(delta) on the first-loading curve. Newton from the safe side of a convex curve."""
+    kappa = c[FREE] / c[REACH]
+    y = abs(stretch) / (c[PRELOAD] * c[REACH])
+    f = math.sqrt(kappa * kappa + 2.0 * y) - kappa
+    sign = 1.0 if stretch >= 0.0 else -1.0
+    if sign < 0.0:
+        f = min(f, 1.0 - math.exp(-y - 1.0))
+    for _ in range(VIRGIN_STEPS):
+        step = kappa * f + sign * f - math.log1p(sign * f) - y
+        step /= kappa + f / (1.0 + sign * f)
+        f -= step
+        if abs(step) <= 1e-15 * (1.0 + f):
+            break
+    return c[PRELOAD] * (1.0 + sign * f), 1.0 / (c[FREE] + c[REACH] * f / (1.0 + sign * f))
+
+
+@compiled
+def _branch(c: Floats, from_tension: float, change: float) -> tuple[float, float]:
+    """Tension and dT/d(delta) after the stretch has changed by ``change`` since a turning point."""
+    w = math.sqrt(from_tension)
+    square = c[FREE] + c[REACH] if change >= 0.0 else c[FREE] - c[REACH]
+    v = change / (c[FREE] * w + math.sqrt(c[FREE] * c[FREE] * from_tension + square * change))
+    now = w + v
+    return now * now, now / (c[FREE] * now + c[REACH] * abs(v))
+
+
+@compiled
+def _look(c: Floats, s: Floats, turns: Floats, stretch: float) -> tuple[float, float]:
+    """Tension and dT/d(delta) that the cable would have at ``stretch``; its state stays as it is."""
+    change = stretch - s[STRETCH]
+    if change == 0.0:
+        return s[TENSION], 1.0 / c[FREE]
+    move = 1.0 if change > 0.0 else -1.0
+    level = int(s[LEVEL])
+    mirror = s[MIRROR]
+    if move != s[DIRECTION] and s[DIRECTION] != 0.0:
+        closes = turns[level, STRETCH] if level >= 1 else _virgin_stretch(c, c[PRELOAD] ** 2 / s[TENSION])
+        if move * (stretch - closes) <= 0.0:
+            return _branch(c, s[TENSION], change)
+        level -= 1
+    while level >= 1:
+        closes = turns[level - 1, STRETCH] if level >= 2 else mirror
+        if move * (stretch - closes) <= 0.0:
+            return _branch(c, turns[level, TENSION], stretch - turns[level, STRETCH])
+        level -= 2
+    return _virgin_tension(c, stretch)
+
+
+@compiled
+def _move(c: Floats, s: Floats, turns: Floats, stretch: float, tension: float) -> None:
+    """Bring the cable to ``stretch``: push a turning point on reversal, forget the loops that close."""
+    change = stretch - s[STRETCH]
+    # Rounding must not be taken for a reversal.
+    if abs(change) <= 1e-13 * c[PRELOAD] * c[FREE]:
+        return
+    move = 1.0 if change > 0.0 else -1.0
+    level = int(s[LEVEL])
+    if move != s[DIRECTION] and s[DIRECTION] != 0.0:
+        level += 1
+        turns[level, TENSION] = s[TENSION]
+        turns[level, STRETCH] = s[STRETCH]
+        if level == 1:
+            s[MIRROR] = _virgin_stretch(c, c[PRELOAD] ** 2 / s[TENSION])
+    while level >= 1:
+        closes = turns[level - 1, STRETCH] if level >= 2 else s[MIRROR]
+        if move * (stretch - closes) <= 0.0:
+            break
+        level -= 2
+    s[LEVEL] = max(level, 0)
+    s[DIRECTION] = move
+    s[STRETCH] = stretch
+    s[TENSION] = tension
+
+
+@compiled
+def _run(table: Floats, offsets: Floats, load: Floats, drum: Floats, tension: Floats, turns: Floats) -> int:
+    """Fill ``drum`` and ``tension``; the first sample that cannot be balanced, or -1."""
+    n_cables = table.shape[0]
+    state = np.zeros((n_cables, 5))
+    theta, offset_before = 0.0, np.zeros(n_cables)
+    scale = 0.0
+    for j in range(n_cables):
+        state[j, TENSION] = table[j, PRELOAD]
+        scale += table[j, PRELOAD] * table[j, DRUM]
+    offset, found = np.empty(n_cables), np.empty(n_cables)
+    for k in range(load.size):
+        # Predict: the drum follows the inputs, each cable weighing in by its stiffness while it sticks.
+        push, grip = 0.0, 0.0
+        for j in range(n_cables):
+            offset[j] = offsets[j, k]
+            push += table[j, SIGMA] * table[j, DRUM] / table[j, FREE] * (offset[j] - offset_before[j])
+            grip += table[j, DRUM] ** 2 / table[j, FREE]
+            offset_before[j] = offset[j]
+        theta += push / grip
+        low, high = -math.inf, math.inf
+        for _ in range(STEPS):
+            miss, slope = -load[k], 0.0
+            for j in range(n_cables):
+                lever = table[j, SIGMA] * table[j, DRUM]
+                pulled, rate = _look(table[j], state[j], turns[j], offset[j] - lever * theta)
+                found[j] = pulled
+                miss += lever * pulled
+                slope += lever * lever * rate
+            if abs(miss) <= 1e-14 * scale:
+                break
+            if miss > 0.0:
+                low = theta
+            else:
+                high = theta
+            following = theta + miss / slope
+            if not (low < following < high):
+                following = 0.5 * (low + high)
+            if following == theta or not math.isfinite(following):
+                break
+            theta = following
+        if not abs(miss) <= 1e-9 * scale:
+            return k
+        for j in range(n_cables):
+            lever = table[j, SIGMA] * table[j, DRUM]
+            _move(table[j], state[j], turns[j], offset[j] - lever * theta, found[j])
+            tension[j, k] = state[j, TENSION]
+        drum[k] = theta
+    return -1

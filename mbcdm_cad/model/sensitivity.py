@@ -1,0 +1,156 @@
+"""How the backlash and the torque answer to the parameters: Fig. 5 of the paper, elasticities, and global indices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mbcdm_cad.model.bulk import Requirements, analyse_many
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.uncertainty import figures_of
+
+# Ranges of Fig. 5 are not legible in the paper's text; these are chosen round the case study.
+PRELOAD_RANGE_N = (30.0, 120.0)
+PANELS = {
+    "a": ("load_Nm", "external torque", "N m", 1.0, (0.3, 0.6, 0.91, 1.5, 3.0)),
+    "b": ("friction_coefficient", "friction coefficient", "-", 1.0, (0.05, 0.1, 0.15, 0.3, 0.5)),
+    "c": ("modulus_Pa", "tensile modulus", "GPa", 1e-9, (30e9, 45e9, 54e9, 75e9, 100e9)),
+    "d": ("centre_distance_m", "centre distance", "mm", 1e3, (26e-3, 30e-3, 34.6e-3, 45e-3, 60e-3)),
+}
+GLOBAL_RANGES = {
+    "preload_N": (50.0, 90.0),
+    "load_Nm": (0.5, 1.5),
+    "friction_coefficient": (0.10, 0.20),
+    "modulus_Pa": (45e9, 65e9),
+    "centre_distance_m": (33e-3, 40e-3),
+    "input_rating_Nm": (0.15, 0.25),
+}
+ELASTICITY_STEP = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One panel of Fig. 5: backlash (rad, (k, n)) over preload (N, (n,)) for k values of one parameter, in ``unit``."""
+
+    letter: str
+    parameter: str
+    unit: str
+    preload_N: Floats
+    value: Floats
+    backlash_rad: Floats
+
+    def rows(self) -> list[list[float]]:
+        """Preload in N, then the backlash in mrad for each value: the lines of the CSV file."""
+        return [
+            [float(t), *map(float, column * 1e3)] for t, column in zip(self.preload_N, self.backlash_rad.T, strict=True)
+        ]
+
+    def header(self) -> list[str]:
+        """Column names of :meth:`rows`, with units."""
+        unit = "" if self.unit == "-" else f" {self.unit}"
+        return ["preload_N", *(f"backlash_mrad at {self.parameter} {v:g}{unit}" for v in self.value)]
+
+
+def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
+    """The four panels, by all cables at once on first loading; every other parameter as in ``d``."""
+    preload = np.linspace(*PRELOAD_RANGE_N, points)
+    panels = []
+    for letter, (name, label, unit, factor, values) in PANELS.items():
+        lines = []
+        for value in values:
+            one = d if name == "load_Nm" else d.with_(**{name: value})
+            many = one.spread(points).with_(preload_N=np.broadcast_to(preload, (d.n_cables, points)))
+            load = value if name == "load_Nm" else load_Nm
+            lines.append(np.abs(solve_equilibrium(many, load).drum_angle_rad))
+        panels.append(Panel(letter, label, unit, preload, np.array(values) * factor, np.array(lines)))
+    return tuple(panels)
+
+
+def elasticities(d: DriveSI, need: Requirements) -> dict[str, dict[str, float]]:
+    """d ln(figure)/d ln(parameter) by central differences, for each figure and parameter; ``preload_N`` all together.
+
+    ``radii`` scales every radius at once. Laws that tie them: tensions and EA as one, lengths and torques as one.
+    """
+    names = (
+        "preload_N",
+        "load_Nm",
+        "friction_coefficient",
+        "modulus_Pa",
+        "centre_distance_m",
+        "radii",
+        "input_rating_Nm",
+    )
+    answers = {}
+    for name in names:
+        ends = []
+        for sign in (1.0, -1.0):
+            factor = float(np.exp(sign * ELASTICITY_STEP))
+            changed, asked = d, need
+            if name == "radii":
+                changed = d.with_(
+                    **{k: getattr(d, k) * factor for k in ("input_radius_m", "guide_radius_m", "drum_radius_m")}
+                )
+            elif hasattr(need, name):
+                asked = replace(need, **{name: np.asarray(getattr(need, name)) * factor})
+            else:
+                changed = d.with_(**{name: getattr(d, name) * factor})
+            ends.append(figures_of(analyse_many(changed.spread(1), asked)))
+        answers[name] = {
+            f: float((np.log(ends[0][f]) - np.log(ends[1][f]))[0] / (2 * ELASTICITY_STEP)) for f in ends[0]
+        }
+    return {figure: {name: answers[name][figure] for name in names} for figure in answers[names[0]]}
+
+
+@dataclass(frozen=True)
+class GlobalIndices:
+    """Sobol' indices: share of a figure's variance by a parameter alone (first), with interactions (total)."""
+
+    parameter: tuple[str, ...]
+    ranges: tuple[tuple[float, float], ...]
+    first: dict[str, tuple[float, ...]]
+    total: dict[str, tuple[float, ...]]
+
+
+def global_indices(
+    d: DriveSI,
+    need: Requirements,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+    n: int = 4096,
+    seed: int = 0,
+) -> GlobalIndices:
+    """Sobol' indices of backlash and torque over uniform ``ranges`` (SI; default ``GLOBAL_RANGES``), by scipy.
+
+    Errors: ``ModelError`` for an empty or reversed range.
+    """
+    from scipy import stats
+
+    chosen = dict(ranges or GLOBAL_RANGES)
+    for name, (low, high) in chosen.items():
+        if not low < high:
+            raise ModelError(f"range of {name}: {low:g} to {high:g} is empty; give low < high")
+    names = tuple(chosen)
+    labels: list[str] = []
+
+    def figures(x: Floats) -> Floats:
+        asked, fields = need, {}
+        for name, column in zip(names, x, strict=True):
+            if hasattr(need, name):
+                asked = replace(asked, **{name: column})
+            else:
+                fields[name] = np.broadcast_to(column, (d.n_cables, column.size)) if name == "preload_N" else column
+        found = figures_of(analyse_many(d.spread(x.shape[1]).with_(**fields), asked))
+        labels[:] = list(found)
+        return np.array(list(found.values()))
+
+    laws = [stats.uniform(loc=low, scale=high - low) for low, high in chosen.values()]
+    indices = stats.sobol_indices(func=figures, n=n, dists=laws, rng=np.random.default_rng(seed))
+    return GlobalIndices(
+        names,
+        tuple((float(low), float(high)) for low, high in chosen.values()),
+        {label: tuple(map(float, row)) for label, row in zip(labels, indices.first_order, strict=True)},
+        {label: tuple(map(float, row)) for label, row in zip(labels, indices.total_order, strict=True)},
+    )

@@ -1,0 +1,160 @@
+"""The numerical core of the equilibrium: one drum angle, many cables, many cases at once.
+
+Find theta so that sum_j weight_j T_j = goal, with delta_j(T_j) = offset_j - lever_j theta for every cable that is not
+slack. Every delta_j is strictly increasing in T_j and weight_j lever_j >= 0, so the answer is unique. Newton's method
+on all tensions together, with slack cables taken out and put back as they come and go, settles in a few steps; cases
+that do not settle are finished one unknown at a time inside brackets, slowly and safely.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, Floats
+from mbcdm_cad.model.wrap import slack_stretch_m, stretch_after_reversal, stretch_first_loading
+
+NEWTON_STEPS = 40
+BRACKETED_STEPS = 300
+WIDENINGS = 60
+# Newton is quadratic: a step this small was the last but one that counts, and it has been taken.
+RELATIVE_STEP = 1e-10
+# A tension shrinks to no less than this share in one step: the law ends at zero.
+SMALLEST_SHARE = 0.2
+# Where a cable that was slack starts again, as a share of its preload.
+TAUT_AGAIN = 1e-3
+# A tension below this share of the preload counts as none: it is far under what rounding leaves of the others.
+FAINT_SHARE = 1e-12
+
+
+def stretch(d: DriveSI, tension_N: Floats, turned_at_N: Floats | None) -> tuple[Floats, Floats]:
+    """Stretch (m) and its slope (m/N) on first loading, or after a reversal at ``turned_at_N``."""
+    if turned_at_N is None:
+        return stretch_first_loading(d, tension_N)
+    return stretch_after_reversal(d, tension_N, np.maximum(turned_at_N, FAINT_SHARE * d.preload_N))
+
+
+def slack_limit_m(d: DriveSI) -> Floats:
+    """Stretch (m) at and below which a cable counts as slack: that of ``FAINT_SHARE`` of its preload, or of none."""
+    if d.endless_wraps:
+        # The law itself, written out: every solution asks for it.
+        lost = (1.0 - FAINT_SHARE) * d.free_span_m + (FAINT_SHARE - 1.0 - math.log(FAINT_SHARE)) * d.slip_reach_m
+        return np.asarray(-d.preload_N / d.axial_stiffness_N * lost)
+    faint, _ = stretch_first_loading(d, FAINT_SHARE * d.preload_N)
+    return np.maximum(faint, slack_stretch_m(d))
+
+
+def _over_cables(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.einsum("j...,j...->...", a, b))
+
+
+def balance(
+    d: DriveSI, weight: Floats, goal: Floats, lever: Floats, offset: Floats, turned_at_N: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """Drum angle (...) in rad and tensions (n_cables, ...) in N. Arrays are at full shape, ``d`` broadcasts to it.
+
+    Errors: ``ModelError`` where no drum angle reaches the goal.
+    """
+    preload = np.broadcast_to(d.preload_N, lever.shape)
+    missing = goal - _over_cables(weight, preload)
+    tension = np.maximum(preload + missing * weight / _over_cables(weight, weight), SMALLEST_SHARE * preload)
+    taut_limit = slack_limit_m(d)
+    slack = np.zeros(lever.shape, dtype=bool)
+    theta, done = np.zeros(goal.shape), np.zeros(goal.shape, dtype=bool)
+    for _ in range(NEWTON_STEPS):
+        some_slack = slack.any()
+        now, slope = stretch(d, np.where(slack, preload, tension) if some_slack else tension, turned_at_N)
+        ease = np.where(slack, 0.0, weight / slope) if some_slack else weight / slope
+        linear = _over_cables(weight, tension) + _over_cables(ease, offset - now)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            theta = (linear - goal) / _over_cables(ease, lever)
+        wanted = offset - lever * theta
+        step = (wanted - now) / slope
+        lowest = SMALLEST_SHARE * tension
+        following = np.maximum(tension + step, lowest)
+        settled = (np.abs(step) <= RELATIVE_STEP * preload) & (tension + step >= lowest)
+        gone = wanted <= taut_limit
+        if some_slack or gone.any():
+            settled = np.where(gone | slack, gone & slack, settled)
+            following = np.where(gone, 0.0, np.where(slack, TAUT_AGAIN * preload, following))
+            slack = gone
+        tension = following
+        done = settled.all(axis=0) & np.isfinite(theta)
+        if done.all():
+            return theta, tension
+    rest = ~done
+    part, columns = _only(d, goal.shape, rest), [a[:, rest] for a in (weight, lever, offset)]
+    turned = None if turned_at_N is None else np.broadcast_to(turned_at_N, lever.shape)[:, rest]
+    theta, tension = np.array(theta), np.array(tension)
+    theta[rest], tension[:, rest] = _bracketed(part, columns[0], goal[rest], columns[1], columns[2], turned)
+    return theta, tension
+
+
+def tension_of_stretch(d: DriveSI, stretch_m: Floats, turned_at_N: Floats | None = None) -> Floats:
+    """Inverse of the stretch, N, shape of ``stretch_m``; 0 beyond the slack limit. Newton inside a bracket: safe."""
+    start = d.preload_N if turned_at_N is None else np.maximum(d.preload_N, turned_at_N)
+    # Friction only makes a cable softer, so the free span alone gives the most that a stretch can cost.
+    high = start + np.abs(stretch_m) * d.axial_stiffness_N / d.free_span_m
+    if turned_at_N is not None:
+        # Counted from the turning point the stretch to cover may be larger by that of the turning point itself.
+        turned = np.maximum(turned_at_N, FAINT_SHARE * d.preload_N)
+        high = high + np.abs(stretch_first_loading(d, turned)[0]) * d.axial_stiffness_N / d.free_span_m
+    slack = stretch_m <= slack_limit_m(d)
+    low, tension = FAINT_SHARE * d.preload_N + np.zeros_like(high), start + np.zeros_like(high)
+    for _ in range(BRACKETED_STEPS):
+        now, slope = stretch(d, tension, turned_at_N)
+        low, high = np.where(now < stretch_m, tension, low), np.where(now >= stretch_m, tension, high)
+        newton = tension + (stretch_m - now) / slope
+        # Geometric while far apart (a tail of tension may be tiny), arithmetic at the end.
+        middle = np.where(high > 4.0 * low, np.sqrt(high * low), 0.5 * (low + high))
+        following = np.where((newton > low) & (newton < high), newton, middle)
+        settled = np.abs(following - tension) <= 1e-15 * tension
+        tension = following
+        if (settled | slack).all():
+            break
+    return np.asarray(np.where(slack, 0.0, tension))
+
+
+def _only(d: DriveSI, shape: tuple[int, ...], which: Any) -> DriveSI:
+    """The cases ``which`` (a mask of ``shape``) as a flat batch."""
+    columns = {k: np.broadcast_to(getattr(d, k), (d.n_cables, *shape))[:, which] for k in PER_CABLE}
+    return d.with_(**columns, **{k: np.broadcast_to(getattr(d, k), shape)[which] for k in PER_DESIGN})
+
+
+def _bracketed(
+    d: DriveSI, weight: Floats, goal: Floats, lever: Floats, offset: Floats, turned_at_N: Floats | None
+) -> tuple[Floats, Floats]:
+    """The same answer by one unknown, the drum angle, inside a bracket; every tension is solved for at each angle."""
+
+    def pulled(angle: Floats) -> tuple[Floats, Floats, Floats]:
+        tension = tension_of_stretch(d, offset - lever * angle, turned_at_N)
+        _, slope = stretch(d, np.where(tension > 0.0, tension, d.preload_N), turned_at_N)
+        fall = _over_cables(np.where(tension > 0.0, weight / slope, 0.0), lever)
+        return tension, _over_cables(weight, tension) - goal, fall
+
+    angle = _over_cables(lever, offset) / _over_cables(lever, lever)
+    reach = np.max(d.preload_N / d.axial_stiffness_N * d.free_span_m / d.drum_radius_m, axis=0)
+    low, high = angle - reach, angle + reach
+    for _ in range(WIDENINGS):
+        short, long = pulled(low)[1] < 0.0, pulled(high)[1] > 0.0
+        if not (short | long).any():
+            break
+        low, high = np.where(short, low - 4.0 * (high - low), low), np.where(long, high + 4.0 * (high - low), high)
+    else:
+        worst = float(np.max(np.abs(goal[short | long])))
+        raise ModelError(
+            f"no drum angle balances {worst:.6g} (N m or N): every cable that could hold it is slack; raise preload_N"
+        )
+    for _ in range(BRACKETED_STEPS):
+        tension, excess, fall = pulled(angle)
+        low, high = np.where(excess > 0.0, angle, low), np.where(excess <= 0.0, angle, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = angle + excess / fall
+        following = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        if (np.abs(following - angle) <= 1e-16 + 1e-15 * np.abs(angle)).all():
+            break
+        angle = following
+    return angle, tension

@@ -1,0 +1,105 @@
+"""What `mbcdm sensitivity` writes: Fig. 5 as plots and CSV, global indices, tolerance stack, intervals, a summary."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.model.analysis import MOTOR, input_ratings_Nm
+from mbcdm_cad.model.bulk import Requirements
+from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.tolerance import Tolerances, tolerance_stack
+from mbcdm_cad.model.uncertainty import intervals
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import Drive
+
+# Standard deviations for the intervals, estimates: preload by a hand-set tensioner, friction and modulus from tables,
+# torque sensor and motor rating. Relative to the value.
+RELATIVE_SIGMA = {
+    "preload_N": 0.05,
+    "friction_coefficient": 0.10,
+    "modulus_Pa": 0.05,
+    "load_Nm": 0.01,
+    "input_rating_Nm": 0.03,
+}
+
+
+def requirements(drive: Drive) -> Requirements:
+    """What the design is judged by, in SI: test torque, travel, lossless rating of an input, rope."""
+    return Requirements(
+        load_Nm=drive.loads.test_torque_Nm,
+        half_travel_rad=np.radians(drive.half_travel_deg),
+        input_rating_Nm=input_ratings_Nm(drive)[MOTOR],
+        rope_diameter_m=drive.cable.diameter_mm * 1e-3,
+        tension_limit_N=drive.cable.breaking_load_N / drive.limits.tension_safety_factor,
+    )
+
+
+def write_study(drive: Drive, folder: Path) -> dict[str, Any]:
+    """Write every file of the study into ``folder`` (made if missing) and return the summary, which is also a file.
+
+    Files: fig5_a to fig5_d as .csv and .svg, indices.svg, tolerance.svg and .csv, loop.svg, sensitivity.json. Seeded:
+    the same design gives the same bytes.
+    """
+    from mbcdm_cad.model import plots
+
+    folder.mkdir(parents=True, exist_ok=True)
+    d, need = to_si(drive), requirements(drive)
+    for panel in figure_5(d, need.load_Nm):
+        _write_csv(folder / f"fig5_{panel.letter}.csv", panel.header(), panel.rows())
+        plots.plot_panel(panel, folder / f"fig5_{panel.letter}.svg")
+    indices = global_indices(d, need)
+    plots.plot_indices(indices, folder / "indices.svg")
+    tolerances = Tolerances()
+    stack = tolerance_stack(d, float(need.half_travel_rad), tolerances)
+    plots.plot_tolerance(stack, folder / "tolerance.svg")
+    columns = np.stack([np.degrees(stack.pose_rad), stack.linear_rad * 1e6, stack.monte_carlo_rad * 1e6], axis=1)
+    _write_csv(folder / "tolerance.csv", ["drum_angle_deg", "linear_urad", "monte_carlo_urad"], columns.tolist())
+    plots.plot_loop(d, need.load_Nm, folder / "loop.svg")
+    sigma = {
+        name: share * float(np.mean(getattr(need if hasattr(need, name) else d, name)))
+        for name, share in RELATIVE_SIGMA.items()
+    }
+    summary = {
+        "design": drive.name,
+        "elasticities": elasticities(d, need),
+        "global_indices": asdict(indices),
+        "tolerances": asdict(tolerances),
+        "tolerance_stack": {
+            "rms_by_source_rad": dict(zip(stack.contributor, stack.contribution_rad.tolist(), strict=True)),
+            "peak_to_peak_rad": {
+                "linear": {"median": stack.peak_to_peak_rad[0, 0], "p95": stack.peak_to_peak_rad[0, 1]},
+                "monte_carlo": {"median": stack.peak_to_peak_rad[1, 0], "p95": stack.peak_to_peak_rad[1, 1]},
+            },
+        },
+        "sigma": sigma,
+        "intervals": {name: asdict(interval) for name, interval in intervals(d, need, sigma).items()},
+    }
+    # Eight digits: what is left differs by the mathematics library, not by the design.
+    text = json.dumps(_rounded(summary), indent=2, sort_keys=True)
+    (folder / "sensitivity.json").write_text(text + "\n", encoding="utf-8")
+    return summary
+
+
+def _write_csv(path: Path, header: list[str], rows: list[list[float]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows([f"{value:.6g}" for value in row] for row in rows)
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _rounded(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_rounded(item) for item in value]
+    if isinstance(value, float):
+        return float(f"{value:.8g}")
+    return value

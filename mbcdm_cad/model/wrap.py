@@ -1,0 +1,114 @@
+"""How a cable stretches with the tension at its free span: free length plus the slip zones on two wraps.
+
+Classical creep theory: an end tension T admits T e^{-mu s} <= T(s) <= T e^{mu s} along a wrap; what lies outside is
+clipped to the bound, what lies inside stays. From a uniform preload that gives Eq. (4) to (12) of the paper with the
+signs put right: on the tight side T(s) = T e^{-mu s}, on the slack side T e^{+mu s}, until the preload is met.
+Nothing is lost at the guide, unless its
+wrap is given (it is then slipped on from both ends); bending stiffness is left out.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.model.si import DriveSI, Floats
+
+SERIES_BELOW = 1e-3
+
+
+def excess_minus_log(ratio: Any) -> Floats:
+    """u - 1 - ln u for u = ``ratio`` > 0, by its series near 1 where the difference would lose all digits."""
+    u = np.asarray(ratio, dtype=float)
+    e = u - 1.0
+    near = np.abs(e) < SERIES_BELOW
+    excess = np.asarray(e - np.log(u))
+    if near.any():
+        x = e[near]
+        excess[near] = x * x * (0.5 - x * (1 / 3 - x * (0.25 - x * (0.2 - x * (1 / 6)))))
+    return excess
+
+
+def slip_angle_rad(tension_N: Any, preload_N: Any, friction: Any) -> Floats:
+    """Eq. (5), (6): theta_slip = |ln(T / T_pre)| / mu, in rad, for first loading of a uniform preload."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.abs(np.log(np.asarray(tension_N) / preload_N)) / friction)
+
+
+def _run_out_integral(t: Floats, friction: Floats, wrap_rad: Floats) -> Floats:
+    """Integral of (T/T_pre - 1) ds over a wrap that the slip zone covers from end to end, in rad."""
+    rising = np.where(t >= 1.0, -1.0, 1.0)
+    exponent = rising * friction * wrap_rad
+    with np.errstate(invalid="ignore", over="ignore"):
+        mean = np.where(np.abs(exponent) < 1e-12, wrap_rad, rising * np.expm1(exponent) / _positive(friction))
+    return np.asarray(t * mean - wrap_rad)
+
+
+def _positive(x: Floats) -> Floats:
+    """A divisor: a friction too small to matter is replaced, and the branch that would use it is not taken."""
+    return np.asarray(np.where(np.asarray(x) > 1e-12, x, 1.0))
+
+
+def stretch_first_loading(d: DriveSI, tension_N: Floats) -> tuple[Floats, Floats]:
+    """Stretch of each cable against its preloaded length, and d(stretch)/dT, on first loading.
+
+    ``tension_N`` (n_cables, ...) is the free-span tension, > 0. Returns metres and m/N. With u = T/T_pre,
+    delta = T_pre/(EA) [ L_free (u - 1) +- (r_i + r_o)/mu (u - 1 - ln u) ], + above the preload, - below:
+    Eq. (7) to (12).
+    Where a slip zone reaches its anchor the rest of the wrap is gone and the law goes on linearly in T.
+    """
+    u = tension_N / d.preload_N
+    e = u - 1.0
+    slip = np.copysign(excess_minus_log(u), e)
+    span = d.free_span_m
+    flexibility = 1.0 / d.axial_stiffness_N
+    if d.endless_wraps:
+        reach = d.slip_reach_m
+        stretch = d.preload_N * flexibility * (span * e + reach * slip)
+        slope = flexibility * (span + reach * np.abs(e) / u)
+        return np.asarray(stretch), np.asarray(slope)
+    total, rate = span * e, span * np.ones_like(e)
+    mu = np.asarray(d.friction_coefficient, dtype=float)
+    partial = slip / _positive(mu)
+    wraps = ((d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad))
+    for radius, wrap in (*wraps, (2.0 * d.guide_radius_m, 0.5 * d.guide_wrap_rad)):
+        limited = np.where(np.isinf(wrap), 0.0, wrap)
+        full = np.abs(np.log(u)) >= np.where(np.isinf(wrap), np.inf, mu * limited)
+        whole = _run_out_integral(u, mu, limited)
+        total = total + radius * np.where(full, whole, partial)
+        whole_rate = (whole + limited) / u
+        rate = rate + radius * np.where(full, whole_rate, np.abs(e) / u / _positive(mu))
+    return np.asarray(d.preload_N * flexibility * total), np.asarray(flexibility * rate)
+
+
+def slack_stretch_m(d: DriveSI) -> Floats:
+    """Stretch (< 0, m) at which a cable goes slack on first unloading: its whole preload strain over span and wraps.
+
+    Minus infinity with unlimited wraps: friction then always keeps a tail of tension, and the cable never
+    quite goes slack.
+    """
+    wound = (
+        d.input_radius_m * d.input_wrap_rad + d.drum_radius_m * d.drum_wrap_rad + d.guide_radius_m * d.guide_wrap_rad
+    )
+    length = d.free_span_m + wound
+    return np.asarray(-d.preload_N / d.axial_stiffness_N * length)
+
+
+def stretch_after_reversal(d: DriveSI, tension_N: Floats, turned_at_N: Floats) -> tuple[Floats, Floats]:
+    """Stretch and its slope after a first loading to ``turned_at_N`` and a reversal towards ``tension_N``.
+
+    The reverse slip zone is ln(T_r/T)/(2 mu), so the stretch changes by
+    L_free (T - T_r)/(EA) -+ (r_i + r_o)/(mu EA) (sqrt T - sqrt T_r)^2, until the zone reaches the end of the first one
+    at T T_r = T_pre^2; from there the first-loading law of the other side holds. Unlimited wraps only.
+    """
+    turned, _ = stretch_first_loading(d, turned_at_N)
+    first, first_slope = stretch_first_loading(d, tension_N)
+    flexibility = 1.0 / d.axial_stiffness_N
+    reach = d.slip_reach_m
+    step = np.sqrt(tension_N) - np.sqrt(turned_at_N)
+    back = turned + flexibility * (d.free_span_m * (tension_N - turned_at_N) + reach * np.sign(step) * step**2)
+    back_slope = flexibility * (d.free_span_m + reach * np.abs(step) / np.sqrt(tension_N))
+    now, then = np.log(tension_N / d.preload_N), np.log(turned_at_N / d.preload_N)
+    beyond = np.where(then >= 0.0, (now > then) | (now < -then), (now < then) | (now > -then))
+    return np.where(beyond, first, back), np.where(beyond, first_slope, back_slope)

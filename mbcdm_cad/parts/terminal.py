@@ -1,0 +1,37 @@
+"""Threaded terminal of a cable: swage with the cable's bore, stud behind it. Axis Z, the cable comes from -Z."""
+
+from __future__ import annotations
+
+import cadquery as cq
+
+from mbcdm_cad.parts.shapes import turned
+
+_CHAMFER = 0.2
+
+
+def create_terminal(
+    swage_start: float,
+    cable_end: float,
+    swage_end: float,
+    tip: float,
+    swage_radius: float,
+    stud_radius: float,
+    bore_radius: float,
+) -> cq.Solid:
+    """Terminal, all mm; z = 0 where the cable leaves the drum's land, ``cable_end`` the bottom of its bore."""
+    c = _CHAMFER
+    return turned(
+        [
+            (0.0, cable_end),
+            (bore_radius, cable_end),
+            (bore_radius, swage_start),
+            (swage_radius - c, swage_start),
+            (swage_radius, swage_start + c),
+            (swage_radius, swage_end),
+            (stud_radius, swage_end),
+            (stud_radius, tip - c),
+            (stud_radius - c, tip),
+            (0.0, tip),
+        ],
+        "terminal",
+    )

@@ -1,0 +1,171 @@
+"""The main job: checks, parts, assembly, interference, report, all put in place at one stroke."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mbcdm_cad.assembly.bill import Bill, bill
+from mbcdm_cad.assembly.item import Item
+from mbcdm_cad.cachedir import Cache
+from mbcdm_cad.checks import (
+    CheckResult,
+    envelope_check,
+    frame_windup_check,
+    interference_check,
+    mass_check,
+    run_checks,
+)
+from mbcdm_cad.contentkey import content_key
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.export.manifest import Manifest, altered_files, read_manifest, versions
+from mbcdm_cad.layout.layout import Layout, layout
+from mbcdm_cad.report.store import MadePart, Progress, Store
+from mbcdm_cad.sourcehash import package_hash
+
+POSES = 9
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a build came to. ``folder`` is None where it was refused; ``made`` names what had to be drawn."""
+
+    folder: Path | None
+    checks: tuple[CheckResult, ...]
+    data: dict[str, Any] | None
+    made: tuple[str, ...]
+    unchanged: bool = False
+
+    @property
+    def failed(self) -> tuple[CheckResult, ...]:
+        """Checks that fail and are not waived."""
+        return tuple(c for c in self.checks if c.status == "fail")
+
+
+def build(
+    loaded: LoadedDesign,
+    out: Path,
+    *,
+    angle_deg: float = 0.0,
+    force: bool = False,
+    cache: Cache,
+    jobs: int | None = None,
+    progress: Progress = lambda name: None,
+) -> Outcome:
+    """Build a design into ``out/<name>``, the assembly drawn with the drum at ``angle_deg``.
+
+    A design that fails a check is refused unless ``force``; then every file says so. Nothing is written where nothing
+    has changed. Raises ``MbcdmError`` for an angle beyond the travel and where the system refuses to write.
+    """
+    drive = loaded.drive
+    _refuse_angle(drive, angle_deg)
+    target = out / drive.name
+    inputs = content_key("build", (loaded.sha256, angle_deg, force), package_hash(), versions())
+    unchanged = _unchanged(target, inputs)
+    if unchanged is not None:
+        return unchanged
+
+    checks = run_checks(loaded)
+    if _failed(checks) and not force:
+        return Outcome(None, checks, None, ())
+    dims = layout(drive)
+    processes = jobs or os.cpu_count() or 1
+    store = Store(cache, progress)
+    posed, centred = bill(dims, angle_deg), bill(dims)
+    parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes)
+    from mbcdm_cad.assembly.poses import travel_poses
+
+    poses = travel_poses(drive.half_travel_deg, POSES)
+    clashes, frame = store.judged(dims, parts, poses, processes)
+
+    from mbcdm_cad.report.data import checks_data, report_data
+
+    data = report_data(
+        dims, centred, parts, clashes, poses, frame, drum_angle_deg=angle_deg, design_sha256=loaded.sha256
+    )
+    checks = (
+        *checks,
+        mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
+        envelope_check(drive, data["envelope"]["size_mm"]),
+        interference_check(drive, clashes),
+        frame_windup_check(drive, frame.windup_mrad(drive.loads.test_torque_Nm)),
+    )
+    failed = _failed(checks)
+    if failed and not force:
+        return Outcome(None, checks, data, tuple(store.made))
+    data |= checks_data(checks)
+    manifest = Manifest(loaded.sha256, inputs, forced=bool(failed), failed_checks=tuple(c.id for c in failed))
+    _write(target, manifest, dims, posed.items, parts, store, data)
+    return Outcome(target, checks, data, tuple(store.made))
+
+
+def drawn(
+    drive: Drive, angle_deg: float, cache: Cache, progress: Progress
+) -> tuple[tuple[Item, ...], dict[str, MadePart]]:
+    """Items and parts with the drum at ``angle_deg``, checked by nobody: for pictures."""
+    _refuse_angle(drive, angle_deg)
+    posed = bill(layout(drive), angle_deg)
+    return posed.items, _parts(Store(cache, progress), posed, drive.export.mesh_tolerance_mm, os.cpu_count() or 1)
+
+
+def _parts(store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int) -> dict[str, MadePart]:
+    materials = {item.part: item.material for item in posed.items}
+    return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs)
+
+
+def _refuse_angle(drive: Drive, angle_deg: float) -> None:
+    if not (math.isfinite(angle_deg) and abs(angle_deg) <= drive.half_travel_deg):
+        raise MbcdmError(
+            f"--angle: beyond the travel (value {angle_deg:g} deg, limit +-{drive.half_travel_deg:g} deg); "
+            "choose an angle within it or widen travel.half_angle_deg"
+        )
+
+
+def _failed(checks: Sequence[CheckResult]) -> tuple[CheckResult, ...]:
+    return tuple(c for c in checks if c.status == "fail")
+
+
+def _unchanged(target: Path, inputs: str) -> Outcome | None:
+    manifest = read_manifest(target)
+    if manifest is None or manifest.inputs_sha256 != inputs or altered_files(target, manifest):
+        return None
+    data = json.loads((target / "report.json").read_text("utf-8"))
+    checks = tuple(CheckResult(**c) for c in data["checks"])
+    return Outcome(target, checks, data, (), unchanged=True)
+
+
+def _write(
+    target: Path,
+    manifest: Manifest,
+    dims: Layout,
+    items: tuple[Item, ...],
+    parts: dict[str, MadePart],
+    store: Store,
+    data: dict[str, Any],
+) -> None:
+    from mbcdm_cad.export.outputfolder import output_folder
+    from mbcdm_cad.export.step_text import with_description
+    from mbcdm_cad.export.stl import with_note
+    from mbcdm_cad.report.markdown import report_markdown
+
+    name = dims.drive.name
+    note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""
+    assembly = store.assembly(items, parts, name, note)
+    with output_folder(target, manifest) as folder:
+        for part, made in parts.items():
+            step, stl = made.files.step, made.files.stl
+            if note:
+                step, stl = with_description(step.decode(), note).encode(), with_note(stl, part, note)
+            folder.write(f"parts/{part}.step", step)
+            folder.write(f"parts/{part}.stl", stl)
+        folder.write(f"{name}.step", assembly["step"])
+        folder.write(f"{name}.glb", assembly["glb"])
+        folder.write("report.json", json.dumps(data, indent=1, sort_keys=True, allow_nan=False) + "\n")
+        folder.write("report.md", report_markdown(data))

@@ -1,0 +1,152 @@
+"""Everything the report says, as plain data: report.json is this, report.md is this in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.assembly.bill import Bill
+from mbcdm_cad.assembly.clash import Clash
+from mbcdm_cad.checks import CheckResult
+from mbcdm_cad.export.mass import MassProperties, combined
+from mbcdm_cad.layout.frame_stiffness import FrameCompliance
+from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.model import analyse
+from mbcdm_cad.report.assembly_order import assembly_order
+from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
+from mbcdm_cad.report.store import MadePart
+
+REPORT_FORMAT = 1
+_SWEPT_POSES = 29
+CONVENTIONS = (
+    "Frame: origin where drum axis (Y) and guide axis (Z) meet; input pulleys at x = -L and +L; lengths in mm.",
+    "Radii of the design file are pitch radii, to the cable's centre line; surfaces are cut at r - d/2.",
+    "Threads, outside and inside, are drawn as plain cylinders at the nominal diameter; "
+    "tap drills are in the catalogue.",
+    "Cables are round rods at the nominal diameter; on the guide they lie in their step planes.",
+    "The box is taken over all solids with the drum centred, without leads; the swept box over the whole travel.",
+    "Bought parts have their catalogue mass spread evenly over their simplified solid.",
+)
+
+
+def _rounded(value: Any, digits: int = 9) -> Any:
+    """Figures as written: ten significant digits, so that the last bits of a sum do not show."""
+    if isinstance(value, float):
+        return float(f"{value:.{digits}g}") if np.isfinite(value) else None
+    if isinstance(value, dict):
+        return {k: _rounded(v, digits) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_rounded(v, digits) for v in value]
+    return value
+
+
+def _mass(m: MassProperties) -> dict[str, Any]:
+    return {"mass_g": m.mass_g, "cog_mm": m.cog_mm, "inertia_about_cog_g_mm2": m.inertia_g_mm2}
+
+
+def _swept_box(layout: Layout, parts: Mapping[str, MadePart]) -> list[float]:
+    half = layout.drive.half_travel_deg
+    corners = [box_mm(layout, parts, float(angle)) for angle in np.linspace(-half, half, _SWEPT_POSES)]
+    low = np.min([c[0] for c in corners], axis=0)
+    high = np.max([c[1] for c in corners], axis=0)
+    return [float(v) for v in high - low]
+
+
+def checks_data(checks: Sequence[CheckResult]) -> dict[str, Any]:
+    """What the report says of the checks; a report with failed ones exists only where the build was forced."""
+    failed = [c.id for c in checks if c.status == "fail"]
+    plain = _rounded({"checks": [asdict(c) for c in checks], "failed_checks": failed, "forced": bool(failed)})
+    assert isinstance(plain, dict)
+    return plain
+
+
+def report_data(
+    layout: Layout,
+    centred: Bill,
+    parts: Mapping[str, MadePart],
+    clashes: Sequence[Clash],
+    poses_deg: Sequence[float],
+    frame: FrameCompliance,
+    *,
+    drum_angle_deg: float,
+    design_sha256: str,
+) -> dict[str, Any]:
+    """The report of one build but for its checks, some of which judge what stands here.
+
+    ``centred`` is the bill with the drum centred.
+    """
+    drive = layout.drive
+    by_item = masses_by_item(centred, parts)
+    whole = combined(by_item.values())
+    lines = bill_lines(centred, parts, drive)
+    low, high = box_mm(layout, parts, 0.0)
+    size = high - low
+    analysis = analyse(drive)
+    kilograms = whole.mass_g / 1e3
+    data = {
+        "format": REPORT_FORMAT,
+        "design": drive.name,
+        "design_sha256": design_sha256,
+        "configuration": drive.configuration,
+        "drum_angle_deg": drum_angle_deg,
+        "mass": {
+            **_mass(whole),
+            "sigma_g": total_sigma_g(lines),
+            "target_g": drive.targets.mass_g,
+            "tolerance_g": drive.targets.mass_tolerance_g,
+            "prototype_measured_g": drive.targets.prototype_mass_g,
+        },
+        "inertia_moving_g_mm2": asdict(inertias(layout, centred, by_item)),
+        "envelope": {
+            "axes": ["X", "Z", "Y"],
+            "size_mm": [float(size[0]), float(size[2]), float(size[1])],
+            "low_xyz_mm": [float(v) for v in low],
+            "high_xyz_mm": [float(v) for v in high],
+            "target_mm": drive.targets.envelope_mm,
+            "tolerance_mm": drive.targets.envelope_tolerance_mm,
+            "swept_xyz_mm": _swept_box(layout, parts),
+        },
+        "interference": {
+            "poses_deg": list(poses_deg),
+            "clashes": [asdict(c) for c in clashes],
+        },
+        "frame": {
+            "windup_urad_Nm": frame.windup_urad_Nm,
+            "windup_at_test_torque_mrad": frame.windup_mrad(drive.loads.test_torque_Nm),
+            "limit_mrad": drive.limits.frame_windup_max_mrad,
+            "shares_urad_Nm": frame.shares_urad_Nm,
+        },
+        "torque": {
+            "peak_positive_Nm": analysis.peak_torque_Nm[0],
+            "peak_negative_Nm": analysis.peak_torque_Nm[1],
+            "torque_to_weight_Nm_kg": min(analysis.peak_torque_Nm) / kilograms,
+            "paper_design_Nm_kg": 11.14,
+            "paper_measured_Nm_kg": 9.649,
+        },
+        "analysis": analysis.to_dict(),
+        "bill_of_materials": [asdict(line) for line in lines],
+        "items": {
+            item.name: {"part": item.part, "group": item.group, **_mass(by_item[item.name])} for item in centred.items
+        },
+        "parts": {
+            name: {
+                "volume_mm3": made.files.shape.volume_mm3,
+                "area_mm2": made.files.shape.area_mm2,
+                "box_low_mm": made.files.shape.low_mm,
+                "box_high_mm": made.files.shape.high_mm,
+                "mesh_deviation_mm": made.files.mesh.deviation_mm,
+                "mesh_volume_error": made.files.mesh_volume_error,
+                "triangles": len(made.files.mesh.triangles),
+            }
+            for name, made in sorted(parts.items())
+        },
+        "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
+        "assembly_order": list(assembly_order(layout)),
+        "conventions": list(CONVENTIONS),
+    }
+    plain = _rounded(data)
+    assert isinstance(plain, dict)
+    return plain

@@ -1,0 +1,28 @@
+"""report.md from the report's data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def _figure(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, list | tuple):
+        return ", ".join(_figure(v) for v in value)
+    return "none" if value is None else str(value)
+
+
+def report_markdown(data: dict[str, Any]) -> str:
+    """The report in words and tables."""
+    import jinja2  # only a build that writes needs it
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("mbcdm_cad.report", "."),
+        undefined=jinja2.StrictUndefined,
+        keep_trailing_newline=True,
+        autoescape=False,  # Markdown, read by people; names in it are plain slugs
+    )
+    environment.filters["figure"] = _figure
+    environment.filters["figures"] = _figure
+    return environment.get_template("report.md.j2").render(r=data, a=data["analysis"])

@@ -1,0 +1,147 @@
+"""What everything weighs, where it is and how it turns, item by item and as a whole; with what estimates bring."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.assembly.bill import CABLE, Bill, bill
+from mbcdm_cad.assembly.item import Item
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.export.mass import MassProperties, combined, item_mass
+from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.report.store import MadePart
+
+# One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
+# (density of the alloy and machining tolerances). Parts of one kind err together, different kinds independently.
+ESTIMATE_SIGMA = 0.10
+CATALOGUE_SIGMA = 0.02
+MADE_SIGMA = 0.01
+_DRUM_AXIS = (0.0, 1.0, 0.0)
+_GUIDE_AXIS = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class BillLine:
+    """One line of the bill of materials: all items of one part."""
+
+    part: str
+    count: int
+    kind: str
+    material: str
+    each_g: float
+    total_g: float
+    sigma_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Inertias:
+    """Moments of inertia of what moves, g mm^2: seen at the drum's axis, and reflected to one motor's shaft."""
+
+    drum_group: float
+    guide_at_drum: float
+    inputs_at_drum: float
+    rotors_at_drum: float
+    at_drum_without_rotors: float
+    at_drum: float
+    at_motor: float
+
+
+def _source(item: Item, parts_list: Bill, drive: Drive) -> str:
+    if item.kind == "made":
+        return f"volume x {item.material.density_g_cm3:g} g/cm^3 ({item.material.source})"
+    if item.name.startswith(CABLE):
+        return drive.cable.source
+    entry = parts_list.parts[item.part].args[0]
+    return str(entry.source)
+
+
+def _sigma(kind: str, source: str) -> float:
+    if kind == "made":
+        return MADE_SIGMA
+    return ESTIMATE_SIGMA if "estimate" in source.lower() else CATALOGUE_SIGMA
+
+
+def bill_lines(centred: Bill, parts: Mapping[str, MadePart], drive: Drive) -> tuple[BillLine, ...]:
+    """Bill of materials, heaviest line first."""
+    by_part: dict[str, list[Item]] = {}
+    for item in centred.items:
+        by_part.setdefault(item.part, []).append(item)
+    lines = []
+    for part, items in by_part.items():
+        first = items[0]
+        each = item_mass(first, parts[part].files.shape).mass_g
+        source = _source(first, centred, drive)
+        total = each * len(items)
+        lines.append(
+            BillLine(
+                part,
+                len(items),
+                first.kind,
+                first.material.name,
+                each,
+                total,
+                total * _sigma(first.kind, source),
+                source,
+            )
+        )
+    return tuple(sorted(lines, key=lambda line: (-line.total_g, line.part)))
+
+
+def total_sigma_g(lines: tuple[BillLine, ...]) -> float:
+    """One sigma of the whole: kinds of parts err independently of each other."""
+    return float(np.sqrt(sum(line.sigma_g**2 for line in lines)))
+
+
+def masses_by_item(centred: Bill, parts: Mapping[str, MadePart]) -> dict[str, MassProperties]:
+    """Mass properties of every item at its place."""
+    return {item.name: item_mass(item, parts[item.part].files.shape) for item in centred.items}
+
+
+def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties]) -> Inertias:
+    """Inertia seen at the drum's axis: each moving group by the square of its ratio to the drum.
+
+    Cables are left out (2 g, moving with the rims); the rotors turn i_c x gearhead times faster than the drum.
+    """
+    drive = layout.drive
+    groups: dict[str, list[MassProperties]] = {}
+    for item in centred.items:
+        groups.setdefault(item.group, []).append(by_item[item.name])
+    first = drive.cables[0]
+    drum = combined(groups["drum"]).about_axis(_DRUM_AXIS)
+    guide_ratio = first.drum_radius_mm / first.guide_radius_mm
+    guide = combined(groups["guide"]).about_axis(_GUIDE_AXIS) * guide_ratio**2
+    pulleys = rotors = 0.0
+    for pulley in layout.inputs:
+        cable = next(c for c in drive.cables if c.input_name == pulley.name)
+        ratio = cable.drum_radius_mm / cable.input_radius_mm
+        body = combined(groups[f"input_{pulley.name}"])
+        pulleys += body.about_axis(_GUIDE_AXIS, (pulley.x, 0.0, 0.0)) * ratio**2
+        # g cm^2 to g mm^2.
+        rotors += drive.motor.rotor_inertia_g_cm2 * 100.0 * (ratio * drive.gearhead.ratio) ** 2
+    motor_ratio = first.drum_radius_mm / first.input_radius_mm * drive.gearhead.ratio
+    without = drum + guide + pulleys
+    return Inertias(drum, guide, pulleys, rotors, without, without + rotors, (without + rotors) / motor_ratio**2)
+
+
+def box_mm(
+    layout: Layout, parts: Mapping[str, MadePart], drum_angle_deg: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner (x, y, z) of everything at one drum angle.
+
+    Solids from their meshes (within the mesh tolerance), cables from their centre lines and radius.
+    """
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for item in bill(layout, drum_angle_deg).items:
+        if not item.name.startswith(CABLE):
+            points = item.location.apply(parts[item.part].files.mesh.points_mm)
+            low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+    radius = layout.drive.cable.diameter_mm / 2
+    for path in layout.cable_paths(np.radians(drum_angle_deg)):
+        points = path.sample(0.25)
+        low, high = np.minimum(low, points.min(axis=0) - radius), np.maximum(high, points.max(axis=0) + radius)
+    return low, high

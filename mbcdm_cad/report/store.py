@@ -1,0 +1,166 @@
+"""Parts, assembly files and the interference run: fetched from the cache, or made and put there.
+
+The kernel is imported only when something has to be made.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from math import radians
+from typing import Any
+
+from mbcdm_cad.assembly.bill import CABLE, PartSpec, bill
+from mbcdm_cad.assembly.clash import Clash
+from mbcdm_cad.assembly.item import Item
+from mbcdm_cad.cachedir import Cache
+from mbcdm_cad.contentkey import content_key
+from mbcdm_cad.design.drive import Material
+from mbcdm_cad.export.manifest import versions
+from mbcdm_cad.export.partfiles import PartFiles
+from mbcdm_cad.forkpool import fork_map
+from mbcdm_cad.layout import frame_stiffness
+from mbcdm_cad.layout.frame_stiffness import FrameCompliance
+from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.sourcehash import source_hash
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class MadePart:
+    """One part's files; ``key`` names their content."""
+
+    key: str
+    files: PartFiles
+
+    def solid(self) -> Any:
+        """The kernel's shape."""
+        from mbcdm_cad.export.kernel import shape_from_brep
+
+        return shape_from_brep(self.files.brep)
+
+
+class Store:
+    """Makes what the cache does not hold. ``progress`` is told the name of each thing that is being made."""
+
+    def __init__(self, cache: Cache, progress: Progress) -> None:
+        self._cache = cache
+        self._progress = progress
+        self._solids: dict[str, Any] = {}
+        self.made: list[str] = []
+
+    def parts(self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float,
+              jobs: int) -> dict[str, MadePart]:  # fmt: skip
+        """All parts; only those are drawn of which the cache has none with the same dimensions, material and code."""
+        made: dict[str, MadePart] = {}
+        missing: dict[str, str] = {}
+        for name, spec in specs.items():
+            module = spec.maker.partition(":")[0]
+            source = source_hash(f"mbcdm_cad.parts.{module}", "mbcdm_cad.export.drawn")
+            key = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
+            blobs = self._cache.get(key)
+            if blobs is None:
+                missing[name] = key
+            else:
+                made[name] = MadePart(key, PartFiles.from_blobs(name, blobs))
+        if missing:
+            from mbcdm_cad.export.drawn import drawn_part
+
+            self._note(*missing)
+            drawn = fork_map(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), list(missing), jobs)
+            for files in drawn:
+                self._cache.put(missing[files.name], files.to_blobs())
+                made[files.name] = MadePart(missing[files.name], files)
+        return {name: made[name] for name in specs}
+
+    def assembly(
+        self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str = ""
+    ) -> dict[str, bytes]:
+        """STEP and GLB of the assembly, by these names; both carry ``note``."""
+        source = source_hash("mbcdm_cad.export.step", "mbcdm_cad.export.glb")
+        key = content_key("assembly", (name, note, items, _keys(parts)), source, versions())
+
+        def make() -> dict[str, bytes]:
+            self._note("assembly")
+            from mbcdm_cad.export.glb import glb_bytes
+            from mbcdm_cad.export.step import assembly_step
+
+            return {
+                "step": assembly_step(name, items, self.solids(parts), note),
+                "glb": glb_bytes(name, items, {n: p.files.mesh for n, p in parts.items()}, note),
+            }
+
+        return self._cache.get_or_make(key, make)
+
+    def judged(
+        self, layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...], jobs: int
+    ) -> tuple[tuple[Clash, ...], FrameCompliance]:
+        """Interference run over ``poses_deg`` and compliance of the frame, side by side where both have to be made.
+
+        Cables are drawn anew at every pose, so their paths are in the run's key; of the parts only their solids count:
+        another material or mesh repeats nothing.
+        """
+        rigid = {n: p for n, p in parts.items() if not n.startswith(CABLE)}
+        shapes = {n: hashlib.sha256(p.files.brep).hexdigest() for n, p in rigid.items()}
+        source = source_hash("mbcdm_cad.assembly.interference")
+        moving = [
+            (
+                [(i.name, i.part, i.group, i.location) for i in bill(layout, a).items],
+                [(p.cable.name, p.cable.input_name, p.pieces) for p in layout.cable_paths(radians(a))],
+            )
+            for a in poses_deg
+        ]
+        run_key = content_key("interference", (moving, layout.drive.cable.diameter_mm, shapes), source, versions())
+        frame_key = content_key("frame", _frame_inputs(layout), source_hash(frame_stiffness.__name__), versions())
+        run, frame = self._cache.get(run_key), self._cache.get(frame_key)
+        tasks: list[Callable[[], Any]] = []
+        if frame is None:
+            tasks.append(partial(_frame_compliance, layout))
+            self._note("stiffness of the frame")
+        if run is None:
+            from mbcdm_cad.assembly.interference import interference_tasks
+
+            self._note(f"interference at {len(poses_deg)} poses")
+            tasks += interference_tasks(layout, self.solids(rigid), poses_deg)
+        results = fork_map(lambda task: task(), tasks, jobs)
+        if frame is None:
+            frame = {"compliance": json.dumps(asdict(results.pop(0))).encode()}
+            self._cache.put(frame_key, frame)
+        if run is None:
+            run = {"clashes": json.dumps([asdict(clash) for found in results for clash in found]).encode()}
+            self._cache.put(run_key, run)
+        clashes = tuple(Clash(**{**c, "place_mm": tuple(c["place_mm"])}) for c in json.loads(run["clashes"]))
+        return clashes, frame_stiffness.FrameCompliance(**json.loads(frame["compliance"]))
+
+    def solids(self, parts: dict[str, MadePart]) -> dict[str, Any]:
+        """Kernel shapes of ``parts``, each read once."""
+        for name, part in parts.items():
+            if name not in self._solids:
+                self._solids[name] = part.solid()
+        return {name: self._solids[name] for name in parts}
+
+    def _note(self, *names: str) -> None:
+        self.made += names
+        self._progress(", ".join(names))
+
+
+def _frame_compliance(layout: Layout) -> FrameCompliance:
+    """The frame's compliance, infinite where it has no metal to carry a load: its check then fails."""
+    try:
+        return frame_stiffness.frame_compliance(layout)
+    except (ValueError, ArithmeticError):
+        return FrameCompliance(float("inf"), {})
+
+
+def _frame_inputs(layout: Layout) -> Any:
+    drive = layout.drive
+    cables = [(c.input_side, c.drum_side, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm) for c in drive.cables]
+    return layout.frame, layout.top_plate, layout.drum_shaft, drive.support, drive.bearings, cables
+
+
+def _keys(parts: dict[str, MadePart]) -> dict[str, str]:
+    return {name: part.key for name, part in parts.items()}

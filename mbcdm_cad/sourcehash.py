@@ -1,0 +1,81 @@
+"""A hash of the code that makes a thing, so that a changed program does not serve what the old one made."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+_PACKAGE = __name__.partition(".")[0]
+_ROOT = Path(__file__).parent
+
+
+@cache
+def source_hash(*modules: str) -> str:
+    """SHA-256 (hex) of the sources of the modules and of all modules of this package that they import.
+
+    Imports are read from the text, wherever in it they stand; nothing is imported. Raises ``ValueError`` for a module
+    that this package does not have.
+    """
+    missing = [module for module in modules if _path(module) is None]
+    if missing:
+        raise ValueError(f"no module {missing[0]!r} in the package {_PACKAGE}")
+    found: set[str] = set()
+    waiting = set(modules)
+    while waiting:
+        found |= waiting
+        waiting = {imported for module in waiting for imported in _imports(module)} - found
+    digest = hashlib.sha256()
+    for module in sorted(found):
+        digest.update(f"{module} {hashlib.sha256(_source(module)).hexdigest()}\n".encode())
+    return digest.hexdigest()
+
+
+@cache
+def package_hash() -> str:
+    """SHA-256 (hex) of every file of the program and its data: equal only if nothing of it has changed."""
+    digest = hashlib.sha256()
+    for path in sorted(p for p in _ROOT.rglob("*") if p.suffix in {".py", ".json", ".yaml", ".j2"}):
+        name = path.relative_to(_ROOT).as_posix()
+        digest.update(f"{name} {hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
+    return digest.hexdigest()
+
+
+@cache
+def _imports(module: str) -> frozenset[str]:
+    """Modules of this package that ``module`` imports, with the packages they lie in."""
+    path = _path(module)
+    package = module if path is not None and path.name == "__init__.py" else module.rpartition(".")[0]
+    named = {name for node in ast.walk(ast.parse(_source(module))) for name in _names(node, package)}
+    with_packages = {name.rsplit(".", up)[0] for name in named for up in range(name.count(".") + 1)}
+    return frozenset(name for name in with_packages if _path(name) is not None)
+
+
+def _names(node: ast.AST, package: str) -> Iterator[str]:
+    """All that an import statement may mean: what stands after ``from``, and each name in it, which may be a module."""
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        base = node.module or ""
+        if node.level:
+            up = package.rsplit(".", node.level - 1)[0]
+            base = f"{up}.{base}" if base else up
+        yield base
+        yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+@cache
+def _path(module: str) -> Path | None:
+    """The file of a module of this package; None for any other name."""
+    if module.partition(".")[0] != _PACKAGE:
+        return None
+    base = _ROOT.joinpath(*module.split(".")[1:])
+    files = (base / "__init__.py", base.with_suffix(".py"))
+    return next((file for file in files if file.is_file()), None)
+
+
+def _source(module: str) -> bytes:
+    path = _path(module)
+    return path.read_bytes() if path is not None else b""

@@ -1,0 +1,212 @@
+"""The main job as a user runs it: one process a command, a cache and an output folder of its own."""
+
+from __future__ import annotations
+
+import filecmp
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from check_output import faults
+from freecad import differences, freecad_findings, freecad_program, read_parts
+
+ROOT = Path(__file__).resolve().parents[2]
+REFERENCE = ROOT / "params" / "mbcdm.yaml"
+
+
+def mbcdm(*arguments: str | Path, cache: Path, timeout: float = 300) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"MBCDM_CACHE_DIR": str(cache)}
+    command = [sys.executable, "-m", "mbcdm_cad", *map(str, arguments)]
+    return subprocess.run(
+        command, env=environment, cwd=ROOT, capture_output=True, text=True, timeout=timeout, check=False
+    )
+
+
+def edited(folder: Path, name: str, *changes: tuple[str, str]) -> Path:
+    """A copy of the reference design with other values, each change a text that stands once in the file."""
+    text = REFERENCE.read_text("utf-8")
+    for old, new in (("name: mbcdm", f"name: {name}"), *changes):
+        assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in {REFERENCE}"
+        text = text.replace(old, new)
+    path = folder / f"{name}.yaml"
+    path.write_text(text, "utf-8")
+    return path
+
+
+def files_of(folder: Path) -> list[str]:
+    return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
+
+
+def assert_equal_folders(first: Path, second: Path) -> None:
+    assert files_of(first) == files_of(second)
+    _, mismatch, errors = filecmp.cmpfiles(first, second, files_of(first), shallow=False)
+    assert not mismatch and not errors, f"differ: {mismatch}, unreadable: {errors}"
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="module")
+def built(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("out")
+    done = mbcdm("build", REFERENCE, "--out", out, cache=cache)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return out / "mbcdm"
+
+
+def test_reference_design_meets_mass_box_and_has_no_clash(built: Path) -> None:
+    report = json.loads((built / "report.json").read_text("utf-8"))
+    assert faults(report, files_of(built)) == []
+
+
+@pytest.mark.skipif(
+    freecad_program() is None, reason="FreeCAD is not installed (Debian: apt-get install freecad-python3)"
+)
+def test_freecad_reads_every_solid(built: Path) -> None:
+    step = built / "mbcdm.step"
+    assert differences(freecad_findings(step), read_parts(step)) == []
+
+
+def test_manifest_lists_every_file_and_the_versions(built: Path) -> None:
+    manifest = json.loads((built / "manifest.json").read_text("utf-8"))
+    assert sorted(manifest["files"]) == [name for name in files_of(built) if name != "manifest.json"]
+    assert manifest["forced"] is False and {"mbcdm_cad", "cadquery", "cadquery-ocp"} <= set(manifest["versions"])
+
+
+def test_nothing_changed_needs_no_kernel(built: Path, cache: Path) -> None:
+    code = (
+        "import sys; from mbcdm_cad.cli import run; "
+        f"code = run(['build', {str(REFERENCE)!r}, '--out', {str(built.parent)!r}]); "
+        "print(code, sorted(m for m in sys.modules if m.split('.')[0] in ('cadquery', 'OCP', 'scipy')))"
+    )
+    environment = os.environ | {"MBCDM_CACHE_DIR": str(cache)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert "nothing changed" in done.stdout
+    assert done.stdout.splitlines()[-1] == "0 []", done.stdout
+
+
+@pytest.mark.parametrize("command", ["check", "analyse"])
+def test_check_and_analyse_never_import_the_kernel(command: str, tmp_path: Path) -> None:
+    code = (
+        f"import sys; from mbcdm_cad.cli import run; run([{command!r}, {str(REFERENCE)!r}]); "
+        "print(sorted(m for m in sys.modules if m.split('.')[0] in ('cadquery', 'OCP', 'scipy')))"
+    )
+    environment = os.environ | {"MBCDM_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "[]", done.stdout
+
+
+def test_one_parameter_edited_redraws_only_what_depends_on_it(built: Path, cache: Path, tmp_path: Path) -> None:
+    design = edited(tmp_path, "thicker_web", ("web_thickness_mm: 2.0", "web_thickness_mm: 2.2"))
+    done = mbcdm("build", design, "--out", tmp_path, cache=cache)
+    assert done.returncode == 0, done.stdout + done.stderr
+    made = done.stdout.splitlines()[0].partition("made: ")[2].split(", ")
+    # The stop pin reaches through the web, so it follows it.
+    assert sorted(made) == ["assembly", "drum", "interference at 9 poses", "stop_pin"], done.stdout
+
+
+def test_failing_design_is_refused_and_forced_output_says_so(cache: Path, tmp_path: Path) -> None:
+    design = edited(tmp_path, "stiff_rope", ("bend_ratio_min: 14.8", "bend_ratio_min: 16.0"))
+    refused = mbcdm("build", design, "--out", tmp_path / "out", cache=cache)
+    assert refused.returncode == 1 and "--force" in refused.stderr, refused.stderr
+    assert not (tmp_path / "out" / "stiff_rope").exists()
+    forced = mbcdm("build", design, "--out", tmp_path / "out", "--force", cache=cache)
+    assert forced.returncode == 1, forced.stderr
+    folder = tmp_path / "out" / "stiff_rope"
+    failed = json.loads((folder / "manifest.json").read_text("utf-8"))["failed_checks"]
+    assert failed
+    for name in files_of(folder):
+        assert failed[0].encode() in (folder / name).read_bytes(), f"{name} does not say which check fails"
+
+
+@pytest.mark.parametrize("angle", ["nan", "inf", "36", "-1e9", "x"])
+def test_senseless_angle_is_bad_input(angle: str, cache: Path, tmp_path: Path) -> None:
+    done = mbcdm("build", REFERENCE, "--angle", angle, "--out", tmp_path, cache=cache)
+    assert done.returncode == 2 and "Traceback" not in done.stderr, done.stderr
+    assert not (tmp_path / "mbcdm").exists()
+
+
+@pytest.mark.slow
+def test_same_bytes_in_any_process_with_and_without_the_cache(built: Path, cache: Path, tmp_path: Path) -> None:
+    for number, options in enumerate((("--no-cache", "--jobs", "1"), ("--jobs", "2"))):
+        out = tmp_path / str(number)
+        done = mbcdm("build", REFERENCE, "--out", out, *options, cache=cache)
+        assert done.returncode == 0, done.stderr
+        assert_equal_folders(built, out / "mbcdm")
+
+
+@pytest.mark.slow
+def test_assembly_turned_to_both_ends_has_the_same_parts(built: Path, cache: Path, tmp_path: Path) -> None:
+    for angle in ("-35", "35"):
+        done = mbcdm("build", REFERENCE, "--angle", angle, "--out", tmp_path / angle, cache=cache)
+        assert done.returncode == 0, done.stderr
+        folder = tmp_path / angle / "mbcdm"
+        rigid = [n for n in files_of(built) if n.startswith("parts/") and "cable" not in n]
+        _, mismatch, errors = filecmp.cmpfiles(built, folder, rigid, shallow=False)
+        assert not mismatch and not errors
+
+
+@pytest.mark.slow
+def test_killed_at_any_moment_the_previous_output_stays_whole(built: Path, cache: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert mbcdm("build", REFERENCE, "--out", out, cache=cache).returncode == 0
+    before = {name: (out / "mbcdm" / name).read_bytes() for name in files_of(out / "mbcdm")}
+    generator = random.Random(7)
+    environment = os.environ | {"MBCDM_CACHE_DIR": str(cache)}
+    ended = 0
+    for attempt in range(12):
+        command = [
+            sys.executable,
+            "-m",
+            "mbcdm_cad",
+            "build",
+            str(REFERENCE),
+            "--out",
+            str(out),
+            "--angle",
+            f"{attempt + 1}",
+        ]
+        process = subprocess.Popen(
+            command, env=environment, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        time.sleep(generator.uniform(0.1, 3.0))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        folder = out / "mbcdm"
+        manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
+        now = {name: (folder / name).read_bytes() for name in files_of(folder)}
+        whole = set(manifest["files"]) | {"manifest.json"} == set(now)
+        assert whole, f"attempt {attempt}: {set(manifest['files']) ^ set(now)}"
+        if now != before:  # that build had come to its end before the signal
+            ended += 1
+            before = now
+    assert ended < 12, "every build ended before it was killed: nothing was tested"
+
+
+@pytest.mark.slow
+def test_two_builds_at_once_into_one_folder(built: Path, cache: Path, tmp_path: Path) -> None:
+    environment = os.environ | {"MBCDM_CACHE_DIR": str(cache)}
+    command = [sys.executable, "-m", "mbcdm_cad", "build", str(REFERENCE), "--out", str(tmp_path)]
+    processes = [
+        subprocess.Popen(command, env=environment, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
+    for process in processes:
+        _, errors = process.communicate(timeout=300)
+        assert process.returncode == 0, errors
+    assert_equal_folders(built, tmp_path / "mbcdm")

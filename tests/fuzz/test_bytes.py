@@ -1,0 +1,86 @@
+"""Byte-level mutations of the real design file: only ever a drive or an InputError, quickly."""
+
+from __future__ import annotations
+
+import random
+import time
+from pathlib import Path
+
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.errors import InputError
+
+PARAMS = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
+SPICE = [
+    b"&a ", b"*a", b"!!python/object:os.system ", b"<<: ", b"[", b"]", b"{", b"}", b": ", b"- ", b"\t", b"\n", b"\r",
+    b"'", b'"', b"|", b">",
+    b"%", b"---\n", b"...\n", b"\x00", b"\xff", b"\xc3", b"\xe2\x80\xa8", b"1e999", b".nan", b"~",
+    b"? ", b"#", b"@", b"`", b"\xef\xbb\xbf", b"0" * 50, b"9" * 50, b"-", b".", b"e", b"\x85",
+]  # fmt: skip
+
+
+def mutate(content: bytes, rng: random.Random) -> bytes:
+    """One to eight random edits: flips, cuts, insertions, repeats, swaps of lines, truncation."""
+    data = bytearray(content)
+    for _ in range(rng.choice((1, 1, 1, 2, 3, 8))):
+        at = rng.randrange(len(data) + 1)
+        end = min(len(data), at + rng.choice((1, 1, 2, 5, 20, 200)))
+        action = rng.randrange(7)
+        if action == 0 and at < len(data):
+            data[at] = rng.randrange(256)
+        elif action == 1:
+            del data[at:end]
+        elif action == 2:
+            data[at:at] = rng.choice(SPICE)
+        elif action == 3:
+            data[at:at] = data[at:end] * rng.choice((1, 2, 50))
+        elif action == 4:
+            lines = bytes(data).split(b"\n")
+            i, j = rng.randrange(len(lines)), rng.randrange(len(lines))
+            lines[i], lines[j] = lines[j], lines[i]
+            data = bytearray(b"\n".join(lines))
+        elif action == 5:
+            data[at:end] = bytes(rng.randrange(256) for _ in range(end - at))
+        elif action == 6 and rng.random() < 0.2:
+            del data[at:]
+    return bytes(data)
+
+
+def run(path: Path, seeds: range) -> tuple[int, int]:
+    """Load the mutant of each seed; how many loaded, and how many were refused."""
+    content = PARAMS.read_bytes()
+    loaded = refused = 0
+    for seed in seeds:
+        mutant = mutate(content, random.Random(seed))
+        path.write_bytes(mutant)
+        start = time.perf_counter()
+        try:
+            load_design(path)
+            loaded += 1
+        except InputError as error:
+            refused += 1
+            for problem in error.problems:
+                assert problem.file == str(path) and problem.line >= 1 and problem.what and problem.remedy, (
+                    seed,
+                    problem,
+                )
+                assert str(problem).isprintable() and len(str(problem)) < 900, (seed, problem)
+        except BaseException as error:
+            raise AssertionError(f"seed {seed}: {type(error).__name__}: {error}") from error
+        took = time.perf_counter() - start
+        assert took < 1.0, f"seed {seed}: {took:.2f} s"
+    return loaded, refused
+
+
+def test_five_hundred_mutants(tmp_path: Path) -> None:
+    loaded, refused = run(tmp_path / "f.yaml", range(500))
+    assert loaded > 50 and refused > 150, (
+        f"{loaded} loaded and {refused} refused: the mutations are too weak or too strong"
+    )
+
+
+@pytest.mark.slow
+def test_six_thousand_more_mutants(tmp_path: Path) -> None:
+    loaded, refused = run(tmp_path / "f.yaml", range(500, 6500))
+    assert loaded > 600 and refused > 1800, f"{loaded} loaded and {refused} refused"

@@ -1,0 +1,218 @@
+"""No dead parameter: each value of the design file, changed by a little, changes geometry, bill, checks or analysis."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from dataclasses import asdict, fields
+from functools import cache
+from typing import Any
+
+import pytest
+import yaml
+
+from mbcdm_cad.assembly.bill import bill
+from mbcdm_cad.checks import run_checks
+from mbcdm_cad.design import load_text
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.describe import node_at
+from mbcdm_cad.design.template import reference_data
+from mbcdm_cad.layout.layout import layout
+from mbcdm_cad.model import analyse
+
+Path = tuple[str | int, ...]
+
+# Not numbers of the mechanism: the file's version, its free names and the only configuration there is so far.
+FREE = {("schema_version",), ("name",), ("configuration",), ("waivers",), ("catalogue",)}
+# Seen in the report alone, each with its own test below.
+REPORTED = {("targets", "prototype_mass_g"), ("targets", "mass_g"), ("targets", "mass_tolerance_g"),
+            ("export", "mesh_tolerance_mm"), ("limits", "frame_windup_max_mrad")}  # fmt: skip
+KIND_OF = {
+    "material": "materials", "shaft_material": "materials", "axle_material": "materials", "bearing": "bearings",
+    "lower_bearing": "bearings", "upper_bearing": "bearings", "tensioner": "tensioners", "motor": "motors",
+    "gearhead": "gearheads", "encoder": "encoders", "drum_encoder": "encoders", "type": "ropes",
+}  # fmt: skip
+MOTOR = "motor-2.9mNm-15"
+COUPLED: dict[str, dict[Path, Any]] = {
+    "sides of the inputs": {("inputs", 0, "side"): "+x", ("inputs", 1, "side"): "-x"},
+    "inputs of the cables": {
+        ("cables", 0, "input"): "right", ("cables", 1, "input"): "right",
+        ("cables", 2, "input"): "left", ("cables", 3, "input"): "left",
+    },
+    "steps": {("cables", 0, "step"): 2, ("cables", 1, "step"): 1},
+    "sides of the drum": {("cables", 0, "drum_side"): "-x", ("cables", 1, "drum_side"): "+x"},
+    "explicit radii": {
+        ("transmission", "ratios"): None, ("transmission", "guide_radii_mm"): [9.0, 9.6, 10.2, 10.81],
+        ("transmission", "input_radii_mm"): [6.0, 6.4, 6.8, 7.2],
+    },
+    "explicit input radii": {
+        ("transmission", "ratios"): None, ("transmission", "guide_radii_mm"): [9.0, 9.6, 10.2, 10.8],
+        ("transmission", "input_radii_mm"): [6.0, 6.4, 6.8, 7.21],
+    },
+    "a cable's own preload": {("cables", 1, "preload_N"): 66.0},
+    "a rope written out": {
+        ("rope", "type"): None, ("rope", "modulus_GPa"): None, ("rope", "modulus_area"): None,
+        ("rope", "inline"): {**package_entries("ropes")["FF-081"], "breaking_load_N": 531.0},
+    },
+    "a catalogue entry of its own": {
+        ("catalogue",): {"motors": {MOTOR: {**package_entries("motors")[MOTOR], "mass_g": 19.0}}},
+    },
+}  # fmt: skip
+
+
+def leaves(data: Any, path: Path = ()) -> Iterator[Path]:
+    """Paths of all single values; a list of numbers counts as one."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from leaves(value, (*path, key))
+    elif isinstance(data, list) and data and isinstance(data[0], dict):
+        for index, value in enumerate(data):
+            yield from leaves(value, (*path, index))
+    else:
+        yield path
+
+
+SINGLE = [
+    path for path in leaves(reference_data())
+    if path not in FREE | REPORTED and path[0] != "inputs" and not (path[0] == "cables" and path[2] != "name")
+]  # fmt: skip
+
+
+def edited(changes: dict[Path, Any]) -> str:
+    data = copy.deepcopy(reference_data())
+    for (*parents, last), value in changes.items():
+        block: Any = data
+        for part in parents:
+            block = block[part]
+        if value is None:
+            block.pop(last, None)
+        else:
+            block[last] = value
+    return yaml.safe_dump(data, sort_keys=False)
+
+
+def changed(path: Path) -> Any:
+    """Another legal value for a field of the reference design, a hundredth off where it is a number."""
+    value: Any = reference_data()
+    for part in path:
+        value = value[part]
+    if path[-1] == "modulus_area":
+        return "nominal"
+    if isinstance(value, str):
+        kind = KIND_OF.get(str(path[-1]))
+        return next(name for name in package_entries(kind) if name != value) if kind else value + "-2"
+    if isinstance(value, list):
+        return [item * 1.01 for item in value]
+    node = node_at(path) or {}
+    return value * 1.01 if value * 1.01 <= node["maximum"] else value * 0.99
+
+
+@cache
+def seen(text: str) -> dict[str, Any]:
+    """All that a design leads to without the kernel, by room."""
+    drive = load_text(text, "edited.yaml").drive
+    dims = layout(drive)
+    posed = bill(dims, 5.0)
+    return {
+        "layout": {f.name: getattr(dims, f.name) for f in fields(dims) if f.name != "drive"},
+        "bill": (posed.parts, posed.items),
+        "checks": run_checks(drive),
+        "analysis": analyse(drive).to_dict(),
+    }
+
+
+def rooms_that_see(changes: dict[Path, Any]) -> set[str]:
+    before, after = seen(edited({})), seen(edited(changes))
+    return {room for room in before if before[room] != after[room]}
+
+
+@pytest.mark.parametrize("path", SINGLE, ids=lambda path: ".".join(map(str, path)))
+def test_each_value_does_something(path: Path) -> None:
+    assert rooms_that_see({path: changed(path)}), f"{path} = {changed(path)!r} changes nothing: a dead parameter"
+
+
+@pytest.mark.parametrize("changes", COUPLED.values(), ids=COUPLED.keys())
+def test_each_coupled_change_does_something(changes: dict[Path, Any]) -> None:
+    assert rooms_that_see(changes)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        p
+        for p in SINGLE
+        if p[0] in ("travel", "transmission", "clearances", "drum", "support") and "material" not in str(p)
+    ],
+    ids=lambda path: ".".join(map(str, path)),
+)
+def test_each_dimension_changes_the_drawing(path: Path) -> None:
+    assert "bill" in rooms_that_see({path: changed(path)}), f"{path} changes no part and no place"
+
+
+def test_materials_change_masses_not_dimensions() -> None:
+    for block in ("drum", "guide", "support"):
+        path = (block, "material")
+        before, after = (seen(edited(c)) for c in ({}, {path: "aluminium-6082"}))
+        assert before["layout"] == after["layout"]
+        density = [{i.part: i.material.density_g_cm3 for i in s["bill"][1]} for s in (before, after)]
+        assert density[0] != density[1], f"{block}.material weighs nothing"
+
+
+def test_mass_targets_are_held_against_the_mass() -> None:
+    from mbcdm_cad.checks import mass_check
+
+    drive = load_text(edited({})).drive
+    base = asdict(mass_check(drive, 345.0, 1.0))
+    for field, value in (("mass_g", 300.0), ("mass_tolerance_g", 1.0)):
+        other = load_text(edited({("targets", field): value})).drive
+        assert asdict(mass_check(other, 345.0, 1.0)) != base, field
+
+
+def test_windup_limit_is_held_against_the_windup() -> None:
+    from mbcdm_cad.checks import frame_windup_check
+
+    status = []
+    for limit in (0.01, 0.03):
+        drive = load_text(edited({("limits", "frame_windup_max_mrad"): limit})).drive
+        status.append(frame_windup_check(drive, 0.02).status)
+    assert status == ["fail", "pass"]
+
+
+def test_mesh_tolerance_changes_the_mesh() -> None:
+    from mbcdm_cad.export.drawn import drawn_part
+
+    counts = []
+    for tolerance in (0.01, 0.04):
+        drive = load_text(edited({("export", "mesh_tolerance_mm"): tolerance})).drive
+        spec = bill(layout(drive)).parts["guide"]
+        files = drawn_part(spec, drive.guide.material, drive.export.mesh_tolerance_mm)
+        assert files.mesh.deviation_mm <= tolerance
+        counts.append(len(files.mesh.triangles))
+    assert counts[0] > counts[1], f"{counts} triangles"
+
+
+def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
+    strict: dict[Path, Any] = {("limits", "bend_ratio_min"): 20.0}
+    waived = {**strict, ("waivers",): [{"check": "bend_ratio", "reason": "as in the paper"}]}
+    status = []
+    for changes in (strict, waived):
+        result = next(c for c in seen(edited(changes))["checks"] if c.id == "bend_ratio")
+        status.append((result.status, result.waived_reason))
+    assert status == [("fail", None), ("pass", "as in the paper")]
+
+
+def test_prototype_mass_stands_in_the_report() -> None:
+    from mbcdm_cad.cachedir import Cache
+    from mbcdm_cad.layout.frame_stiffness import frame_compliance
+    from mbcdm_cad.report.data import report_data
+    from mbcdm_cad.report.store import Store
+
+    drive = load_text(edited({("targets", "prototype_mass_g"): 341.0})).drive
+    dims = layout(drive)
+    centred, store = bill(dims), Store(Cache(None), lambda name: None)
+    material = {item.part: item.material for item in centred.items}
+    parts = store.parts(centred.parts, material, 0.05, 1)
+    data = report_data(
+        dims, centred, parts, (), (0.0,), frame_compliance(dims), drum_angle_deg=0.0, design_sha256="0" * 64
+    )
+    assert data["mass"]["prototype_measured_g"] == 341.0

@@ -1,0 +1,84 @@
+"""A few random designs that pass the checks are built whole; many: ``python tests/random_designs.py --count 200``."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from functools import cache
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests are no package: this is how they find the generator
+
+import random_designs
+from random_generator import Passing, draw, passing
+
+from mbcdm_cad.checks import run_checks
+from mbcdm_cad.layout.layout import Layout, layout
+
+SEEDS = range(1, 25)
+FEW, MANY = 3, 6
+
+
+@cache
+def found_first(count: int) -> list[Passing]:
+    """The first designs that pass, by seed."""
+    drawn = (passing(seed) for seed in SEEDS)
+    found = list(islice((p for p in drawn if isinstance(p, Passing)), count))
+    assert len(found) == count, f"only {len(found)} of {len(SEEDS)} seeds pass the checks"
+    return found
+
+
+def builds(found: Passing, poses: int) -> None:
+    assert not [c.id for c in run_checks(found.loaded) if c.status == "fail"]
+    failures = list(random_designs.exercise(found, poses))
+    assert not failures, "\n".join(f"seed {f.seed}, {f.stage}: {f.what}" for f in failures)
+
+
+@pytest.mark.parametrize("number", range(FEW))
+def test_a_design_that_passes_the_checks_builds(number: int) -> None:
+    builds(found_first(FEW)[number], 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(FEW, MANY))
+def test_more_designs_that_pass_the_checks_build(number: int) -> None:
+    builds(found_first(MANY)[number], 9)
+
+
+def test_a_seed_is_a_design() -> None:
+    assert draw(7) == draw(7) and draw(7) != draw(8)
+    (found,) = found_first(1)
+    again = passing(found.seed)
+    assert isinstance(again, Passing) and again.loaded.sha256 == found.loaded.sha256
+
+
+def test_most_seeds_pass_and_vary_widely() -> None:
+    drawn = [passing(seed) for seed in range(9)]
+    found = [p for p in drawn if isinstance(p, Passing)]
+    assert len(found) >= 6, f"{len(found)} of 9 pass: {[p for p in drawn if isinstance(p, str)]}"
+    values = [random_designs.figures(p) for p in found]
+    for name, ratio in {"rope diameter, mm": 2.0, "largest drum radius, mm": 1.6, "total ratio": 2.0,
+                        "half travel, deg": 1.5, "preload, N": 3.0}.items():  # fmt: skip
+        span = max(v[name] for v in values) / min(v[name] for v in values)
+        assert span > ratio, f"{name} varies by {span:.2f} only"
+
+
+@pytest.mark.slow
+def test_a_design_that_clashes_is_reported_by_stage(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The stop pin moved by 2 mm: drawn soundly, but it stands in the drum's web."""
+    (found,) = found_first(1)
+
+    def shifted(drive: object) -> Layout:
+        dims = layout(drive)  # type: ignore[arg-type]
+        return replace(dims, drum=replace(dims.drum, stop_radius=dims.drum.stop_radius + 2.0))
+
+    monkeypatch.setattr(random_designs, "layout", shifted)
+    failures = list(random_designs.exercise(found, 1))
+    assert {f.stage for f in failures} == {"interference"}
+    assert all("stop_pin" in f.what and "drum" in f.what for f in failures)
+    outcome = random_designs.Outcome(found.seed, "", random_designs.figures(found), tuple(failures))
+    text = random_designs.report([outcome])
+    assert f"interference                   1  {found.seed}\n" in text, text

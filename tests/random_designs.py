@@ -1,0 +1,219 @@
+"""Do designs that pass the checks also build? Every part one sound solid, its mesh watertight, nothing interferes.
+
+    python tests/random_designs.py --count 200 --seed 1 --jobs 2
+
+Seeds are tried upwards from ``--seed`` until ``--count`` of them pass the checks. Failures are counted by stage, with
+their seeds; ``--only SEED`` looks at one, ``--save DIR`` writes the design files. Exit 1 if anything failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import sys
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+import yaml
+
+sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it is run
+
+from random_generator import Passing, passing
+
+from mbcdm_cad.assembly.bill import CABLE, bill
+from mbcdm_cad.assembly.interference import interferences
+from mbcdm_cad.assembly.poses import travel_poses
+from mbcdm_cad.checks.envelope import box_mm
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.export.makefiles import make_part_files
+from mbcdm_cad.export.measure import bounding_box
+from mbcdm_cad.layout.layout import layout
+from mbcdm_cad.parts.make import make
+
+STAGES = ("draw", "sound", "mesh", "interference", "box")
+# How far the box worked out before anything is drawn may be from that of the solids.
+BOX_MM = 0.1
+MESH_MM = 0.05
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What went wrong with one design, and at which stage."""
+
+    seed: int
+    stage: str
+    what: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One design tried: why it did not pass the checks, or its figures and failures."""
+
+    seed: int
+    rejected: str
+    figures: dict[str, float]
+    failures: tuple[Failure, ...]
+    rounds: int = 0
+
+
+def figures(found: Passing) -> dict[str, float]:
+    """What varies, for the table of the spread."""
+    d = found.loaded.drive
+    first, last = d.cables[0], d.cables[-1]
+    return {
+        "rope diameter, mm": d.cable.diameter_mm,
+        "centre distance, mm": d.centre_distance_mm,
+        "smallest input radius, mm": first.input_radius_mm,
+        "smallest guide radius, mm": first.guide_radius_mm,
+        "largest drum radius, mm": last.drum_radius_mm,
+        "drum step, mm": d.cables[1].drum_radius_mm - first.drum_radius_mm,
+        "total ratio": first.drum_radius_mm / first.input_radius_mm,
+        "half travel, deg": d.half_travel_deg,
+        "lead over diameter": d.helix_lead_mm / d.cable.diameter_mm,
+        "sector half angle, deg": d.drum.sector_half_angle_deg,
+        "preload, N": first.preload_N,
+        "box X, mm": d.targets.envelope_mm[0],
+        "box Z, mm": d.targets.envelope_mm[1],
+        "box Y, mm": d.targets.envelope_mm[2],
+    }
+
+
+def exercise(found: Passing, poses: int) -> Iterator[Failure]:
+    """Draw, test, mesh and turn one design; yields what fails."""
+    dims = layout(found.loaded.drive)
+    b = bill(dims)
+    material = {item.part: item.material for item in b.items}
+    solids: dict[str, Any] = {}
+    for name, spec in b.parts.items():
+        try:
+            solids[name] = make(spec.maker, spec.args)
+        except Exception as error:  # the kernel raises what it likes
+            yield Failure(found.seed, "draw", f"{name}: {type(error).__name__}: {error}")
+            continue
+        try:
+            files = make_part_files(name, solids[name], material[name], MESH_MM, not name.startswith(CABLE))
+        except Exception as error:
+            stage = "mesh" if "mesh" in str(error) else "sound"
+            yield Failure(found.seed, stage, f"{error}")
+            continue
+        mesh = trimesh.load(trimesh.util.wrap_as_stream(files.stl), file_type="stl")
+        if not (mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0):
+            yield Failure(found.seed, "mesh", f"{name}: STL is not watertight to another reader")
+    rigid = {name: solid for name, solid in solids.items() if not name.startswith(CABLE)}
+    try:
+        clashes = interferences(dims, rigid, travel_poses(found.loaded.drive.half_travel_deg, poses))
+    except Exception as error:
+        yield Failure(found.seed, "interference", f"{type(error).__name__}: {error}")
+    else:
+        for first, second in sorted({(c.first, c.second) for c in clashes}):
+            worst = max((c for c in clashes if (c.first, c.second) == (first, second)),
+                        key=lambda c: c.volume_mm3 + c.overlap_mm)  # fmt: skip
+            yield Failure(found.seed, "interference", str(worst))
+    if len(solids) == len(b.parts):
+        corners = np.array([bounding_box(solids[item.part], item.location) for item in b.items])
+        size = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
+        foreseen = box_mm(Subject(found.loaded.drive))
+        off = np.abs(size[[0, 2, 1]] - foreseen)
+        if off.max() > BOX_MM:
+            yield Failure(found.seed, "box", f"X, Z, Y {size[[0, 2, 1]].round(2)}, foreseen {np.round(foreseen, 2)} mm")
+
+
+def attempt(task: tuple[int, int]) -> Outcome:
+    """One seed: a design that passes, and what comes of it."""
+    seed, poses = task
+    found = passing(seed)
+    if isinstance(found, str):
+        return Outcome(seed, found, {}, ())
+    return Outcome(seed, "", figures(found), tuple(exercise(found, poses)), found.rounds)
+
+
+def attempts(first: int, wanted: int, poses: int, jobs: int) -> Iterator[Outcome]:
+    """Outcomes of seeds from ``first`` on, until ``wanted`` of them have passed the checks."""
+    passed = 0
+    tasks = ((seed, poses) for seed in count(first))
+    if jobs <= 1:
+        for task in tasks:
+            if passed == wanted:
+                return
+            outcome = attempt(task)
+            passed += not outcome.rejected
+            yield outcome
+        return
+    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
+        window = [pool.apply_async(attempt, (next(tasks),)) for _ in range(2 * jobs)]
+        while passed < wanted:
+            outcome = window.pop(0).get()
+            window.append(pool.apply_async(attempt, (next(tasks),)))
+            passed += not outcome.rejected
+            yield outcome
+        pool.terminate()
+
+
+def report(outcomes: list[Outcome]) -> str:
+    """Spread, rejections and failures by stage."""
+    built = [o for o in outcomes if not o.rejected]
+    lines = [f"{len(built)} designs pass the checks, of {len(outcomes)} drawn; "
+             f"{sum(o.rounds > 0 for o in built)} of them by following the advice of the checks."]  # fmt: skip
+    lines.append(
+        "Not mended: "
+        + (
+            ", ".join(f"{name} {n}" for name, n in Counter(o.rejected for o in outcomes if o.rejected).most_common())
+            or "none"
+        )
+    )
+    lines.append(f"{'spread':28s}{'least':>10s}{'median':>10s}{'most':>10s}")
+    for name in built[0].figures if built else ():
+        values = [o.figures[name] for o in built]
+        lines.append(f"{name:28s}{min(values):10.3f}{np.median(values):10.3f}{max(values):10.3f}")
+    by_stage: dict[str, list[Failure]] = defaultdict(list)
+    for outcome in built:
+        for failure in outcome.failures:
+            by_stage[failure.stage].append(failure)
+    lines.append(f"{'stage':14s}{'designs that fail':>18s}  seeds")
+    for stage in STAGES:
+        seeds = sorted({f.seed for f in by_stage[stage]})
+        lines.append(f"{stage:14s}{len(seeds):18d}  {' '.join(map(str, seeds))}")
+    lines += [f"  seed {f.seed}, {f.stage}: {f.what}" for stage in STAGES for f in by_stage[stage]]
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--count", type=int, default=200, help="designs to build")
+    parser.add_argument("--seed", type=int, default=1, help="first seed")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--poses", type=int, default=9, help="poses of the interference run")
+    parser.add_argument("--only", type=int, help="this seed alone")
+    parser.add_argument("--save", type=Path, help="folder for the design files of all that pass")
+    options = parser.parse_args()
+    start = time.monotonic()
+    if options.only is not None:
+        stream: Iterator[Outcome] = iter([attempt((options.only, options.poses))])
+    else:
+        stream = attempts(options.seed, options.count, options.poses, options.jobs)
+    outcomes = []
+    for outcome in stream:
+        outcomes.append(outcome)
+        for failure in outcome.failures:
+            print(f"seed {failure.seed}, {failure.stage}: {failure.what}", flush=True)
+        if options.save and not outcome.rejected:
+            found = passing(outcome.seed)
+            assert isinstance(found, Passing)
+            options.save.mkdir(parents=True, exist_ok=True)
+            text = yaml.safe_dump(found.data, sort_keys=False)
+            (options.save / f"random-{outcome.seed}.yaml").write_text(text, "utf-8")
+    print(report(outcomes))
+    print(f"{time.monotonic() - start:.0f} s")
+    return 1 if any(o.failures for o in outcomes) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

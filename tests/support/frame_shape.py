@@ -1,0 +1,98 @@
+"""Frame and top plate as plain tests of points: the shape the finite elements see, drawn without a CAD kernel.
+
+Rebuilt from the dimensions by booleans of half-spaces and cylinders, so that it is independent of
+``mbcdm_cad.parts``; the finite-element test compares its volume with theirs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.layout.support import FrameDims, TopPlateDims
+
+COLUMN_WALL_MM = 1.2
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def _between(value: Floats, low: float, high: float) -> Mask:
+    return (value >= low) & (value <= high)
+
+
+def _disc(u: Floats, v: Floats, at_u: float, at_v: float, radius: float) -> Mask:
+    return (u - at_u) ** 2 + (v - at_v) ** 2 <= radius**2
+
+
+def _rounded_box(u: Floats, v: Floats, box: tuple[float, float, float, float], radius: float) -> Mask:
+    """Rectangle (u low, u high, v low, v high) whose corners have ``radius``."""
+    u0, u1, v0, v1 = box
+    r = min(radius, 0.49 * min(u1 - u0, v1 - v0))
+    du = np.maximum(np.maximum(u0 + r - u, u - u1 + r), 0.0)
+    dv = np.maximum(np.maximum(v0 + r - v, v - v1 + r), 0.0)
+    return _between(u, u0, u1) & _between(v, v0, v1) & (du**2 + dv**2 <= r**2)
+
+
+def in_frame(d: FrameDims, x: Floats, y: Floats, z: Floats) -> Mask:
+    """Whether points (mm, arrays that broadcast) lie in the frame."""
+    v = d.levels
+    outline = (-v.side_outer_x, v.side_outer_x, v.back_y, v.front_y)
+    solid = _rounded_box(x, y, outline, d.corner_radius) & _between(z, v.motor_shelf_bottom_z, v.top_plate_bottom_z)
+    depth = _between(y, v.back_y, v.front_y)
+    solid = solid | (_between(x, -d.boss_radius, d.boss_radius) & depth & _between(z, 0.0, v.motor_shelf_bottom_z))
+    solid = solid | (_disc(x, z, 0, 0, d.boss_radius) & _between(y, d.encoder_pocket_floor_y, v.boss_front_y))
+    ears = _between(x, -d.ear_reach, d.ear_reach) & _between(z, -d.ear_half_height, d.ear_half_height)
+    solid = solid | (ears & _between(y, d.encoder_pocket_floor_y, d.ear_front_y))
+
+    r, side, web = d.corner_radius, v.side_inner_x, d.web_half_width
+    inner = d.boss_radius - d.rib_thickness
+    pockets = [
+        (-side, side, v.bearing_shelf_top_z, v.top_plate_bottom_z + 2 * r + 1.0, d.upper_floor_y),
+        (web, side, v.motor_shelf_top_z, v.bearing_shelf_bottom_z, v.pocket_floor_y),
+        (-side, -web, v.motor_shelf_top_z, v.bearing_shelf_bottom_z, v.pocket_floor_y),
+        (-inner, inner, d.column_pocket_bottom_z, v.motor_shelf_bottom_z, v.pocket_floor_y),
+    ]
+    for x0, x1, z0, z1, floor in pockets:
+        solid = solid & ~((y > floor) & _rounded_box(x, z, (x0, x1, z0, z1), r))
+
+    # Beside the encoder's pocket the column starts where it is a wall thick.
+    low = max(0.0, d.encoder_pocket_radius**2 - (d.boss_radius - COLUMN_WALL_MM) ** 2) ** 0.5
+    solid = solid & ~((y < d.encoder_pocket_floor_y) & (z < low))
+    for radius, low, high in (
+        (d.encoder_pocket_radius, v.back_y, d.encoder_pocket_floor_y),
+        (d.drum_seat_radius, v.back_y, d.rear_seat_end_y),
+        (d.drum_shoulder_radius, d.rear_seat_end_y, d.front_seat_start_y),
+        (d.drum_seat_radius, d.front_seat_start_y, v.boss_front_y),
+    ):
+        solid = solid & ~(_disc(x, z, 0, 0, radius) & _between(y, low, high))
+    shelf = _between(z, v.bearing_shelf_bottom_z, v.bearing_shelf_top_z)
+    lower = _between(z, v.motor_shelf_bottom_z, v.motor_shelf_top_z)
+    seat = _between(z, v.bearing_shelf_top_z - d.seat_depth, v.bearing_shelf_top_z)
+    for at in d.input_x:
+        solid = solid & ~(_disc(x, y, at, 0, d.pilot_radius) & lower)
+        solid = solid & ~(_disc(x, y, at, 0, d.seat_shoulder_radius) & shelf)
+        solid = solid & ~(_disc(x, y, at, 0, d.seat_radius) & seat)
+    for at_x, at_z in d.mounts:
+        solid = solid & ~(_disc(x, z, at_x, at_z, d.mount_radius) & (y < v.pocket_floor_y))
+        sunk = (y > d.mount_seat_y) & (y < v.pocket_floor_y)
+        solid = solid & ~(_disc(x, z, at_x, at_z, d.mount_head_radius) & sunk)
+    return np.asarray(solid & ~(_disc(x, y, 0, 0, d.axle_radius) & shelf))
+
+
+def in_top_plate(d: TopPlateDims, x: Floats, y: Floats, z: Floats) -> Mask:
+    """Whether points lie in the top plate."""
+    v = d.levels
+    low, high = v.top_plate_bottom_z, v.top_plate_top_z
+    outline = (-v.side_outer_x, v.side_outer_x, v.back_y, v.front_y)
+    solid = _rounded_box(x, y, outline, d.corner_radius) & _between(z, low, high)
+    solid = solid & ~_disc(x, y, 0, 0, d.axle_radius)
+    for at in d.input_x:
+        solid = solid & ~(_disc(x, y, at, 0, d.seat_radius) & (z < low + d.seat_depth))
+        solid = solid & ~_disc(x, y, at, 0, d.shoulder_radius)
+    return np.asarray(solid)
+
+
+def in_support(layout: Layout, x: Floats, y: Floats, z: Floats) -> Mask:
+    """Whether points lie in frame or top plate. Threaded and dowel holes count as full: steel sits in them."""
+    return in_frame(layout.frame, x, y, z) | in_top_plate(layout.top_plate, x, y, z)

@@ -1,0 +1,106 @@
+"""Distance of centre lines against brute force, and what counts as another turn of the same cable."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mbcdm_cad.assembly.clash import Clash, cable_clashes, centre_line_distance
+from mbcdm_cad.layout.cable_path import CablePath, cable_path
+from mbcdm_cad.layout.curves import Line
+from mbcdm_cad.layout.layout import Layout, layout
+
+
+def brute(first: CablePath, second: CablePath) -> float:
+    a, b = first.sample(0.05), second.sample(0.05)
+    return min(float(np.linalg.norm(b - p, axis=1).min()) for p in a)
+
+
+@pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])
+def test_distances_are_those_of_brute_force(dims: Layout, angle_deg: float) -> None:
+    """Centre lines of different cables are never nearer than 2.7 mm."""
+    paths = dims.cable_paths(radians(angle_deg))
+    d = dims.drive.cable.diameter_mm
+    least = np.inf
+    for k, first in enumerate(paths):
+        for second in paths[k + 1 :]:
+            distance, place = centre_line_distance(first, second, d)
+            assert distance == pytest.approx(brute(first, second), abs=8e-3), f"{first.cable.name}, {second.cable.name}"
+            least = min(least, distance)
+            for path in (first, second):
+                gap = np.linalg.norm(path.sample(0.05) - place, axis=1).min()
+                assert gap == pytest.approx(distance / 2, abs=0.03), "the place named is not half way"
+    assert least > 2.7, f"{least:.3f} mm"
+
+
+def test_neighbouring_turns_lie_a_lead_apart(dims: Layout) -> None:
+    """Two turns side by side: the lead times the cosine of the helix angle, where the span does not come nearer."""
+    drive = dims.drive
+    for cable in drive.cables:
+        path = cable_path(drive, cable, 1.1, 3.0, radians(-35.0 * cable.drum_side)).only(("helix",))
+        distance, _ = centre_line_distance(path, path, drive.cable.diameter_mm)
+        around = 2 * np.pi * cable.input_radius_mm
+        expected = drive.helix_lead_mm * around / np.hypot(around, drive.helix_lead_mm)
+        assert distance == pytest.approx(expected, abs=2e-4), f"{cable.name}: {distance:.5f}, {expected:.5f} mm"
+
+
+def test_reference_cables_clear_each_other_and_themselves(dims: Layout) -> None:
+    for angle in np.linspace(-35, 35, 5):
+        assert not list(cable_clashes(dims.cable_paths(radians(angle)), dims.drive.cable.diameter_mm, angle))
+
+
+def test_a_lead_under_the_diameter_is_a_cable_that_overlaps_itself(dims: Layout) -> None:
+    tight = layout(replace(dims.drive, helix_lead_mm=0.80))
+    found = list(cable_clashes(tight.cable_paths(0.0), 0.81, 0.0))
+    assert [(c.first, c.second) for c in found] == [(f"cable_{k}", f"cable_{k}") for k in (1, 2, 3, 4)]
+    for c in found:
+        # Turn beside turn: 0.81 - 0.80 cos(helix); a bit more where the span leaves, on the side of the turn before.
+        assert 0.0101 < c.overlap_mm < 0.0125, str(c)
+        x, y, z = c.place_mm
+        cable = next(r for r in dims.drive.cables if r.name == c.first)
+        from_axis = np.hypot(x - cable.input_side * dims.drive.centre_distance_mm, y)
+        assert from_axis == pytest.approx(cable.input_radius_mm, abs=0.05), f"{c}: not on the pulley"
+        assert abs(z - cable.drum_radius_mm) < 2.1
+
+
+def test_two_cables_made_to_cross_are_named_with_depth_and_place(dims: Layout) -> None:
+    """Thicker than their centre lines are apart, they clash; a hair thinner, they do not."""
+    first, second = dims.cable_paths(0.0)[:2]
+    distance, _ = centre_line_distance(first, second, 0.81)
+    assert all(c.first == c.second for c in cable_clashes([first, second], distance - 1e-3, 0.0))
+    (clash,) = [c for c in cable_clashes([first, second], distance + 0.05, 0.0) if c.first != c.second]
+    assert clash.overlap_mm == pytest.approx(0.05, abs=1e-4) and clash.kind == "cables"
+    assert "cable_1 and cable_2 overlap: 0.0500 mm deep at (" in str(clash)
+
+
+def test_a_solid_clash_says_volume_place_and_pose() -> None:
+    clash = Clash("nut", "drum", "solids", -17.5, (1.0, 2.0, 3.0), volume_mm3=0.25)
+    assert str(clash) == "nut and drum overlap: 0.2500 mm^3 at (1.00, 2.00, 3.00) mm, drum at -17.50 deg"
+
+
+HEIGHTS = st.lists(st.floats(0.80, 0.83), min_size=3, max_size=8)
+
+
+@settings(max_examples=60, deadline=None)
+@given(HEIGHTS, st.floats(0.0, 0.2), st.floats(2.0, 3.0))
+def test_no_overlap_is_missed_between_samples(dims: Layout, heights: list[float], shift: float, pitch: float) -> None:
+    """A cable that passes another several times, a hair nearer or further: the least distance is found under d."""
+    x = shift + pitch * np.arange(len(heights) + 1)
+    corners = [(float(a), 1.1 if k % 2 else -1.1, 0.0) for k, a in enumerate(x)]
+    pieces = tuple(
+        ("span", Line((a[0], a[1], h), (b[0], b[1], h)))
+        for a, b, h in zip(corners[:-1], corners[1:], heights, strict=True)
+    )
+    cable = dims.drive.cables[0]
+    over = CablePath(cable, 0.0, pieces)
+    under = CablePath(cable, 0.0, (("span", Line((-1.0, 0.0, 0.0), (float(x[-1]) + 1.0, 0.0, 0.0))),))
+    distance, _ = centre_line_distance(under, over, 0.81)
+    if min(heights) < 0.81:
+        assert distance == pytest.approx(min(heights), abs=1e-4)
+    else:
+        assert distance > 0.81 - 1e-9

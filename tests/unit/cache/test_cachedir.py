@@ -1,0 +1,186 @@
+"""The cache: what comes back is what went in, whoever else is at it, and never more than its limit."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mbcdm_cad import cachedir
+from mbcdm_cad.cachedir import Cache, cache_folder
+
+ROOT = Path(__file__).parents[3]
+
+
+def key(number: int) -> str:
+    return f"{number:064x}"
+
+
+def entries(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("*/*"))
+
+
+@given(st.dictionaries(st.text(max_size=9), st.binary(max_size=200), max_size=4))
+def test_what_is_packed_comes_out(blobs: dict[str, bytes]) -> None:
+    assert cachedir._unpacked(cachedir._packed(blobs)) == blobs
+
+
+def test_put_and_get(tmp_path: Path) -> None:
+    cache = Cache(tmp_path)
+    assert cache.get(key(1)) is None
+    cache.put(key(1), {"brep": b"\x00\n1", "json": b"{}"})
+    assert Cache(tmp_path).get(key(1)) == {"brep": b"\x00\n1", "json": b"{}"}
+    assert cache.problem == ""
+
+
+def test_made_once(tmp_path: Path) -> None:
+    cache, made = Cache(tmp_path), []
+
+    def make() -> dict[str, bytes]:
+        made.append(1)
+        return {"x": b"1"}
+
+    assert [cache.get_or_make(key(1), make) for _ in range(3)] == [{"x": b"1"}] * 3
+    assert len(made) == 1
+
+
+def test_no_cache_makes_every_time() -> None:
+    cache, made = Cache(None), []
+
+    def make() -> dict[str, bytes]:
+        made.append(1)
+        return {"x": b"1"}
+
+    for _ in range(3):
+        cache.get_or_make(key(1), make)
+    assert len(made) == 3
+
+
+def test_every_broken_entry_is_seen_and_removed(tmp_path: Path) -> None:
+    cache = Cache(tmp_path)
+    cache.put(key(1), {"brep": b"some solid", "step": b"some text"})
+    path = tmp_path / "00" / key(1)
+    whole = path.read_bytes()
+    broken = [whole[:n] for n in range(len(whole))]
+    broken += [whole[:n] + bytes([whole[n] ^ 1]) + whole[n + 1 :] for n in range(len(whole))]
+    for data in broken:
+        path.write_bytes(data)
+        assert cache.get(key(1)) is None, data
+        assert not path.exists()
+    assert cache.get_or_make(key(1), lambda: {"x": b"again"}) == {"x": b"again"}
+
+
+def test_oldest_entries_go_first(tmp_path: Path) -> None:
+    cache = Cache(tmp_path, limit_bytes=5000)
+    for n in range(4):
+        cache.put(key(n), {"x": bytes(1000)})
+        os.utime(tmp_path / "00" / key(n), (n, n))
+    cache.get(key(0))  # now the newest
+    cache.put(key(9), {"x": bytes(1000)})
+    assert entries(tmp_path) == sorted(map(key, (0, 2, 3, 9))), "entry 1 was the longest unused"
+    size = sum(path.stat().st_size for path in tmp_path.glob("*/*"))
+    assert size <= 5000, f"{size} bytes over the limit of 5000"
+
+
+def test_entry_above_the_limit_is_not_kept(tmp_path: Path) -> None:
+    cache = Cache(tmp_path, limit_bytes=500)
+    assert cache.get_or_make(key(1), lambda: {"x": bytes(1000)}) == {"x": bytes(1000)}
+    assert entries(tmp_path) == []
+
+
+def test_leftovers_of_dead_processes_go(tmp_path: Path) -> None:
+    folder = tmp_path / "00"
+    folder.mkdir()
+    for name, age in ((".dead", 7200), (".living", 10)):
+        (folder / name).write_bytes(b"half")
+        os.utime(folder / name, (time.time() - age,) * 2)
+    Cache(tmp_path).trim()
+    assert entries(tmp_path) == [".living"]
+
+
+def test_a_file_that_is_no_entry_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "photos").mkdir()
+    (tmp_path / "photos" / "cat.jpg").write_bytes(bytes(9000))
+    Cache(tmp_path, limit_bytes=10).put(key(1), {"x": bytes(1000)})
+    assert entries(tmp_path) == ["cat.jpg"]
+
+
+@pytest.mark.parametrize("obstacle", ["file", "full"])
+def test_unusable_cache_does_not_stop_anything(tmp_path: Path, obstacle: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "cache"
+    if obstacle == "file":
+        folder.write_text("in the way")
+    else:
+
+        def write_bytes(path: Path, data: bytes) -> int:
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr(Path, "write_bytes", write_bytes)
+    cache = Cache(folder)
+    assert cache.get_or_make(key(1), lambda: {"x": b"1"}) == {"x": b"1"}
+    assert str(folder) in cache.problem
+    assert "is not usable" in cache.problem
+
+
+@pytest.mark.parametrize("bad", ["", "..", "../../etc/passwd", key(1)[:-1], key(1).replace("1", "X")])
+def test_a_key_is_a_hash(tmp_path: Path, bad: str) -> None:
+    with pytest.raises(ValueError, match="64 hexadecimal digits"):
+        Cache(tmp_path).get(bad)
+
+
+def test_folder_from_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MBCDM_CACHE_DIR", str(tmp_path))
+    assert cache_folder() == tmp_path
+    monkeypatch.delenv("MBCDM_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert cache_folder().name == "mbcdm_cad"
+
+
+_WORKER = """
+import sys
+from pathlib import Path
+from mbcdm_cad.cachedir import Cache
+cache = Cache(Path(sys.argv[1]), limit_bytes=400_000)
+print("ready", flush=True)
+for turn in range(int(sys.argv[2])):
+    for n in range(8):
+        content = bytes([n]) * 20_000
+        found = cache.get_or_make(f"{n:064x}", lambda: {"x": content, "y": str(n).encode()})
+        assert found == {"x": content, "y": str(n).encode()}, n
+        if turn % 3 == 0:
+            cache.put(f"{n:064x}", found)
+assert not cache.problem, cache.problem
+"""
+
+
+def worker(folder: Path, turns: int) -> subprocess.Popen[str]:
+    command = [sys.executable, "-c", _WORKER, str(folder), str(turns)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+
+
+def test_several_processes_at_once(tmp_path: Path) -> None:
+    processes = [worker(tmp_path, 40) for _ in range(4)]
+    for process in processes:
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 0, errors
+    assert entries(tmp_path) == [key(n) for n in range(8)]
+
+
+def test_killed_while_writing(tmp_path: Path) -> None:
+    for n in range(6):
+        process = worker(tmp_path, 100_000)
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(0.01 + 0.007 * n)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        for name in entries(tmp_path):
+            if not name.startswith("."):
+                assert Cache(tmp_path).get(name) is not None, "a killed process left a broken entry"

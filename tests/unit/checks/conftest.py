@@ -1,0 +1,20 @@
+"""Makes the helper modules beside the tests importable, and hands out the reference drive."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from designs import reference
+
+from mbcdm_cad.design.drive import Drive
+
+
+@pytest.fixture
+def drive() -> Drive:
+    """The drive of the reference design."""
+    return reference()

@@ -1,0 +1,77 @@
+"""No design that loads makes a check raise, give a number that is none, or stay silent; remedies do what they say."""
+
+from __future__ import annotations
+
+import random
+import re
+from math import isfinite
+
+import pytest
+from designs import put, reference
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from loadable_designs import loaded, random_data, random_drives
+
+from mbcdm_cad.checks import run_checks
+from mbcdm_cad.checks.knobs import ALL_RADII, KNOBS
+from mbcdm_cad.checks.registry import CHECKS
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.design.drive import Drive
+
+BY_ID = {check.id: check for check in CHECKS}
+CHANGE = re.compile(r"(?:raise|lower) ([\w.]+) from \S+ to at (?:least|most) ([-\d.e]+)")
+SCALE = re.compile(r"scale (?:transmission\.drum_radii_mm|all radii of transmission) by at (?:least|most) ([\d.e]+)")
+
+
+def assert_sound(drive: Drive) -> None:
+    results = run_checks(drive)
+    assert len(results) == len(CHECKS)
+    for r in results:
+        assert all(v is None or isfinite(v) for v in (r.actual, r.limit, r.margin)), r
+        assert r.message, r
+        assert (r.remedy == "") == (r.status == "pass"), r
+
+
+@settings(max_examples=40, deadline=5000, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+@given(st.integers(0, 2**32), st.integers(1, 12))
+def test_no_loadable_design_upsets_a_check(seed: int, changes: int) -> None:
+    drive = loaded(random_data(random.Random(seed), changes))
+    if drive is not None:
+        assert_sound(drive)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_no_loadable_design_upsets_a_check_by_the_hundred(seed: int) -> None:
+    for _, drive in random_drives(seed, 125, changes=3 + seed):
+        assert_sound(drive)
+
+
+def test_the_same_design_gives_the_same_words() -> None:
+    _, drive = next(random_drives(5, 1, 6))
+    assert run_checks(drive) == run_checks(drive)
+
+
+def _mended(drive: Drive, remedy: str) -> list[Drive]:
+    """The design changed as each of the remedy's offers says."""
+    found = [KNOBS[path].put(drive, float(value)) for path, value in CHANGE.findall(remedy) if path in KNOBS]
+    return found + [KNOBS[ALL_RADII].put(drive, float(value)) for value in SCALE.findall(remedy)]
+
+
+def test_every_figure_of_a_remedy_mends_its_check() -> None:
+    tried = 0
+    for _, drive in random_drives(100, 30, changes=2):
+        for r in run_checks(drive):
+            # Advice beside the figures may speak of several parameters at once.
+            if r.status != "pass" and r.actual is not None and BY_ID[r.id].turns:
+                for mended in _mended(drive, r.remedy):
+                    after = run_check(BY_ID[r.id], Subject(mended))
+                    tried += 1
+                    assert after.status == "pass", (r.id, r.remedy, after.message)
+    assert tried > 100, tried
+
+
+def test_a_remedy_names_the_catalogues_rope() -> None:
+    found = run_check(BY_ID["land_width"], Subject(put(reference(), "cable.diameter_mm", 1.0)))
+    assert "choose a rope of at most 0.9 mm (such as FF-081)" in found.remedy, found.remedy

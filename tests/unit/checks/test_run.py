@@ -1,0 +1,141 @@
+"""Running all checks: the reference passes, waivers, what happens where there is nothing to measure."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
+
+import pytest
+import yaml
+from designs import put, with_cable
+
+from mbcdm_cad.checks import failed, run_checks
+from mbcdm_cad.checks.registry import BUILD_IDS, CHECKS, known_ids
+from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.design import load_design, load_text
+from mbcdm_cad.design.drive import Drive, Waiver
+from mbcdm_cad.design.template import reference_data
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layout.layout import layout
+
+PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+
+
+def by_id(results: tuple[CheckResult, ...]) -> dict[str, CheckResult]:
+    return {result.id: result for result in results}
+
+
+def test_reference_design_fails_nothing() -> None:
+    results = run_checks(load_design(PARAMS))
+    assert [(r.id, r.message) for r in failed(results)] == []
+    warned = {r.id for r in results if r.status == "warn"}
+    # The paper's own design: sharper bends than catalogues allow, wraps shorter than slip zones at peak torque, equal
+    # preloads on unequal radii, small bearings, and ratings that count neither losses nor hours.
+    expected = {
+        "bend_ratio_minimum", "bend_ratio_desired", "wrap_slip_peak", "preload_bias", "motor_losses",
+        "gearhead_continuous", "quiet_running",
+    }  # fmt: skip
+    assert warned == expected, warned ^ expected
+
+
+def test_ids_are_plain_unique_and_waivable() -> None:
+    ids = known_ids()
+    assert len(ids) == len(set(ids))
+    assert all(re.fullmatch(r"[a-z][a-z0-9_]{0,63}", name) for name in ids), ids
+    assert {check.severity for check in CHECKS} <= {"fail", "warn"}
+    assert all(check.title and check.source for check in CHECKS)
+
+
+def test_results_come_in_the_order_of_the_registry_with_all_words(drive: Drive) -> None:
+    results = run_checks(drive)
+    assert [r.id for r in results] == [check.id for check in CHECKS]
+    for r in results:
+        assert r.message and r.title and r.source, r
+        assert all(v is None or isfinite(v) for v in (r.actual, r.limit, r.margin)), r
+        assert (r.remedy == "") == (r.status == "pass"), r
+
+
+def test_a_layout_is_checked_as_it_is(drive: Drive) -> None:
+    lay = layout(drive)
+    assert run_checks(lay) == run_checks(drive)
+    thin = replace(lay, drum_shaft=replace(lay.drum_shaft, bore_radius=3.9))
+    assert by_id(run_checks(thin))["shaft_wall"].status == "fail"
+
+
+def test_pulleys_that_overlap_give_sentences_not_errors(drive: Drive) -> None:
+    results = by_id(run_checks(put(drive, "centre_distance_mm", 17.0)))
+    found = results["centre_distance"]
+    assert found.status == "fail" and "raise transmission.centre_distance_mm from 17 to at least" in found.remedy, found
+    dependent = results["rim_height"]
+    assert dependent.status == "fail" and dependent.actual is None, dependent
+    assert dependent.message.startswith("not evaluated because the pulleys have no place"), dependent.message
+
+
+def test_a_load_beyond_all_reason_is_refused_by_the_model_in_a_sentence(drive: Drive) -> None:
+    results = by_id(run_checks(put(drive, "loads.peak_torque_Nm", 1000.0)))
+    found = results["tension"]
+    assert found.status == "fail" and "1000 N m is more than 4 times what the preload can carry" in found.message, found
+
+
+def test_frame_below_the_drum_axis_is_told(drive: Drive) -> None:
+    results = by_id(run_checks(put(drive, "support.coupling_space_mm", 60.0)))
+    assert "below the drum's axis" in results["stop_slot"].message, results["stop_slot"]
+
+
+def test_other_gearheads_screws_are_told(drive: Drive) -> None:
+    found = by_id(run_checks(put(drive, "gearhead.screw_count", 3)))["screw_counts"]
+    assert found.status == "fail" and found.actual == 1.0 and "two screws" in found.remedy, found
+    assert by_id(run_checks(drive))["screw_counts"].status == "pass"
+
+
+def test_told_figures_have_no_limit(drive: Drive) -> None:
+    results = by_id(run_checks(drive))
+    for name in ("path_length", "shaft_twist"):
+        assert results[name].limit is None and results[name].margin is None and results[name].status == "pass"
+    # 35 mm of an 8/4 mm steel tube: 32 L / (pi G (D^4 - d^4)).
+    assert results["shaft_twist"].actual == pytest.approx(1.134, abs=2e-3)
+
+
+class TestWaivers:
+    def test_a_failure_with_a_reason_passes_and_says_so(self, drive: Drive) -> None:
+        heavy = put(drive, "loads.peak_torque_Nm", 3.3)
+        assert [r.id for r in failed(run_checks(heavy))] == ["motor_torque_back"]
+        waived = replace(heavy, waivers=(Waiver("motor_torque_back", "one direction is enough here"),))
+        results = run_checks(waived)
+        assert failed(results) == ()
+        found = by_id(results)["motor_torque_back"]
+        assert found.status == "pass" and found.waived_reason == "one direction is enough here", found
+        assert found.margin is not None and found.margin < 0.0 and found.remedy, found
+
+    def test_what_passes_or_warns_is_not_called_waived(self, drive: Drive) -> None:
+        waivers = (Waiver("bend_ratio", "never needed"), Waiver("quiet_running", "noise does not matter"))
+        results = by_id(run_checks(replace(drive, waivers=waivers)))
+        assert results["bend_ratio"].waived_reason is None and results["quiet_running"].status == "warn"
+
+    def test_nothing_to_measure_cannot_be_waived(self, drive: Drive) -> None:
+        overlapping = put(drive, "centre_distance_mm", 17.0)
+        waived = replace(overlapping, waivers=(Waiver("rim_height", "whatever"),))
+        assert by_id(run_checks(waived))["rim_height"].status == "fail"
+
+    def test_unknown_check_is_bad_input_with_line_and_suggestion(self) -> None:
+        data = {**reference_data(), "waivers": [{"check": "bend_ration", "reason": "typed in haste"}]}
+        loaded = load_text(yaml.safe_dump(data, sort_keys=False), "haste.yaml")
+        with pytest.raises(InputError) as caught:
+            run_checks(loaded)
+        text = str(caught.value)
+        line = loaded.line_of("waivers", 0, "check")
+        assert text.startswith(f"haste.yaml:{line}: waivers[0].check: no such check") and line > 1, text
+        assert "did you mean bend_ratio?" in text, text
+
+    def test_checks_of_the_build_may_be_waived_beforehand(self, drive: Drive) -> None:
+        waivers = tuple(Waiver(name, "heavier on purpose") for name in BUILD_IDS)
+        assert failed(run_checks(replace(drive, waivers=waivers))) == ()
+
+
+def test_remedies_stop_looking_for_figures_where_everything_fails(drive: Drive) -> None:
+    ruin = with_cable(put(drive, "cable.diameter_mm", 5.0), 0, guide_radius_mm=2.0)
+    remedies = [r.remedy for r in failed(run_checks(ruin))]
+    assert len(remedies) > 20 and all(remedies)
+    assert any("no figure was looked for" in text for text in remedies), remedies

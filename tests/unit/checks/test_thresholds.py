@@ -1,0 +1,174 @@
+"""Every check has a border: on one side a design just passes, a hair further one just fails."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from designs import Change, preloaded, radius_of, reference, scaled, to, with_screw
+
+from mbcdm_cad.checks.finding import Check
+from mbcdm_cad.checks.registry import CHECKS
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.design.drive import Drive
+
+BY_ID = {check.id: check for check in CHECKS}
+BISECTIONS = 60
+
+
+class Way(NamedTuple):
+    """One parameter of the reference design from a value that passes to one that fails."""
+
+    change: Change
+    passing: float
+    failing: float
+
+
+PEAK, TEST = "loads.peak_torque_Nm", "loads.test_torque_Nm"
+WAYS: dict[str, Way] = {
+    "eq1_guide_drum": Way(radius_of(1, "guide_radius_mm"), 9.6, 9.7),
+    "eq1_first_input": Way(radius_of(1, "input_radius_mm"), 6.4, 6.3),
+    "eq1_second_input": Way(radius_of(3, "input_radius_mm"), 7.2, 7.3),
+    "equal_total_ratio": Way(scaled("input_radius_mm", (2, 3)), 1.0, 1.01),
+    "pair_mismatch": Way(radius_of(1, "input_radius_mm"), 6.4, 6.5),
+    "surface_radius": Way(scaled("input_radius_mm"), 1.0, 0.2),
+    "bend_ratio": Way(to("limits.bend_ratio_min"), 14.8, 20.0),
+    "bend_ratio_minimum": Way(to("cable.bend_ratio_minimum"), 10.0, 28.0),
+    "bend_ratio_desired": Way(to("cable.bend_ratio_desired"), 10.0, 42.0),
+    "anchor_bend": Way(scaled("input_radius_mm"), 1.0, 0.6),
+    "pitch_line": Way(radius_of(0, "guide_radius_mm"), 9.0, 9.1),
+    "radii_rise": Way(radius_of(1, "drum_radius_mm"), 57.6, 53.0),
+    "land_width": Way(to("cable.diameter_mm"), 0.81, 1.0),
+    "land_edge": Way(to("clearances.land_edge_mm"), 0.15, 0.0),
+    "outermost_land": Way(to("drum.outer_face_y_mm"), 13.0, 11.0),
+    "bodies_clear": Way(to("clearances.transfer_gap_mm"), 0.155, 0.01),
+    "transfer_gap": Way(to("clearances.transfer_gap_mm"), 0.155, 0.6),
+    "centre_distance": Way(to("centre_distance_mm"), 34.6, 17.0),
+    "pulley_gap": Way(to("centre_distance_mm"), 34.6, 17.0),
+    "guide_wrap": Way(to("centre_distance_mm"), 34.6, 2000.0),
+    "fleet_angle": Way(to("helix_lead_mm"), 0.87, 1.0),
+    "helix_lead": Way(to("helix_lead_mm"), 0.87, 0.7),
+    "self_clearance": Way(to("helix_lead_mm"), 0.87, 0.8),
+    "input_walk": Way(to("helix_lead_mm"), 0.87, 3.0),
+    "guide_walk": Way(to("helix_lead_mm"), 0.87, 9.0),
+    "dead_turns": Way(to("dead_turns"), 1.0, 0.0),
+    "wrap_left": Way(to("half_travel_deg"), 35.0, 65.0),
+    "wrap_under_turn": Way(to("half_travel_deg"), 35.0, 300.0),
+    "terminal_clears_guide": Way(to("half_travel_deg"), 35.0, 65.0),
+    "wrap_slip_test": Way(to(TEST), 0.91, 2.0),
+    "wrap_slip_peak": Way(to(PEAK), 0.5, 3.15),
+    "no_slack": Way(to(PEAK), 3.15, 60.0),
+    "tension": Way(to(PEAK), 3.15, 20.0),
+    "preload_share": Way(to("limits.preload_share_max"), 0.5, 0.05),
+    "cable_ends": Way(to(PEAK), 3.15, 20.0),
+    "preload_bias": Way(preloaded, 40.0, 100.0),
+    "motor_torque_forward": Way(to(PEAK), 3.15, 5.0),
+    "motor_torque_back": Way(to(PEAK), 3.15, 5.0),
+    "gearhead_maximum": Way(to(PEAK), 3.15, 6.0),
+    "motor_losses": Way(to(PEAK), 1.0, 3.15),
+    "gearhead_continuous": Way(to(PEAK), 0.5, 3.15),
+    "input_bearings": Way(to("bearings.input_lower.static_rating_N"), 255.0, 10.0),
+    "guide_bearings": Way(to("bearings.guide.static_rating_N"), 180.0, 10.0),
+    "drum_bearings": Way(to("bearings.drum.static_rating_N"), 570.0, 10.0),
+    "quiet_running": Way(to("bearings.guide.static_rating_N"), 300.0, 100.0),
+    "drum_bearing_spacing": Way(to("support.back_y_mm"), -14.0, -10.0),
+    "coupling_runout": Way(to("input_pulleys.material.youngs_modulus_GPa"), 210.0, 1.0),
+    "collar_grip": Way(to(PEAK), 3.15, 20.0),
+    "hub_set_screws": Way(with_screw("M3x5-set", thread_mm=1, tap_drill_mm=1), 1.0, 0.01),
+    "stop_pin": Way(to("drum.web_thickness_mm"), 2.0, 20.0),
+    "pulley_stress": Way(to("input_pulleys.material.yield_MPa"), 355.0, 5.0),
+    "stop_pocket_wall": Way(to("input_pulleys.material.min_wall_mm"), 0.5, 1.0),
+    "stop_pocket_floor": Way(to("input_pulleys.material.min_wall_mm"), 0.5, 20.0),
+    "stop_pocket_bore": Way(to("input_pulleys.material.min_wall_mm"), 0.5, 20.0),
+    "bore_wall": Way(to("gearhead.shaft_diameter_mm"), 3.0, 5.0),
+    "bearing_shoulders": Way(to("bearings.input_lower.inner_shoulder_mm"), 6.2, 5.0),
+    "encoder_fit": Way(to("encoder.bore_mm"), 4.0, 3.0),
+    "bought_depth": Way(to("encoder.length_mm"), 14.0, 5.0),
+    "shaft_grip": Way(to("gearhead.shaft_length_mm"), 10.0, 6.0),
+    "pilot_room": Way(to("gearhead.pilot_height_mm"), 1.0, 9.0),
+    "coupling_height": Way(to("support.coupling_space_mm"), 10.6, 5.0),
+    "guide_wall": Way(to("bearings.guide.outer_diameter_mm"), 9.0, 19.0),
+    "guide_length": Way(to("bearings.guide.width_mm"), 2.5, 8.0),
+    "axle_stress": Way(to("guide.axle_material.yield_MPa"), 355.0, 10.0),
+    "rim_height": Way(to("drum.rim_inner_radius_mm"), 47.0, 54.0),
+    "web_in_rim": Way(to("drum.web_thickness_mm"), 2.0, 6.0),
+    "land_thickness": Way(to("clearances.land_edge_mm"), 0.15, 0.6),
+    "hub_walls": Way(to("drum.hub_diameter_mm"), 20.0, 10.0),
+    "hub_length": Way(to("drum.hub_face_y_mm"), 20.8, 14.0),
+    "hub_spigot": Way(to("bearings.drum.inner_shoulder_mm"), 9.5, 8.0),
+    "shaft_wall": Way(to("drum.shaft_bore_mm"), 4.0, 7.9),
+    "stop_slot": Way(to("drum.sector_half_angle_deg"), 78.1, 36.0),
+    "stop_after_travel": Way(to("stop_clearance_deg"), 0.25, -0.1),
+    "stop_within_half_degree": Way(to("stop_clearance_deg"), 0.25, 0.7),
+    "terminals_apart": Way(to("tensioner.nut_across_flats_mm"), 3.2, 9.0),
+    "lands_intact": Way(to("tensioner.nut_across_flats_mm"), 3.2, 9.0),
+    "outer_face": Way(to("drum.outer_face_y_mm"), 13.0, 12.0),
+    "pocket_corners": Way(to("drum.material.min_internal_radius_mm"), 0.5, 5.0),
+    "stud_stress": Way(to("tensioner.stress_area_mm2"), 1.27, 0.1),
+    "lug_stress": Way(to("drum.material.yield_MPa"), 503.0, 10.0),
+    "walls": Way(to("support.rib_mm"), 3.0, 0.3),
+    "bearing_shelf": Way(to("support.bearing_shelf_mm"), 4.0, 3.0),
+    "top_plate": Way(to("support.top_plate_mm"), 3.6, 2.0),
+    "engagement": Way(to("support.motor_shelf_mm"), 3.0, 6.0),
+    "dowel_engagement": Way(to("support.top_plate_mm"), 3.6, 5.0),
+    "front_wall": Way(to("bearings.input_lower.outer_diameter_mm"), 11.0, 14.0),
+    "side_wall": Way(to("support.side_wall_mm"), 5.6, 4.0),
+    "hole_webs": Way(to("support.side_wall_mm"), 5.6, 4.0),
+    "wall_holes": Way(to("support.side_wall_mm"), 5.6, 2.0),
+    "key_access": Way(to("gearhead.bolt_circle_mm"), 8.4, 10.0),
+    "head_seats": Way(to("gearhead.bolt_circle_mm"), 8.4, 12.0),
+    "pulley_corner": Way(to("support.material.min_internal_radius_mm"), 0.5, 10.0),
+    "pocket_depth": Way(scaled("input_radius_mm"), 1.0, 1.7),
+    "mounts": Way(to("support.rib_mm"), 3.0, 9.0),
+    "boss": Way(to("support.back_y_mm"), -14.0, -8.0),
+    "encoder_screws": Way(to("drum_encoder.bolt_circle_mm"), 19.6, 17.0),
+    "corner_radii": Way(to("support.material.min_internal_radius_mm"), 0.5, 12.0),
+    "drives_apart": Way(to("centre_distance_mm"), 34.6, 19.0),
+    "screwdriver": Way(to("encoder.diameter_mm"), 17.0, 30.0),
+    "drum_sweep": Way(to("gearhead.diameter_mm"), 16.0, 20.0),
+    "frame_front": Way(to("tensioner.clearance_mm"), 1.7, 4.0),
+    "collar_space": Way(to("support.back_plate_mm"), 2.6, 9.0),
+    "cables_apart": Way(radius_of(1, "drum_radius_mm"), 57.6, 54.2),
+    "spans_clear": Way(to("half_travel_deg"), 35.0, 60.0),
+    "envelope_x": Way(to("drum.sector_half_angle_deg"), 78.1, 70.0),
+    "envelope_z": Way(to("targets.envelope_tolerance_mm"), 0.5, 0.0001),
+    "envelope_y": Way(to("drum.hub_face_y_mm"), 20.8, 25.0),
+}
+# Told without a limit, or tried in a test of their own.
+OTHERS = {"path_length", "shaft_twist", "cut_at_pitch", "screw_counts"}
+
+
+def test_every_check_has_its_border_tried() -> None:
+    assert set(WAYS) | OTHERS == set(BY_ID), set(WAYS) ^ (set(BY_ID) - OTHERS)
+
+
+def _holds(check: Check, drive: Drive) -> bool:
+    with np.errstate(all="ignore"):
+        return check.measure(Subject(drive)).holds
+
+
+@pytest.mark.parametrize("name", WAYS)
+def test_one_design_just_passes_and_one_just_fails(name: str) -> None:
+    check, way = BY_ID[name], WAYS[name]
+
+    def design(value: float) -> Drive:
+        return way.change(reference(), value)
+
+    passing, failing = way.passing, way.failing
+    assert _holds(check, design(passing)), check.measure(Subject(design(passing)))
+    assert not _holds(check, design(failing)), check.measure(Subject(design(failing)))
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (passing + failing)
+        passing, failing = (middle, failing) if _holds(check, design(middle)) else (passing, middle)
+    good, bad = (run_check(check, Subject(design(value))) for value in (passing, failing))
+    assert good.status == "pass" and good.remedy == "", good
+    assert bad.status == check.severity, bad
+    assert bad.remedy, bad
+    # The two designs differ by rounding alone, so the figure must not jump at the border.
+    assert good.margin is not None and bad.margin is not None and bad.limit is not None
+    jump = good.margin - bad.margin
+    assert -1e-8 <= bad.margin < 0.0 <= good.margin + 1e-8 and jump < 1e-6 * max(1.0, abs(bad.limit)), (
+        f"{name}: margins {good.margin} and {bad.margin} at {passing} and {failing}"
+    )

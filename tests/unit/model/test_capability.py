@@ -1,0 +1,147 @@
+"""Limits of torque each way, stiffness, bearing loads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from paper_case import paper_drive
+
+from mbcdm_cad.model.bearing_loads import bearing_loads, span_directions, two_bearing_reactions_N
+from mbcdm_cad.model.capability import (
+    balanced_preload_N,
+    torque_at_input_limit_Nm,
+    torque_at_slack_Nm,
+    torque_at_tension_limit_Nm,
+    torque_limits,
+    torque_to_weight_Nm_kg,
+)
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.stiffness import (
+    secant_stiffness_Nm_rad,
+    sticking_stiffness_Nm_rad,
+    tangent_stiffness_Nm_rad,
+    torsional_modes_Hz,
+)
+
+WRAPS = {"input_wrap_rad": np.full(4, 9.0), "drum_wrap_rad": np.full(4, 0.43)}
+
+
+@given(st.floats(0.05, 0.6), st.sampled_from([1, -1]))
+def test_at_its_limit_an_input_carries_exactly_its_rating(rating: float, direction: int) -> None:
+    d = paper_drive()
+    loads = torque_at_input_limit_Nm(d, rating, direction)
+    for i in range(2):
+        torque = solve_equilibrium(d, direction * loads[i]).input_torque_Nm(d)[i]
+        assert direction * float(torque) == pytest.approx(rating, rel=1e-10), f"input {i} at {loads[i]} N m"
+
+
+def test_bias_above_the_rating_leaves_nothing() -> None:
+    assert torque_at_input_limit_Nm(paper_drive(), 0.027, 1)[0] == 0.0
+
+
+def test_strength_limit() -> None:
+    d = paper_drive()
+    limit = torque_at_tension_limit_Nm(d, 106.0, 1)
+    assert np.isinf(limit[[0, 3]]).all()
+    for j in (1, 2):
+        assert solve_equilibrium(d, limit[j]).tension_N[j] == pytest.approx(106.0, rel=1e-10)
+
+
+def test_slack_limit() -> None:
+    endless = torque_at_slack_Nm(paper_drive(), 1)
+    assert np.isinf(endless).all(), "friction on an endless wrap always keeps some tension"
+    d = paper_drive(**WRAPS)
+    first = float(torque_at_slack_Nm(d, 1).min())
+    below, above = solve_equilibrium(d, first * 0.999), solve_equilibrium(d, first * 1.001)
+    assert not below.slack.any() and above.slack.sum() == 1, (below.tension_N, above.tension_N)
+
+
+def test_slack_limit_without_friction() -> None:
+    """Frictionless and alike: each of four cables gives up its 70 N at M = 4 x 70 N x mean r_o, near enough."""
+    d = paper_drive(**WRAPS, friction_coefficient=0.0)
+    radius = np.full(4, 59.4e-3)
+    even = d.with_(drum_radius_m=radius, input_radius_m=radius / 9, guide_radius_m=radius / 6)
+    assert float(torque_at_slack_Nm(even, 1).min()) == pytest.approx(4 * 70 * 59.4e-3, rel=1e-10)
+
+
+def test_limits_are_complete_and_ordered() -> None:
+    limits = torque_limits(paper_drive(), {"motor": 0.2204, "gearhead": 0.1}, 106.0)
+    assert [limit.cause for limit in limits] == ["motor", "gearhead", "strength", "slack"] * 2
+    assert [limit.direction for limit in limits] == [1] * 4 + [-1] * 4
+    assert [limits[0].limiting, limits[4].limiting] == ["left", "right"]
+
+
+@given(st.lists(st.floats(30, 110), min_size=4, max_size=4))
+def test_balanced_preload_keeps_each_pairs_mean(preload: list[float]) -> None:
+    d = paper_drive(preload_N=preload)
+    even = balanced_preload_N(d)
+    assert even[:2].mean() == pytest.approx(np.mean(preload[:2]), rel=1e-12)
+    assert even[0] * 6.0 == pytest.approx(even[1] * 6.4, rel=1e-12)
+    assert even[2] * 6.8 == pytest.approx(even[3] * 7.2, rel=1e-12)
+
+
+def test_torque_to_weight_of_the_paper() -> None:
+    assert torque_to_weight_Nm_kg(3.3, 342.0) == pytest.approx(9.649, abs=5e-4)
+
+
+@pytest.mark.parametrize("load", [0.0, 0.3, 0.91, -2.0, 3.3])
+def test_tangent_stiffness_against_finite_differences(load: float) -> None:
+    d = paper_drive()
+    step = 1e-5 if load else 1e-8
+    high, low = (float(solve_equilibrium(d, load + sign * step).drum_angle_rad) for sign in (1, -1))
+    difference = -2 * step / (high - low)
+    tangent = float(tangent_stiffness_Nm_rad(d, load))
+    assert tangent == pytest.approx(difference, rel=1e-5), f"tangent {tangent:.6g}, differences {difference:.6g}"
+
+
+def test_stiffness_falls_with_load_and_secant_lies_above_tangent() -> None:
+    d = paper_drive()
+    load = np.array([0.0, 0.5, 1.5, 3.0])
+    tangent, secant = tangent_stiffness_Nm_rad(d, load), secant_stiffness_Nm_rad(d, load)
+    assert (np.diff(tangent) < 0).all() and (secant[1:] > tangent[1:]).all(), (tangent, secant)
+    assert secant[0] == pytest.approx(float(sticking_stiffness_Nm_rad(d)))
+
+
+def test_torsional_modes() -> None:
+    d = paper_drive()
+    inertia = 1e-4
+    locked = torsional_modes_Hz(d, inertia)
+    assert locked == pytest.approx([np.sqrt(float(sticking_stiffness_Nm_rad(d)) / inertia) / (2 * np.pi)])
+    free = torsional_modes_Hz(d, inertia, [2e-6, 2e-6])
+    assert free[0] == 0.0 and len(free) == 3
+    heavy = torsional_modes_Hz(d, inertia, 1e3)
+    assert heavy[-1] == pytest.approx(locked[0], rel=1e-6), "very heavy inputs act as locked"
+    assert free[-1] > locked[0], "free inputs raise the drum's own mode"
+
+
+def test_span_directions_are_tangent_to_both_pulleys() -> None:
+    """Distance of the line from guide axis and input axis equals the radii, on opposite sides (figure eight)."""
+    d = paper_drive()
+    for j, u in enumerate(span_directions(d)):
+        side, towards = d.input_side[d.input_of[j]], -d.sigma[j]
+        normal = np.array([u[1], -u[0]])  # the centre lies to the right of a clockwise cable
+        landing = -towards * d.guide_radius_m[j] * normal
+        foot = landing - u[:2] * d.free_span_m[j]
+        centre = np.array([side * d.centre_distance_m, 0.0])
+        assert np.linalg.norm(foot - centre) == pytest.approx(d.input_radius_m[j], rel=1e-12), f"cable {j + 1}"
+        assert (foot - centre) @ u[:2] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_bearing_reactions_balance() -> None:
+    d = paper_drive()
+    loads = bearing_loads(d, solve_equilibrium(d, 2.0).tension_N)
+    for i in range(2):
+        force, moment, at = loads.input_force_N[i], loads.input_moment_Nm[i], loads.input_line_z_m[i]
+        lower, upper = two_bearing_reactions_N(force, moment, at, 45e-3, 70e-3)
+        up = np.array([0.0, 0.0, 1.0])
+        total = force + lower + upper
+        turning = moment + np.cross(at * up, force) + np.cross(45e-3 * up, lower) + np.cross(70e-3 * up, upper)
+        assert np.abs(total).max() < 1e-12 and np.abs(turning).max() < 1e-12, (total, turning)
+
+
+def test_drum_feels_no_net_pull_at_equal_preload() -> None:
+    d = paper_drive()
+    loads = bearing_loads(d, d.preload_N)
+    assert np.abs(loads.drum_force_N).max() < 1e-12 and np.abs(loads.drum_moment_Nm).max() < 1e-12

@@ -1,0 +1,138 @@
+"""The slips of the paper, each shown symbolically: what is printed contradicts itself, what is used does not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy as sp
+from paper_case import paper_drive
+
+from mbcdm_cad.model import equations as eq
+from mbcdm_cad.model import measured
+from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.kinematics import eq1_residuals
+
+Tp, Tl, Th, mu, EA, ro, ri, Lf, M = sp.symbols("T_pre T_l T_h mu EA r_o r_i L_free M_l", positive=True)
+s = sp.symbols("s", nonnegative=True)
+DIFFERENCE = M / (2 * ro)
+
+
+def zone(radius: sp.Expr, tension: sp.Expr) -> sp.Expr:
+    """r/(EA mu) (T - T_pre - T_pre ln(T/T_pre)), the bracket of Eq. (7) to (10)."""
+    return radius / (EA * mu) * (tension - Tp - Tp * sp.log(tension / Tp))
+
+
+def test_eq1_third_row_uses_steps_3_and_4() -> None:
+    d = paper_drive()
+    right, guide = d.input_radius_m[2:], d.guide_radius_m
+    assert right / guide[2:] == pytest.approx([2 / 3, 2 / 3]), "r_mr/r_g3, r_mr/r_g4"
+    printed = right / guide[:2]
+    assert abs(printed[0] - printed[1]) > 0.004, f"as printed the row reads {printed}: not one ratio"
+    assert eq1_residuals(d).worst < 1e-15
+
+
+def test_eq4_sign_on_the_slack_side() -> None:
+    """Only e^{-mu theta} runs from T_pre down to T_l over the slip angle of Eq. (6)."""
+    angle = eq.eq6_slip_angle_slack(60.0, 70.0, 0.15)
+    assert eq.eq4_tension(70.0, 0.15, angle, "slack") == pytest.approx(60.0, rel=1e-14)
+    assert eq.eq4_tension(70.0, 0.15, angle, "slack", as_printed=True) == pytest.approx(70.0**2 / 60.0)
+    tight = eq.eq5_slip_angle_tight(80.0, 70.0, 0.15)
+    assert eq.eq4_tension(70.0, 0.15, tight, "tight") == pytest.approx(80.0, rel=1e-14)
+    with pytest.raises(ModelError, match="side 'left' is unknown"):
+        eq.eq4_tension(70.0, 0.15, angle, "left")
+
+
+def test_eq7_is_the_integral_of_the_tight_profile() -> None:
+    angle = sp.log(Th / Tp) / mu
+    integral = sp.integrate((Th * sp.exp(-mu * s) - Tp) * ro / EA, (s, 0, angle))
+    assert sp.simplify(integral - zone(ro, Th)) == 0
+
+
+def test_eq8_printed_integrand_has_the_wrong_sign() -> None:
+    angle = sp.log(Tp / Tl) / mu
+    contraction = sp.integrate((Tl * sp.exp(mu * s) - Tp) * ro / EA, (s, 0, angle))
+    printed_integrand = sp.integrate((Tp - Tl * sp.exp(mu * s)) * ro / EA, (s, 0, angle))
+    printed_result = -zone(ro, Tl)
+    assert sp.simplify(contraction - printed_result) == 0, "the printed result is d(delta_T) - d(delta_pre)"
+    assert sp.simplify(printed_integrand + printed_result) == 0, "the printed integrand gives its opposite"
+    value = float(contraction.subs({Tp: 70, Tl: 60, mu: 0.15, ro: 0.054, EA: 18702}))
+    assert eq.eq8_slip_stretch_slack(60.0, 70.0, 0.15, 0.054, 18702.0) == pytest.approx(value, rel=1e-12)
+    printed = eq.eq8_slip_stretch_slack(60.0, 70.0, 0.15, 0.054, 18702.0, as_printed=True)
+    assert printed == pytest.approx(-value, rel=1e-12)
+
+
+def eq13_sum(free_slack: sp.Expr) -> sp.Expr:
+    tight = zone(ro, Th) + zone(ri, Th) + (Th - Tp) * Lf / EA
+    return tight - zone(ro, Tl) - zone(ri, Tl) + free_slack
+
+
+def eq14_left() -> sp.Expr:
+    kappa = mu * Lf / (ro + ri)
+    return Tp * sp.log(Tl / (Tl + DIFFERENCE)) + (kappa + 1) * DIFFERENCE + 2 * kappa * (Tl - Tp)
+
+
+def test_eq14_follows_only_from_the_corrected_eq12() -> None:
+    scale = EA * mu / (ro + ri)
+    corrected = eq13_sum((Tl - Tp) * Lf / EA).subs(Th, Tl + DIFFERENCE) * scale
+    printed = eq13_sum((Tp - Tl) * Lf / EA).subs(Th, Tl + DIFFERENCE) * scale
+    assert sp.simplify(sp.expand_log(corrected - eq14_left(), force=True)) == 0
+    rest = sp.simplify(sp.expand_log(printed - eq14_left(), force=True))
+    assert sp.simplify(rest - 2 * Lf * mu * (Tp - Tl) / (ro + ri)) == 0, f"left over: {rest}"
+
+
+def test_eq12_signs() -> None:
+    right = eq.eq12_free_stretch_slack(60.0, 70.0, 0.03, 18702.0)
+    assert right < 0.0 < eq.eq11_free_stretch_tight(80.0, 70.0, 0.03, 18702.0)
+    assert eq.eq12_free_stretch_slack(60.0, 70.0, 0.03, 18702.0, as_printed=True) == -right
+
+
+def test_eq13_with_steps_is_about_angle_not_length() -> None:
+    """Tight cable on r_o2, slack cable on r_o1: one drum angle, so the stretches are as the radii."""
+    tight, slack = 57.6e-3 * 1e-4, -54.0e-3 * 1e-4
+    assert eq.eq13_residual(tight, slack, 57.6e-3, 54.0e-3) == pytest.approx(0.0, abs=1e-18)
+    assert abs(eq.eq13_residual(tight, slack)) > 3e-7, "constant total length would be missed by 0.36 um"
+
+
+def test_eq16_to_18_solve_eq14_without_kappa() -> None:
+    x = DIFFERENCE / Tp
+    low = DIFFERENCE / (sp.exp(x) - 1)
+    left = sp.log(low / (low + DIFFERENCE)) + x
+    assert sp.simplify(sp.expand_log(sp.simplify(left), force=True)) == 0
+    load = np.array([0.0, 0.3, 3.0])
+    low_N, high_N = eq.eq17_low_tension(load, 70.0, 0.054), eq.eq18_high_tension(load, 70.0, 0.054)
+    assert np.abs(eq.eq16_residual(low_N, load, 70.0, 0.054)).max() < 1e-15
+    assert (high_N - low_N) * 2 * 0.054 == pytest.approx(load)
+
+
+def test_eq20_as_printed_is_a_length() -> None:
+    """theta_b must not change when all lengths and M are scaled alike at fixed EA; the print scales with them."""
+
+    def both(scale: float) -> tuple[float, float]:
+        arguments = (74.3, 70.0, 0.15, 0.054 * scale, 0.006 * scale, 0.03118 * scale, 18702.0)
+        return float(eq.eq20_backlash(*arguments)), float(eq.eq20_backlash(*arguments, as_printed=True))
+
+    (angle, length), (angle_2, length_2) = both(1.0), both(2.0)
+    assert angle_2 == pytest.approx(angle, rel=1e-14)
+    assert length_2 == pytest.approx(2.0 * length, rel=1e-14)
+    assert angle == pytest.approx(length / (0.15 * 0.054), rel=1e-14)
+
+
+def test_eq20_is_eq19_of_eq7_9_and_11() -> None:
+    high, preload, friction, drum, inner, free, stiffness = 74.3, 70.0, 0.15, 0.054, 0.006, 0.03118, 18702.0
+    parts = (
+        eq.eq7_slip_stretch_tight(high, preload, friction, inner, stiffness),
+        eq.eq7_slip_stretch_tight(high, preload, friction, drum, stiffness),
+        eq.eq11_free_stretch_tight(high, preload, free, stiffness),
+    )
+    whole = eq.eq20_backlash(high, preload, friction, drum, inner, free, stiffness)
+    assert eq.eq19_backlash(*parts, drum) == pytest.approx(float(whole), rel=1e-12)
+
+
+def test_the_texts_torque() -> None:
+    two_inputs = 2 * measured.MOTOR_TORQUE_MNM * 1e-3 * measured.GEAR_RATIO * 9
+    assert two_inputs == pytest.approx(3.967, abs=5e-4), "the paper rounds it down to 3.9"
+    design = torque_to_weight_Nm_kg(measured.DESIGN_TORQUE_NM, measured.DESIGN_MASS_G)
+    assert design == pytest.approx(measured.DESIGN_TORQUE_TO_WEIGHT_NM_KG, abs=5e-3)
+    prototype = torque_to_weight_Nm_kg(measured.PEAK_TORQUE_NM, measured.PROTOTYPE_MASS_G)
+    assert prototype == pytest.approx(measured.TORQUE_TO_WEIGHT_NM_KG, abs=5e-4)

@@ -1,0 +1,40 @@
+"""All parts of the reference design, drawn once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cadquery as cq
+import pytest
+
+from mbcdm_cad.assembly.bill import Bill, bill
+from mbcdm_cad.design import load_design
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layout.layout import Layout, layout
+from mbcdm_cad.parts.make import make
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture(scope="session")
+def drive() -> Drive:
+    """The drive of params/mbcdm.yaml."""
+    return load_design(ROOT / "params" / "mbcdm.yaml").drive
+
+
+@pytest.fixture(scope="session")
+def dims(drive: Drive) -> Layout:
+    """Its layout."""
+    return layout(drive)
+
+
+@pytest.fixture(scope="session")
+def centred(dims: Layout) -> Bill:
+    """Its bill with the drum centred."""
+    return bill(dims)
+
+
+@pytest.fixture(scope="session")
+def solids(centred: Bill) -> dict[str, cq.Solid]:
+    """Part name to solid."""
+    return {name: make(spec.maker, spec.args) for name, spec in centred.parts.items()}

@@ -1,0 +1,34 @@
+"""Volumes of the reference design's parts as they were when last looked at.
+
+After a change of geometry that is meant: ``python tests/unit/parts/golden.py`` writes golden_volumes.json anew; read
+the diff before it is committed.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+FILE = Path(__file__).with_name("golden_volumes.json")
+
+
+def golden_volumes() -> dict[str, float]:
+    """Part name to volume, mm^3."""
+    volumes: dict[str, float] = json.loads(FILE.read_text("utf-8"))
+    return volumes
+
+
+def _write() -> None:
+    from mbcdm_cad.assembly.bill import bill
+    from mbcdm_cad.design import load_design
+    from mbcdm_cad.layout.layout import layout
+    from mbcdm_cad.parts.make import make
+
+    drive = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+    parts = bill(layout(drive)).parts
+    volumes = {name: round(make(spec.maker, spec.args).Volume(), 6) for name, spec in sorted(parts.items())}
+    FILE.write_text(json.dumps(volumes, indent=1) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    _write()

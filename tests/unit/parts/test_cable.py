@@ -1,0 +1,44 @@
+"""A cable is pi r^2 times its length (Guldin), at every pose; its ends lie where stop and terminal hold it."""
+
+from __future__ import annotations
+
+from math import pi, radians
+
+import cadquery as cq
+import numpy as np
+import pytest
+
+from mbcdm_cad.export.measure import bounding_box
+from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.parts.cable import create_cable
+
+
+@pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])
+def test_volume_is_section_times_length(dims: Layout, angle_deg: float) -> None:
+    radius = dims.drive.cable.diameter_mm / 2
+    for path in dims.cable_paths(radians(angle_deg)):
+        rod = create_cable(path.line, radius)
+        assert rod.isValid()
+        error = rod.Volume() / (pi * radius**2 * path.length_mm) - 1
+        assert abs(error) < 1e-5, f"{path.cable.name} at {angle_deg:+g} deg: {error:+.2e}"
+
+
+def test_rod_lies_round_its_centre_line(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+    radius = dims.drive.cable.diameter_mm / 2
+    for path in dims.cable_paths(0.0):
+        points = path.sample(0.05)
+        low, high = bounding_box(solids[path.cable.name])
+        assert np.all(np.array(low) > points.min(axis=0) - radius - 1e-3), path.cable.name
+        assert np.all(np.array(high) < points.max(axis=0) + radius + 1e-3), path.cable.name
+
+
+def test_ends_are_flat_discs_in_stop_and_terminal(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+    radius = dims.drive.cable.diameter_mm / 2
+    for path in dims.cable_paths(0.0):
+        ends = [path.pieces[0][1].points(np.array([0.0]))[0], path.pieces[-1][1].points(np.array([1.0]))[0]]
+        discs = [f for f in solids[path.cable.name].Faces() if f.geomType() == "PLANE"]
+        assert len(discs) == 2, f"{path.cable.name}: {len(discs)} plane faces"
+        for disc in discs:
+            assert disc.Area() == pytest.approx(pi * radius**2, rel=1e-6)
+            centre = np.array(disc.Center().toTuple())
+            assert min(np.linalg.norm(centre - end) for end in ends) < 1e-6
