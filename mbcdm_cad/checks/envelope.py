@@ -46,7 +46,9 @@ def box_mm(s: Subject) -> tuple[float, float, float]:
     lay, v, drive = s.layout, s.levels, s.drive
     d, f, pitch = lay.drum, lay.frame, drive.centre_distance_mm
     points = [_rim_points(d)]
-    ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5]
+    # Cable on the largest step of an input pulley: it may stand out beyond frame and drum on both sides.
+    on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
+    ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, on_input, -on_input]
     for t in d.tensioners:
         for _, outline, _, high in _bodies(s, t):
             points.append(outline)
@@ -57,6 +59,7 @@ def box_mm(s: Subject) -> tuple[float, float, float]:
         f.ear_reach,
         drive.drum_encoder.diameter_mm / 2,
         pitch + max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2,
+        pitch + on_input,
     )
     outermost = s.steps[-1].drum_radius_mm + s.flank_mm
     encoder_half = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
