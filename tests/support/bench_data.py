@@ -1,0 +1,158 @@
+"""Measured runs made by other means than the project's model: a CSV, its measurement file, and the truth beside it.
+
+    write_case(folder, "once_per_rev_guide", seed=3, drive=load_design(...).drive)
+
+The physics is in bench_chain.py, the geometry in bench_geometry.py, motion and sensors in bench_motion.py; of the
+project only the design file is read. Sizes and phases of the effects come from the seed, within ranges that can be
+told apart on the motion of the case. ``truth.yaml`` is never read by the loop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from bench_cases import CASES, Case, Effect
+from bench_chain import run_chain
+from bench_geometry import Chain, chain_of, path_of_eccentric
+from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, TORQUE_NOISE_NM, Bench, Plan, bench_run, read_sensors
+
+from mbcdm_cad.design.drive import Drive
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """One run as simulated: true signals, drum angle at the sensor, what the sensors gave, the effects in it."""
+
+    plan: Plan
+    bench: Bench
+    drum_rad: np.ndarray
+    sensed: dict[str, np.ndarray]
+    effects: tuple[Effect, ...]
+    columns: tuple[str, ...]
+
+
+def stream(case: str, seed: int, purpose: str) -> np.random.Generator:
+    """A random stream of its own for each purpose, so that a run and its twin without effect share their noise."""
+    letters = [ord(letter) for letter in f"{case}/{purpose}"]
+    return np.random.default_rng([seed, *letters])
+
+
+def simulate_case(drive: Drive, name: str, seed: int, without_effects: bool = False) -> Simulated:
+    """Run one case. ``without_effects`` gives its twin: same motion, load and noise, no effect."""
+    case = CASES[name]
+    plan = case.plan(stream(name, seed, "plan"))
+    effects = () if without_effects else case.effects(stream(name, seed, "effects"), plan)
+    chain = chain_of(drive)
+    ratio = float(np.mean(chain.r_drum / chain.r_in))
+    bench = bench_run(plan, ratio, len(drive.input_names), stream(name, seed, "motion"))
+    drum = drum_angle(chain, drive.input_names, bench, effects, stream(name, seed, "wander"))
+    sensed = read_sensors(bench, drum, stream(name, seed, "sensors"))
+    return Simulated(plan, bench, drum, sensed, effects, _columns(plan, case))
+
+
+def _columns(plan: Plan, case: Case) -> tuple[str, ...]:
+    bare = plan.load == "bare"
+    return ("inputs", "output", *(() if bare else ("torque",)), *(("temperature",) if case.temperature else ()))
+
+
+def drum_angle(
+    chain: Chain, input_names: tuple[str, ...], bench: Bench, effects: tuple[Effect, ...], rng: np.random.Generator
+) -> np.ndarray:
+    """Angle that the output encoder sees, with all effects at work at once."""
+    by_name = {"input_" + name: index for index, name in enumerate(input_names)}
+    ratio = float(np.mean(chain.r_drum / chain.r_in))
+    inputs, load = bench.input_rad.copy(), bench.load_Nm.copy()
+    rigid = inputs.mean(axis=0) / ratio
+    path = np.zeros((chain.sense.size, load.size))
+    play = np.zeros(inputs.shape[0])
+    transport = guide_slip = False
+    for effect in effects:
+        p = effect.physical
+        kind = effect.kind
+        if kind == "pulley":
+            index = by_name.get(effect.stage or "")
+            shaft = {"drum": rigid, "guide": -rigid * float(np.mean(chain.r_drum / chain.r_guide))}.get(
+                effect.stage or "", inputs[index] if index is not None else rigid
+            )
+            stage = effect.stage if index is None else f"input_{index}"
+            path += path_of_eccentric(chain, str(stage), p["eccentricity_m"], p["phase_rad"], shaft)
+        elif kind == "input_encoder":
+            # The encoder reads high by this much, so the shaft is behind what is read.
+            index = by_name[str(effect.stage)]
+            wave = p["amplitude_rad"] * (np.cos(inputs[index] + p["phase_rad"]) - np.cos(p["phase_rad"]))
+            inputs[index] = inputs[index] - wave
+        elif kind == "radii":
+            chain = replace(chain, r_drum=chain.r_drum / (1.0 + p["share"]))
+        elif kind == "modulus":
+            chain = replace(chain, stiffness=chain.stiffness * (1.0 + p["share"]))
+        elif kind == "preload":
+            wanted = chain.preload.copy()
+            wanted[list(effect.cables)] *= 1.0 + p["share"]
+            chain = replace(chain, preload=wanted)
+        elif kind == "mu":
+            chain = replace(chain, friction=chain.friction * (1.0 + p["share"]))
+        elif kind == "bearing":
+            load = load + p["torque_Nm"] * np.tanh(bench.speed_rad_s / 1e-3)
+        elif kind == "viscous":
+            load = load + p["drag_Nm_s"] * bench.speed_rad_s
+        elif kind == "input_play":
+            play[by_name[str(effect.stage)]] = p["play_rad"]
+        elif kind == "transport":
+            transport = True
+        elif kind == "guide_slip":
+            guide_slip = True
+    drum, _ = run_chain(chain, inputs, load, path, transport=transport, input_play_rad=play, guide_slip=guide_slip)
+    for effect in effects:
+        drum = drum + effect.added(bench, drum, rng)
+    return drum
+
+
+def write_case(folder: Path, name: str, seed: int, drive: Drive, without_effects: bool = False) -> Path:
+    """Write NAME-SEED.csv, .yaml and .truth.yaml into ``folder``; the path of the measurement file."""
+    run = simulate_case(drive, name, seed, without_effects)
+    stem = f"{name}-{seed}" + ("-twin" if without_effects else "")
+    folder.mkdir(parents=True, exist_ok=True)
+    write_run(folder, stem, run, drive.input_names)
+    (folder / f"{stem}.truth.yaml").write_text(yaml.safe_dump(truth(run), sort_keys=False))
+    return folder / f"{stem}.yaml"
+
+
+def write_run(folder: Path, stem: str, run: Simulated, input_names: tuple[str, ...]) -> None:
+    """The CSV and the measurement file of one run."""
+    two = len(input_names) > 1
+    labels = [f"input_{name}" for name in input_names] if two else ["input"]
+    table = [run.bench.time_s, *run.sensed["inputs"], run.sensed["output"]]
+    header = ["t", *(f"q_{name}" for name in input_names), "q_out"]
+    units = {"time": ("t", "s")}
+    units |= {label: (f"q_{name}", "rad") for label, name in zip(labels, input_names, strict=True)}
+    units["output"] = ("q_out", "rad")
+    if "torque" in run.columns:
+        table.append(run.sensed["torque"])
+        header.append("tau")
+        units["load_torque"] = ("tau", "N*m")
+    if "temperature" in run.columns:
+        table.append(run.sensed["temperature"])
+        header.append("temp")
+        units["temperature"] = ("temp", "degC")
+    np.savetxt(
+        folder / f"{stem}.csv", np.array(table).T, delimiter=",", header=",".join(header), comments="", fmt="%.9g"
+    )
+    sensors: dict[str, Any] = {"input_resolution_rad": INPUT_STEP_RAD, "output_resolution_rad": OUTPUT_STEP_RAD}
+    if "torque" in run.columns:
+        sensors["torque_noise_Nm"] = TORQUE_NOISE_NM
+    document = {
+        "data": f"{stem}.csv",
+        "columns": {name: {"column": column, "unit": unit} for name, (column, unit) in units.items()},
+        "sensors": sensors,
+    }
+    (folder / f"{stem}.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
+
+
+def truth(run: Simulated) -> dict[str, Any]:
+    """The truth file's content."""
+    plan = {key: value for key, value in run.plan.__dict__.items()}
+    return {"plan": plan, "effects": [effect.as_truth() for effect in run.effects]}
