@@ -1,0 +1,126 @@
+"""Equations of motion of rotors, input pulleys and drum, and one step of them.
+
+Coordinates, all in the sense that drives the drum positive: for each input the rotor reflected to the gearhead's output
+and the pulley; last the drum, with the load's inertia and the guide, which the cables turn along.
+
+    rotor    J_r phi'' = tau + cogging - s du/dphi - b phi' - friction
+    pulley   J_p p''   = s - sum_j sigma_j r_ij T_j - friction
+    drum     J_o o''   = sum_j sigma_j r_oj T_j - M - b o' - friction
+
+s is the gearhead's torque (:mod:`mbcdm_cad.rig.gearhead`), T_j what the chains of :mod:`mbcdm_cad.rig.chain` pull, M the
+torque motor's torque (> 0 opposes positive rotation). The step is linearly implicit (:mod:`mbcdm_cad.rig.dynamic_friction`): cables
+enter its matrix with the stiffness of their free span, the most they have, so that no step is too long to be stable;
+a longer one only damps the fast modes more.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+from mbcdm_cad.rig.dynamic_friction import solve_friction
+from mbcdm_cad.rig.gearhead import shaft_torque
+
+# Columns of the table of inputs; all seen at the gearhead's output, orders in periods per radian there.
+(ROTOR, DRAG, LOSS, VISCOUS, STIFFNESS, LASH, MESH, MESH_ORDER, COGGING, COGGING_ORDER, COGGING_PHASE, PULLEY,
+ PULLEY_DRAG) = range(13)  # fmt: skip
+INPUT_COLUMNS = 13
+# Columns of the table of cables.
+SIGMA, INPUT_RADIUS, DRUM_RADIUS, SPAN_STIFFNESS = range(4)
+# Entries of the drum's row.
+DRUM_INERTIA, DRUM_DRAG, DRUM_VISCOUS = range(3)
+# Entries of the account of energy, J.
+(MOTOR_WORK, LOAD_WORK, ROTOR_LOSS, PULLEY_LOSS, DRUM_LOSS, VISCOUS_LOSS, CABLE_WORK) = range(7)  # fmt: skip
+ACCOUNTS = 7
+
+
+@compiled
+def gear(row: Floats, rotor_rad: float, pulley_rad: float) -> tuple[float, float, float]:
+    """Torque the gearhead's shaft carries, its slope, and du/dphi of the mesh."""
+    wave = row[MESH_ORDER] * rotor_rad
+    twist = rotor_rad - pulley_rad + row[MESH] * math.sin(wave)
+    torque, slope = shaft_torque(twist, row[LASH], row[STIFFNESS])
+    return torque, slope, 1.0 + row[MESH] * row[MESH_ORDER] * math.cos(wave)
+
+
+@compiled
+def advance(
+    inputs: Floats,
+    cables: Floats,
+    input_of: NDArray[np.int64],
+    drum: Floats,
+    tension: Floats,
+    motor: Floats,
+    load: float,
+    brake: float,
+    h: float,
+    q: Floats,
+    v: Floats,
+    guess: Floats,
+    push: Floats,
+    account: Floats,
+) -> None:
+    """Bring ``q`` (rad) and ``v`` (rad/s) one step ``h`` (s) further.
+
+    ``motor`` (n_inputs,) torques at the gearhead's output, ``load`` the torque motor's torque, ``brake`` the capacity
+    of the brake, all N m. ``push`` receives the friction impulses (N m s), ``account`` is added to.
+    """
+    n_inputs = inputs.shape[0]
+    n = 2 * n_inputs + 1
+    last = n - 1
+    A = np.zeros((n, n))
+    b = np.empty(n)
+    limit = np.empty(n)
+    drive = np.empty(n_inputs)
+    for i in range(n_inputs):
+        row, p = inputs[i], n_inputs + i
+        carried, slope, lever = gear(row, q[i], q[p])
+        drive[i] = motor[i] + row[COGGING] * math.sin(row[COGGING_ORDER] * q[i] + row[COGGING_PHASE])
+        A[i, i] = row[ROTOR] + h * row[VISCOUS] + h * h * slope * lever * lever
+        A[p, p] = row[PULLEY] + h * h * slope
+        A[i, p] = A[p, i] = -h * h * slope * lever
+        b[i] = row[ROTOR] * v[i] + h * (drive[i] - carried * lever)
+        b[p] = row[PULLEY] * v[p] + h * carried
+        limit[i] = h * (row[DRAG] + row[LOSS] * abs(carried))
+        limit[p] = h * row[PULLEY_DRAG]
+    A[last, last] = drum[DRUM_INERTIA] + h * drum[DRUM_VISCOUS]
+    b[last] = drum[DRUM_INERTIA] * v[last] - h * load
+    limit[last] = h * (drum[DRUM_DRAG] + brake)
+    for j in range(cables.shape[0]):
+        p = n_inputs + input_of[j]
+        inner, outer = cables[j, SIGMA] * cables[j, INPUT_RADIUS], cables[j, SIGMA] * cables[j, DRUM_RADIUS]
+        stiff = h * h * cables[j, SPAN_STIFFNESS]
+        A[p, p] += stiff * inner * inner
+        A[last, last] += stiff * outer * outer
+        A[p, last] -= stiff * inner * outer
+        A[last, p] -= stiff * inner * outer
+        b[p] -= h * inner * tension[j]
+        b[last] += h * outer * tension[j]
+    solve_friction(A, b, limit, guess, v, push)
+    for i in range(n_inputs):
+        p = n_inputs + i
+        account[MOTOR_WORK] += h * drive[i] * v[i]
+        account[ROTOR_LOSS] -= push[i] * v[i]
+        account[PULLEY_LOSS] -= push[p] * v[p]
+        account[VISCOUS_LOSS] += h * inputs[i, VISCOUS] * v[i] * v[i]
+    account[LOAD_WORK] += h * load * v[last]
+    account[DRUM_LOSS] -= push[last] * v[last]
+    account[VISCOUS_LOSS] += h * drum[DRUM_VISCOUS] * v[last] * v[last]
+    for k in range(n):
+        q[k] += h * v[k]
+
+
+@compiled
+def stored(inputs: Floats, drum: Floats, q: Floats, v: Floats) -> float:
+    """Energy of motion and of the gearheads' shafts, J."""
+    n_inputs = inputs.shape[0]
+    total = 0.5 * drum[DRUM_INERTIA] * v[2 * n_inputs] ** 2
+    for i in range(n_inputs):
+        p = n_inputs + i
+        carried = gear(inputs[i], q[i], q[p])[0]
+        total += 0.5 * inputs[i, ROTOR] * v[i] ** 2 + 0.5 * inputs[i, PULLEY] * v[p] ** 2
+        total += 0.5 * carried * carried / inputs[i, STIFFNESS]
+    return float(total)

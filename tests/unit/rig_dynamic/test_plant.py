@@ -1,0 +1,118 @@
+"""The step of motion against closed forms, with plain springs in the cables' place."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.rig.dynamic_plant import (
+    ACCOUNTS, CABLE_WORK, COGGING, DRAG, DRUM_LOSS, INPUT_COLUMNS, LASH, LOAD_WORK, LOSS, MESH, MESH_ORDER, MOTOR_WORK,
+    PULLEY, ROTOR, STIFFNESS, VISCOUS, VISCOUS_LOSS, advance, stored,
+)  # fmt: skip
+
+SPRING_N_M = 5.5e5
+RADII = ((6.0e-3, 54.0e-3, -1.0), (6.4e-3, 57.6e-3, 1.0))
+ROTOR_INERTIA, PULLEY_INERTIA, DRUM_INERTIA = 3.75e-4, 1e-7, 1e-4
+PRELOAD = 70.0
+
+
+class Springs:
+    """One input, two preloaded springs in the cables' place, a drum."""
+
+    def __init__(self, h: float, drum_drag: float = 0.0, **row: float) -> None:
+        self.h = h
+        self.inputs = np.zeros((1, INPUT_COLUMNS))
+        self.inputs[0, [ROTOR, PULLEY, STIFFNESS]] = ROTOR_INERTIA, PULLEY_INERTIA, 1e4
+        columns = {"drag": DRAG, "loss": LOSS, "viscous": VISCOUS, "stiffness": STIFFNESS, "lash": LASH, "mesh": MESH,
+                   "mesh_order": MESH_ORDER, "cogging": COGGING, "rotor": ROTOR}  # fmt: skip
+        for name, value in row.items():
+            self.inputs[0, columns[name]] = value
+        self.cables = np.array([[s, inner, outer, SPRING_N_M] for inner, outer, s in RADII])
+        self.drum = np.array([DRUM_INERTIA, drum_drag, 0.0])
+        self.q, self.v, self.guess, self.push = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+        self.account = np.zeros(ACCOUNTS)
+        self.tension = self.pull()
+
+    def stretch(self) -> np.ndarray:
+        return self.cables[:, 0] * (self.cables[:, 1] * self.q[1] - self.cables[:, 2] * self.q[2])
+
+    def pull(self) -> np.ndarray:
+        return PRELOAD + SPRING_N_M * self.stretch()
+
+    def step(self, motor: float = 0.0, load: float = 0.0, brake: float = 0.0) -> None:
+        before, tension = self.stretch(), self.tension
+        advance(self.inputs, self.cables, np.zeros(2, np.int64), self.drum, tension, np.array([motor]), load, brake,
+                self.h, self.q, self.v, self.guess, self.push, self.account)  # fmt: skip
+        self.tension = self.pull()
+        self.account[CABLE_WORK] += ((tension + self.tension) / 2.0 * (self.stretch() - before)).sum()
+
+
+def test_free_mode_has_the_frequency_of_two_inertias_and_a_spring() -> None:
+    outer = SPRING_N_M * (0.054**2 + 0.0576**2)
+    # The input seen at the drum is 81 times its inertia; the gearhead's spring is in series.
+    gear = 1e4 * 81.0
+    stiffness = 1.0 / (1.0 / outer + 1.0 / gear)
+    reduced = 1.0 / (1.0 / DRUM_INERTIA + 1.0 / (81.0 * ROTOR_INERTIA))
+    expected = sqrt(stiffness / reduced) / 2.0 / pi
+    h = 2e-7
+    system = Springs(h)
+    system.inputs[0, PULLEY] = 1e-10
+    bias = PRELOAD * 0.4e-3  # what the unequal radii ask of the motor
+    system.q[0] = bias / 1e4
+    system.q[2] = 1e-6
+    system.tension = system.pull()
+    path = []
+    for _ in range(int(10.0 / expected / h)):
+        system.step(motor=bias)
+        path.append(system.q[2] - system.q[1] / 9.0)
+    path_array = np.array(path) - np.mean(path)
+    crossings = np.flatnonzero((path_array[:-1] < 0) & (path_array[1:] >= 0))
+    found = (crossings.size - 1) / ((crossings[-1] - crossings[0]) * h)
+    assert found == pytest.approx(expected, rel=0.01), f"{found:.1f} Hz, closed form {expected:.1f} Hz"
+
+
+def balance_error(h: float) -> tuple[float, float]:
+    """What the account misses and what went through it, J, for a run with every loss in it."""
+    system = Springs(h, drum_drag=5e-3, drag=2e-3, loss=0.47, viscous=1e-4, stiffness=30.0, lash=1e-3, mesh=1e-4,
+                     mesh_order=76.0, cogging=2e-3)  # fmt: skip
+    start = stored(system.inputs, system.drum, system.q, system.v)
+    for k in range(int(0.4 / h)):
+        system.step(motor=0.1 * np.sin(2 * pi * 5.0 * k * h), load=0.2 * np.sin(2 * pi * 3.0 * k * h), brake=0.05)
+    a = system.account
+    spent = a[LOAD_WORK] + a[CABLE_WORK] + a[2] + a[3] + a[DRUM_LOSS] + a[VISCOUS_LOSS]
+    missing = a[MOTOR_WORK] - spent - (stored(system.inputs, system.drum, system.q, system.v) - start)
+    assert min(a[2], a[DRUM_LOSS], a[VISCOUS_LOSS]) > 0.0, f"a loss gives energy back: {a}"
+    return float(missing), float(abs(a[MOTOR_WORK]) + abs(a[LOAD_WORK]))
+
+
+def test_energy_balance_closes_with_the_step() -> None:
+    coarse, through = balance_error(4e-5)
+    fine, _ = balance_error(1e-5)
+    assert abs(fine) < 0.02 * through, f"{fine:.3e} J of {through:.3e} J missing at a step of 10 us"
+    assert abs(fine) < 0.5 * abs(coarse), f"missing {coarse:.3e} J at 40 us, {fine:.3e} J at 10 us"
+
+
+def test_drum_held_by_the_brake_stands_still_and_the_balance_is_the_spring_s() -> None:
+    system = Springs(1e-4, viscous=0.05)
+    for _ in range(20000):
+        system.step(motor=0.05, brake=2.0)
+    assert system.q[2] == 0.0 and system.v[2] == 0.0
+    torque = SPRING_N_M * (6.0e-3**2 + 6.4e-3**2) * system.q[1]
+    assert torque + PRELOAD * 0.4e-3 == pytest.approx(0.05, rel=1e-3)
+
+
+@pytest.mark.parametrize(("sign", "share"), [(1.0, 1.0 / 0.68), (-1.0, 2.0 - 1.0 / 0.68)])
+def test_gearhead_s_efficiency_forward_and_backward(sign: float, share: float) -> None:
+    """Motor torque at which a carried load of 0.1 N m just moves forward, or just gives way backward."""
+    load_at_drum = 0.1 * 9.0
+    speeds = []
+    for offset in (-0.01, 0.01):
+        system = Springs(1e-4, loss=1.0 / 0.68 - 1.0, viscous=1e-3)
+        motor = 0.1 * share * (1.0 + sign * offset)
+        for k in range(12000):
+            slowly = min(1.0, k / 8000)
+            system.step(motor=motor * slowly, load=load_at_drum * slowly)
+        speeds.append(sign * system.v[0])
+    assert abs(speeds[0]) < 1e-3 < speeds[1], f"speeds {speeds} rad/s, 1 % below and above the closed form"
