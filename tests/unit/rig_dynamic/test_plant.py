@@ -7,10 +7,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from mbcdm_cad.rig.dynamic_plant import (
-    ACCOUNTS, CABLE_WORK, COGGING, DRAG, DRUM_LOSS, INPUT_COLUMNS, LASH, LOAD_WORK, LOSS, MESH, MESH_ORDER, MOTOR_WORK,
-    PULLEY, ROTOR, STIFFNESS, VISCOUS, VISCOUS_LOSS, advance, stored,
-)  # fmt: skip
+from mbcdm_cad.rig import dynamic_plant as plant
 
 SPRING_N_M = 5.5e5
 RADII = ((6.0e-3, 54.0e-3, -1.0), (6.4e-3, 57.6e-3, 1.0))
@@ -23,16 +20,16 @@ class Springs:
 
     def __init__(self, h: float, drum_drag: float = 0.0, **row: float) -> None:
         self.h = h
-        self.inputs = np.zeros((1, INPUT_COLUMNS))
-        self.inputs[0, [ROTOR, PULLEY, STIFFNESS]] = ROTOR_INERTIA, PULLEY_INERTIA, 1e4
-        columns = {"drag": DRAG, "loss": LOSS, "viscous": VISCOUS, "stiffness": STIFFNESS, "lash": LASH, "mesh": MESH,
-                   "mesh_order": MESH_ORDER, "cogging": COGGING, "rotor": ROTOR}  # fmt: skip
+        self.inputs = np.zeros((1, plant.INPUT_COLUMNS))
+        self.inputs[0, [plant.ROTOR, plant.PULLEY, plant.STIFFNESS]] = ROTOR_INERTIA, PULLEY_INERTIA, 1e4
+        columns = {"drag": plant.DRAG, "loss": plant.LOSS, "viscous": plant.VISCOUS, "stiffness": plant.STIFFNESS, "lash": plant.LASH, "mesh": plant.MESH,
+                   "mesh_order": plant.MESH_ORDER, "cogging": plant.COGGING, "rotor": plant.ROTOR}  # fmt: skip
         for name, value in row.items():
             self.inputs[0, columns[name]] = value
         self.cables = np.array([[s, inner, outer, SPRING_N_M] for inner, outer, s in RADII])
         self.drum = np.array([DRUM_INERTIA, drum_drag, 0.0])
         self.q, self.v, self.guess, self.push = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
-        self.account = np.zeros(ACCOUNTS)
+        self.account = np.zeros(plant.ACCOUNTS)
         self.tension = self.pull()
 
     def stretch(self) -> np.ndarray:
@@ -43,10 +40,10 @@ class Springs:
 
     def step(self, motor: float = 0.0, load: float = 0.0, brake: float = 0.0) -> None:
         before, tension = self.stretch(), self.tension
-        advance(self.inputs, self.cables, np.zeros(2, np.int64), self.drum, tension, np.array([motor]), load, brake,
+        plant.advance(self.inputs, self.cables, np.zeros(2, np.int64), self.drum, tension, np.array([motor]), load, brake,
                 self.h, self.q, self.v, self.guess, self.push, self.account)  # fmt: skip
         self.tension = self.pull()
-        self.account[CABLE_WORK] += ((tension + self.tension) / 2.0 * (self.stretch() - before)).sum()
+        self.account[plant.CABLE_WORK] += ((tension + self.tension) / 2.0 * (self.stretch() - before)).sum()
 
 
 def test_free_mode_has_the_frequency_of_two_inertias_and_a_spring() -> None:
@@ -58,7 +55,7 @@ def test_free_mode_has_the_frequency_of_two_inertias_and_a_spring() -> None:
     expected = sqrt(stiffness / reduced) / 2.0 / pi
     h = 2e-7
     system = Springs(h)
-    system.inputs[0, PULLEY] = 1e-10
+    system.inputs[0, plant.PULLEY] = 1e-10
     bias = PRELOAD * 0.4e-3  # what the unequal radii ask of the motor
     system.q[0] = bias / 1e4
     system.q[2] = 1e-6
@@ -77,14 +74,21 @@ def balance_error(h: float) -> tuple[float, float]:
     """What the account misses and what went through it, J, for a run with every loss in it."""
     system = Springs(h, drum_drag=5e-3, drag=2e-3, loss=0.47, viscous=1e-4, stiffness=30.0, lash=1e-3, mesh=1e-4,
                      mesh_order=76.0, cogging=2e-3)  # fmt: skip
-    start = stored(system.inputs, system.drum, system.q, system.v)
+    start = plant.stored(system.inputs, system.drum, system.q, system.v)
     for k in range(int(0.4 / h)):
         system.step(motor=0.1 * np.sin(2 * pi * 5.0 * k * h), load=0.2 * np.sin(2 * pi * 3.0 * k * h), brake=0.05)
     a = system.account
-    spent = a[LOAD_WORK] + a[CABLE_WORK] + a[2] + a[3] + a[DRUM_LOSS] + a[VISCOUS_LOSS]
-    missing = a[MOTOR_WORK] - spent - (stored(system.inputs, system.drum, system.q, system.v) - start)
-    assert min(a[2], a[DRUM_LOSS], a[VISCOUS_LOSS]) > 0.0, f"a loss gives energy back: {a}"
-    return float(missing), float(abs(a[MOTOR_WORK]) + abs(a[LOAD_WORK]))
+    spent = (
+        a[plant.LOAD_WORK]
+        + a[plant.CABLE_WORK]
+        + a[plant.ROTOR_LOSS]
+        + a[plant.PULLEY_LOSS]
+        + a[plant.DRUM_LOSS]
+        + a[plant.VISCOUS_LOSS]
+    )
+    missing = a[plant.MOTOR_WORK] - spent - (plant.stored(system.inputs, system.drum, system.q, system.v) - start)
+    assert min(a[plant.ROTOR_LOSS], a[plant.DRUM_LOSS], a[plant.VISCOUS_LOSS]) > 0.0, f"a loss gives energy back: {a}"
+    return float(missing), float(abs(a[plant.MOTOR_WORK]) + abs(a[plant.LOAD_WORK]))
 
 
 def test_energy_balance_closes_with_the_step() -> None:
