@@ -9,6 +9,7 @@ told apart on the motion of the case. ``truth.yaml`` is never read by the loop.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -154,5 +155,5 @@ def write_run(folder: Path, stem: str, run: Simulated, input_names: tuple[str, .
 
 def truth(run: Simulated) -> dict[str, Any]:
     """The truth file's content."""
-    plan = {key: value for key, value in run.plan.__dict__.items()}
+    plan = dataclasses.asdict(run.plan)
     return {"plan": plan, "effects": [effect.as_truth() for effect in run.effects]}

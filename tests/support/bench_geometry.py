@@ -1,4 +1,4 @@
-"""Pulleys, spans and levers of a drive, worked out from the design file's entries alone (millimetres become metres here).
+"""Pulleys, spans and levers of a drive, from the design file alone (millimetres become metres here).
 
 Seen from +z with the guide's axis at the origin; the inputs stand at (side * L, 0). A cable that leaves the guide
 towards ``drum_side`` turns the drum about +y with sense ``-drum_side``, and its free span is the internal tangent.
