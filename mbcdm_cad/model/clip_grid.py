@@ -5,8 +5,9 @@ inside stays as it was. Because a stored profile never rises faster than e^{mu s
 from the end inwards, and a step costs only those.
 
 With ``winding`` the profiles move with the pulleys: cable wound on keeps the tension it had and brings it back when it
-is wound off; new cells take the end tension. Without it the wraps stand still, as in
-:mod:`mbcdm_cad.model.hysteresis`, which is then the same model without grid error and some hundred times faster.
+is wound off; new cells take the end tension. All this is the long way, kept as the check of
+:mod:`mbcdm_cad.model.hysteresis` (endless wraps that stand still) and of :mod:`mbcdm_cad.model.profiles` (all else),
+which have no cells and are ten to some hundred times faster.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 
 from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.hysteresis import Response, checked_series
+from mbcdm_cad.model.series import Response, checked_series
 from mbcdm_cad.model.si import DriveSI, Floats
 
 INPUT_WRAP_RAD = 16.0

@@ -7,20 +7,21 @@ sum_j sigma_j T_j r_oj = M. The clip rule of :mod:`mbcdm_cad.model.wrap` has a c
 
 a quadratic in sqrt T, until the loop closes at the turning point before (both are then forgotten), or, on a branch that
 left the first-loading curve at T_1, until T T_1 = T_pre^2, where the first-loading curve goes on. So a stack of turning
-points for each cable is the whole memory, and each sample costs a few square roots. Wraps are longer than any slip
-zone.
+points for each cable is the whole memory, and each sample costs a few square roots. That holds for wraps that are
+longer than any slip zone and stand still; finite wraps and winding history are in :mod:`mbcdm_cad.model.profiles`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.profiles import simulate_profiles
+from mbcdm_cad.model.series import Response, checked_series, path_offset_m
 from mbcdm_cad.model.si import DriveSI, Floats
 
 # Columns of the table of constants, one row a cable.
@@ -31,36 +32,22 @@ STEPS = 200
 VIRGIN_STEPS = 60
 
 
-@dataclass(frozen=True, eq=False)
-class Response:
-    """Drum angle (rad, shape (n,)) and free-span tensions (N, shape (n_cables, n)) at each sample."""
-
-    drum_angle_rad: Floats
-    tension_N: Floats
-
-    def input_torque_Nm(self, d: DriveSI) -> Floats:
-        """Torque that holds each input at each sample, shape (n_inputs, n)."""
-        pull = (d.sigma * d.input_radius_m)[:, None] * self.tension_N
-        return np.stack([pull[[j for j, k in enumerate(d.input_of) if k == i]].sum(axis=0) for i in range(d.n_inputs)])
-
-
-def simulate(d: DriveSI, input_angle_rad: Any, load_Nm: Any, path_m: Any = None) -> Response:
+def simulate(d: DriveSI, input_angle_rad: Any, load_Nm: Any, path_m: Any = None, winding: bool = False) -> Response:
     """Run the model over a series.
 
     ``input_angle_rad`` (n_inputs, n), in the sense that drives the drum positive; ``load_Nm`` (n,) or one value, > 0
     opposing positive rotation; ``path_m`` (n_cables, n) lengthens the path of each cable, as an eccentric pulley does,
     and is added to its stretch. Before the first sample every cable holds its preload with all angles zero; the first
-    sample is reached in one monotone step. Errors: ``ModelError`` for shapes that do not fit, values that are not
-    finite, a batch of designs, or a friction of zero.
+    sample is reached in one monotone step. ``winding`` adds the winding history: cable wound on keeps the tension it
+    had. With it, and where wraps are finite, :func:`mbcdm_cad.model.profiles.simulate_profiles` answers.
+    Errors: ``ModelError`` for shapes that do not fit, values that are not finite, a batch of designs, a friction of
+    zero, a load that no drum angle balances, or a pulley that would wind off more than its wrap.
     """
+    if winding or not d.endless_wraps:
+        return simulate_profiles(d, input_angle_rad, load_Nm, path_m, winding)
     angle, load = checked_series(d, input_angle_rad, load_Nm)
     drum, tension = np.empty(load.size), np.empty((d.n_cables, load.size))
-    offset = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)]
-    if path_m is not None:
-        path = np.asarray(path_m, dtype=float)
-        if path.shape != offset.shape or not np.isfinite(path).all():
-            raise ModelError(f"path_m has shape {path.shape} or holds NaN; give finite numbers of shape {offset.shape}")
-        offset = offset + path
+    offset = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)] + path_offset_m(d, path_m, load.size)
     turns = np.empty((d.n_cables, load.size + 2, 2))
     failed = _run(constants(d), offset, load, drum, tension, turns)
     if failed >= 0:
@@ -68,26 +55,6 @@ def simulate(d: DriveSI, input_angle_rad: Any, load_Nm: Any, path_m: Any = None)
             f"sample {failed}: no drum angle balances a load of {load[failed]:.6g} N m; check its unit and sign"
         )
     return Response(drum, tension)
-
-
-def checked_series(d: DriveSI, input_angle_rad: Any, load_Nm: Any) -> tuple[Floats, Floats]:
-    """Input angles (n_inputs, n) and load (n,) as contiguous arrays; errors as in :func:`simulate`."""
-    angle = np.ascontiguousarray(np.atleast_2d(np.asarray(input_angle_rad, dtype=float)))
-    if d.batch_shape:
-        raise ModelError(f"a series runs on one design, got a batch of shape {d.batch_shape}; loop over the designs")
-    if angle.shape[0] != d.n_inputs or angle.ndim != 2:
-        raise ModelError(
-            f"input_angle_rad has shape {angle.shape}, the drive needs ({d.n_inputs}, n): one row an input"
-        )
-    load = np.asarray(load_Nm, dtype=float)
-    if load.ndim > 1 or (load.ndim == 1 and load.size != angle.shape[1]):
-        raise ModelError(f"load_Nm has shape {load.shape} for {angle.shape[1]} samples; give one value or one a sample")
-    if not (np.isfinite(angle).all() and np.isfinite(load).all()):
-        raise ModelError("input_angle_rad or load_Nm holds NaN or infinity; clean the series first")
-    if not float(d.friction_coefficient) > 0.0:
-        friction = float(d.friction_coefficient)
-        raise ModelError(f"friction_coefficient {friction:g}: slip zones have no end; give it > 0")
-    return angle, np.ascontiguousarray(np.broadcast_to(load, (angle.shape[1],)))
 
 
 def constants(d: DriveSI) -> Floats:

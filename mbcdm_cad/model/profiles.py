@@ -1,0 +1,184 @@
+"""Time series with the tension profile of every wrap in full: finite wraps, slack cables, winding history.
+
+The same physics as :mod:`mbcdm_cad.model.hysteresis`, whose stack of turning points is the quicker form where wraps are
+longer than any slip zone and stand still. Here every wrap is a stack of knots (:mod:`mbcdm_cad.model.wrap_profile`):
+exact for samples joined by steps that are straight in ln T over the angle of the pulley.
+
+With ``winding`` the profiles move with the pulleys: cable wound on keeps the tension it had and brings it back when it
+is wound off.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.model.compiled import compiled
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.series import Response, checked_series, path_offset_m
+from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.wrap_profile import ANGLE, RATIO, commit, probe
+
+# Columns of the table of constants, one row a cable.
+FREE, UNIT, PRELOAD, DRUM, SIGMA = range(5)
+INPUT_WRAP, DRUM_WRAP, GUIDE_WRAP = range(3)
+# A wrap without end: far longer than any slip zone or travel, and still a number.
+ENDLESS_RAD = 1e6
+# A tension below this share of the preload counts as none, as in the static model.
+FAINT = 1e-12
+STEPS = 200
+ROOM = 64
+BALANCED, NO_BALANCE, RUN_OFF = 0, 1, 2
+
+
+def simulate_profiles(
+    d: DriveSI, input_angle_rad: Any, load_Nm: Any, path_m: Any = None, winding: bool = False
+) -> Response:
+    """Run the model over a series; arguments and shapes as in :func:`mbcdm_cad.model.hysteresis.simulate`.
+
+    Finite ``input_wrap_rad`` and ``drum_wrap_rad`` are the live wraps with all angles zero; slip that reaches the
+    anchor stops there, and a cable can go slack (tension 0) and come back. Errors besides those of the series:
+    ``ModelError`` where a pulley would wind off more than its wrap, and for winding together with slip on the guide.
+    """
+    angle, load = checked_series(d, input_angle_rad, load_Nm)
+    on_guide = bool(np.any(d.guide_wrap_rad > 0.0))
+    if winding and on_guide:
+        raise ModelError(
+            "winding history together with slip on the guide is not modelled: the cable on the guide runs on to the "
+            "drum; leave guide_wrap_rad at 0 or winding off"
+        )
+    offset = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)] + path_offset_m(d, path_m, load.size)
+    wraps = [(d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad)]
+    if on_guide:
+        # Slipped on from both ends: two wraps of half the angle, which stand still.
+        wraps.append((2.0 * d.guide_radius_m, 0.5 * d.guide_wrap_rad))
+    radius, length = (np.stack([np.broadcast_to(w[i], (d.n_cables,)) for w in wraps], axis=1) for i in (0, 1))
+    if not np.all(length >= 0.0):
+        raise ModelError(f"a wrap of {np.min(length):g} rad: give wraps of 0 or more")
+    columns = (d.free_span_m, d.axial_stiffness_N / d.preload_N, d.preload_N, d.drum_radius_m, d.sigma)
+    table = np.ascontiguousarray(np.stack(np.broadcast_arrays(*columns), axis=1))
+    drum, tension = np.empty(load.size), np.empty((d.n_cables, load.size))
+    outcome, k, j = _run(
+        table, np.ascontiguousarray(radius), np.minimum(length, ENDLESS_RAD), float(d.friction_coefficient), winding,
+        np.ascontiguousarray(angle[list(d.input_of)]), np.ascontiguousarray(offset), load, drum, tension,
+    )  # fmt: skip
+    if outcome == RUN_OFF:
+        raise ModelError(
+            f"sample {k}: cable {d.cable_names[j]} would wind off more than its wrap "
+            f"({float(length[j, 0]):.3g} rad on the input, {float(length[j, 1]):.3g} rad on the drum); "
+            "give longer wraps or a shorter travel"
+        )
+    if outcome == NO_BALANCE:
+        raise ModelError(
+            f"sample {k}: no drum angle balances a load of {load[k]:.6g} N m; check its unit and sign, and whether "
+            "every cable that could hold it is slack"
+        )
+    return Response(drum, tension)
+
+
+@compiled
+def _pull(
+    c: Floats, radius: Floats, stacks: Floats, counts: Any, ends: Floats, mu: float, stretch: float, guess: float
+) -> tuple[float, float]:
+    """Tension over preload at ``stretch`` (m), and its derivative (1/m); 0 slope where the cable is slack."""
+    goal, low, high, u = stretch * c[UNIT], 0.0, math.inf, guess
+    rate = c[FREE]
+    for _ in range(STEPS):
+        log_u = math.log(u)
+        miss, rate = c[FREE] * (u - 1.0) - goal, c[FREE]
+        for w in range(radius.size):
+            total, part, _, _, _, _ = probe(stacks[w], counts[w], ends[w], u, log_u, mu)
+            miss += radius[w] * total
+            rate += radius[w] * part
+        if miss > 0.0:
+            high = u
+            if u <= FAINT:
+                return FAINT, 0.0
+        else:
+            low = u
+        following = u - miss / rate
+        if not (low <= following <= high):
+            following = max(0.5 * (low + high) if high <= 4.0 * low else math.sqrt(max(low, FAINT) * high), FAINT)
+        step = abs(following - u)
+        u = max(following, FAINT)
+        if step <= 1e-14 * u:
+            break
+    return u, c[UNIT] / rate
+
+
+@compiled
+def _place(ends: Floats, table: Floats, winding: bool, angle: Floats, theta: float) -> None:
+    """Where each wrap ends, rad, counted from where it ended with all angles zero; winding on is positive."""
+    if winding:
+        for j in range(table.shape[0]):
+            ends[j, INPUT_WRAP] = table[j, SIGMA] * angle[j]
+            ends[j, DRUM_WRAP] = -table[j, SIGMA] * theta
+
+
+@compiled
+def _run(
+    table: Floats, radius: Floats, length: Floats, mu: float, winding: bool, angles: Floats, offsets: Floats,
+    load: Floats, drum: Floats, tension: Floats,
+) -> tuple[int, int, int]:  # fmt: skip
+    """Fill ``drum`` and ``tension``. Returns the outcome, the sample and the cable where it failed."""
+    n_cables, n_wraps = radius.shape
+    stacks = np.zeros((n_cables, n_wraps, 4, ROOM))
+    counts = np.full((n_cables, n_wraps), 2)
+    stacks[:, :, RATIO, :2] = 1.0
+    stacks[:, :, ANGLE, 0] = -np.maximum(length, 1e-12)
+    ends = np.zeros((n_cables, n_wraps))
+    pulled, rates, before = np.ones(n_cables), np.zeros(n_cables), np.zeros(n_cables)
+    theta, scale = 0.0, 0.0
+    for j in range(n_cables):
+        scale += table[j, PRELOAD] * table[j, DRUM]
+    for k in range(load.size):
+        # Predict: the drum follows the inputs, each cable weighing in by its stiffness while it sticks.
+        push, grip = 0.0, 0.0
+        for j in range(n_cables):
+            push += table[j, SIGMA] * table[j, DRUM] / table[j, FREE] * (offsets[j, k] - before[j])
+            grip += table[j, DRUM] ** 2 / table[j, FREE]
+            before[j] = offsets[j, k]
+        theta += push / grip
+        low, high, miss = -math.inf, math.inf, math.inf
+        for _ in range(STEPS):
+            _place(ends, table, winding, angles[:, k], theta)
+            for j in range(n_cables):
+                for w in range(n_wraps):
+                    if ends[j, w] <= stacks[j, w, ANGLE, 0]:
+                        return RUN_OFF, k, j
+            miss, slope = -load[k], 0.0
+            for j in range(n_cables):
+                lever = table[j, SIGMA] * table[j, DRUM]
+                pulled[j], rates[j] = _pull(
+                    table[j], radius[j], stacks[j], counts[j], ends[j], mu, offsets[j, k] - lever * theta, pulled[j]
+                )
+                if pulled[j] > FAINT:
+                    miss += lever * table[j, PRELOAD] * pulled[j]
+                slope += lever * lever * table[j, PRELOAD] * rates[j]
+            if abs(miss) <= 1e-13 * scale:
+                break
+            if miss > 0.0:
+                low = theta
+            else:
+                high = theta
+            following = theta + miss / slope
+            if not (low < following < high):
+                following = 0.5 * (low + high)
+            if following == theta or not math.isfinite(following):
+                break
+            theta = following
+        if not abs(miss) <= 1e-9 * scale:
+            return NO_BALANCE, k, 0
+        for j in range(n_cables):
+            log_u = math.log(pulled[j])
+            for w in range(n_wraps):
+                if counts[j, w] + 2 > stacks.shape[3]:
+                    wider = np.zeros((n_cables, n_wraps, 4, 2 * stacks.shape[3]))
+                    wider[:, :, :, : stacks.shape[3]] = stacks
+                    stacks = wider
+                counts[j, w] = commit(stacks[j, w], counts[j, w], ends[j, w], pulled[j], log_u, mu)
+            tension[j, k] = table[j, PRELOAD] * pulled[j] if pulled[j] > FAINT else 0.0
+        drum[k] = theta
+    return BALANCED, 0, 0

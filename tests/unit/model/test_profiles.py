@@ -1,0 +1,158 @@
+"""Wrap profiles in closed form: against the turning points, the grid, the static model, and laws of their own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from paper_case import paper_drive
+
+from mbcdm_cad.model.clip_grid import simulate_on_grid
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.kinematics import with_guide_slip
+from mbcdm_cad.model.profiles import simulate_profiles
+from mbcdm_cad.model.wrap import slack_stretch_m
+
+loads = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=12)
+
+
+def short(input_rad: float, drum_rad: float, **changes: Any) -> Any:
+    """The paper's drive with finite wraps."""
+    return paper_drive(input_wrap_rad=np.full(4, input_rad), drum_wrap_rad=np.full(4, drum_rad), **changes)
+
+
+def locked(d: Any, load: Any) -> Any:
+    """The answer for a load history with both inputs at zero."""
+    history = np.asarray(load, dtype=float)
+    return simulate_profiles(d, np.zeros((2, history.size)), history)
+
+
+@given(loads)
+@settings(max_examples=60)
+def test_long_wraps_give_the_turning_points_answer(history: list[float]) -> None:
+    d = paper_drive(preload_N=[62.0, 71.0, 75.0, 66.0])
+    rng = np.random.default_rng(len(history))
+    angle, load = rng.normal(0, 1e-3, (2, len(history))), np.array(history)
+    knots, turning = simulate_profiles(d, angle, load), simulate(d, angle, load)
+    worst = np.abs(knots.drum_angle_rad - turning.drum_angle_rad).max()
+    assert worst < 1e-12, f"drum angles differ by {worst:.3g} rad"
+    pull = np.abs(knots.tension_N - turning.tension_N).max()
+    assert pull < 1e-7, f"tensions differ by {pull:.3g} N"
+
+
+def test_slip_on_the_guide_is_the_third_wrap() -> None:
+    d, load = with_guide_slip(paper_drive()), np.array([0.91, -0.91, 0.4, -0.2])
+    endless = d.with_(guide_wrap_rad=np.full(4, np.inf))
+    ours, closed = locked(endless, load), simulate(endless, np.zeros((2, 4)), load)
+    assert ours.drum_angle_rad == pytest.approx(closed.drum_angle_rad, rel=1e-9)
+
+
+@pytest.mark.parametrize("load", [0.3, 2.0, -3.5, 6.0])
+def test_run_out_wraps_first_loading_is_the_static_model(load: float) -> None:
+    d = short(1.0, 0.4)
+    static = solve_equilibrium(d, load)
+    series = locked(d, [load])
+    assert series.drum_angle_rad[0] == pytest.approx(float(static.drum_angle_rad), rel=1e-9)
+    assert series.tension_N[:, 0] == pytest.approx(static.tension_N, rel=1e-9)
+    endless = locked(paper_drive(), [load]).drum_angle_rad[0]
+    assert abs(series.drum_angle_rad[0]) <= abs(endless), "a short wrap cannot make the drum softer"
+
+
+def test_finite_wraps_equal_the_grid_after_reversals() -> None:
+    """Slip zones that reach the anchor, then turn: cell by cell and in closed form."""
+    load = np.array([3.5, -3.0, 3.2, -1.0, 2.5, 0.0])
+    d, angle = short(1.0, 0.4), np.zeros((2, 6))
+    exact = simulate_profiles(d, angle, load).drum_angle_rad
+    grid = simulate_on_grid(paper_drive(), angle, load, cell_rad=5e-4, input_wrap_rad=1.0, drum_wrap_rad=0.4)
+    worst = np.abs(exact - grid.drum_angle_rad).max() / np.abs(exact).max()
+    assert worst < 1e-6, f"differs by {worst:.3g}"
+
+
+def test_a_cable_goes_slack_and_comes_back() -> None:
+    """The path of cable 1 shortens by twice its slack stretch: no tension, and on the way back it is taut again."""
+    d = short(2.0, 0.5)
+    lost = float(slack_stretch_m(d)[0])
+    path = np.zeros((4, 5))
+    path[0] = [0.5 * lost, 2 * lost, 3 * lost, 0.5 * lost, 0.0]
+    answer = simulate(d, np.zeros((2, 5)), 0.0, path_m=path)
+    slack = answer.tension_N[0]
+    assert slack[0] > 0 and slack[1] == slack[2] == 0.0, f"tension {slack} N"
+    assert 0 < slack[3] < slack[4], f"tension {slack} N"
+    torque = (d.sigma * d.drum_radius_m) @ answer.tension_N
+    assert np.abs(torque).max() < 1e-9, f"balance missed by {np.abs(torque).max():.3g} N m"
+
+
+def test_all_cables_slack_is_said() -> None:
+    d = short(1.0, 0.4)
+    path = np.full((4, 1), 3 * float(slack_stretch_m(d).min()))
+    with pytest.raises(ModelError, match="every cable that could hold it is slack"):
+        simulate(d, np.zeros((2, 1)), 0.5, path_m=path)
+
+
+def brake(amplitude_rad: float, per_cycle: int, cycles: int = 2) -> tuple[Any, Any, Any]:
+    phase = 2 * np.pi * np.arange(1, cycles * per_cycle + 1) / per_cycle
+    drum = amplitude_rad * np.sin(phase)
+    return drum, np.tile(9 * drum, (2, 1)), 0.91 * np.where(np.cos(phase) >= 0, 1.0, -1.0)
+
+
+def test_winding_grid_converges_to_the_knots() -> None:
+    """The error of the grid falls with its cell, towards this answer and no other.
+
+    Samples lie closer than cells: the grid refines a wider step for itself and lets the brake turn at its start.
+    """
+    _, angle, load = brake(0.05, 4000, cycles=1)
+    exact = simulate(paper_drive(), angle, load, winding=True).drum_angle_rad
+    errors = [
+        np.abs(simulate_on_grid(paper_drive(), angle, load, True, cell).drum_angle_rad - exact).max()
+        for cell in (8e-3, 4e-3, 2e-3)
+    ]
+    assert errors[0] > 1.5 * errors[1] > 2.25 * errors[2], f"errors {errors} rad for cells of 8, 4 and 2 mrad"
+    assert errors[2] < 3e-8, f"error {errors[2]:.3g} rad at 2 mrad"
+
+
+def test_winding_converges_with_the_sampling() -> None:
+    """Nothing but the steps between samples is left to refine: the error falls with their square."""
+    extremes = []
+    for per_cycle in (200, 400, 800, 12_800):
+        drum, angle, load = brake(0.05, per_cycle)
+        extremes.append(np.abs(simulate(paper_drive(), angle, load, winding=True).drum_angle_rad - drum).max())
+    errors = np.abs(np.array(extremes[:3]) - extremes[3])
+    assert errors[0] > 2 * errors[1] > 4 * errors[2], f"errors of the extreme {errors} rad"
+    assert errors[2] < 5e-9, f"{errors[2]:.3g} rad at 800 samples a cycle"
+
+
+def test_winding_reversed_in_sign_and_mirrored() -> None:
+    """Angles and loads of the other sign, and cables pulling the other way: the answer with its sign changed."""
+    rng = np.random.default_rng(5)
+    angle, load = np.cumsum(rng.normal(0, 0.02, (2, 150)), axis=1), rng.normal(0, 0.8, 150)
+    d = paper_drive()
+    there = simulate(d, angle, load, winding=True)
+    back = simulate(d.with_(sigma=-d.sigma), -angle, -load, winding=True)
+    assert back.drum_angle_rad == pytest.approx(-there.drum_angle_rad, abs=1e-12)
+    assert back.tension_N == pytest.approx(there.tension_N, abs=1e-7)
+
+
+def test_cable_wound_on_brings_its_tension_back() -> None:
+    """Wound on under load and off again without reversal of the load: the way back meets the tension stored."""
+    drum = 0.3 * np.concatenate([np.linspace(0, 1, 301)[1:], np.linspace(1, 0, 301)[1:]])
+    angle, load = np.tile(9 * drum, (2, 1)), np.full(600, 0.91)
+    wound = simulate(paper_drive(), angle, load, winding=True).drum_angle_rad - drum
+    still = simulate(paper_drive(), angle, load).drum_angle_rad - drum
+    assert np.abs(still - still[0]).max() < 1e-9, "without winding a steady load leaves a steady error"
+    assert abs(wound[299] - wound[0]) > 20e-6, f"winding on moves the drum by {wound[299] - wound[0]:.3g} rad"
+
+
+def test_winding_off_more_than_the_wrap_is_refused() -> None:
+    _, angle, load = brake(2.0, 400)
+    with pytest.raises(ModelError, match=r"sample \d+: cable cable_\d would wind off more than its wrap"):
+        simulate(short(16.0, 3.0), angle, load, winding=True)
+
+
+def test_winding_with_slip_on_the_guide_is_refused() -> None:
+    with pytest.raises(ModelError, match="slip on the guide is not modelled"):
+        simulate(with_guide_slip(paper_drive()), np.zeros((2, 2)), 0.1, winding=True)
