@@ -3,165 +3,144 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
-from bench_motion import Bench, Plan
-
-Draw = Callable[[np.random.Generator, Plan], tuple["Effect", ...]]
-
-
-@dataclass(frozen=True)
-class Effect:
-    """One effect as it is put into a run.
-
-    ``name``/``stage``/``cables`` are the vocabulary's; ``kind`` is the physical cause; ``physical`` its size in SI;
-    ``expected`` the parameters the loop should report, by name. ``fair`` lists names that are as good an answer.
-    """
-
-    name: str
-    kind: str
-    physical: dict[str, float]
-    stage: str | None = None
-    cables: tuple[int, ...] = ()
-    expected: dict[str, float] = field(default_factory=dict)
-    fair: tuple[tuple[str, str | None], ...] = ()
-    in_vocabulary: bool = True
-
-    def added(self, bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        """What it adds to the output's reading, rad; zero for effects at work inside the chain."""
-        return ADDED[self.kind](self.physical, bench, drum, rng) if self.kind in ADDED else np.zeros_like(drum)
-
-    def as_truth(self) -> dict[str, Any]:
-        """For the truth file. Cables are given from 1."""
-        found: dict[str, Any] = {"name": self.name, "cause": self.kind}
-        if self.stage:
-            found["stage"] = self.stage
-        if self.cables:
-            found["cables"] = [j + 1 for j in self.cables]
-        found["parameters"] = {key: float(value) for key, value in {**self.physical, **self.expected}.items()}
-        if not self.in_vocabulary:
-            found["in_vocabulary"] = False
-        return found
+from bench_effects import (
+    ALL,
+    Draw,
+    amount,
+    anchor,
+    both,
+    bump,
+    climb,
+    input_encoder,
+    jump,
+    nothing,
+    output_encoder,
+    pulley,
+    ripple,
+    shares,
+    size,
+    wear,
+)
+from bench_motion import Plan
 
 
-def _delayed(p: dict[str, float], bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    return np.interp(bench.time_s - p["delay_s"], bench.time_s, drum) - drum
-
-
-ADDED: dict[str, Callable[..., np.ndarray]] = {
-    "output_scale": lambda p, bench, drum, rng: p["share"] * drum,
-    "output_encoder": lambda p, bench, drum, rng: (
-        p["amplitude_rad"] * (np.cos(drum + p["phase_rad"]) - np.cos(p["phase_rad"]))
-    ),
-    "shaft_compliance": lambda p, bench, drum, rng: -p["compliance_rad_Nm"] * bench.load_Nm,
-    "latency": _delayed,
-}
-
-
-def _sign(rng: np.random.Generator) -> float:
-    return float(rng.choice([-1.0, 1.0]))
-
-
-def _phase(rng: np.random.Generator) -> float:
-    return float(rng.uniform(-np.pi, np.pi))
-
-
-def pulley(stage: str, low_um: float, high_um: float) -> Draw:
-    """An eccentric pulley."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        size = {"eccentricity_m": rng.uniform(low_um, high_um) * 1e-6, "phase_rad": _phase(rng)}
-        return (Effect("once_per_rev", "pulley", size, stage=stage),)
-
-    return draw
-
-
-def input_encoder(stage: str, low_rad: float, high_rad: float) -> Draw:
-    """An encoder that sits off centre on an input's shaft."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        size = {"amplitude_rad": rng.uniform(low_rad, high_rad), "phase_rad": _phase(rng)}
-        return (Effect("once_per_rev", "input_encoder", size, stage=stage),)
-
-    return draw
-
-
-def output_encoder(low_rad: float, high_rad: float) -> Draw:
-    """An encoder that sits off centre on the drum's shaft. The high side lies where order one is not all ratio."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        size = {"amplitude_rad": rng.uniform(low_rad, high_rad), "phase_rad": _phase(rng)}
-        return (Effect("once_per_rev", "output_encoder", size, stage="drum"),)
-
-    return draw
-
-
-def shares(name: str, kind: str, low: float, high: float, cables: tuple[int, ...] = (), **more: Any) -> Draw:
-    """An effect with one relative size of either sign."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        return (Effect(name, kind, {"share": _sign(rng) * rng.uniform(low, high)}, cables=cables, **more),)
-
-    return draw
-
-
-def amount(name: str, kind: str, key: str, low: float, high: float, **more: Any) -> Draw:
-    """An effect with one positive size."""
-
-    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-        return (Effect(name, kind, {key: rng.uniform(low, high)}, **more),)
-
-    return draw
-
-
-def nothing(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
-    """No effect."""
-    return ()
-
-
-def motion(amplitudes: tuple[float, ...], loads: tuple[str, ...]) -> Callable[[np.random.Generator], Plan]:
+def motion(
+    amplitudes: tuple[float, ...], loads: tuple[str, ...], waves: tuple[str, ...] = ("triangle", "sine")
+) -> Callable[[np.random.Generator], Plan]:
     """A motion drawn from a few."""
 
     def draw(rng: np.random.Generator) -> Plan:
         plan = Plan(amplitude_rad=float(rng.choice(amplitudes)), load=str(rng.choice(loads)))
-        wave = str(rng.choice(["triangle", "sine"]))
+        wave = str(rng.choice(waves))
         return replace(plan, wave=wave, frequency_hz=float(rng.choice([0.05, 0.0625, 0.1])))
 
     return draw
 
 
+# Once-per-turn effects want travel, load effects a load that does not only follow the speed.
 WIDE = motion((0.45, 0.6), ("levels", "bias", "steps"))
 ANY = motion((0.05, 0.45, 0.6), ("brake", "levels", "bias", "steps"))
 LOADED = motion((0.05, 0.45, 0.6), ("levels", "bias", "steps"))
+STEPS = motion((0.05, 0.45, 0.6), ("bias", "steps"))
+BARE = motion((0.45, 0.6), ("bare",))
+WIDE_STEPS = motion((0.45, 0.6), ("bias", "steps"))
 
 
 @dataclass(frozen=True)
 class Case:
-    """A kind of run."""
+    """A kind of run. ``group`` says by which aim it is judged: null, texture, single, fair, pair or outside."""
 
     plan: Callable[[np.random.Generator], Plan]
     effects: Draw
+    group: str = "single"
     temperature: bool = False
 
 
-CASES: dict[str, Case] = {
-    "null": Case(ANY, nothing),
+_PULLEYS = {
     "pulley_drum": Case(WIDE, pulley("drum", 8.0, 30.0)),
     "pulley_guide": Case(WIDE, pulley("guide", 3.0, 12.0)),
-    "pulley_input_left": Case(WIDE, pulley("input_left", 3.0, 12.0)),
-    "pulley_input_right": Case(WIDE, pulley("input_right", 3.0, 12.0)),
+    "pulley_input_left": Case(WIDE, pulley("input_left", 3.0, 12.0), "fair"),
+    "pulley_input_right": Case(WIDE, pulley("input_right", 3.0, 12.0), "fair"),
     "encoder_drum": Case(WIDE, output_encoder(2e-4, 6e-4)),
-    "encoder_input_left": Case(WIDE, input_encoder("input_left", 4e-4, 1.5e-3)),
-    "encoder_input_right": Case(WIDE, input_encoder("input_right", 4e-4, 1.5e-3)),
+    "encoder_input_left": Case(WIDE, input_encoder("input_left", 4e-4, 1.5e-3), "fair"),
+    "encoder_input_right": Case(WIDE, input_encoder("input_right", 4e-4, 1.5e-3), "fair"),
+}
+_CABLES = {
+    "preload_all": Case(LOADED, shares("preload_error", "preload", 0.2, 0.4, cables=ALL), "fair"),
+    "preload_1": Case(LOADED, shares("preload_error", "preload", 0.3, 0.5, cables=(0,)), "fair"),
+    "preload_2": Case(LOADED, shares("preload_error", "preload", 0.3, 0.5, cables=(1,)), "fair"),
+    "preload_3": Case(LOADED, shares("preload_error", "preload", 0.3, 0.5, cables=(2,)), "fair"),
+    "preload_4": Case(LOADED, shares("preload_error", "preload", 0.3, 0.5, cables=(3,)), "fair"),
+    "cable_friction": Case(LOADED, shares("cable_friction", "mu", 0.25, 0.5), "fair"),
+    "stiffness_modulus": Case(LOADED, shares("stiffness_error", "modulus", 0.12, 0.3)),
+    "stiffness_shaft": Case(LOADED, size("stiffness_error", "shaft_compliance", "compliance_rad_Nm", 1.5e-5, 6e-5)),
+    "winding": Case(WIDE, amount("winding_history", "transport", {})),
+    "winding_short": Case(motion((0.05,), ("bias", "steps", "levels")), amount("winding_history", "transport", {})),
+}
+_REST = {
     "ratio_radii": Case(WIDE, shares("ratio_error", "radii", 1e-4, 6e-4)),
     "ratio_encoder": Case(WIDE, shares("ratio_error", "output_scale", 1e-4, 6e-4)),
-    "stiffness_modulus": Case(LOADED, shares("stiffness_error", "modulus", 0.12, 0.3)),
-    "stiffness_shaft": Case(LOADED, amount("stiffness_error", "shaft_compliance", "compliance_rad_Nm", 1.5e-5, 6e-5)),
-    "preload_all": Case(
-        LOADED, shares("preload_error", "preload", 0.2, 0.4, (0, 1, 2, 3), fair=(("cable_friction", None),))
+    "ratio_bare": Case(BARE, shares("ratio_error", "output_scale", 1e-4, 6e-4)),
+    "guide_bare": Case(BARE, pulley("guide", 3.0, 12.0)),
+    "friction": Case(STEPS, size("friction", "bearing", "torque_Nm", 0.08, 0.25)),
+    "delay": Case(WIDE_STEPS, size("delay", "latency", "delay_s", 3e-4, 2e-3)),
+    "drag": Case(WIDE_STEPS, size("delay", "viscous", "drag_Nm_s", 0.5, 1.5)),
+    "lash_output": Case(STEPS, size("lash", "output_play", "play_rad", 4e-5, 2e-4)),
+    "lash_input_left": Case(LOADED, size("lash", "input_play", "play_rad", 4e-4, 1.5e-3, stage="input_left")),
+    "lash_input_right": Case(LOADED, size("lash", "input_play", "play_rad", 4e-4, 1.5e-3, stage="input_right")),
+    "ripple_slow": Case(WIDE, ripple((20.0, 50.0), 1e-5, 4e-5)),
+    "ripple_fast": Case(ANY, ripple((300.0, 1500.0), 1e-5, 4e-5)),
+    "thermal": Case(LOADED, size("thermal_drift", "warming", "turn_rad_K", 2e-5, 6e-5), "fair", temperature=True),
+    "creep": Case(LOADED, amount("creep", "settling", {"amplitude_rad": (1e-5, 4e-5), "time_s": (2.0, 15.0)}), "fair"),
+    "slip_anchor": Case(LOADED, anchor(4e-6, 1.5e-5)),
+    "slip_mount": Case(LOADED, jump(2e-5, 8e-5)),
+}
+_PAIRS = {
+    "guide+ratio": ("pulley_guide", "ratio_encoder"),
+    "guide+stiffness": ("pulley_guide", "stiffness_shaft"),
+    "ripple+friction": ("ripple_fast", "friction"),
+    "left+delay": ("pulley_input_left", "delay"),
+    "winding+guide": ("winding", "pulley_guide"),
+    "jump+ratio": ("slip_mount", "ratio_radii"),
+    "modulus+ripple": ("stiffness_modulus", "ripple_slow"),
+    "friction+guide": ("friction", "pulley_guide"),
+    "thermal+right": ("thermal", "pulley_input_right"),
+    "preload+ratio": ("preload_all", "ratio_encoder"),
+}
+_OUTSIDE = {
+    "out_strand": Case(LOADED, bump(5e-5, 1.2e-4)),
+    "out_climbing": Case(WIDE, climb(2e-5, 8e-5)),
+    "out_worn_land": Case(WIDE, wear(3e-4, 1e-3)),
+    "out_hardening": Case(LOADED, size("hardening", "hardening", "compliance_rad_Nm2", 3e-5, 8e-5)),
+    "out_square": Case(LOADED, size("bending frame", "one_sided_square", "compliance_rad_Nm2", 3e-5, 8e-5)),
+    "out_speed": Case(
+        motion((0.45, 0.6), ("steps", "bias"), ("sine",)),
+        size("speed squared", "speed_squared", "coefficient_rad_s2", 2e-3, 6e-3),
     ),
-    "friction": Case(LOADED, amount("friction", "bearing", "torque_Nm", 0.08, 0.25)),
-    "delay": Case(LOADED, amount("delay", "latency", "delay_s", 2e-3, 1e-2)),
+    "out_stick_slip": Case(
+        LOADED, amount("stick-slip", "stick_slip", {"height_rad": (3e-5, 8e-5), "pitch_rad": (0.01, 0.04)})
+    ),
+    "out_wander": Case(LOADED, amount("wander", "wander", {"rms_rad": (1e-5, 3e-5), "memory_s": (1.0, 6.0)})),
+}
+
+
+def _pair(one: str, other: str) -> Case:
+    singles = _PULLEYS | _CABLES | _REST
+    first, second = singles[one], singles[other]
+    temperature = first.temperature or second.temperature
+    return Case(WIDE_STEPS, both(first.effects, second.effects), "pair", temperature)
+
+
+CASES: dict[str, Case] = {
+    "null": Case(ANY, nothing, "null"),
+    "null_bare": Case(BARE, nothing, "null"),
+    "null_texture": Case(ANY, amount("texture", "texture", {"rms_rad": (1e-6, 2e-6)}), "texture"),
+    **_PULLEYS,
+    **_CABLES,
+    **_REST,
+    **{name: _pair(*parts) for name, parts in _PAIRS.items()},
+    **{name: replace(case, group="outside") for name, case in _OUTSIDE.items()},
 }

@@ -32,11 +32,10 @@ def run_chain(
     transport: bool = False,
     input_play_rad: np.ndarray | None = None,
     piece_rad: float = PIECE_RAD,
-    guide_slip: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Drum angle (n,) and tensions (cables, n) for input angles (inputs, n) at the couplings and load (n,).
 
-    ``guide_slip`` lengthens the wraps on which a cable slips by its guide wrap, as a friction zone of the drum's side.
+    ``path_m`` (cables, n) lengthens each cable's path; ``input_play_rad`` is the play in each input's coupling.
     """
     n_cables, n = path_m.shape
     play = np.zeros(input_rad.shape[0]) if input_play_rad is None else np.asarray(input_play_rad, dtype=float)
@@ -45,7 +44,7 @@ def run_chain(
     longest = wraps.max() + (turn if transport else 0.0) + 1.0
     nodes = np.empty((n_cables, 2, int(longest / piece_rad) + 8))
     nodes[:] = chain.preload[:, None, None]
-    radii = np.stack([chain.r_in, chain.r_drum + (2.0 * chain.r_guide if guide_slip else 0.0)], axis=1)
+    radii = np.stack([chain.r_in, chain.r_drum], axis=1)
     drum, tension = np.empty(n), np.empty((n_cables, n))
     missed = _march(
         chain.sense, chain.input_of, chain.r_in, chain.r_drum, radii, chain.preload, chain.span, chain.friction,
@@ -178,8 +177,14 @@ def _march(
                 carried += sense[j] * r_in[j] * preload[j]
         side[i] = 1.0 if carried >= 0.0 else -1.0
     start_side = side.copy()
-    theta = 0.0
+    theta, followed = 0.0, 0.0
     for k in range(n):
+        # The drum follows its inputs; what is left to find is small.
+        follows = 0.0
+        for j in range(n_cables):
+            follows += angle[input_of[j], k] * r_in[j] / r_drum[j] / n_cables
+        theta += follows - followed
+        followed = follows
         settled = False
         for i in range(n_inputs):
             if play[i] == 0.0:

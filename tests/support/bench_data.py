@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 import yaml
-from bench_cases import CASES, Case, Effect
+from bench_cases import CASES, Case
 from bench_chain import run_chain
+from bench_effects import Effect
 from bench_geometry import Chain, chain_of, path_of_eccentric
 from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, TORQUE_NOISE_NM, Bench, Plan, bench_run, read_sensors
 
@@ -70,9 +71,9 @@ def drum_angle(
     rigid = inputs.mean(axis=0) / ratio
     path = np.zeros((chain.sense.size, load.size))
     play = np.zeros(inputs.shape[0])
-    transport = guide_slip = False
+    transport = False
     for effect in effects:
-        p = effect.physical
+        p = effect.size
         kind = effect.kind
         if kind == "pulley":
             index = by_name.get(effect.stage or "")
@@ -104,9 +105,9 @@ def drum_angle(
             play[by_name[str(effect.stage)]] = p["play_rad"]
         elif kind == "transport":
             transport = True
-        elif kind == "guide_slip":
-            guide_slip = True
-    drum, _ = run_chain(chain, inputs, load, path, transport=transport, input_play_rad=play, guide_slip=guide_slip)
+        elif kind == "anchor":
+            path[list(effect.cables)] -= p["slip_m"] * (0.5 + 0.5 * np.tanh((bench.time_s - p["at_s"]) / 0.04))
+    drum, _ = run_chain(chain, inputs, load, path, transport=transport, input_play_rad=play)
     for effect in effects:
         drum = drum + effect.added(bench, drum, rng)
     return drum

@@ -1,0 +1,195 @@
+"""Effects of simulated runs: what they are called, how large they are, how their sizes are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from bench_added import ADDED
+from bench_motion import Bench, Plan
+
+ALL = (0, 1, 2, 3)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect as it is put into a run.
+
+    ``name``, ``stage`` and ``cables`` are the vocabulary's (a name of its own where the vocabulary has none); ``kind``
+    is the physical cause, ``size`` its figures in SI.
+    """
+
+    name: str
+    kind: str
+    size: dict[str, float]
+    stage: str | None = None
+    cables: tuple[int, ...] = ()
+
+    def added(self, bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """What it adds to the output's reading, rad; zero for effects at work inside the chain."""
+        return ADDED[self.kind](self.size, bench, drum, rng) if self.kind in ADDED else np.zeros_like(drum)
+
+    @property
+    def in_vocabulary(self) -> bool:
+        """False for causes that the vocabulary has no name for."""
+        return self.name in VOCABULARY
+
+    def as_truth(self) -> dict[str, Any]:
+        """For the truth file. Cables are counted from 1."""
+        found: dict[str, Any] = {"name": self.name, "cause": self.kind}
+        if self.stage:
+            found["stage"] = self.stage
+        if self.cables:
+            found["cables"] = [j + 1 for j in self.cables]
+        found["parameters"] = {key: float(value) for key, value in self.size.items()}
+        if not self.in_vocabulary:
+            found["in_vocabulary"] = False
+        return found
+
+
+VOCABULARY = (
+    "once_per_rev", "ripple", "ratio_error", "stiffness_error", "preload_error", "cable_friction", "friction", "delay",
+    "lash", "thermal_drift", "creep", "winding_history", "slip_step",
+)  # fmt: skip
+Draw = Callable[[np.random.Generator, Plan], tuple[Effect, ...]]
+
+
+def nothing(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+    """No effect."""
+    return ()
+
+
+def both(one: Draw, other: Draw) -> Draw:
+    """Two effects in one run."""
+    return lambda rng, plan: (*one(rng, plan), *other(rng, plan))
+
+
+def amount(name: str, kind: str, ranges: dict[str, tuple[float, float]], **more: Any) -> Draw:
+    """An effect whose sizes are each drawn from a range."""
+    return lambda rng, plan: (Effect(name, kind, {key: rng.uniform(*ends) for key, ends in ranges.items()}, **more),)
+
+
+def size(name: str, kind: str, key: str, low: float, high: float, **more: Any) -> Draw:
+    """An effect of one positive size."""
+    return amount(name, kind, {key: (low, high)}, **more)
+
+
+def shares(name: str, kind: str, low: float, high: float, **more: Any) -> Draw:
+    """An effect with one relative size of either sign."""
+    return lambda rng, plan: (Effect(name, kind, {"share": _sign(rng) * rng.uniform(low, high)}, **more),)
+
+
+def pulley(stage: str, low_um: float, high_um: float) -> Draw:
+    """An eccentric pulley."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        figures = {"eccentricity_m": rng.uniform(low_um, high_um) * 1e-6, "phase_rad": _phase(rng, stage)}
+        return (Effect("once_per_rev", "pulley", figures, stage=stage),)
+
+    return draw
+
+
+def input_encoder(stage: str, low_rad: float, high_rad: float) -> Draw:
+    """An encoder that sits off centre on an input's shaft."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        figures = {"amplitude_rad": rng.uniform(low_rad, high_rad), "phase_rad": _phase(rng, stage)}
+        return (Effect("once_per_rev", "input_encoder", figures, stage=stage),)
+
+    return draw
+
+
+def output_encoder(low_rad: float, high_rad: float) -> Draw:
+    """An encoder that sits off centre on the drum's shaft."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        figures = {"amplitude_rad": rng.uniform(low_rad, high_rad), "phase_rad": _phase(rng, "drum")}
+        return (Effect("once_per_rev", "output_encoder", figures, stage="drum"),)
+
+    return draw
+
+
+def ripple(cycles: tuple[float, float], low_rad: float, high_rad: float) -> Draw:
+    """A line in angle that no stage of the chain has."""
+    return amount(
+        "ripple",
+        "division",
+        {"cycles_per_output_rev": cycles, "amplitude_rad": (low_rad, high_rad), "phase_rad": (-np.pi, np.pi)},
+    )
+
+
+def anchor(low_m: float, high_m: float) -> Draw:
+    """One cable's anchor gives way: its path is longer from then on, so its tension drops."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        figures = {"slip_m": rng.uniform(low_m, high_m), "at_s": rng.uniform(0.3, 0.75) * plan.duration_s}
+        return (Effect("slip_step", "anchor", figures, cables=(int(rng.integers(4)),)),)
+
+    return draw
+
+
+def jump(low_rad: float, high_rad: float) -> Draw:
+    """The encoder's mount gives way once."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        step = _sign(rng) * rng.uniform(low_rad, high_rad)
+        return (
+            Effect("slip_step", "mount_jump", {"step_rad": step, "at_s": rng.uniform(0.3, 0.75) * plan.duration_s}),
+        )
+
+    return draw
+
+
+def bump(low_rad: float, high_rad: float) -> Draw:
+    """A thick place of the rope."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        figures = {
+            "height_rad": rng.uniform(low_rad, high_rad),
+            "at_rad": rng.uniform(-0.6, 0.6) * plan.amplitude_rad,
+            "width_rad": rng.uniform(0.03, 0.08) * plan.amplitude_rad,
+        }
+        return (Effect("strand damage", "damaged_strand", figures),)
+
+    return draw
+
+
+def climb(low_rad: float, high_rad: float) -> Draw:
+    """A rope that climbs a step."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        figures = {
+            "height_rad": rng.uniform(low_rad, high_rad),
+            "at_rad": rng.uniform(0.3, 0.7) * plan.amplitude_rad,
+            "lag_rad": rng.uniform(0.02, 0.1) * plan.amplitude_rad,
+        }
+        return (Effect("cable climbing", "climbing", figures),)
+
+    return draw
+
+
+def wear(low: float, high: float) -> Draw:
+    """A worn stretch of a land."""
+
+    def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
+        figures = {
+            "share": rng.uniform(low, high),
+            "from_rad": rng.uniform(-0.5, 0.2) * plan.amplitude_rad,
+            "length_rad": rng.uniform(0.15, 0.4) * plan.amplitude_rad,
+        }
+        return (Effect("worn land", "worn_land", figures),)
+
+    return draw
+
+
+def _sign(rng: np.random.Generator) -> float:
+    return float(rng.choice([-1.0, 1.0]))
+
+
+def _phase(rng: np.random.Generator, stage: str) -> float:
+    """Any phase, but for the drum one whose error is not all proportional to angle over half a turn or less."""
+    if stage == "drum":
+        return float(rng.choice([0.0, np.pi]) + rng.uniform(-np.pi / 4, np.pi / 4))
+    return float(rng.uniform(-np.pi, np.pi))
