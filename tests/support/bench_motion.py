@@ -33,7 +33,6 @@ class Bench:
     load_Nm: np.ndarray
     speed_rad_s: np.ndarray
     air_degC: np.ndarray
-    sweep: np.ndarray
 
 
 def _soft(values: np.ndarray, width_s: float) -> np.ndarray:
@@ -74,7 +73,7 @@ def bench_run(plan: Plan, ratio: float, inputs: int, rng: np.random.Generator) -
     load = _soft(load, 0.2)
     load = load - load[0] * np.exp(-t / 0.1)
     air = 21.0 + rng.uniform(1.5, 3.0) * (1.0 - np.exp(-t / rng.uniform(50.0, 90.0)))
-    return Bench(t, np.array(pairs), load, speed, air, sweep)
+    return Bench(t, np.array(pairs), load, speed, air)
 
 
 def read_sensors(bench: Bench, drum_rad: np.ndarray, rng: np.random.Generator) -> dict[str, np.ndarray]:
