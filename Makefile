@@ -37,6 +37,7 @@ docs: setup
 
 benchmark: setup
 	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python benchmarks/model.py
 
 # Pinned versions with hashes, from pyproject.toml.
 lock:

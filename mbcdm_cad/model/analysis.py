@@ -20,15 +20,13 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.figures import Analysis, BearingFigures, CableFigures, LoadCase, ModulusReading
 from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
+from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm, tension_limit_N
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
 from mbcdm_cad.model.wrap import slip_angle_rad
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
-
-# Names of the ratings in `Analysis.limits`.
-MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_efficiency", "gearhead_rated", "gearhead_maximum"
 
 
 def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
@@ -43,7 +41,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     test, peak = drive.loads.test_torque_Nm, drive.loads.peak_torque_Nm
     endless = d.with_(input_wrap_rad=np.full(d.n_cables, np.inf), drum_wrap_rad=np.full(d.n_cables, np.inf))
     ratings = input_ratings_Nm(drive)
-    strength = drive.cable.breaking_load_N / drive.limits.tension_safety_factor
+    strength = tension_limit_N(drive)
     limits = torque_limits(d, ratings, strength)
     balanced = balanced_preload_N(d)
     balanced_limits = torque_limits(d.with_(preload_N=balanced), ratings, strength)
@@ -77,17 +75,6 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         implied_modulus=modulus_readings(endless),
         notes=notes(drive),
     )
-
-
-def input_ratings_Nm(drive: Drive) -> dict[str, float]:
-    """Torque limits of one input, N m: motor through the gearhead, without and with losses; the gearhead's own."""
-    lossless = drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio
-    return {
-        MOTOR: lossless,
-        MOTOR_LOSSY: lossless * drive.gearhead.efficiency,
-        GEARHEAD: drive.gearhead.rated_torque_mNm * 1e-3,
-        GEARHEAD_PEAK: drive.gearhead.max_torque_mNm * 1e-3,
-    }
 
 
 def lowest_each_way(limits: tuple[TorqueLimit, ...], rating: str) -> tuple[float, float]:

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.model import measured
-from mbcdm_cad.model.analysis import MOTOR, input_ratings_Nm, lowest_each_way
+from mbcdm_cad.model.analysis import lowest_each_way
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.calibration import implied_modulus_Pa
 from mbcdm_cad.model.capability import balanced_preload_N, torque_limits, torque_to_weight_Nm_kg
 from mbcdm_cad.model.kinematics import eq1_residuals
+from mbcdm_cad.model.ratings import MOTOR, input_ratings_Nm, tension_limit_N
 from mbcdm_cad.model.si import DriveSI, to_si
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def _geometry(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
 
 def _torque(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
     ratings = {MOTOR: input_ratings_Nm(drive)[MOTOR]}
-    strength = drive.cable.breaking_load_N / drive.limits.tension_safety_factor
+    strength = tension_limit_N(drive)
     ideal = float(sum(ratings[MOTOR] * d.total_ratio[d.input_of.index(i)] for i in range(d.n_inputs)))
     with_bias = min(lowest_each_way(torque_limits(d, ratings, strength), MOTOR))
     even = d.with_(preload_N=balanced_preload_N(d))

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.model.analysis import MOTOR, input_ratings_Nm
-from mbcdm_cad.model.bulk import Requirements
+from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.tolerance import Tolerances, tolerance_stack
@@ -29,17 +28,6 @@ RELATIVE_SIGMA = {
     "load_Nm": 0.01,
     "input_rating_Nm": 0.03,
 }
-
-
-def requirements(drive: Drive) -> Requirements:
-    """What the design is judged by, in SI: test torque, travel, lossless rating of an input, rope."""
-    return Requirements(
-        load_Nm=drive.loads.test_torque_Nm,
-        half_travel_rad=np.radians(drive.half_travel_deg),
-        input_rating_Nm=input_ratings_Nm(drive)[MOTOR],
-        rope_diameter_m=drive.cable.diameter_mm * 1e-3,
-        tension_limit_N=drive.cable.breaking_load_N / drive.limits.tension_safety_factor,
-    )
 
 
 def write_study(drive: Drive, folder: Path) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from itertools import pairwise
 from typing import Any
 
@@ -159,21 +158,6 @@ def test_no_friction_is_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["sine under a brake", "noise"])
-def test_a_million_samples(kind: str) -> None:
-    n = 1_000_000
-    rng = np.random.default_rng(1)
-    t = np.linspace(0, 200, n)
-    angle, load = np.tile(0.45 * np.sin(t), (2, 1)), 0.91 * np.sign(np.cos(t))
-    if kind == "noise":
-        angle, load = angle + rng.normal(0, 1e-4, angle.shape), load + rng.normal(0, 0.02, n)
-    simulate(paper_drive(), angle[:, :10], load[:10])
-    start = time.process_time()
-    simulate(paper_drive(), angle, load)
-    taken = time.process_time() - start
-    assert taken < 3.0, f"{taken:.2f} s for 1e6 samples of {kind}"
-
-
 def test_path_error_is_stretch() -> None:
     """A path error that all cables share in proportion to sigma r_o is a turn of the drum, whatever the history."""
     rng = np.random.default_rng(5)

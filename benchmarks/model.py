@@ -1,0 +1,143 @@
+"""How fast the analytic model is, on one core.
+
+    python benchmarks/model.py [--repeat N] [--json FILE]
+
+Processor time of all threads, the least of N runs after a small one that compiles. Exit code 1 if a limit is exceeded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.design.loader import load_design
+from mbcdm_cad.model.analysis import analyse
+from mbcdm_cad.model.bulk import analyse_many
+from mbcdm_cad.model.clip_grid import simulate_on_grid
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.ratings import requirements
+from mbcdm_cad.model.si import DriveSI, to_si
+
+ROOT = Path(__file__).resolve().parents[1]
+SAMPLES = 1_000_000
+SERIES_LIMIT_S = 3.0
+DESIGNS = 100_000
+DESIGNS_PER_S_LIMIT = 1e5
+SINGLES = 40
+GRID_SAMPLES = 5_000
+GRID_CELL_RAD = 1e-3
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One measured figure; ``limit`` is the most allowed, or the least where ``at_least``; None: for information."""
+
+    name: str
+    value: float
+    unit: str
+    limit: float | None = None
+    at_least: bool = False
+
+    @property
+    def holds(self) -> bool:
+        if self.limit is None:
+            return True
+        return self.value >= self.limit if self.at_least else self.value <= self.limit
+
+    def __str__(self) -> str:
+        word = "at least" if self.at_least else "at most"
+        verdict = "" if self.limit is None else f"   {word} {self.limit:g}   {'ok' if self.holds else 'TOO SLOW'}"
+        return f"{self.name:<66}{self.value:12.4g} {self.unit}{verdict}"
+
+
+def least(once: Callable[[], Any], repeat: int) -> float:
+    """Processor time of the quickest of ``repeat`` runs, s."""
+    times = []
+    for _ in range(repeat):
+        start = time.process_time()
+        once()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def brake_series(samples: int) -> tuple[Any, Any]:
+    """Input angles (2, n) of 32 cycles of +-50 mrad of the drum, and a brake of 0.91 N m against the motion."""
+    phase = np.linspace(0.0, 64.0 * np.pi, samples)
+    return np.tile(0.45 * np.sin(phase), (2, 1)), 0.91 * np.where(np.cos(phase) >= 0.0, 1.0, -1.0)
+
+
+def noisy_series(samples: int) -> tuple[Any, Any]:
+    """The same with sensor noise, so that nearly every sample is a turning point."""
+    rng = np.random.default_rng(1)
+    angle, load = brake_series(samples)
+    return angle + rng.normal(0.0, 1e-4, angle.shape), load + rng.normal(0.0, 0.02, samples)
+
+
+def designs(d: DriveSI, n: int) -> DriveSI:
+    """Random designs about ``d``."""
+    rng = np.random.default_rng(0)
+    size = rng.uniform(0.8, 1.5, n)
+    return d.with_(
+        input_radius_m=d.input_radius_m[:, None] * size * rng.uniform(0.97, 1.03, (4, n)),
+        guide_radius_m=d.guide_radius_m[:, None] * size, drum_radius_m=d.drum_radius_m[:, None] * size,
+        preload_N=rng.uniform(40, 120, (4, n)), centre_distance_m=rng.uniform(30e-3, 48e-3, n),
+        friction_coefficient=rng.uniform(0.05, 0.4, n), modulus_Pa=rng.uniform(30e9, 90e9, n),
+    )  # fmt: skip
+
+
+def measured(design: Path, repeat: int) -> list[Figure]:
+    """All figures."""
+    drive = load_design(design).drive
+    d, need = to_si(drive), requirements(drive)
+    finite = d.with_(input_wrap_rad=np.full(4, 16.0), drum_wrap_rad=np.full(4, 3.0))
+    found = []
+    for label, series in (("sine under a brake", brake_series), ("the same with noise", noisy_series)):
+        angle, load = series(SAMPLES)
+        for kind, model, winding, limit in (
+            ("endless wraps", d, False, SERIES_LIMIT_S),
+            ("finite wraps", finite, False, None),
+            ("winding history", d, True, None),
+        ):
+            simulate(model, angle[:, :10], load[:10], winding=winding)
+            taken = least(partial(simulate, model, angle, load, winding=winding), repeat)
+            found.append(Figure(f"1e6 samples, 4 cables, {label}: {kind}", taken, "s", limit))
+    angle, load = brake_series(GRID_SAMPLES)
+    simulate_on_grid(d, angle[:, :10], load[:10], True, GRID_CELL_RAD)
+    cells = least(lambda: simulate_on_grid(d, angle, load, True, GRID_CELL_RAD), 1)
+    knots = least(lambda: simulate(d, angle, load, winding=True), repeat)
+    found.append(Figure("winding history cell by cell (1 mrad) over in closed form", cells / knots, "times"))
+    batch = designs(d, DESIGNS)
+    analyse_many(designs(d, 1000), need)
+    bulk = least(lambda: analyse_many(batch, need), repeat)
+    found.append(Figure("analyse_many", DESIGNS / bulk, "designs/s", DESIGNS_PER_S_LIMIT, at_least=True))
+    one = least(lambda: [analyse(drive) for _ in range(SINGLES)], repeat) / SINGLES
+    found.append(Figure("analyse, one design", one * 1e3, "ms"))
+    return found
+
+
+def main() -> int:
+    """Print the figures; 1 if a limit is exceeded."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("design", nargs="?", type=Path, default=ROOT / "params" / "mbcdm.yaml")
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    figures = measured(options.design, options.repeat)
+    for figure in figures:
+        print(figure)
+    if options.json:
+        options.json.write_text(json.dumps([asdict(f) | {"holds": f.holds} for f in figures], indent=2) + "\n")
+    return 0 if all(figure.holds for figure in figures) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

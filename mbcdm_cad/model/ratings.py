@@ -1,0 +1,42 @@
+"""What a design is judged by, in SI: torque ratings of an input, test load, travel, rope."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbcdm_cad.model.bulk import Requirements
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import Drive
+
+# Names of the ratings in `Analysis.limits`.
+MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_efficiency", "gearhead_rated", "gearhead_maximum"
+
+
+def input_ratings_Nm(drive: Drive) -> dict[str, float]:
+    """Torque limits of one input, N m: motor through the gearhead, without and with losses; the gearhead's own."""
+    lossless = drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio
+    return {
+        MOTOR: lossless,
+        MOTOR_LOSSY: lossless * drive.gearhead.efficiency,
+        GEARHEAD: drive.gearhead.rated_torque_mNm * 1e-3,
+        GEARHEAD_PEAK: drive.gearhead.max_torque_mNm * 1e-3,
+    }
+
+
+def tension_limit_N(drive: Drive) -> float:
+    """Largest tension allowed: breaking load over the safety factor."""
+    return drive.cable.breaking_load_N / drive.limits.tension_safety_factor
+
+
+def requirements(drive: Drive) -> Requirements:
+    """What the design is judged by, in SI: test torque, travel, lossless rating of an input, rope."""
+    return Requirements(
+        load_Nm=drive.loads.test_torque_Nm,
+        half_travel_rad=np.radians(drive.half_travel_deg),
+        input_rating_Nm=input_ratings_Nm(drive)[MOTOR],
+        rope_diameter_m=drive.cable.diameter_mm * 1e-3,
+        tension_limit_N=tension_limit_N(drive),
+    )
