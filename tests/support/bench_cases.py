@@ -46,12 +46,14 @@ ANY = motion((0.05, 0.45, 0.6), ("brake", "levels", "bias", "steps"))
 LOADED = motion((0.05, 0.45, 0.6), ("levels", "bias", "steps"))
 STEPS = motion((0.05, 0.45, 0.6), ("bias", "steps"))
 BARE = motion((0.45, 0.6), ("bare",))
-WIDE_STEPS = motion((0.45, 0.6), ("bias", "steps"))
+# On a triangle speed has one size, so that what goes with it cannot be told from what goes with its sign.
+SINE = motion((0.45, 0.6), ("bias", "steps"), ("sine",))
 
 
 @dataclass(frozen=True)
 class Case:
-    """A kind of run. ``group`` says by which aim it is judged: null, texture, single, fair, pair or outside."""
+    """A kind of run. ``group`` says by which aim it is judged: null, texture, single, fair, alike
+    (nobody could tell from one run of this motion: a set is right), pair or outside."""
 
     plan: Callable[[np.random.Generator], Plan]
     effects: Draw
@@ -85,9 +87,9 @@ _REST = {
     "ratio_encoder": Case(WIDE, shares("ratio_error", "output_scale", 1e-4, 6e-4)),
     "ratio_bare": Case(BARE, shares("ratio_error", "output_scale", 1e-4, 6e-4)),
     "guide_bare": Case(BARE, pulley("guide", 3.0, 12.0)),
-    "friction": Case(STEPS, size("friction", "bearing", "torque_Nm", 0.08, 0.25)),
-    "delay": Case(WIDE_STEPS, size("delay", "latency", "delay_s", 3e-4, 2e-3)),
-    "drag": Case(WIDE_STEPS, size("delay", "viscous", "drag_Nm_s", 0.5, 1.5)),
+    "friction": Case(SINE, size("friction", "bearing", "torque_Nm", 0.08, 0.25)),
+    "delay": Case(SINE, size("delay", "latency", "delay_s", 3e-4, 2e-3)),
+    "drag": Case(SINE, size("delay", "viscous", "drag_Nm_s", 0.5, 1.5)),
     "lash_output": Case(STEPS, size("lash", "output_play", "play_rad", 4e-5, 2e-4)),
     "lash_input_left": Case(LOADED, size("lash", "input_play", "play_rad", 4e-4, 1.5e-3, stage="input_left")),
     "lash_input_right": Case(LOADED, size("lash", "input_play", "play_rad", 4e-4, 1.5e-3, stage="input_right")),
@@ -97,6 +99,13 @@ _REST = {
     "creep": Case(LOADED, amount("creep", "settling", {"amplitude_rad": (1e-5, 4e-5), "time_s": (2.0, 15.0)}), "fair"),
     "slip_anchor": Case(LOADED, anchor(4e-6, 1.5e-5)),
     "slip_mount": Case(LOADED, jump(2e-5, 8e-5)),
+}
+_ALIKE = {
+    "delay_triangle": Case(motion((0.45, 0.6), ("bias",), ("triangle",)), _REST["delay"].effects),
+    "friction_brake": Case(motion((0.45, 0.6), ("brake",), ("triangle",)), _REST["friction"].effects),
+    "drum_short": Case(motion((0.05,), ("steps",)), output_encoder(3e-3, 6e-3)),
+    "ratio_short": Case(motion((0.05,), ("steps",)), shares("ratio_error", "output_scale", 5e-4, 2e-3)),
+    "winding_brake": Case(motion((0.45,), ("brake",)), _CABLES["winding"].effects),
 }
 _PAIRS = {
     "guide+ratio": ("pulley_guide", "ratio_encoder"),
@@ -131,7 +140,7 @@ def _pair(one: str, other: str) -> Case:
     singles = _PULLEYS | _CABLES | _REST
     first, second = singles[one], singles[other]
     temperature = first.temperature or second.temperature
-    return Case(WIDE_STEPS, both(first.effects, second.effects), "pair", temperature)
+    return Case(SINE, both(first.effects, second.effects), "pair", temperature)
 
 
 CASES: dict[str, Case] = {
@@ -141,6 +150,7 @@ CASES: dict[str, Case] = {
     **_PULLEYS,
     **_CABLES,
     **_REST,
+    **{name: replace(case, group="alike") for name, case in _ALIKE.items()},
     **{name: _pair(*parts) for name, parts in _PAIRS.items()},
     **{name: replace(case, group="outside") for name, case in _OUTSIDE.items()},
 }

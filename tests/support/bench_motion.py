@@ -63,7 +63,7 @@ def bench_run(plan: Plan, ratio: float, inputs: int, rng: np.random.Generator) -
         levels = plan.load_Nm * np.array([1.0, 0.35, 0.7, 1.3])
         load = levels[(sweep // 4) % 4] * forward
     elif plan.load == "bias":
-        load = plan.load_Nm * (0.75 * forward + 0.5 * np.where((sweep // 4) % 2 == 0, 1.0, -1.0))
+        load = plan.load_Nm * (0.5 * forward + 0.8 * np.where((sweep // 4) % 2 == 0, 1.0, -1.0))
     elif plan.load == "steps":
         holds = np.cumsum(rng.uniform(4.0, 11.0, size=60))
         level = rng.uniform(-1.2, 1.2, size=61) * plan.load_Nm

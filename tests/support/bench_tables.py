@@ -16,7 +16,13 @@ AIMS: tuple[tuple[str, tuple[str, ...], tuple[str, ...], str, float], ...] = (
     ("single effect where a set is fair, named exactly", ("fair",), ("exact",), ">=", 0.85),
     ("the same, named exactly or in a set", ("fair",), ("exact", "set"), ">=", 0.95),
     ("pair named exactly", ("pair",), ("exact",), ">=", 0.90),
-    ("wrong name, singles and pairs", ("single", "fair", "pair"), ("wrong",), "<=", 0.02),
+    (
+        "wrong name, all runs with effects of the vocabulary",
+        ("single", "fair", "alike", "pair"),
+        ("wrong",),
+        "<=",
+        0.02,
+    ),
     ("cause outside the vocabulary blamed on one inside", ("outside",), ("wrong",), "<=", 0.05),
 )
 
@@ -29,7 +35,7 @@ def aims_table(scores: list[Score]) -> str:
         if runs:
             share = sum(s.outcome in outcomes for s in runs) / len(runs)
             rows.append(_aim(what, sense, limit, share, len(runs)))
-    sets = [s for s in scores if s.outcome in ("set", "wrong set") and s.group in ("single", "fair", "pair")]
+    sets = [s for s in scores if s.outcome in ("set", "wrong set") and s.group in ("single", "fair", "alike", "pair")]
     if sets:
         rows.append(_aim("sets that hold the truth", ">=", 0.95, _share(s.outcome == "set" for s in sets), len(sets)))
     judged = [s for s in scores if s.knowing_rad and s.after_rad and s.outcome == "exact"]
