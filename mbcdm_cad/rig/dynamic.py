@@ -1,0 +1,106 @@
+"""A run of the dynamic rig: two motors under position loops drive the cables, the drum turns a load, sensors look on.
+
+Equations are in :mod:`mbcdm_cad.rig.dynamic_plant`, the loop over time in :mod:`mbcdm_cad.rig.dynamic_kernel`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbcdm_cad.rig import dynamic_kernel as kernel
+from mbcdm_cad.rig import dynamic_plant as plant
+from mbcdm_cad.rig import dynamic_tables as tables
+from mbcdm_cad.rig.dynamic_cables import chains
+from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.dynamic_rig import DynamicRig, EncoderSpec
+
+LOG_RATE_HZ = 100.0
+_ACCOUNTS = ("motor", "load", "rotor_friction", "pulley_friction", "drum_friction", "viscous", "cables")
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicRun:
+    """A run at the log's samples: truth, and what the sensors said. Arrays (n,) or (n_inputs or n_cables, n).
+
+    ``motor_Nm`` and ``rotor_rad`` are reflected to the gearhead's output; ``torque_Nm`` is the mean over a period of
+    the loops of what drum and load exchange; ``energy_J`` the account over the whole run.
+    """
+
+    time_s: Floats
+    reference_rad: Floats
+    drum_rad: Floats
+    input_rad: Floats
+    torque_Nm: Floats
+    motor_Nm: Floats
+    rotor_rad: Floats
+    tension_N: Floats
+    measured_drum_rad: Floats
+    measured_input_rad: Floats
+    measured_torque_Nm: Floats
+    energy_J: dict[str, float]
+
+
+def run_dynamic(
+    rig: DynamicRig,
+    reference: Floats,
+    torque_Nm: Floats | float = 0.0,
+    brake_Nm: Floats | float = 0.0,
+    seed: int = 0,
+    log_rate_Hz: float = LOG_RATE_HZ,
+) -> DynamicRun:
+    """Run ``reference`` (n, 3), the drum's angle, speed and acceleration at each period of the loops.
+
+    ``torque_Nm`` is what a torque motor applies and ``brake_Nm`` the level of a brake, one value or one a period. The
+    same seed gives the same run. ValueError where rates do not divide each other.
+    """
+    n_inputs, n = len(rig.motors), reference.shape[0]
+    rate = rig.loops[0].rate_Hz
+    steps = _whole(1.0 / rate / rig.step_s, "step_s", "rate_Hz")
+    log_every = _whole(rate / log_rate_Hz, "rate_Hz", "log_rate_Hz")
+    rng = np.random.default_rng(seed)
+    rows = -(-n // log_every)
+    log = np.zeros((rows, kernel.LOG_FIRST + 4 * n_inputs + len(rig.drive.cables)))
+    account = np.zeros(plant.ACCOUNTS)
+    change = kernel.run(
+        tables.input_table(rig), tables.cable_table(rig), tables.input_of(rig), tables.drum_row(rig),
+        tables.load_row(rig), chains(rig.drive), tables.current_share(rig), tables.loop_gains(rig), tables.turns(rig),
+        tables.encoder_table(rig), rng.standard_normal((n, n_inputs)), np.ascontiguousarray(reference, dtype=float),
+        _series(torque_Nm, n), _series(brake_Nm, n), rig.step_s, steps, log_every, log, account,
+    )  # fmt: skip
+    time = np.arange(rows) * log_every / rate
+    ends = [kernel.LOG_FIRST + k * n_inputs for k in range(5)]
+    _, pulley, counts, motor, rotor, tension = np.split(log.T, ends)
+    drum, torque = log[:, kernel.DRUM], log[:, kernel.TORQUE]
+    return DynamicRun(
+        time_s=time,
+        reference_rad=reference[::log_every, 0],
+        drum_rad=drum,
+        input_rad=pulley,
+        torque_Nm=torque,
+        motor_Nm=motor,
+        rotor_rad=rotor,
+        tension_N=tension,
+        measured_drum_rad=_read(rig.drum_encoder, time, drum, rng),
+        measured_input_rad=counts,
+        measured_torque_Nm=torque + rig.torque_noise_Nm * rng.standard_normal(rows),
+        energy_J={**dict(zip(_ACCOUNTS, account.tolist(), strict=True)), "stored": float(change)},
+    )
+
+
+def _whole(ratio: float, divisor: str, dividend: str) -> int:
+    if ratio < 0.999 or abs(ratio - round(ratio)) > 1e-6 * ratio:
+        raise ValueError(f"{divisor} and {dividend} do not divide: their ratio is {ratio:.6g}; choose a whole number")
+    return round(ratio)
+
+
+def _series(value: Floats | float, n: int) -> Floats:
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(value, dtype=float), (n,)))
+
+
+def _read(encoder: EncoderSpec, time: Floats, angle: Floats, rng: np.random.Generator) -> Floats:
+    """What an encoder outside the loops says: late, noisy, in whole counts."""
+    seen = np.interp(time - encoder.delay_s, time, angle) + encoder.noise_rad * rng.standard_normal(angle.size)
+    step = encoder.resolution_rad
+    return seen if step == 0.0 else np.floor(seen / step + 0.5) * step

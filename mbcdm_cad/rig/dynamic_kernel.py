@@ -1,0 +1,144 @@
+"""The loop over time: position loops at their own rate, the plant at a finer step, the log at a coarser one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.rig import controller, dynamic_plant
+from mbcdm_cad.rig.controller import control
+from mbcdm_cad.rig.dynamic_cables import pull
+from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+from mbcdm_cad.rig.dynamic_plant import advance, stored
+
+# Entries of the load's row.
+LOAD_INERTIA, STATIC_RATIO, STATIC_SPEED, UNBALANCE, UNBALANCE_ANGLE = range(5)
+# Columns of an input encoder's row.
+RESOLUTION, NOISE, DELAY = range(3)
+# Columns of the log before those of the inputs (pulley, encoder, motor's torque, rotor) and of the cables (tension).
+DRUM, TORQUE = range(2)
+LOG_FIRST = 2
+
+
+@compiled
+def quantised(angle_rad: float, resolution_rad: float) -> float:
+    """The count nearest to the angle, in rad; a resolution of 0 leaves it as it is."""
+    if resolution_rad <= 0.0:
+        return angle_rad
+    return math.floor(angle_rad / resolution_rad + 0.5) * resolution_rad
+
+
+@compiled
+def brake_capacity(level_Nm: float, speed_rad_s: float, load: Floats) -> float:
+    """Friction of the brake, N m: at standstill ``STATIC_RATIO`` times its level, falling off with the speed."""
+    fade = math.exp(-((speed_rad_s / load[STATIC_SPEED]) ** 2))
+    return float(level_Nm * (1.0 + (load[STATIC_RATIO] - 1.0) * fade))
+
+
+@compiled
+def run(
+    inputs: Floats,
+    cables: Floats,
+    input_of: NDArray[np.int64],
+    drum: Floats,
+    load: Floats,
+    chains: tuple[Floats, ...],
+    current_share: Floats,
+    gains: Floats,
+    turns: Floats,
+    encoders: Floats,
+    noise: Floats,
+    reference: Floats,
+    torque: Floats,
+    brake: Floats,
+    h: float,
+    steps: int,
+    log_every: int,
+    log: Floats,
+    account: Floats,
+) -> float:
+    """Run all periods of the position loops and fill ``log``; returns the change of stored energy, J.
+
+    ``reference`` (n, 3): drum angle, speed and acceleration asked for at each period; ``torque`` and ``brake`` (n,):
+    torque motor and level of the brake, N m; ``noise`` (n, n_inputs): standard normal; ``turns`` (n_inputs,): turns of
+    an input for one of the drum; ``current_share`` (n_inputs,): what the current loop closes of its gap in a step;
+    ``encoders`` (n_inputs, 3): resolution and noise in rad, delay in periods.
+    """
+    n_inputs, n_cables = inputs.shape[0], cables.shape[0]
+    last = 2 * n_inputs
+    q, v, before = np.zeros(last + 1), np.zeros(last + 1), np.zeros(last + 1)
+    guess, push = np.zeros(last + 1), np.zeros(last + 1)
+    tension, tension_before = np.empty(n_cables), np.empty(n_cables)
+    pull(chains, q[n_inputs:], tension)
+    motor, command, target = np.zeros(n_inputs), np.zeros(n_inputs), np.empty(3)
+    state = np.zeros((n_inputs, controller.STATES))
+    seen = np.zeros((int(encoders[:, DELAY].max()) + 1, n_inputs))
+    _hold(inputs, cables, input_of, tension, q, motor, state)
+    energy = stored(inputs, drum, q, v)
+    felt = 0.0
+    for k in range(reference.shape[0]):
+        for i in range(n_inputs):
+            angle = q[n_inputs + i] + encoders[i, NOISE] * noise[k, i]
+            seen[k % seen.shape[0], i] = quantised(angle, encoders[i, RESOLUTION])
+            measured = seen[max(k - int(encoders[i, DELAY]), 0) % seen.shape[0], i]
+            for c in range(3):
+                target[c] = reference[k, c] * turns[i]
+            command[i] = control(gains[i], state[i], target, measured)
+        if k % log_every == 0:
+            row = log[k // log_every]
+            row[DRUM], row[TORQUE] = q[last], felt
+            for i in range(n_inputs):
+                row[LOG_FIRST + i] = q[n_inputs + i]
+                row[LOG_FIRST + n_inputs + i] = seen[max(k - int(encoders[i, DELAY]), 0) % seen.shape[0], i]
+                row[LOG_FIRST + 2 * n_inputs + i] = motor[i]
+                row[LOG_FIRST + 3 * n_inputs + i] = q[i]
+            for j in range(n_cables):
+                row[LOG_FIRST + 4 * n_inputs + j] = tension[j]
+        felt = 0.0
+        for _ in range(steps):
+            for i in range(n_inputs):
+                motor[i] += current_share[i] * (command[i] - motor[i])
+            before[:] = q
+            tension_before[:] = tension
+            speed = v[last]
+            outer = torque[k] + load[UNBALANCE] * math.sin(q[last] + load[UNBALANCE_ANGLE])
+            capacity = brake_capacity(brake[k], speed, load)
+            advance(
+                inputs, cables, input_of, drum, tension, motor, outer, capacity, h, q, v, guess, push, account,
+            )  # fmt: skip
+            pull(chains, q[n_inputs:], tension)
+            for j in range(n_cables):
+                p = n_inputs + input_of[j]
+                inner = cables[j, dynamic_plant.INPUT_RADIUS] * (q[p] - before[p])
+                rest = cables[j, dynamic_plant.DRUM_RADIUS] * (q[last] - before[last])
+                stretch = cables[j, dynamic_plant.SIGMA] * (inner - rest)
+                account[dynamic_plant.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
+            # The sensor sits between drum and load: bearings' share of the friction is not in it.
+            share = capacity / max(capacity + drum[dynamic_plant.DRUM_DRAG], 1e-300)
+            felt += (outer - push[last] * share / h + load[LOAD_INERTIA] * (v[last] - speed) / h) / steps
+    return float(stored(inputs, drum, q, v) - energy)
+
+
+@compiled
+def _hold(
+    inputs: Floats,
+    cables: Floats,
+    input_of: NDArray[np.int64],
+    tension: Floats,
+    q: Floats,
+    motor: Floats,
+    state: Floats,
+) -> None:
+    """Start at rest: each motor holds what the preloads ask of its input, its gearhead wound up by that."""
+    for i in range(inputs.shape[0]):
+        bias = 0.0
+        for j in range(cables.shape[0]):
+            if input_of[j] == i:
+                bias += cables[j, dynamic_plant.SIGMA] * cables[j, dynamic_plant.INPUT_RADIUS] * tension[j]
+        motor[i] = bias
+        state[i, controller.SUM] = bias
+        q[i] = bias / inputs[i, dynamic_plant.STIFFNESS]
+        if inputs[i, dynamic_plant.LASH] > 0.0:
+            q[i] += 0.5 * inputs[i, dynamic_plant.LASH] * np.sign(bias)

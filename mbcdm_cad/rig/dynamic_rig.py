@@ -1,0 +1,87 @@
+"""The dynamic rig as data: which motors, gearheads, loops and sensors stand round a drive.
+
+SI throughout; inputs are positive when they drive the drum positive, a load torque when it opposes positive rotation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.controller import ControllerSpec
+from mbcdm_cad.rig.dynamic_load import LoadSpec
+from mbcdm_cad.rig.gearhead import GearheadSpec, gearhead_of
+from mbcdm_cad.rig.inertias import guide_turns, inertias
+from mbcdm_cad.rig.motor import MotorSpec, motor_of
+
+STEP_S = 1e-4
+BANDWIDTH_HZ = 5.0
+LOOP_RATE_HZ = 1000.0
+# Resolution of encoder B of the paper's rig, 18000 lines times 256 [section 5].
+DRUM_RESOLUTION_RAD = 1.3635e-6
+
+
+@dataclass(frozen=True)
+class EncoderSpec:
+    """An encoder: step of its count, white noise before counting, and how old its readings are."""
+
+    resolution_rad: float
+    noise_rad: float = 0.0
+    delay_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("resolution_rad", "noise_rad", "delay_s"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} is {getattr(self, name)}; give it >= 0")
+
+
+@dataclass(frozen=True)
+class DynamicRig:
+    """A drive on the bench: a motor, gearhead, loop and encoder for each input, in the order of the drive's inputs.
+
+    Drags are Coulomb friction in bearings, each at its own shaft.
+    """
+
+    drive: Drive
+    motors: tuple[MotorSpec, ...]
+    gearheads: tuple[GearheadSpec, ...]
+    loops: tuple[ControllerSpec, ...]
+    encoders: tuple[EncoderSpec, ...]
+    drum_encoder: EncoderSpec = field(default_factory=lambda: EncoderSpec(DRUM_RESOLUTION_RAD))
+    load: LoadSpec = field(default_factory=LoadSpec)
+    torque_noise_Nm: float = 0.005
+    input_drag_Nm: float = 0.0
+    guide_drag_Nm: float = 0.0
+    step_s: float = STEP_S
+
+
+def rig_of(
+    drive: Drive,
+    load: LoadSpec | None = None,
+    ideal_gearhead: bool = False,
+    bandwidth_Hz: float = BANDWIDTH_HZ,
+    rate_Hz: float = LOOP_RATE_HZ,
+) -> DynamicRig:
+    """The rig with the design's motors, gearheads and encoders; the loops know all inertia that an input moves."""
+    load = load or LoadSpec()
+    motor, gearhead = motor_of(drive), gearhead_of(drive, ideal_gearhead)
+    moved = inertias(drive)
+    n_inputs = len(drive.input_names)
+    share = (moved.drum_kg_m2 + load.inertia_kg_m2 + moved.guide_kg_m2 * guide_turns(drive) ** 2) / n_inputs
+    loops = tuple(
+        ControllerSpec(
+            moved.rotor_kg_m2 * gearhead.ratio**2 + moved.input_pulley_kg_m2[i] + share / input_turns(drive, i) ** 2,
+            motor.torque_limit_Nm * gearhead.ratio,
+            bandwidth_Hz,
+            rate_Hz,
+        )
+        for i in range(n_inputs)
+    )
+    encoder = EncoderSpec(drive.encoder.resolution_urad * 1e-6)
+    return DynamicRig(drive, (motor,) * n_inputs, (gearhead,) * n_inputs, loops, (encoder,) * n_inputs, load=load)
+
+
+def input_turns(drive: Drive, i: int) -> float:
+    """Turns of input ``i`` for one of the drum: the mean over its cables."""
+    mine = [c.drum_radius_mm / c.input_radius_mm for c in drive.cables if c.input_name == drive.input_names[i]]
+    return sum(mine) / len(mine)

@@ -1,0 +1,88 @@
+"""The rig's figures as the tables that the compiled loops read."""
+
+from __future__ import annotations
+
+from math import exp, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.rig import dynamic_plant as plant
+from mbcdm_cad.rig.dynamic_cables import free_span_m
+from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.dynamic_rig import DynamicRig, input_turns
+from mbcdm_cad.rig.inertias import guide_turns, inertias
+
+
+def input_of(rig: DynamicRig) -> NDArray[np.int64]:
+    """For each cable the number of its input."""
+    return np.array([rig.drive.input_names.index(c.input_name) for c in rig.drive.cables], dtype=np.int64)
+
+
+def load_row(rig: DynamicRig) -> Floats:
+    """What the load adds, in the order of :mod:`mbcdm_cad.rig.dynamic_kernel`."""
+    load = rig.load
+    return np.array([
+        load.inertia_kg_m2, load.static_ratio, load.static_speed_rad_s, load.unbalance_Nm, load.unbalance_angle_rad,
+    ])  # fmt: skip
+
+
+def current_share(rig: DynamicRig) -> Floats:
+    """What each current loop closes of its gap in a step."""
+    return np.array([1.0 - exp(-2.0 * pi * motor.current_bandwidth_Hz * rig.step_s) for motor in rig.motors])
+
+
+def loop_gains(rig: DynamicRig) -> Floats:
+    """A row of gains for each input."""
+    return np.array([loop.gains() for loop in rig.loops])
+
+
+def turns(rig: DynamicRig) -> Floats:
+    """Turns of each input for one of the drum."""
+    return np.array([input_turns(rig.drive, i) for i in range(len(rig.motors))])
+
+
+def encoder_table(rig: DynamicRig) -> Floats:
+    """Resolution and noise in rad, delay in periods of the loops."""
+    rate = rig.loops[0].rate_Hz
+    return np.array([[e.resolution_rad, e.noise_rad, round(e.delay_s * rate)] for e in rig.encoders])
+
+
+def input_table(rig: DynamicRig) -> Floats:
+    """Rotor, gearhead and pulley of each input, in the order of :mod:`mbcdm_cad.rig.dynamic_plant`."""
+    moved = inertias(rig.drive)
+    table = np.zeros((len(rig.motors), plant.INPUT_COLUMNS))
+    for i, (motor, gear) in enumerate(zip(rig.motors, rig.gearheads, strict=True)):
+        N = gear.ratio
+        table[i, plant.ROTOR] = motor.rotor_inertia_kg_m2 * N**2
+        table[i, plant.DRAG] = motor.coulomb_Nm * N + gear.drag_Nm
+        table[i, plant.LOSS] = gear.loss_share
+        table[i, plant.VISCOUS] = motor.viscous_Nms * N**2
+        table[i, plant.STIFFNESS] = gear.stiffness_Nm_rad
+        table[i, plant.LASH] = gear.lash_rad
+        table[i, plant.MESH] = gear.mesh_error_rad
+        table[i, plant.MESH_ORDER] = gear.mesh_per_motor_turn * N
+        table[i, plant.COGGING] = motor.cogging_Nm * N
+        table[i, plant.COGGING_ORDER] = motor.cogging_per_turn * N
+        table[i, plant.COGGING_PHASE] = motor.cogging_phase_rad
+        table[i, plant.PULLEY_DRAG] = rig.input_drag_Nm
+        table[i, plant.PULLEY] = moved.input_pulley_kg_m2[i]
+    return table
+
+
+def cable_table(rig: DynamicRig) -> Floats:
+    """Sense, radii in m and stiffness of the free span in N/m of each cable."""
+    pull = rig.drive.cable.axial_stiffness_N
+    rows = [
+        [c.sigma, c.input_radius_mm * 1e-3, c.drum_radius_mm * 1e-3, pull / free_span_m(rig.drive, c)]
+        for c in rig.drive.cables
+    ]
+    return np.array(rows)
+
+
+def drum_row(rig: DynamicRig) -> Floats:
+    """Inertia, drag and viscous friction at the drum, guide and load included."""
+    moved, ratio = inertias(rig.drive), guide_turns(rig.drive)
+    inertia = moved.drum_kg_m2 + moved.guide_kg_m2 * ratio**2 + rig.load.inertia_kg_m2
+    drag = rig.load.bearing_drag_Nm + rig.guide_drag_Nm * ratio
+    return np.array([inertia, drag, rig.load.bearing_viscous_Nms])

@@ -1,0 +1,89 @@
+"""The paper's Figs. 7, 8 and 9 as the rig gives them."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.experiments_paper import PaperResult
+from mbcdm_cad.rig.experiments_paper_analysis import (
+    LOWEST_ORDER,
+    angle_spectrum,
+    given_way_index,
+    transmission_error_rad,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_SIZE_IN = (8.0, 6.0)
+
+
+def plot_png(result: PaperResult, drive: Drive) -> bytes:
+    """The figure as PNG; the same bytes for the same result."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=_SIZE_IN, layout="constrained")
+    FigureCanvasAgg(figure)
+    _DRAW[result.name](figure, result, drive)
+    figure.suptitle(f"{result.figure}: {result.name.replace('-', ' ')}")
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=120, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def _driving(figure: Figure, result: PaperResult, _drive: Drive) -> None:
+    axes = figure.subplots(2, 1, sharex=True)
+    for name, run in result.runs.items():
+        end = given_way_index(run)
+        axes[0].plot(run.time_s[:end], np.abs(run.measured_torque_Nm[:end]), label=name, linewidth=0.8)
+        axes[1].plot(run.time_s[:end], 1e3 * (run.reference_rad - run.drum_rad)[:end], linewidth=0.8)
+    axes[0].axhline(3.3, color="black", linestyle="--", linewidth=0.8, label="paper: 3.3 N m")
+    axes[0].set_ylabel("load torque, N m")
+    axes[0].legend(fontsize=7)
+    axes[1].set_ylabel("drum's error, mrad")
+    axes[1].set_xlabel("time, s")
+
+
+def _positioning(figure: Figure, result: PaperResult, _drive: Drive) -> None:
+    run = result.runs["positioning"]
+    error = run.reference_rad - run.measured_drum_rad
+    axes = figure.subplots(2, 1)
+    axes[0].plot(run.time_s, 1e3 * run.reference_rad, label="reference")
+    axes[0].plot(run.time_s, 1e3 * run.measured_drum_rad, "--", label="response")
+    axes[0].set_ylabel("angle, mrad")
+    axes[0].set_xlabel("time, s")
+    axes[0].legend(loc="upper left", fontsize=7)
+    right = axes[0].twinx()
+    right.plot(run.time_s, 1e3 * error, color="tab:red", linewidth=0.6)
+    right.set_ylabel("error, mrad")
+    settled = run.time_s > 1.0 / 0.05
+    order, amplitude = angle_spectrum(run.reference_rad[settled], error[settled])
+    shown = (order >= LOWEST_ORDER) & (order < 1000.0)
+    axes[1].plot(order[shown], 1e6 * amplitude[shown], linewidth=0.8)
+    axes[1].plot(694.3, 24.67, "k+", markersize=10, label="paper: 24.67 urad at 694.3")
+    axes[1].set_xlabel("cycle/rad")
+    axes[1].set_ylabel("amplitude of the error, urad")
+    axes[1].legend(fontsize=7)
+
+
+def _backlash(figure: Figure, result: PaperResult, drive: Drive) -> None:
+    run = result.runs["backlash"]
+    error = 1e3 * transmission_error_rad(run, drive)
+    axes = figure.subplots(2, 1)
+    axes[0].plot(run.time_s, run.measured_torque_Nm, linewidth=0.8, color="tab:blue")
+    axes[0].set_ylabel("load torque, N m")
+    axes[0].set_xlabel("time, s")
+    right = axes[0].twinx()
+    right.plot(run.time_s, error, color="tab:red", linewidth=0.8)
+    right.set_ylabel("transmission error, mrad")
+    axes[1].plot(1e3 * run.measured_drum_rad, error, linewidth=0.6)
+    axes[1].set_xlabel("output, mrad")
+    axes[1].set_ylabel("transmission error, mrad")
+
+
+_DRAW = {"driving-capability": _driving, "positioning": _positioning, "backlash": _backlash}
