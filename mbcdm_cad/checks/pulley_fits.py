@@ -5,6 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
 from mbcdm_cad.checks.knobs import down, up
 from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.layout.collar import COLLAR_WIDTH_MM
 from mbcdm_cad.layout.pulleys import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 
 # Height of the shoulder that an inner ring rests on (bearing makers' fillets of 0.15 mm and something to bear on).
@@ -15,6 +16,8 @@ FIT_MM = 0.01
 FLOOR_MM = 1.0
 # Shaft held by a clamp over at least its own diameter (usual rule).
 GRIP_DIAMETERS = 1.0
+# Room for a part that only has to be brought into place (estimate).
+PASSAGE_MM = 0.1
 
 
 def _slots(s: Subject) -> list[tuple[InputPulleyDims, StopSlot, float]]:
@@ -128,16 +131,27 @@ def shaft_grip(s: Subject) -> Finding:
 
 
 def pilot_room(s: Subject) -> Finding:
-    """Gearhead's centring boss stays below the pulley's journal."""
-    gear = s.drive.gearhead
+    """Gearhead's centring boss stays below the pulley's journal, and in the shelf or beside the screws' heads."""
+    gear, running = s.drive.gearhead, s.drive.clearances.running_mm
     top = s.levels.motor_shelf_bottom_z + gear.pilot_height_mm
     bottom = min(p.journal_bottom_z for p in s.layout.inputs)
-    return at_least("journal above the gearhead's pilot", bottom - top, s.drive.clearances.running_mm, "mm")
+    head = s.drive.screw(gear.screw).head_diameter_mm
+    beside = (gear.bolt_circle_mm - head - gear.pilot_diameter_mm) / 2
+    inside = s.drive.support.motor_shelf_mm - gear.pilot_height_mm
+    return worst(
+        (
+            at_least("journal above the gearhead's pilot", bottom - top, running, "mm"),
+            at_least(
+                "gearhead's pilot under the shelf's top, or beside the screws' heads", max(inside, beside), 0.0, "mm"
+            ),
+        )
+    )
 
 
 def coupling_height(s: Subject) -> Finding:
-    """Coupling space takes collar and slit below the bearing, and the gearhead's screws on their way in."""
+    """Coupling space takes collar and slit below the bearing; gearhead screws and collar pass on their way in."""
     lay, v, drive = s.layout, s.levels, s.drive
+    shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
     screw = drive.screw(drive.gearhead.screw)
     bearing_bottom = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm
     gap, slit_top = drive.clearances.running_mm, max(p.slit_top_z for p in lay.inputs)
@@ -150,6 +164,12 @@ def coupling_height(s: Subject) -> Finding:
                 f"coupling space beyond the length of a {screw.name} with its head",
                 space - screw.length_mm - screw.head_height_mm,
                 gap,
+                "mm",
+            ),
+            at_least(
+                "coupling space for the clamp collar on its way over the end of the gearhead's shaft",
+                v.bearing_shelf_bottom_z - max(shaft_end, v.motor_shelf_top_z) - COLLAR_WIDTH_MM,
+                PASSAGE_MM,
                 "mm",
             ),
         )
@@ -178,8 +198,8 @@ CHECKS = (
           turns=(up("support.motor_shelf_mm"), up("support.top_plate_mm")), advice="choose a shorter screw"),
     Check("shaft_grip", "Clamp collar grips the gearhead's shaft", "one diameter: usual rule", shaft_grip,
           turns=(down("support.motor_shelf_mm"),), advice="choose a gearhead with a longer shaft"),
-    Check("pilot_room", "Gearhead's pilot clears the pulley", "clearances.running_mm", pilot_room,
+    Check("pilot_room", "Gearhead's pilot clears pulley and screws", "clearances.running_mm", pilot_room,
           turns=(up("support.motor_shelf_mm"),)),
-    Check("coupling_height", "Coupling space is high enough", "clearances.running_mm", coupling_height,
-          turns=(up("support.coupling_space_mm"),)),
+    Check("coupling_height", "Coupling space is high enough", "clearances.running_mm; 0.1 mm: estimate",
+          coupling_height, turns=(up("support.coupling_space_mm"), up("support.motor_shelf_mm"))),
 )  # fmt: skip

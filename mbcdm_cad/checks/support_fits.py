@@ -139,12 +139,11 @@ def front_wall(s: Subject) -> Finding:
 
 
 def side_wall(s: Subject) -> Finding:
-    """Side walls are wide enough for the heads of the plate's screws with a wall on both sides."""
-    head = s.drive.screw(PLATE_SCREW).head_diameter_mm
+    """Top plate has a wall on both sides of the holes that its screws' heads are sunk in, above the side walls."""
+    sunk = 2 * s.layout.top_plate.screw_head_radius
     wall = s.drive.support.material.min_wall_mm
-    return at_least(
-        f"side wall under the {PLATE_SCREW} heads of {head:g} mm", s.drive.support.side_wall_mm, head + 2 * wall, "mm"
-    )
+    width = s.drive.support.side_wall_mm
+    return at_least(f"side wall under the {PLATE_SCREW} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall, "mm")
 
 
 def hole_webs(s: Subject) -> Finding:

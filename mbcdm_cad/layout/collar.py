@@ -14,7 +14,8 @@ from mbcdm_cad.design.drive import Drive
 if TYPE_CHECKING:
     from mbcdm_cad.layout.stack import Stack
 
-COLLAR_WIDTH_MM = 4.5
+# As high as the head of its screw asks for: in the coupling space it must pass over the end of the gearhead's shaft.
+COLLAR_WIDTH_MM = 3.4
 COLLAR_SCREW = "M1.6x6"
 COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1

@@ -24,8 +24,13 @@ EAR_WALL_MM = 1.2
 STOP_WEB_MM = 7.0
 PLATE_SCREW = "M2x6"
 AXLE_SCREW = "M2x3-set"
+# The frame's own fixing to what carries the drive (ISO 4762).
+MOUNT_SCREW = "M3"
+MOUNT_SCREW_KEY_MM = 2.5
 MOUNT_SCREW_CLEARANCE_MM = 3.4
 MOUNT_SCREW_HEAD_MM = 5.5
+# From a mounting screw's head to the wall beside it.
+MOUNT_ROOM_MM = 1.0
 MOUNT_GRIP_MM = 2.6
 STOP_PIN_DEPTH_MM = 12.0
 # Longest sensible reach of an end mill, in diameters.
@@ -141,7 +146,8 @@ def frame(drive: Drive, levels: Stack) -> FrameDims:
     coupling_z = (levels.motor_shelf_top_z + levels.bearing_shelf_bottom_z) / 2
     mount_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
     inner_mount_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
-    column_z = (max(boss, encoder_pocket) + drive.support.rib_mm + levels.motor_shelf_bottom_z) / 2
+    # As low in the column's pocket as its head stands free: the nearer to the drum's bearings, the stiffer.
+    column_z = max(boss, encoder_pocket) + drive.support.rib_mm + MOUNT_SCREW_HEAD_MM / 2 + MOUNT_ROOM_MM
     grip = 2.0
     return FrameDims(
         levels=levels,

@@ -55,6 +55,12 @@ def analysis_text(a: Analysis) -> str:
         f"{b.guide_moment_Nm:.3f} N m, drum {b.drum_radial_N:.1f} N"
         for b in a.bearings
     ]
+    if a.intervals:
+        lines += ["", "95 % intervals from the sigmas in the design file:"]
+    lines += [
+        f"  {x.name:<22} {x.value:9.4f} {x.unit:<4}  {x.low:9.4f} to {x.high:9.4f}  (sigma {x.sigma:.4f})"
+        for x in a.intervals
+    ]
     lines += ["", *(f"note: {note}" for note in a.notes)]
     return "\n".join(lines)
 

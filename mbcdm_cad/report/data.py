@@ -84,7 +84,7 @@ def report_data(
     lines = bill_lines(centred, parts, drive)
     low, high = box_mm(layout, parts, 0.0)
     size = high - low
-    analysis = analyse(drive)
+    analysis, order = analyse(drive), assembly_order(layout)
     kilograms = whole.mass_g / 1e3
     data = {
         "format": REPORT_FORMAT,
@@ -144,7 +144,8 @@ def report_data(
             for name, made in sorted(parts.items())
         },
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
-        "assembly_order": list(assembly_order(layout)),
+        "assembly_order": [step.text for step in order],
+        "assembly_items": [list(step.items) for step in order],
         "conventions": list(CONVENTIONS),
     }
     plain = _rounded(data)

@@ -1,0 +1,204 @@
+"""The reported order of assembly, tried on the solids: every part finds its way in, every screw its key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatch
+from math import sqrt
+from pathlib import Path
+from typing import NamedTuple
+
+import cadquery as cq
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mbcdm_cad.assembly.bill import CABLE, bill, cable_item
+from mbcdm_cad.design import load_design
+from mbcdm_cad.design.drive import Screw
+from mbcdm_cad.export.kernel import kernel_shape, location
+from mbcdm_cad.layout.cable_path import FREE
+from mbcdm_cad.layout.layout import Layout, layout
+from mbcdm_cad.layout.support import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
+from mbcdm_cad.parts.cable import create_cable
+from mbcdm_cad.parts.make import make
+from mbcdm_cad.report.assembly_order import Step, assembly_order
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[2]
+OVERLAP_MM3 = 0.02
+KEY_LENGTH_MM = 50.0
+FAR_MM = 100.0
+# Where the parts are looked at on their way: densely at first, where everything is tight.
+ON_THE_WAY_MM = (0.2, 1.0, 2.0, 3.5, 5.0, 7.0, 9.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 70.0, FAR_MM)
+Vector = NDArray[np.float64]
+
+
+class Move(NamedTuple):
+    """Items that move together and the legs (mm) of their way out of the assembly; ``axis``: each along its own."""
+
+    patterns: tuple[str, ...]
+    legs: tuple[tuple[float, float, float], ...] = ()
+    axis: bool = False
+
+
+def moves(dims: Layout) -> tuple[Move, ...]:
+    """How the items of each step leave it again, in the order in which they came."""
+    v, gear = dims.levels, dims.drive.gearhead
+    screw = dims.drive.screw(gear.screw)
+    front, back, up, down = ((0, FAR_MM, 0),), ((0, -FAR_MM, 0),), ((0, 0, FAR_MM),), ((0, 0, -FAR_MM),)
+    over_shaft = v.motor_shelf_bottom_z + gear.shaft_length_mm - dims.collar.bottom_z + 0.05
+    out_of_hole = screw.length_mm + 0.05
+    return (
+        Move(("frame",)),
+        Move(("drum_bearing_front",), front),
+        Move(("drum_bearing_rear", "drum_shaft", "drum_encoder"), back),
+        Move(("drum_encoder_screw_*",), axis=True),
+        Move(("gearhead_left", "gearhead_right", "motor_*"), down),
+        Move(("gearhead_screw_*",), ((0, 0, out_of_hole), *front)),
+        Move(("collar_*",), ((0, 0, over_shaft), *front)),
+        Move(("input_bearing_lower_*",), up),
+        Move(("input_pulley_*", "stop_cable_*"), up),
+        Move(("guide_axle",), up),
+        Move(("axle_set_screw",), axis=True),
+        Move(("guide", "guide_bearing_*", "guide_spacer"), up),
+        Move(("dowel_*",), up),
+        Move(("top_plate", "input_bearing_upper_*", "encoder_*"), up),
+        Move(("plate_screw_*",), axis=True),
+        Move(("drum",), front),
+        Move(("stop_pin",), front),
+        Move(("hub_set_screw_*",), axis=True),
+        Move(("terminal_*", "nut_*"), back),
+    )
+
+
+class Workshop:
+    """Solids of the reference design, and what stands in place so far."""
+
+    def __init__(self, dims: Layout) -> None:
+        b = bill(dims)
+        self.dims = dims
+        self.items = {item.name: item for item in b.items}
+        self.screws = {i.name: s for i in b.items if isinstance(s := b.parts[i.part].args[0], Screw)}
+        solids = {n: make(s.maker, s.args) for n, s in b.parts.items() if not n.startswith(CABLE)}
+        self.shapes = {
+            i.name: cq.Shape.cast(kernel_shape(solids[i.part]).Moved(location(i.location)))
+            for i in b.items
+            if i.part in solids
+        }
+        radius = dims.drive.cable.diameter_mm / 2 - 0.005
+        # What is wound on the pulleys moves with them, what lies on the drum is not there yet.
+        self.shapes |= {
+            cable_item(p.cable.name): create_cable(p.only(FREE).line, radius) for p in dims.cable_paths(0.0)
+        }
+        self.placed: list[str] = []
+
+    def axis(self, name: str) -> Vector:
+        """The way out of a screw's hole."""
+        return self.items[name].location.rotation[:, 2]
+
+    def hits(self, shape: cq.Shape, others: Sequence[str]) -> Iterator[tuple[str, float]]:
+        box = shape.BoundingBox()
+        for name in others:
+            b = self.shapes[name].BoundingBox()
+            apart = (
+                box.xmin > b.xmax or b.xmin > box.xmax or box.ymin > b.ymax or b.ymin > box.ymax
+                or box.zmin > b.zmax or b.zmin > box.zmax
+            )  # fmt: skip
+            if not apart:
+                volume = shape.intersect(self.shapes[name]).Volume()
+                if volume > OVERLAP_MM3:
+                    yield name, volume
+
+    def on_the_way(self, name: str, legs: Sequence[Vector], others: Sequence[str]) -> Iterator[str]:
+        start = np.zeros(3)
+        for leg in legs:
+            length = float(np.linalg.norm(leg))
+            for along in (*(s for s in ON_THE_WAY_MM if s < length), length):
+                shift = start + leg * (along / length)
+                for other, volume in self.hits(self.shapes[name].translate(cq.Vector(*shift)), others):
+                    yield f"{name}, {shift.round(2)} mm out of place, meets {other}: {volume:.3f} mm^3"
+            start = start + leg
+
+    def key(self, name: str, others: Sequence[str]) -> Iterator[str]:
+        """The straight key of a screw, as thick as over its corners, from the screw's head outwards."""
+        screw, place = self.screws[name], self.items[name].location
+        at = place.shift_mm + self.axis(name) * (screw.head_height_mm + 0.05)
+        rod = cq.Solid.makeCylinder(screw.key_mm / sqrt(3), KEY_LENGTH_MM, cq.Vector(*at), cq.Vector(*self.axis(name)))
+        for other, volume in self.hits(rod, others):
+            yield f"key of {name} meets {other}: {volume:.3f} mm^3"
+
+    def mounting(self) -> Iterator[str]:
+        f = self.dims.frame
+        for x, z in f.mounts:
+            for radius, what in ((MOUNT_SCREW_HEAD_MM / 2, "head"), (MOUNT_SCREW_KEY_MM / sqrt(3), "key")):
+                rod = cq.Solid.makeCylinder(radius, KEY_LENGTH_MM, cq.Vector(x, f.mount_seat_y, z), cq.Vector(0, 1, 0))
+                for other, volume in self.hits(rod, self.placed):
+                    yield f"{what} of the mounting screw at x {x:.2f}, z {z:.2f} meets {other}: {volume:.3f} mm^3"
+
+
+def matches(name: str, move: Move) -> bool:
+    return any(fnmatch(name, pattern) for pattern in move.patterns)
+
+
+def step_faults(shop: Workshop, step: Step, ways: Sequence[Move]) -> Iterator[str]:
+    """What stands in the way of one step's items and keys; afterwards they are in place."""
+    solid = [name for name in step.items if not name.startswith(CABLE)]
+    left = list(solid)
+    for move in ways:
+        together = [name for name in left if matches(name, move)]
+        left = [name for name in left if name not in together]
+        for name in together:
+            legs = (shop.axis(name) * FAR_MM,) if move.axis else tuple(np.array(leg, dtype=float) for leg in move.legs)
+            yield from shop.on_the_way(name, legs, shop.placed)
+        shop.placed += together
+    assert not left, f"no way in is stated for {left}"
+    for name in solid:
+        if name in shop.screws and not name.startswith("collar_screw"):
+            # The encoders are screwed to the top plate on the bench.
+            bench = [n for n in step.items if not n.startswith("dowel")] if name.startswith("encoder_screw") else None
+            yield from shop.key(name, [n for n in bench or shop.placed if n != name])
+    if any(name.startswith("input_pulley") for name in solid):
+        for name in shop.placed:
+            if name.startswith("collar_screw"):
+                yield from shop.key(name, [n for n in shop.placed if n != name])
+
+
+def faults(shop: Workshop, order: Sequence[Step]) -> list[str]:
+    ways, found = moves(shop.dims), []
+    for step in order:
+        found += step_faults(shop, step, ways)
+        if step.text.startswith("Bolt the frame"):
+            found += shop.mounting()
+        if step.text.startswith("Lead each cable") or step.text.startswith("Set the guide axle"):
+            moved = next(n for n in ("drum", "guide") if n in step.items)
+            way = np.array((0.0, FAR_MM, 0.0) if moved == "drum" else (0.0, 0.0, FAR_MM))
+            cables = [name for name in shop.shapes if name.startswith(CABLE)]
+            found += shop.on_the_way(moved, (way,), cables)
+    return found
+
+
+@pytest.fixture(scope="module")
+def dims() -> Layout:
+    return layout(load_design(ROOT / "params" / "mbcdm.yaml").drive)
+
+
+def test_every_item_joins_in_exactly_one_step(dims: Layout) -> None:
+    joined = [name for step in assembly_order(dims) for name in step.items]
+    assert sorted(joined) == sorted(item.name for item in bill(dims).items)
+
+
+def test_reference_goes_together_in_the_order_reported(dims: Layout) -> None:
+    found = faults(Workshop(dims), assembly_order(dims))
+    assert not found, "\n".join(found)
+
+
+def test_drum_first_would_hide_the_collars_screws(dims: Layout) -> None:
+    """The test sees what an order that does not work runs into."""
+    order = assembly_order(dims)
+    drum = next(k for k, step in enumerate(order) if "drum" in step.items)
+    pulleys = next(k for k, step in enumerate(order) if "input_pulley_left" in step.items)
+    swapped = (*order[:pulleys], order[drum], *order[pulleys:drum])
+    found = faults(Workshop(dims), swapped)
+    assert any(line.startswith("key of collar_screw_left meets drum") for line in found), found
