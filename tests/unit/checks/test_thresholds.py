@@ -114,7 +114,7 @@ WAYS: dict[str, Way] = {
     "engagement": Way(to("support.motor_shelf_mm"), 3.0, 6.0),
     "dowel_engagement": Way(to("support.top_plate_mm"), 3.6, 5.0),
     "front_wall": Way(to("bearings.input_lower.outer_diameter_mm"), 11.0, 14.0),
-    "side_wall": Way(to("support.side_wall_mm"), 5.6, 4.0),
+    "side_wall": Way(to("support.side_wall_mm"), 6.0, 4.0),
     "hole_webs": Way(to("support.side_wall_mm"), 5.6, 4.0),
     "wall_holes": Way(to("support.side_wall_mm"), 5.6, 2.0),
     "key_access": Way(to("gearhead.bolt_circle_mm"), 8.4, 10.0),
