@@ -147,9 +147,9 @@ def schema(reference: bool) -> None:
         return
     import json
 
-    from mbcdm_cad.design.describe import json_schema
+    from mbcdm_cad.design.editor import editor_schema
 
-    click.echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))
+    click.echo(json.dumps(editor_schema(), indent=2, ensure_ascii=False))
 
 
 @mbcdm.command()

@@ -67,10 +67,13 @@ def named_values(node: Node) -> Node | None:
 
 
 def _item(node: Node, index: int) -> Node | None:
-    """The node of an item of a list, with the list's unit where it has none of its own."""
+    """The node of an item of a list, with the list's unit and leave to carry a sigma where it has none of its own."""
     prefix = node.get("prefixItems", [])
     item = prefix[index] if index < len(prefix) else node.get("items")
-    return {"unit": node.get("unit", "-"), **item} if isinstance(item, dict) else None
+    if not isinstance(item, dict):
+        return None
+    inherited = {key: node[key] for key in ("unit", "uncertain") if key in node}
+    return {"unit": "-", **inherited, **item}
 
 
 def limit_text(node: Node) -> str:

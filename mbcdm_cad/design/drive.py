@@ -283,6 +283,22 @@ class ExportSettings:
 
 
 @dataclass(frozen=True)
+class Sigmas:
+    """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable."""
+
+    preload_N: tuple[float, ...]
+    input_radius_mm: tuple[float, ...]
+    guide_radius_mm: tuple[float, ...]
+    drum_radius_mm: tuple[float, ...]
+    centre_distance_mm: float
+    friction_coefficient: float
+    modulus_GPa: float
+    area_mm2: float  # of the area that the modulus refers to
+    test_torque_Nm: float
+    motor_torque_mNm: float
+
+
+@dataclass(frozen=True)
 class Waiver:
     """A check that may fail, and why."""
 
@@ -329,6 +345,7 @@ class Drive:
     waivers: tuple[Waiver, ...]
     screws: tuple[Screw, ...]
     materials: tuple[Material, ...]
+    sigmas: Sigmas
 
     def screw(self, name: str) -> Screw:
         """The screw of the catalogue called ``name``; KeyError if there is none."""

@@ -12,8 +12,9 @@ from pydantic import Field
 from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, Text
 
 
-def _field(meaning: str, unit: str, **bounds: Any) -> Any:
-    return Field(..., description=meaning, json_schema_extra={"unit": unit}, **bounds)
+def _field(meaning: str, unit: str, uncertain: bool = False, **bounds: Any) -> Any:
+    extra: dict[str, Any] = {"unit": unit} | ({"uncertain": True} if uncertain else {})
+    return Field(..., description=meaning, json_schema_extra=extra, **bounds)
 
 
 class Entry(Block):
@@ -26,9 +27,9 @@ class RopeEntry(Entry):
     """A rope. The modulus is never given without the area it refers to."""
 
     construction: Literal["7x7", "7x19"] = _field("strands x wires", "-")
-    diameter_mm: Number = _field("nominal diameter", "mm", ge=0.2, le=5.0)
-    metallic_area_mm2: Number = _field("sum of the wires' cross-sections", "mm2", gt=0.0, le=20.0)
-    modulus_GPa: Number = _field("effective tensile modulus of the rope", "GPa", ge=1.0, le=250.0)
+    diameter_mm: Number = _field("nominal diameter", "mm", uncertain=True, ge=0.2, le=5.0)
+    metallic_area_mm2: Number = _field("sum of the wires' cross-sections", "mm2", uncertain=True, gt=0.0, le=20.0)
+    modulus_GPa: Number = _field("effective tensile modulus of the rope", "GPa", uncertain=True, ge=1.0, le=250.0)
     modulus_area: Literal["metallic", "nominal"] = _field("area the modulus refers to: wires, or pi d^2 / 4", "-")
     breaking_load_N: Number = _field("minimum breaking load", "N", ge=10.0, le=50000.0)
     mass_g_m: Number = _field("mass per length", "g/m", gt=0.0, le=200.0)
@@ -42,7 +43,7 @@ class MotorEntry(Entry):
 
     diameter_mm: Number = _field("body diameter", "mm", ge=3.0, le=100.0)
     length_mm: Number = _field("body length", "mm", ge=3.0, le=200.0)
-    rated_torque_mNm: Number = _field("continuous torque", "mN m", gt=0.0, le=1000.0)
+    rated_torque_mNm: Number = _field("continuous torque", "mN m", uncertain=True, gt=0.0, le=1000.0)
     rotor_inertia_g_cm2: Number = _field("rotor inertia", "g cm2", gt=0.0, le=10000.0)
     mass_g: Number = _field("mass", "g", gt=0.0, le=5000.0)
 

@@ -28,11 +28,15 @@ class Block(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
-def quantity(meaning: str, *, unit: str, source: str, reference: Any = None, example: Any = None, **bounds: Any) -> Any:
+def quantity(
+    meaning: str, *, unit: str, source: str, reference: Any = None, example: Any = None, uncertain: bool = False,
+    **bounds: Any,
+) -> Any:  # fmt: skip
     """A field with its meaning, unit, source and bounds in one place.
 
     ``reference`` is the value of the reference design, from which ``mbcdm init`` writes a starting file; a field
-    with ``example`` instead is written there as a comment. Either is shown to the user as an example. ``bounds`` go to
+    with ``example`` instead is written there as a comment. Either is shown to the user as an example. ``uncertain``
+    allows ``{value: ..., sigma: ...}`` in place of the number, or of each number of a list. ``bounds`` go to
     pydantic (``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``); a ``default`` among them makes the field
     optional.
     """
@@ -41,6 +45,8 @@ def quantity(meaning: str, *, unit: str, source: str, reference: Any = None, exa
         extra |= {"examples": [reference], "in_reference": True}
     elif example is not None:
         extra |= {"examples": [example]}
+    if uncertain:
+        extra["uncertain"] = True
     return Field(**{"default": ..., **bounds}, description=meaning, json_schema_extra=extra)
 
 

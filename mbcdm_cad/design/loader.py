@@ -11,10 +11,11 @@ from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loaded import FieldPath, LoadedDesign
 from mbcdm_cad.design.resolve import resolve
 from mbcdm_cad.design.rules import broken_rules
 from mbcdm_cad.design.schema import Design
+from mbcdm_cad.design.sigmas import split_sigmas
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem
 
@@ -27,14 +28,14 @@ def load_design(path: str | Path) -> LoadedDesign:
 
 def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
     """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
-    design, tree = validated(text, path)
-    drive = resolve(design)
+    design, tree, sigmas = validated(text, path)
+    drive = resolve(design, sigmas)
     return LoadedDesign(drive, Path(path), _sha256(design, drive), text, tree.lines)
 
 
-def validated(text: str, path: str | Path) -> tuple[Design, yamltree.Tree]:
-    """The design as its schema's model, with the tree it was read from, once schema and rules are satisfied."""
-    tree = yamltree.parse(text, str(path))
+def validated(text: str, path: str | Path) -> tuple[Design, yamltree.Tree, dict[FieldPath, float]]:
+    """The design as its schema's model, the tree it was read from, and sigmas, once schema and rules are satisfied."""
+    tree, sigmas = split_sigmas(yamltree.parse(text, str(path)), str(path))
     try:
         design = Design.model_validate(tree.data)
     except ValidationError as error:
@@ -47,7 +48,7 @@ def validated(text: str, path: str | Path) -> tuple[Design, yamltree.Tree]:
     ]
     if broken:
         raise InputError(sorted(broken, key=lambda problem: problem.line))
-    return design, tree
+    return design, tree, sigmas
 
 
 def _sha256(design: Design, drive: Drive) -> str:

@@ -14,6 +14,10 @@ _INTRO = """\
 Written by `mbcdm schema --reference` from the schema; do not edit by hand. `mbcdm init NEW.yaml` writes a file with the
 reference values to start from, `mbcdm schema` the JSON Schema for completion in an editor.
 
+Fields marked "+- sigma" may be given as `{value: 70.0, sigma: 3.0}`, each item of a list for itself; `mbcdm analyse`
+and the report then give backlash and torque with a 95 % interval. Sigma is one standard deviation, 0 to a third of the
+value. A ratio carries none: give the radii explicitly to give sigmas of guide and inputs.
+
 Lengths are in mm, angles in degrees, as the names say. "Paper", "Table", "section" and "Fig." refer to the paper that
 describes the mechanism; "estimate" marks what is one. Fields without a reference value are optional.
 
@@ -62,7 +66,7 @@ def _table(rows: dict[str, Node]) -> Iterator[str]:
         reference = f"`{flow(node['examples'][0])}`" if node.get("in_reference") else ""
         if node.get("type") == "array" and "properties" in solid(node.get("items", {})):
             reference = "see `mbcdm init`" if node["examples"][0] else reference
-        cells = (f"`{key}`", node.get("unit", "-"), limit_text(node), reference, node.get("description", ""),
+        cells = (f"`{key}`", node.get("unit", "-"), _limits(node), reference, node.get("description", ""),
                  node.get("source", "-"))  # fmt: skip
         yield _row(cells)
     yield ""
@@ -73,8 +77,12 @@ def _fields(entry: Node) -> Iterator[str]:
     yield "| --- | --- | --- | --- |"
     for key, raw in entry["properties"].items():
         node = solid(raw)
-        yield _row((f"`{key}`", node.get("unit", "-"), limit_text(node), node.get("description", "")))
+        yield _row((f"`{key}`", node.get("unit", "-"), _limits(node), node.get("description", "")))
     yield ""
+
+
+def _limits(node: Node) -> str:
+    return limit_text(node) + (", +- sigma" if node.get("uncertain") else "")
 
 
 def _entries(kind: str) -> Iterator[str]:

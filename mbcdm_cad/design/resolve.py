@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from mbcdm_cad.design import drive as d
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS, Entry
+from mbcdm_cad.design.loaded import FieldPath
 from mbcdm_cad.design.schema import Design, Rope, Transmission
 
 _T = TypeVar("_T")
@@ -53,8 +54,8 @@ class Catalogue:
         return _TARGETS[kind](name=name, **{**values, **changed})
 
 
-def resolve(design: Design) -> d.Drive:
-    """The ``Drive`` of a design that satisfies :func:`mbcdm_cad.design.rules.broken_rules`."""
+def resolve(design: Design, sigmas: Mapping[FieldPath, float]) -> d.Drive:
+    """The ``Drive`` of a design that satisfies :func:`mbcdm_cad.design.rules.broken_rules`; ``sigmas`` by field."""
     catalogue = Catalogue(design)
     material: Callable[[str], d.Material] = lambda name: catalogue.get("materials", name)  # noqa: E731
     bearing: Callable[[str], d.Bearing] = lambda name: catalogue.get("bearings", name)  # noqa: E731
@@ -96,6 +97,7 @@ def resolve(design: Design) -> d.Drive:
         waivers=tuple(_copied(d.Waiver, waiver) for waiver in design.waivers),
         screws=tuple(catalogue.get("screws", name) for name in catalogue.names("screws")),
         materials=tuple(catalogue.get("materials", name) for name in catalogue.names("materials")),
+        sigmas=_sigmas(design, catalogue, sigmas),
     )
 
 
@@ -127,6 +129,37 @@ def _cables(design: Design) -> tuple[d.CableRun, ...]:
             preload_N=design.rope.preload_N if cable.preload_N is None else cable.preload_N,
         )
         for cable in sorted(design.cables, key=lambda cable: cable.step)
+    )
+
+
+def _sigmas(design: Design, catalogue: Catalogue, given: Mapping[FieldPath, float]) -> d.Sigmas:
+    """Standard deviations of what the ``Drive`` holds: those of a field that another overrides do not count."""
+
+    def of(*path: str | int) -> float:
+        return given.get(path, 0.0)
+
+    rope, spec = design.rope, _rope(design.rope, catalogue)
+    entry: FieldPath = ("rope", "inline") if rope.inline is not None else ("catalogue", "ropes", rope.type or "")
+    own_modulus = rope.inline is None and rope.modulus_GPa is not None
+    area = of(*entry, "metallic_area_mm2")
+    if spec.modulus_area == "nominal":
+        area = 2.0 * spec.area_mm2 / spec.diameter_mm * of(*entry, "diameter_mm")
+    order = sorted(range(len(design.cables)), key=lambda index: design.cables[index].step)
+    steps = [design.cables[index].step - 1 for index in order]
+    return d.Sigmas(
+        preload_N=tuple(
+            of("rope", "preload_N") if design.cables[index].preload_N is None else of("cables", index, "preload_N")
+            for index in order
+        ),
+        input_radius_mm=tuple(of("transmission", "input_radii_mm", step) for step in steps),
+        guide_radius_mm=tuple(of("transmission", "guide_radii_mm", step) for step in steps),
+        drum_radius_mm=tuple(of("transmission", "drum_radii_mm", step) for step in steps),
+        centre_distance_mm=of("transmission", "centre_distance_mm"),
+        friction_coefficient=of("rope", "friction_coefficient"),
+        modulus_GPa=of("rope", "modulus_GPa") if own_modulus else of(*entry, "modulus_GPa"),
+        area_mm2=area,
+        test_torque_Nm=of("loads", "test_torque_Nm"),
+        motor_torque_mNm=of("catalogue", "motors", design.drive.motor, "rated_torque_mNm"),
     )
 
 

@@ -58,11 +58,18 @@ class Transmission(Block):
     """Pitch radii (to the cable's centre line), by step 1 to 4, and where the pulleys stand."""
 
     centre_distance_mm: Number = quantity(
-        "input pulley axis to guide axis, L", unit="mm", source="Table 2", reference=34.6, ge=2.0, le=500.0
+        "input pulley axis to guide axis, L",
+        unit="mm",
+        uncertain=True,
+        source="Table 2",
+        reference=34.6,
+        ge=2.0,
+        le=500.0,
     )
     drum_radii_mm: tuple[Radius, ...] = quantity(
         "drum pitch radii r_o of steps 1 to 4",
         unit="mm",
+        uncertain=True,
         source="Table 2",
         reference=[54.0, 57.6, 61.2, 64.8],
         min_length=4,
@@ -78,6 +85,7 @@ class Transmission(Block):
     guide_radii_mm: tuple[Radius, ...] | None = quantity(
         "explicit guide pitch radii r_g of steps 1 to 4, in place of ratios; Eq. (1) is then checked",
         unit="mm",
+        uncertain=True,
         source="Table 2",
         example=[9.0, 9.6, 10.2, 10.8],
         default=None,
@@ -87,6 +95,7 @@ class Transmission(Block):
     input_radii_mm: tuple[Radius, ...] | None = quantity(
         "explicit input pitch radii r_m of steps 1 to 4, in place of ratios",
         unit="mm",
+        uncertain=True,
         source="Table 2",
         example=[6.0, 6.4, 6.8, 7.2],
         default=None,
@@ -112,6 +121,7 @@ class Cable(Block):
     preload_N: Number | None = quantity(
         "preload of this cable alone, in place of the rope's",
         unit="N",
+        uncertain=True,
         source="section 5.3",
         default=None,
         ge=0.1,
@@ -134,6 +144,7 @@ class Rope(Block):
     modulus_GPa: Number | None = quantity(
         "effective modulus in place of the catalogue's",
         unit="GPa",
+        uncertain=True,
         source="calibrated: 0.33 mrad at 70 N and 0.91 N m read as the swing at a reversal; the paper prints no E",
         reference=54.0,
         default=None,
@@ -147,11 +158,12 @@ class Rope(Block):
         default=None,
     )
     friction_coefficient: Number = quantity(
-        "rope on pulley, mu", unit="-", source="section 4.2", reference=0.15, ge=0.01, le=1.0
+        "rope on pulley, mu", unit="-", uncertain=True, source="section 4.2", reference=0.15, ge=0.01, le=1.0
     )
     preload_N: Number = quantity(
         "tension of each cable with the drum centred and unloaded",
         unit="N",
+        uncertain=True,
         source="section 5.3",
         reference=70.0,
         ge=0.1,
@@ -318,7 +330,13 @@ class Loads(Block):
     """External torques on the drum that the design is judged at."""
 
     test_torque_Nm: Number = quantity(
-        "torque of the backlash test", unit="N m", source="section 5.3", reference=0.91, gt=0.0, le=1000.0
+        "torque of the backlash test",
+        unit="N m",
+        uncertain=True,
+        source="section 5.3",
+        reference=0.91,
+        gt=0.0,
+        le=1000.0,
     )
     peak_torque_Nm: Number = quantity(
         "torque the design must hold both ways",

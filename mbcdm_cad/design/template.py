@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 import textwrap
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ _HEADER = """\
 # Behind each value: what it means and, in brackets, where it comes from. "Table", "section" and "Fig." are those of the
 # paper that describes the mechanism; an estimate says so. All fields: docs/design-file.md; for completion in an editor,
 # save the output of 'mbcdm schema' beside this file and name it in a first line '# yaml-language-server: $schema=FILE'.
+# Some values may carry a standard deviation, as in preload_N: {value: 70.0, sigma: 3.0}; figures then get intervals.
 
 """
 
@@ -46,7 +48,7 @@ def _data(node: Node) -> dict[str, Any]:
         if _is_block(child):
             data[key] = _data(child)
         elif child.get("in_reference"):
-            data[key] = child["examples"][0]
+            data[key] = copy.deepcopy(child["examples"][0])  # the schema keeps its own
     return data
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.figures import Analysis, BearingFigures, CableFigures, LoadCase, ModulusReading
+from mbcdm_cad.model.figures import Analysis, BearingFigures, CableFigures, LoadCase, ModulusReading, UncertainFigure
 from mbcdm_cad.model.si import DriveSI, to_si
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "LoadCase",
     "ModelError",
     "ModulusReading",
+    "UncertainFigure",
     "analyse",
     "to_si",
 ]

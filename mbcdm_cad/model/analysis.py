@@ -17,12 +17,13 @@ from mbcdm_cad.model.capability import (
     torque_to_weight_Nm_kg,
 )
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.figures import Analysis, BearingFigures, CableFigures, LoadCase, ModulusReading
+from mbcdm_cad.model.figures import Analysis, BearingFigures, CableFigures, LoadCase, ModulusReading, UncertainFigure
 from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
-from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm, tension_limit_N
+from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm, requirements, sigmas_si, tension_limit_N
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
+from mbcdm_cad.model.uncertainty import intervals
 from mbcdm_cad.model.wrap import slip_angle_rad
 
 if TYPE_CHECKING:
@@ -73,8 +74,21 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
+        intervals=uncertain_figures(endless, drive),
         notes=notes(drive),
     )
+
+
+def uncertain_figures(d: DriveSI, drive: Drive) -> tuple[UncertainFigure, ...]:
+    """Backlash of each cable and of the drum, swing and peak torques with intervals; none where no sigma is given."""
+    sigmas = sigmas_si(drive)
+    if not sigmas:
+        return ()
+    found = []
+    for name, x in intervals(d, requirements(drive), sigmas).items():
+        plain, unit, scale = (name[:-4], "mrad", 1e3) if name.endswith("_rad") else (name[:-3], "N m", 1.0)
+        found.append(UncertainFigure(plain, unit, *(scale * v for v in (x.value, x.low, x.high, x.sigma))))
+    return tuple(found)
 
 
 def lowest_each_way(limits: tuple[TorqueLimit, ...], rating: str) -> tuple[float, float]:

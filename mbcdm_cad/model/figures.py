@@ -71,11 +71,24 @@ class ModulusReading:
 
 
 @dataclass(frozen=True)
+class UncertainFigure:
+    """A figure with its 95 % interval, from the sigmas that the design file gives."""
+
+    name: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    sigma: float
+
+
+@dataclass(frozen=True)
 class Analysis:
     """Everything the model says about one design, for the report and for ``mbcdm analyse``.
 
     ``peak_torque_Nm`` and ``peak_torque_with_efficiency_Nm`` are (for +, for -): the lowest limit each way with the
     gearhead lossless, as the paper counts, and with its efficiency. ``balanced_*`` repeat it with preloads T ~ 1/r.
+    ``intervals`` is empty where no value of the design file carries a sigma.
     """
 
     name: str
@@ -103,6 +116,7 @@ class Analysis:
     bearings: tuple[BearingFigures, ...]
     measured_backlash_mrad: float
     implied_modulus: tuple[ModulusReading, ...]
+    intervals: tuple[UncertainFigure, ...]
     notes: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbcdm_cad.model.bulk import Requirements
+from mbcdm_cad.model.si import GPA, MM, MM2
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -40,3 +41,24 @@ def requirements(drive: Drive) -> Requirements:
         rope_diameter_m=drive.cable.diameter_mm * 1e-3,
         tension_limit_N=tension_limit_N(drive),
     )
+
+
+def sigmas_si(drive: Drive) -> dict[str, Any]:
+    """Standard deviations that the design file gives, in SI, named as :mod:`mbcdm_cad.model.uncertainty` wants them.
+
+    Those that are 0 throughout are left out: an empty dict means that no value of the file carries a sigma.
+    """
+    s = drive.sigmas
+    given = {
+        "preload_N": np.array(s.preload_N),
+        "input_radius_m": np.array(s.input_radius_mm) * MM,
+        "guide_radius_m": np.array(s.guide_radius_mm) * MM,
+        "drum_radius_m": np.array(s.drum_radius_mm) * MM,
+        "centre_distance_m": s.centre_distance_mm * MM,
+        "friction_coefficient": s.friction_coefficient,
+        "modulus_Pa": s.modulus_GPa * GPA,
+        "area_m2": s.area_mm2 * MM2,
+        "load_Nm": s.test_torque_Nm,
+        "input_rating_Nm": s.motor_torque_mNm * 1e-3 * drive.gearhead.ratio,
+    }
+    return {name: size for name, size in given.items() if np.any(np.asarray(size))}

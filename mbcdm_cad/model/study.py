@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.model.ratings import requirements
+from mbcdm_cad.model.ratings import requirements, sigmas_si
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.tolerance import Tolerances, tolerance_stack
@@ -19,8 +19,8 @@ from mbcdm_cad.model.uncertainty import intervals
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
 
-# Standard deviations for the intervals, estimates: preload by a hand-set tensioner, friction and modulus from tables,
-# torque sensor and motor rating. Relative to the value.
+# Standard deviations for the intervals where the design file gives none, estimates relative to the value: preload by a
+# hand-set tensioner, friction and modulus from tables, torque sensor, motor rating.
 RELATIVE_SIGMA = {
     "preload_N": 0.05,
     "friction_coefficient": 0.10,
@@ -54,7 +54,7 @@ def write_study(drive: Drive, folder: Path) -> dict[str, Any]:
     sigma = {
         name: share * float(np.mean(getattr(need if hasattr(need, name) else d, name)))
         for name, share in RELATIVE_SIGMA.items()
-    }
+    } | sigmas_si(drive)
     summary = {
         "design": drive.name,
         "elasticities": elasticities(d, need),
@@ -67,7 +67,7 @@ def write_study(drive: Drive, folder: Path) -> dict[str, Any]:
                 "monte_carlo": {"median": stack.peak_to_peak_rad[1, 0], "p95": stack.peak_to_peak_rad[1, 1]},
             },
         },
-        "sigma": sigma,
+        "sigma": {name: np.asarray(size).tolist() for name, size in sigma.items()},
         "intervals": {name: asdict(interval) for name, interval in intervals(d, need, sigma).items()},
     }
     # Eight digits: what is left differs by the mathematics library, not by the design.

@@ -13,8 +13,9 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI, Floats
 
 # What may carry a sigma, and which field of the drive or of the requirements it changes.
+BY_CABLE = ("preload_N", "input_radius_m", "guide_radius_m", "drum_radius_m")
 PARAMETERS = (
-    "preload_N", "friction_coefficient", "modulus_Pa", "centre_distance_m", "load_Nm", "input_rating_Nm",
+    *BY_CABLE, "friction_coefficient", "modulus_Pa", "area_m2", "centre_distance_m", "load_Nm", "input_rating_Nm",
 )  # fmt: skip
 STEP_SIGMA = 0.1
 
@@ -31,7 +32,7 @@ class Interval:
 
 
 def figures_of(bulk: BulkFigures) -> dict[str, Floats]:
-    """The figures that carry an interval, each (n,): rad and N m."""
+    """The figures of the whole drive that carry an interval, each (n,): rad and N m."""
     return {
         "turn_rad": np.abs(bulk.turn_rad[0]),
         "reversal_swing_rad": bulk.reversal_swing_rad,
@@ -40,37 +41,46 @@ def figures_of(bulk: BulkFigures) -> dict[str, Floats]:
     }
 
 
+def _all_figures(bulk: BulkFigures, cables: tuple[str, ...]) -> dict[str, Floats]:
+    by_cable = {f"backlash_{name}_rad": row for name, row in zip(cables, bulk.cable_backlash_rad, strict=True)}
+    return by_cable | figures_of(bulk)
+
+
 def intervals(
-    d: DriveSI, need: Requirements, sigma: Mapping[str, float], draws: int = 20_000, seed: int = 0
+    d: DriveSI, need: Requirements, sigma: Mapping[str, Any], draws: int = 20_000, seed: int = 0
 ) -> dict[str, Interval]:
     """Intervals of backlash and torque for one design whose parameters are normal with standard deviations ``sigma``.
 
-    Keys of ``sigma`` are among ``PARAMETERS``, in their SI units; each preload is drawn on its own. Draws that make no
-    drive (no free span, friction not above zero) are left out. Errors: ``ModelError`` for an unknown name, a negative
-    sigma, or if more than 1 % of the draws make no drive.
+    Keys of ``sigma`` are among ``PARAMETERS``, in their SI units; those ``BY_CABLE`` take one value or one each, and
+    are drawn for each cable on its own. Draws that make no drive (no free span, friction not above zero) are left out.
+    Errors: ``ModelError`` for an unknown name, a negative sigma, or if more than 1 % of the draws make no drive.
     """
-    for name, size in sigma.items():
+    sizes: dict[str, Floats] = {}
+    for name, given in sigma.items():
         if name not in PARAMETERS:
             raise ModelError(f"sigma of {name!r}: no such parameter; use one of {', '.join(PARAMETERS)}")
-        if not size >= 0.0:
-            raise ModelError(f"sigma of {name}: {size:g} is below 0")
+        # One row a cable where each is drawn on its own, else one row.
+        sizes[name] = np.array(np.broadcast_to(given, (d.n_cables if name in BY_CABLE else 1,)), dtype=float)
+        if not np.all(sizes[name] >= 0.0):
+            raise ModelError(f"sigma of {name}: {np.min(sizes[name]):g} is below 0")
     rng = np.random.default_rng(seed)
-    shape = {name: (d.n_cables, draws) if name == "preload_N" else (draws,) for name in sigma}
-    drawn = analyse_many(*_shifted(d, need, {k: sigma[k] * rng.standard_normal(shape[k]) for k in sigma}, draws))
+    random = {k: size[:, None] * rng.standard_normal((size.size, draws)) for k, size in sizes.items()}
+    drawn = analyse_many(*_shifted(d, need, random, draws))
     lost = 1.0 - float(np.mean(drawn.valid))
     if lost > 0.01:
         raise ModelError(
-            f"{lost:.0%} of the draws have no free span or no friction; the sigmas are too wide for a normal law"
+            f"{lost:.0%} of the draws have no free span or no friction (limit 1 %): the sigmas are too wide for a "
+            "normal law; lower those of centre distance, radii or friction"
         )
-    # Columns: the middle, then each parameter (each preload) a little up and a little down.
-    steps = [(k, j) for k in sigma for j in (range(d.n_cables) if k == "preload_N" else (0,))]
-    shift = {k: np.zeros((d.n_cables, 1 + 2 * len(steps)) if k == "preload_N" else 1 + 2 * len(steps)) for k in sigma}
-    for at, (name, j) in enumerate(steps):
-        row = shift[name][j] if name == "preload_N" else shift[name]
-        row[1 + 2 * at], row[2 + 2 * at] = STEP_SIGMA * sigma[name], -STEP_SIGMA * sigma[name]
-    around = figures_of(analyse_many(*_shifted(d, need, shift, 1 + 2 * len(steps))))
+    # Columns: the middle, then each parameter (of each cable) a little up and a little down.
+    steps = [(k, row) for k, size in sizes.items() for row in range(size.size)]
+    shift = {k: np.zeros((size.size, 1 + 2 * len(steps))) for k, size in sizes.items()}
+    for at, (name, row) in enumerate(steps):
+        step = STEP_SIGMA * sizes[name][row]
+        shift[name][row, 1 + 2 * at], shift[name][row, 2 + 2 * at] = step, -step
+    around = _all_figures(analyse_many(*_shifted(d, need, shift, 1 + 2 * len(steps))), d.cable_names)
     found = {}
-    for name, values in figures_of(drawn).items():
+    for name, values in _all_figures(drawn, d.cable_names).items():
         values = values[drawn.valid]
         low, high = np.quantile(values, [0.025, 0.975])
         slopes = (around[name][1::2] - around[name][2::2]) / (2 * STEP_SIGMA)
@@ -80,12 +90,13 @@ def intervals(
     return found
 
 
-def _shifted(d: DriveSI, need: Requirements, shift: Mapping[str, Any], n: int) -> tuple[DriveSI, Requirements]:
+def _shifted(d: DriveSI, need: Requirements, shift: Mapping[str, Floats], n: int) -> tuple[DriveSI, Requirements]:
     fields, asked = {}, {}
     for name, change in shift.items():
-        if hasattr(need, name):
-            asked[name] = np.asarray(getattr(need, name)) + change
+        if name in BY_CABLE:
+            fields[name] = getattr(d, name)[:, None] + change
+        elif hasattr(need, name):
+            asked[name] = np.asarray(getattr(need, name)) + change[0]
         else:
-            base = getattr(d, name)
-            fields[name] = (base[:, None] if name == "preload_N" else base) + change
+            fields[name] = getattr(d, name) + change[0]
     return d.spread(n).with_(**fields), Requirements(**(vars(need) | asked))

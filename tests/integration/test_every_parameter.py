@@ -15,7 +15,7 @@ from mbcdm_cad.assembly.bill import bill
 from mbcdm_cad.checks import run_checks
 from mbcdm_cad.design import load_text
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.describe import node_at
+from mbcdm_cad.design.describe import json_schema, named_values, node_at, solid
 from mbcdm_cad.design.template import reference_data
 from mbcdm_cad.layout.layout import layout
 from mbcdm_cad.model import analyse
@@ -129,6 +129,64 @@ def rooms_that_see(changes: dict[Path, Any]) -> set[str]:
 @pytest.mark.parametrize("path", SINGLE, ids=lambda path: ".".join(map(str, path)))
 def test_each_value_does_something(path: Path) -> None:
     assert rooms_that_see({path: changed(path)}), f"{path} = {changed(path)!r} changes nothing: a dead parameter"
+
+
+def uncertain_fields(node: dict[str, Any], path: Path = ()) -> list[Path]:
+    """Every field of the schema that may carry a sigma, the first item of a list standing for it."""
+    found: list[Path] = []
+    for key, raw in solid(node).get("properties", {}).items():
+        child = solid(raw)
+        here = (*path, key)
+        if child.get("uncertain"):
+            found.append((*here, 0) if child.get("type") == "array" else here)
+        items = solid(child.get("items", {}))
+        named = solid(named_values(child) or {})
+        found += (
+            uncertain_fields(child, here)
+            + uncertain_fields(items, (*here, 0))
+            + uncertain_fields(named, (*here, "new"))
+        )
+    return found
+
+
+# What a field needs beside itself to be in use: explicit radii, a rope or a motor of the design's own.
+RADII = {"guide_radii_mm": [9.0, 9.6, 10.2, 10.8], "input_radii_mm": [6.0, 6.4, 6.8, 7.2]}
+OWN_ROPE = {("rope", "modulus_GPa"): None, ("rope", "modulus_area"): None}
+
+
+def in_use(path: Path) -> dict[Path, Any]:
+    """Changes of the reference design after which the field at ``path`` counts."""
+    changes: dict[Path, Any] = {}
+    if path[-2] in RADII:
+        changes = {("transmission", "ratios"): None} | {("transmission", k): list(v) for k, v in RADII.items()}
+    rope = package_entries("ropes")["FF-081"] | {"modulus_area": "nominal" if path[-1] == "diameter_mm" else "metallic"}
+    if path[:2] == ("rope", "inline"):
+        changes = OWN_ROPE | {("rope", "type"): None, ("rope", "inline"): dict(rope)}
+    if path[:2] == ("catalogue", "ropes"):
+        changes = OWN_ROPE | {("rope", "type"): "new", ("catalogue",): {"ropes": {"new": dict(rope)}}}
+    if path[:2] == ("catalogue", "motors"):
+        motor = dict(package_entries("motors")[MOTOR])
+        changes = {("drive", "motor"): "new", ("catalogue",): {"motors": {"new": motor}}}
+    return changes
+
+
+def with_sigma(path: Path, sigma_share: float) -> str:
+    data: Any = yaml.safe_load(edited(in_use(path)))
+    block = data
+    for part in path[:-1]:
+        block = block[part]
+    value = block[path[-1]] if not isinstance(block, dict) or path[-1] in block else 70.0
+    block[path[-1]] = {"value": value, "sigma": sigma_share * value}
+    return yaml.safe_dump(data, sort_keys=False)
+
+
+@pytest.mark.parametrize("path", uncertain_fields(json_schema()), ids=lambda path: ".".join(map(str, path)))
+def test_each_sigma_widens_an_interval(path: Path) -> None:
+    narrow, wide = (analyse(load_text(with_sigma(path, share)).drive).intervals for share in (1e-3, 2e-3))
+    assert narrow, f"the sigma of {path} gives no interval: a dead parameter"
+    grown = [b.sigma / a.sigma for a, b in zip(narrow, wide, strict=True) if a.sigma > 1e-9]
+    assert grown, f"the sigma of {path} moves no figure"
+    assert max(abs(ratio - 2.0) for ratio in grown) < 0.2, f"twice the sigma gives {grown}"
 
 
 @pytest.mark.parametrize("changes", COUPLED.values(), ids=COUPLED.keys())

@@ -1,0 +1,89 @@
+"""Backlash and torque with an interval, from the sigmas of the design file."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from paper_case import paper_drive
+
+from mbcdm_cad.design.loader import load_text
+from mbcdm_cad.design.template import reference_data
+from mbcdm_cad.model import analyse
+from mbcdm_cad.model.bulk import Requirements
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.uncertainty import intervals
+from mbcdm_cad.report.analysis_text import analysis_outputs
+
+NEED = Requirements(0.91, np.radians(35.0), 0.2204, 0.81e-3, 106.0)
+
+
+def design(**rope: Any) -> Any:
+    data = reference_data()
+    data["rope"] |= rope
+    return load_text(yaml.safe_dump(data)).drive
+
+
+def test_no_sigma_no_interval() -> None:
+    assert analyse(design()).intervals == ()
+    assert b"intervals" not in analysis_outputs(design())["plain"]
+
+
+def test_backlash_goes_as_one_over_the_modulus() -> None:
+    """Relative sigma of every backlash is that of E; no torque depends on it."""
+    found = {x.name: x for x in analyse(design(modulus_GPa={"value": 54.0, "sigma": 0.54})).intervals}
+    for name in ("turn", "reversal_swing", "backlash_cable_1", "backlash_cable_4"):
+        share = found[name].sigma / found[name].value
+        assert share == pytest.approx(0.01, rel=0.03), f"{name}: {share:.4f} of its value"
+        low, high = (found[name].low / found[name].value, found[name].high / found[name].value)
+        assert (low, high) == (pytest.approx(1 / 1.0196, abs=1e-3), pytest.approx(1 / 0.9804, abs=1e-3))
+    for name in ("peak_torque_plus", "peak_torque_minus"):
+        assert found[name].sigma < 1e-9, f"{name} moves by {found[name].sigma:.3g} N m"
+
+
+def test_the_middle_is_the_figure_without_sigmas() -> None:
+    a = analyse(design(preload_N={"value": 70.0, "sigma": 2.0}))
+    middle = {x.name: x.value for x in a.intervals}
+    assert middle["turn"] == pytest.approx(abs(a.test[0].turn_mrad), rel=1e-9)
+    assert middle["reversal_swing"] == pytest.approx(a.reversal_swing_mrad, rel=1e-9)
+    assert (middle["peak_torque_plus"], middle["peak_torque_minus"]) == pytest.approx(a.peak_torque_Nm, rel=1e-9)
+    assert middle["backlash_cable_2"] == pytest.approx(a.cables[1].backlash_mrad, rel=1e-9)
+
+
+def test_small_sigmas_agree_with_linear_theory() -> None:
+    d = paper_drive()
+    sigma = {
+        "preload_N": [0.1, 0.2, 0.0, 0.1], "drum_radius_m": 5e-5, "input_radius_m": 5e-6, "guide_radius_m": 5e-6,
+        "friction_coefficient": 3e-4, "area_m2": 1e-9, "centre_distance_m": 2e-5, "load_Nm": 1e-3,
+    }  # fmt: skip
+    for name, x in intervals(d, NEED, sigma, draws=40_000).items():
+        assert x.sigma == pytest.approx(x.linear_sigma, rel=0.03), f"{name}: {x.sigma:.4g}, linear {x.linear_sigma:.4g}"
+
+
+def test_each_cable_is_drawn_on_its_own() -> None:
+    """One cable's preload moves its own backlash and no other's."""
+    found = intervals(paper_drive(), NEED, {"preload_N": [0.0, 2.0, 0.0, 0.0]}, draws=2000)
+    spread = [found[f"backlash_cable_{k}_rad"].sigma for k in range(1, 5)]
+    assert spread[1] > 1e-6, spread
+    assert max(spread[0], *spread[2:]) < 1e-15, spread
+
+
+def test_text_and_json_carry_the_intervals() -> None:
+    found = analysis_outputs(design(preload_N={"value": 70.0, "sigma": 3.0}))
+    listed = json.loads(found["json"])["intervals"]
+    assert [x["name"] for x in listed][-1] == "peak_torque_minus"
+    for x in listed:
+        assert x["low"] < x["value"] < x["high"], x
+        assert f"{x['low']:9.4f} to {x['high']:9.4f}" in found["plain"].decode()
+
+
+def test_too_wide_is_said_with_what_to_do() -> None:
+    with pytest.raises(ModelError, match="lower those of centre distance, radii or friction"):
+        intervals(paper_drive(), NEED, {"centre_distance_m": 11e-3}, draws=2000)
+    with pytest.raises(ModelError, match="no such parameter"):
+        intervals(paper_drive(), NEED, {"colour": 1.0})
+    with pytest.raises(ModelError, match="is below 0"):
+        intervals(paper_drive(), NEED, {"preload_N": [1.0, -1.0, 0.0, 0.0]})
