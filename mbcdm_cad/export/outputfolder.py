@@ -7,11 +7,12 @@ import re
 import secrets
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from mbcdm_cad.export.errors import OutputError
+from mbcdm_cad.export.folderlock import folder_lock
 from mbcdm_cad.export.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
 from mbcdm_cad.export.swap import recover, replace_folder
 
@@ -44,27 +45,33 @@ def output_folder(target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIM
     """A folder to write to that takes the place of ``target`` when the block ends well, with its manifest.
 
     Whatever happens before (an exception, a full disk, SIGKILL), ``target`` stays as it was; what is left lying beside
-    it (``.NAME.new-*``) is removed by the next build. Builds into one folder take turns. Files in ``target`` that its
-    manifest does not list are somebody's own and move along. ``files`` of ``manifest`` is filled in here.
+    it (``.NAME.new-*``, ``.NAME.lock``) is removed by the next build. Builds into one folder take turns. Files in
+    ``target`` that its manifest does not list are somebody's own and move along. ``files`` of ``manifest`` is filled
+    in here.
 
     Raises ``OutputError`` if ``target`` is something that this program did not make, if another build holds it for
     longer than ``timeout_s``, or if the system refuses to write.
     """
-    import filelock  # only a build that writes needs it
-
     target = target.resolve()
+    with ExitStack() as held:
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            held.enter_context(folder_lock(target.with_name(f".{target.name}.lock"), timeout_s))
+        except TimeoutError as error:
+            raise OutputError(
+                f"{target}: another build has been writing here for {timeout_s:g} s; wait for it, stop it, or choose "
+                "another folder with --out"
+            ) from error
+        except OSError as error:
+            raise _refused(target, error) from error
+        with _staging(target, manifest) as folder:
+            yield folder
+
+
+@contextmanager
+def _staging(target: Path, manifest: Manifest) -> Iterator[OutputFolder]:
+    """The folder aside, put in place at the end; called under the lock."""
     old = target.with_name(f".{target.name}.before-swap")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        lock = filelock.FileLock(target.with_name(f".{target.name}.lock"))
-        lock.acquire(timeout=timeout_s)
-    except filelock.Timeout as error:
-        raise OutputError(
-            f"{target}: another build has been writing here for {timeout_s:g} s; wait for it, stop it, or choose "
-            "another folder with --out"
-        ) from error
-    except OSError as error:
-        raise _refused(target, error) from error
     staging = target.with_name(f".{target.name}.new-{secrets.token_hex(8)}")
     try:
         try:
@@ -83,7 +90,6 @@ def output_folder(target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIM
             raise _refused(target, error) from error
     finally:
         shutil.rmtree(staging, ignore_errors=True)
-        lock.release()
 
 
 def _finish(staging: Path, target: Path, manifest: Manifest) -> None:

@@ -199,6 +199,24 @@ def test_killed_at_any_moment_the_previous_output_stays_whole(built: Path, cache
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("most_bytes", [200_000, 2_000_000])
+def test_full_disk_leaves_the_previous_output_whole(most_bytes: int, built: Path, cache: Path, tmp_path: Path) -> None:
+    """The system refuses files above a size, as it does on a full disk: in the parts, later in the assembly."""
+    assert mbcdm("build", REFERENCE, "--out", tmp_path, cache=cache).returncode == 0
+    code = (
+        f"import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, ({most_bytes}, {most_bytes})); "
+        "from mbcdm_cad.cli import run; sys.exit(run(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", code, "build", str(REFERENCE), "--out", str(tmp_path), "--angle", "5"]
+    environment = os.environ | {"MBCDM_CACHE_DIR": str(cache)}
+    done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "cannot write" in done.stderr and "Traceback" not in done.stderr, done.stderr
+    assert_equal_folders(built, tmp_path / "mbcdm")
+    assert [path.name for path in tmp_path.iterdir()] == ["mbcdm"], "something is left beside the output"
+
+
+@pytest.mark.slow
 def test_two_builds_at_once_into_one_folder(built: Path, cache: Path, tmp_path: Path) -> None:
     environment = os.environ | {"MBCDM_CACHE_DIR": str(cache)}
     command = [sys.executable, "-m", "mbcdm_cad", "build", str(REFERENCE), "--out", str(tmp_path)]
@@ -210,3 +228,4 @@ def test_two_builds_at_once_into_one_folder(built: Path, cache: Path, tmp_path: 
         _, errors = process.communicate(timeout=300)
         assert process.returncode == 0, errors
     assert_equal_folders(built, tmp_path / "mbcdm")
+    assert [path.name for path in tmp_path.iterdir()] == ["mbcdm"], "something is left beside the output"
