@@ -1,0 +1,74 @@
+"""Play: the side in contact follows the sign of the torque carried; where friction decides, a play operator."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from mbcdm_cad.loop.effects.base import Effect, Parameter
+from mbcdm_cad.loop.prepared import Prepared
+from mbcdm_cad.loop.run import Floats
+from mbcdm_cad.loop.setup import Setup, Simulator, respond
+from mbcdm_cad.model.compiled import compiled
+from mbcdm_cad.model.si import DriveSI
+
+SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
+# Torque over which the contact changes sides, at the drum and at an input: a few times the sensor's noise.
+DRUM_CHANGE_NM = 0.01
+INPUT_CHANGE_NM = 1e-3
+
+
+def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(-0.5 * values[0] * np.tanh(setup.load / DRUM_CHANGE_NM))
+
+
+def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    carried = respond(setup)[0].input_torque_Nm(setup.drive)[index]
+    side = np.tanh(carried / INPUT_CHANGE_NM)
+    return setup.with_shift(index, -0.5 * values[0] * (side - side[0]))
+
+
+@compiled
+def _play(drive: Floats, half: float, out: Floats) -> None:
+    at = drive[0]
+    for k in range(drive.size):
+        at = min(max(at, drive[k] - half), drive[k] + half)
+        out[k] = at
+
+
+def _operator(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    drum = np.ascontiguousarray(setup.drum_rad)
+    out = np.empty_like(drum)
+    _play(drum, 0.5 * abs(float(values[0])), out)
+    return setup.with_added(out - drum)
+
+
+def _width(setup: Setup, residual: Floats) -> list[list[float]]:
+    return [[float(np.ptp(np.quantile(residual, [0.05, 0.95])))]]
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """By torque where it was measured; by motion for a drive of which only the ratio is known."""
+    found = []
+    play = (Parameter("play_rad", 1e-5, 0.0),)
+    if p.load_Nm is not None:
+        found.append(Effect(
+            "lash", "play at the output", "a coupling or gearhead rests on one flank or the other, by the load's sign",
+            "coupling and key between drum and load", SEPARATE, play, _output,
+        ))  # fmt: skip
+    if d is not None and p.load_Nm is not None:
+        found += [
+            Effect(
+                "lash", "play at an input", "play between input encoder and pulley; the preload's bias holds one side",
+                f"gearhead and collar of input {name}", SEPARATE, (Parameter("play_rad", 1e-4, 0.0),),
+                partial(_input, index), stage=f"input_{name}",
+            )
+            for index, name in enumerate(d.input_names)
+        ]  # fmt: skip
+    if d is None:
+        found.append(Effect(
+            "lash", "play taken up by motion", "friction holds the output until the play is taken up",
+            "gears and couplings between input and output", SEPARATE, play, _operator, starts=_width,
+        ))  # fmt: skip
+    return found

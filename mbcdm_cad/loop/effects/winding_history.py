@@ -1,0 +1,32 @@
+"""Cable wound on under load keeps its tension and brings it back when it is wound off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mbcdm_cad.loop.effects.base import Effect, Parameter
+from mbcdm_cad.loop.prepared import Prepared
+from mbcdm_cad.loop.run import Floats
+from mbcdm_cad.loop.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+
+
+def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
+    bare = replace(setup, added_rad=np.zeros_like(setup.added_rad))
+    return setup.with_added(values[0] * (simulate(bare, winding=True) - simulate(bare)))
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """With torque, where the drive is known."""
+    if d is None or p.load_Nm is None:
+        return []
+    return [
+        Effect(
+            "winding_history", "profiles move with the pulleys",
+            "the tension profiles on the wraps travel with the pulleys; strength 1 is the whole of it",
+            "nothing is broken: the paper's model leaves it out", "the same load at a shorter travel, or a bias load",
+            (Parameter("strength", 0.5, 0.0),), _apply,
+        )
+    ]  # fmt: skip

@@ -1,0 +1,158 @@
+"""A run made ready for the model: smoothed signals, sweeps and sectors, what is held back, the noise floor.
+
+The friction of the model has memory, so noise in its inputs would move the slip fronts and fake a residual. What works
+the friction is the difference between the inputs, and the load; both are smoothed, and the input noise taken out so is
+added back linearly (see :mod:`mbcdm_cad.loop.setup`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from mbcdm_cad.loop.run import Floats, Run
+
+# Windows of the smoothing in s: left minus right, load, and the inputs' mean (estimates, varied for the intervals).
+DIFFERENCE_WINDOW_S = 2.0
+LOAD_WINDOW_S = 0.05
+SPEED_WINDOW_S = 0.1
+COMMON_WINDOW_S = 0.05
+TEMPERATURE_WINDOW_S = 5.0
+# A reversal counts where the output has come back by this share of its travel.
+REVERSAL_SHARE = 0.1
+SECTORS = 8
+# Longer runs are averaged in blocks down to this many samples before anything is fitted.
+MOST_SAMPLES = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """Signals of one run on the samples that the fits use; shapes (n,) or (n_inputs, n).
+
+    ``sweep`` numbers the half sweeps, -1 for the first, whose friction history nobody knows; ``sector`` is the angle
+    sector; ``used`` marks samples of known history, ``held`` those held back. ``floor_rad`` is the RMS that the sensors
+    alone put into the residual, 0 where the measurement file does not say; ``input_step_rad`` one step of the inputs.
+    """
+
+    time_s: Floats
+    angle_rad: Floats
+    output_rad: Floats
+    load_Nm: Floats | None
+    speed_rad_s: Floats
+    temperature_C: Floats | None
+    sweep: NDArray[np.int64]
+    sector: NDArray[np.int64]
+    used: NDArray[np.bool_]
+    held: NDArray[np.bool_]
+    step_s: float
+    floor_rad: float
+    input_step_rad: float
+    held_words: str
+    difference_window_s: float = DIFFERENCE_WINDOW_S
+
+    @property
+    def train(self) -> NDArray[np.bool_]:
+        """Samples that the fits may see."""
+        return self.used & ~self.held
+
+    @property
+    def test(self) -> NDArray[np.bool_]:
+        """Samples held back."""
+        return self.used & self.held
+
+    def rewindowed(self, factor: float) -> Prepared:
+        """The same run with another window on the difference of the inputs."""
+        return replace(self, difference_window_s=factor * self.difference_window_s)
+
+
+def smoothed(values: Floats, window_s: float, step_s: float) -> Floats:
+    """Two passes of a centred moving mean: a triangle ``window_s`` wide; the ends are held."""
+    width = 2 * round(window_s / (4.0 * step_s)) + 1
+    if width == 1:
+        return values
+    once = uniform_filter1d(values, width, axis=-1, mode="nearest")
+    return np.asarray(uniform_filter1d(once, width, axis=-1, mode="nearest"))
+
+
+def half_sweeps(output_rad: Floats) -> NDArray[np.int64]:
+    """Number of the half sweep at each sample, from 0; shape (n,). A turn counts after a tenth of the travel."""
+    reach = REVERSAL_SHARE * float(np.ptp(output_rad))
+    turns: list[int] = []
+    rising = 0
+    low = high = float(output_rad[0])
+    low_at = high_at = 0
+    for k, value in enumerate(output_rad.tolist()):
+        if rising >= 0 and value > high:
+            high, high_at = value, k
+        if rising <= 0 and value < low:
+            low, low_at = value, k
+        if rising >= 0 and high - value > reach:
+            turns.append(high_at)
+            rising, low, low_at = -1, value, k
+        elif rising <= 0 and value - low > reach:
+            turns.append(low_at)
+            rising, high, high_at = 1, value, k
+    sweep = np.zeros(output_rad.size, dtype=np.int64)
+    for turn in turns:
+        # A start at rest is no sweep of its own.
+        if turn > 0.01 * output_rad.size:
+            sweep[turn:] += 1
+    return sweep
+
+
+def prepare(run: Run, ratio: float, most: int = MOST_SAMPLES) -> Prepared:
+    """Make a run ready for a drive of total ratio ``ratio``; runs of more than ``most`` samples are averaged in blocks.
+
+    The first half sweep is discarded. Held back, by number alone and before anything is looked at: half sweeps 3 and 6
+    of every 8 (counted from the first that is used), so that both directions are among them.
+    """
+    stride = max(1, run.time_s.size // most)
+    whole = run.time_s.size // stride * stride
+
+    def thinned(values: Floats) -> Floats:
+        if stride == 1:
+            return values
+        return np.asarray(values[..., :whole].reshape(*values.shape[:-1], -1, stride).mean(axis=-1))
+
+    time, angle, output = thinned(run.time_s), thinned(run.input_rad), thinned(run.output_rad)
+    step = float(np.median(np.diff(time)))
+    load = None if run.load_Nm is None else smoothed(thinned(run.load_Nm), LOAD_WINDOW_S, step)
+    temperature = (
+        None if run.temperature_C is None else smoothed(thinned(run.temperature_C), TEMPERATURE_WINDOW_S, step)
+    )
+    sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
+    if sweep.max() < 3:
+        # Too few reversals to spare one: a quarter of the time is a sweep.
+        sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
+    low, span = float(output.min()), float(np.ptp(output))
+    sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
+    used = sweep >= 0
+    turn = sweep % 8
+    held = used & ((turn == 2) | (turn == 5))
+    quiet = smoothed(angle.mean(axis=0) / ratio, SPEED_WINDOW_S, step)
+    speed = smoothed(np.gradient(quiet, time), SPEED_WINDOW_S, step)
+    numbers = ", ".join(str(k + 1) for k in np.unique(sweep[held])[:8])
+    more = ", ..." if np.unique(sweep[held]).size > 8 else ""
+    return Prepared(
+        time, angle, output, load, speed, temperature, sweep, sector, used, held, step,
+        sensor_floor_rad(run, ratio), input_step_rad(run), f"half sweeps {numbers}{more}",
+    )  # fmt: skip
+
+
+def sensor_floor_rad(run: Run, ratio: float) -> float:
+    """RMS that the encoders' steps put into the residual, rad: uniform errors, the inputs' mean through the ratio."""
+    s = run.sensors
+    inputs = (s.input_resolution_rad or 0.0) / ratio / np.sqrt(12.0 * run.input_rad.shape[0])
+    output = (s.output_resolution_rad or 0.0) / np.sqrt(12.0)
+    return float(np.hypot(inputs, output))
+
+
+def input_step_rad(run: Run) -> float:
+    """Step of the input encoders: as declared, else the smallest change in the record."""
+    if run.sensors.input_resolution_rad:
+        return run.sensors.input_resolution_rad
+    changes = np.abs(np.diff(run.input_rad[0]))
+    return float(changes[changes > 0.0].min(initial=np.inf)) if np.any(changes > 0.0) else 0.0

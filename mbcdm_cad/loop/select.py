@@ -1,0 +1,155 @@
+"""Which effects: forward by nonlinear refits of the close candidates, backward removal, and who else would do.
+
+A linear screening only says which candidates are worth a refit; it may rank the wrong pulley first. An effect is taken
+only if the RMS on held-out samples falls by a stated share of the noise floor, in quadrature.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbcdm_cad.loop.effects.base import Effect
+from mbcdm_cad.loop.fit import Fit, Fitter
+from mbcdm_cad.loop.run import Floats
+from mbcdm_cad.model.errors import ModelError
+
+# Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
+LEAST_FALL = 0.45
+# Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
+CLOSE_SHARE = 0.3
+MOST_REFITS = 7
+MOST_EFFECTS = 6
+
+
+def key_of(effect: Effect) -> tuple[str, str | None, tuple[str, ...]]:
+    """What two forms of one effect share."""
+    return effect.key
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """A candidate, where to start it, and the fall of the training mean square that a linear step promises."""
+
+    effect: Effect
+    start: Floats
+    fall: float
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One line of the search's record: what was tried and how the held-out RMS changed (rad)."""
+
+    action: str
+    effect: Effect
+    before_rad: float
+    after_rad: float
+
+
+class Search:
+    """The search over one set of runs; ``floor_rad`` is the noise floor that falls are measured by."""
+
+    def __init__(self, fitter: Fitter, library: Sequence[Effect], floor_rad: float) -> None:
+        self.fitter, self.library, self.floor_rad = fitter, tuple(library), floor_rad
+        self.steps: list[Step] = []
+
+    def held_rms(self, fit: Fit) -> float:
+        """RMS on the held-out samples, rad, each run's mean taken off by the training samples."""
+        return float(np.sqrt(np.mean(fit.residual[self.fitter.test] ** 2)))
+
+    def enough(self, before: Fit, after: Fit) -> bool:
+        """Does the held-out RMS fall by enough?"""
+        fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
+        return bool(fall >= (LEAST_FALL * self.floor_rad) ** 2)
+
+    def screen(self, fit: Fit) -> list[Screened]:
+        """All candidates beside those of ``fit``, best promise first."""
+        f = self.fitter
+        mask = f.train
+        taken = {key_of(e) for e in fit.effects}
+        known = f.centred(fit.jacobian, mask)[mask]
+        basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
+        base = f.predict(fit.effects, fit.values, fit.offsets)
+        found = []
+        for effect in self.library:
+            if key_of(effect) in taken and effect.name != "ripple":
+                continue
+            for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                try:
+                    promise = self._promise(fit, effect, np.array(start), base, basis)
+                except ModelError:
+                    continue
+                found.append(promise)
+        return sorted(found, key=lambda s: -s.fall)
+
+    def _promise(self, fit: Fit, effect: Effect, start: Floats, base: Floats, basis: Floats) -> Screened:
+        f, mask = self.fitter, self.fitter.train
+        effects, values = (*fit.effects, effect), fit.values
+        at_start = base if not start.any() else f.predict(effects, (*values, start), fit.offsets)
+        columns = []
+        for i, parameter in enumerate(effect.parameters):
+            trial = start.copy()
+            trial[i] += 0.1 * parameter.size
+            columns.append((f.predict(effects, (*values, trial), fit.offsets) - at_start) / (0.1 * parameter.size))
+        new = f.centred(np.stack(columns, axis=1), mask)[mask]
+        r = f.centred(fit.residual - (at_start - base), mask)[mask]
+        new = new - basis @ (basis.T @ new)
+        r = r - basis @ (basis.T @ r)
+        size = np.linalg.norm(new, axis=0)
+        new = new[:, size > 0.0] / size[size > 0.0]
+        step = np.zeros(size.size)
+        if new.shape[1]:
+            solved = np.linalg.lstsq(new, r, rcond=1e-8)[0]
+            r = r - new @ solved
+            step[size > 0.0] = solved / size[size > 0.0]
+        low = [p.low for p in effect.parameters]
+        high = [p.high for p in effect.parameters]
+        # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
+        held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
+        first = np.clip(np.where(held, start, start + step), low, high)
+        return Screened(effect, first, fit.square - float(np.mean(r**2)))
+
+    def refits(self, fit: Fit, most: int = MOST_REFITS, share: float = CLOSE_SHARE) -> list[Fit]:
+        """``fit`` with one effect more, for each close candidate; best training mean square first."""
+        screened = self.screen(fit)
+        found = []
+        for candidate in screened[:most]:
+            if candidate.fall < share * screened[0].fall:
+                break
+            found.append(self.fitter.fit((*fit.effects, candidate.effect), (*fit.values, candidate.start), fit.offsets))
+        return sorted(found, key=lambda one: one.square)
+
+    def without(self, fit: Fit, effect: Effect) -> Fit:
+        """Refit with one effect left out."""
+        rest = [e for e in fit.effects if e is not effect]
+        return self.fitter.fit(rest, [fit.values_of(e) for e in rest], fit.offsets)
+
+    def forward(self) -> Fit:
+        """Take effects while the held-out RMS falls by enough, and give back those that are no longer needed."""
+        now = self.fitter.fit()
+        while len(now.effects) < MOST_EFFECTS:
+            better = self.refits(now)
+            if not better or not self.enough(now, better[0]):
+                break
+            self._note("taken", better[0].effects[-1], now, better[0])
+            now = self.backward(better[0])
+        return now
+
+    def backward(self, fit: Fit) -> Fit:
+        """Drop what the others explain as well."""
+        for effect in fit.effects[:-1]:
+            less = self.without(fit, effect)
+            if not self.enough(less, fit):
+                self._note("given back", effect, fit, less)
+                return self.backward(less)
+        return fit
+
+    def _note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
+        self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))
+
+    def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
+        """Fits in which something of another name stands in for ``effect``, best first."""
+        less = self.without(fit, effect)
+        return [one for one in self.refits(less, share=0.5) if key_of(one.effects[-1]) != key_of(effect)]
