@@ -6,18 +6,20 @@ import dataclasses
 import hashlib
 import json
 from pathlib import Path
-
-from pydantic import ValidationError
+from typing import TYPE_CHECKING, cast
 
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import FieldPath, LoadedDesign
+from mbcdm_cad.design.plain import read_plainly
 from mbcdm_cad.design.resolve import resolve
 from mbcdm_cad.design.rules import broken_rules
-from mbcdm_cad.design.schema import Design
 from mbcdm_cad.design.sigmas import split_sigmas
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem
+
+if TYPE_CHECKING:  # pydantic: see plain.py
+    from mbcdm_cad.design.schema import Design
 
 
 def load_design(path: str | Path) -> LoadedDesign:
@@ -28,7 +30,10 @@ def load_design(path: str | Path) -> LoadedDesign:
 
 def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
     """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
-    design, tree, sigmas = validated(text, path)
+    tree, sigmas = split_sigmas(yamltree.parse(text, str(path)), str(path))
+    # A plain block has the fields of the schema's model, by the same names.
+    design = cast("Design", read_plainly(tree.data)) or _validated(tree, path)
+    _refuse_broken_rules(design, tree, path)
     drive = resolve(design, sigmas)
     return LoadedDesign(drive, Path(path), _sha256(design, drive), text, tree.lines)
 
@@ -36,19 +41,31 @@ def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
 def validated(text: str, path: str | Path) -> tuple[Design, yamltree.Tree, dict[FieldPath, float]]:
     """The design as its schema's model, the tree it was read from, and sigmas, once schema and rules are satisfied."""
     tree, sigmas = split_sigmas(yamltree.parse(text, str(path)), str(path))
+    design = _validated(tree, path)
+    _refuse_broken_rules(design, tree, path)
+    return design, tree, sigmas
+
+
+def _validated(tree: yamltree.Tree, path: str | Path) -> Design:
+    from pydantic import ValidationError
+
+    from mbcdm_cad.design.schema import Design
+
     try:
-        design = Design.model_validate(tree.data)
+        return Design.model_validate(tree.data)
     except ValidationError as error:
         from mbcdm_cad.design.problems import schema_problems  # costs a start nothing while the file is right
 
         raise InputError(schema_problems(error, tree, str(path))) from None
+
+
+def _refuse_broken_rules(design: Design, tree: yamltree.Tree, path: str | Path) -> None:
     broken = [
         Problem(str(path), tree.line_of(rule.path), yamltree.dotted(rule.path), *rule[1:])
         for rule in broken_rules(design)
     ]
     if broken:
         raise InputError(sorted(broken, key=lambda problem: problem.line))
-    return design, tree, sigmas
 
 
 def _sha256(design: Design, drive: Drive) -> str:

@@ -63,7 +63,7 @@ def _rebuilt(annotation: str, value: Any) -> Any:
 
 def _key(text: str) -> str:
     digest = hashlib.sha256()
-    for file in sorted((*_FOLDER.glob("*.py"), *_FOLDER.glob("catalogue/*.json"))):
+    for file in sorted((*_FOLDER.glob("*.py"), *_FOLDER.glob("*.json"), *_FOLDER.glob("catalogue/*.json"))):
         digest.update(hashlib.sha256(file.read_bytes()).digest())
     digest.update(text.encode())
     return digest.hexdigest()

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Any, TypeVar
-
-from pydantic import BaseModel
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from mbcdm_cad.design import drive as d
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.entries import KINDS, Entry
 from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.design.schema import Design, Rope, Transmission
+
+if TYPE_CHECKING:  # pydantic: see plain.py
+    from pydantic import BaseModel
+
+    from mbcdm_cad.design.entries import Entry
+    from mbcdm_cad.design.schema import Design, Rope, Transmission
 
 _T = TypeVar("_T")
 _TARGETS: dict[str, type[Any]] = {
@@ -25,6 +27,8 @@ _TARGETS: dict[str, type[Any]] = {
     "tensioners": d.TensionerSpec,
     "materials": d.Material,
 }
+# Kinds of entries of the catalogue.
+KINDS = tuple(_TARGETS)
 _SIGN = {"-x": -1, "+x": 1}
 
 

@@ -8,22 +8,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from mbcdm_cad.design.entries import (
-    KINDS,
-    BearingEntry,
-    EncoderEntry,
-    Entry,
-    GearheadEntry,
-    RopeEntry,
-    ScrewEntry,
-    TensionerEntry,
-)
 from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.design.resolve import Catalogue
-from mbcdm_cad.design.schema import Design
+from mbcdm_cad.design.resolve import KINDS, Catalogue
 from mbcdm_cad.errors import did_you_mean, shortened
+
+if TYPE_CHECKING:  # pydantic: see plain.py
+    from mbcdm_cad.design.entries import Entry
+    from mbcdm_cad.design.schema import Design
 
 
 class Broken(NamedTuple):
@@ -251,6 +244,8 @@ def _own_entries(design: Design) -> Iterator[Broken]:
 
 
 def _entry(path: FieldPath, entry: Entry) -> Iterator[Broken]:
+    from mbcdm_cad.design.entries import RopeEntry
+
     for names in entry_orders(entry):
         for small, large in pairwise(names):
             low, high = getattr(entry, small), getattr(entry, large)
@@ -272,15 +267,17 @@ def _entry(path: FieldPath, entry: Entry) -> Iterator[Broken]:
 
 def entry_orders(entry: Entry) -> tuple[tuple[str, ...], ...]:
     """Fields of a catalogue entry that must not decrease in this order."""
+    from mbcdm_cad.design import entries as e
+
     orders: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
-        RopeEntry: (("bend_ratio_minimum", "bend_ratio_desired"),),
-        GearheadEntry: (
+        e.RopeEntry: (("bend_ratio_minimum", "bend_ratio_desired"),),
+        e.GearheadEntry: (
             ("rated_torque_mNm", "max_torque_mNm"),
             ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),
         ),
-        EncoderEntry: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
-        BearingEntry: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
-        ScrewEntry: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
-        TensionerEntry: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
+        e.EncoderEntry: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
+        e.BearingEntry: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
+        e.ScrewEntry: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
+        e.TensionerEntry: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
     }
     return orders.get(type(entry), ())
