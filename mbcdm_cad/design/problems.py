@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from pydantic import ValidationError
@@ -17,10 +18,16 @@ MAX_LISTED = 50
 _WANTED = {"number": "a number", "integer": "a whole number", "string": "text", "array": "a list", "object": "a block"}
 
 
-def schema_problems(error: ValidationError, tree: Tree, file: str) -> list[Problem]:
-    """All findings by line, cut after ``MAX_LISTED`` with a word on how many more there are."""
+NodeAt = Callable[[FieldPath], Node | None]
+
+
+def schema_problems(error: ValidationError, tree: Tree, file: str, node_at: NodeAt = node_at) -> list[Problem]:
+    """All findings by line, cut after ``MAX_LISTED`` with a word on how many more there are.
+
+    ``node_at`` looks up what the file's schema says of a field, that of the design file by default.
+    """
     found = sorted(
-        (_problem(item, tree, file) for item in error.errors(include_url=False) if not _follows(item)),
+        (_problem(item, tree, file, node_at) for item in error.errors(include_url=False) if not _follows(item)),
         key=lambda problem: problem.line,
     )
     if len(found) > MAX_LISTED:
@@ -37,7 +44,7 @@ def _follows(item: Any) -> bool:
     return bool(item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"])
 
 
-def _problem(item: Any, tree: Tree, file: str) -> Problem:
+def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
     path: FieldPath = tuple(part for part in item["loc"] if part != "[key]")
     kind, value = item["type"], item["input"]
     node = node_at(path) or {}

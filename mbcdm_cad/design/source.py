@@ -1,4 +1,4 @@
-"""The text of a design file, whatever the path may lead to."""
+"""The text of a design file or of another small file, whatever the path may lead to."""
 
 from __future__ import annotations
 
@@ -9,18 +9,24 @@ from mbcdm_cad.errors import InputError, Problem
 MAX_BYTES = 1 << 20
 
 
-def read_text(path: Path) -> str:
-    """Text of the file; at most MAX_BYTES + 1 bytes are ever read, so that a device or pipe cannot hang or fill us."""
+NEW_DESIGN = "; 'mbcdm init NEW.yaml' writes a file to start from"
+
+
+def read_text(path: Path, kind: str = "design file", hint: str = NEW_DESIGN) -> str:
+    """Text of the file; at most MAX_BYTES + 1 bytes are ever read, so that a device or pipe cannot hang or fill us.
+
+    ``kind`` and ``hint`` say in errors what the file should be, and what helps where there is none.
+    """
     try:
         if path.exists() and not path.is_file():
-            raise _file_error(path, "not a regular file", remedy="give the path of a design file")
+            raise _file_error(path, "not a regular file", remedy=f"give the path of a {kind}")
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
         raise _file_error(
             path,
             f"cannot be read: {error.strerror or error}",
-            remedy="check the path; 'mbcdm init NEW.yaml' writes a file to start from",
+            remedy="check the path" + hint,
         ) from None
     except ValueError as error:
         raise _file_error(path, f"cannot be read: {error}", remedy="check the path") from None
@@ -30,7 +36,7 @@ def read_text(path: Path) -> str:
             "too big",
             value=f"over {MAX_BYTES} bytes",
             limit=f"{MAX_BYTES} bytes",
-            remedy="a design file is about 10 kB; check that this is one",
+            remedy=f"a {kind} is about 10 kB at most; check that this is one",
         )
     try:
         return content.decode("utf-8-sig")

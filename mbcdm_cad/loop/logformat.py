@@ -1,0 +1,144 @@
+"""How a logger's file is laid out: what stands between the columns, where the names are, where the figures begin."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from mbcdm_cad.errors import InputError, Problem
+
+# Longest line that a logger's file may hold: what has none within this is no table.
+LONGEST_LINE = 1 << 16
+# Rows looked at to find delimiter, number of columns and header, and lines that a preamble may be long.
+FIRST_ROWS = 50
+LONGEST_PREAMBLE = 100_000
+SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
+Lines = list[tuple[int, str]]
+
+
+@dataclass(frozen=True)
+class Format:
+    """Layout of the file. ``sign`` is None for runs of blanks; ``names`` is empty without a header.
+
+    ``begin_line`` is the first line (from 1) that may hold figures, ``fields`` the number of columns.
+    """
+
+    sign: str | None
+    decimal_comma: bool
+    comment: str
+    names: tuple[str, ...]
+    header_line: int
+    begin_line: int
+    fields: int
+
+
+def too_long(path: Path, number: int) -> InputError:
+    """What has no line end is no table."""
+    remedy = "give a text file with one row a line"
+    return InputError([
+        Problem(str(path), number, "", "a line too long", f"over {LONGEST_LINE} bytes", f"{LONGEST_LINE} bytes", remedy)
+    ])  # fmt: skip
+
+
+def split(line: str, sign: str | None) -> list[str]:
+    """Cells of a line, without blanks and quotes around them."""
+    return [cell.strip().strip("\"'").strip() for cell in line.strip("\r\n").split(sign)]
+
+
+def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_rows: int, header: str) -> Format:
+    """Look at the first rows: delimiter, number of columns, where the names are. InputError if there are none."""
+    comma = decimal == "comma"
+    comments, rows = _first_lines(path, comment, skip_rows)
+    if not rows:
+        raise InputError([
+            Problem(str(path), skip_rows + 1, "", "no rows", remedy="check the file, skip_rows and comment")
+        ])  # fmt: skip
+    sign = SIGNS[delimiter] if delimiter != "auto" else _likely_sign(rows, comma)
+    names, names_line = _names(path, comments, rows, sign, comma, header)
+    begin = rows[0][0] + 1 if names_line == rows[0][0] else rows[0][0]
+    body = [line for number, line in rows if number >= begin]
+    if not body:
+        raise InputError([
+            Problem(str(path), begin, "", "no rows below the header", remedy="check the file and header")
+        ])  # fmt: skip
+    fields = Counter(len(split(line, sign)) for line in body).most_common(1)[0][0]
+    return Format(sign, comma, comment, names, names_line, begin, fields)
+
+
+def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines]:
+    """Comment lines before the first row, and the first rows, with their numbers."""
+    comments: Lines = []
+    rows: Lines = []
+    with open(path, "rb") as file:
+        number = 0
+        while len(rows) < FIRST_ROWS + 1 and number < skip_rows + LONGEST_PREAMBLE:
+            raw = file.readline(LONGEST_LINE + 1)
+            if not raw:
+                break
+            number += 1
+            if number == 1 and raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+                raise InputError([
+                    Problem(str(path), 1, "", "UTF-16 text", remedy="save the file as UTF-8 or plain text")
+                ])  # fmt: skip
+            if len(raw) > LONGEST_LINE:
+                raise too_long(path, number)
+            line = _decoded(raw.removeprefix(b"\xef\xbb\xbf") if number == 1 else raw)
+            if number <= skip_rows or not line.strip():
+                continue
+            if line.lstrip().startswith(comment):
+                if not rows:
+                    comments.append((number, line.lstrip().removeprefix(comment)))
+            else:
+                rows.append((number, line))
+    return comments, rows
+
+
+def _decoded(raw: bytes) -> str:
+    """UTF-8, or the code page that loggers on desktop systems write."""
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def _likely_sign(rows: Lines, decimal_comma: bool) -> str | None:
+    """The delimiter that splits most rows alike into the most columns."""
+    best: tuple[int, int] = (0, 0)
+    found: str | None = None
+    for sign in (";", "\t", *(() if decimal_comma else (",",)), None):
+        count, often = Counter(len(split(line, sign)) for _, line in rows).most_common(1)[0]
+        if count > 1 and (often, count) > best:
+            best, found = (often, count), sign
+    return found
+
+
+def _names(
+    path: Path, comments: Lines, rows: Lines, sign: str | None, decimal_comma: bool, header: str
+) -> tuple[tuple[str, ...], int]:
+    """Names of the columns and the line they are on; no names and line 0 where there are none."""
+    number, first = rows[0]
+    cells = split(first, sign)
+    if header == "row" or (header == "auto" and not any(_is_figure(cell, decimal_comma) for cell in cells)):
+        return tuple(cells), number
+    if header == "none":
+        return (), 0
+    if comments:
+        number, text = comments[-1]
+        named = split(text, sign)
+        if header == "comment" or len(named) > 1:
+            return tuple(named), number
+    if header == "comment":
+        raise InputError([
+            Problem(str(path), number, "", "no comment line with the names before the data",
+                    remedy="set header: none and give columns by number from 1")
+        ])  # fmt: skip
+    return (), 0
+
+
+def _is_figure(cell: str, decimal_comma: bool) -> bool:
+    try:
+        float(cell.replace(",", ".") if decimal_comma else cell)
+    except ValueError:
+        return False
+    return True

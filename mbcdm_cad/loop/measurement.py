@@ -1,0 +1,262 @@
+"""Reading a measurement file and the data it leads to: SI units, signs put right, refused where nothing can be told."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.design.problems import schema_problems
+from mbcdm_cad.design.source import read_text
+from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
+from mbcdm_cad.loop.datafile import Table, read_table
+from mbcdm_cad.loop.logformat import Format, find_format
+from mbcdm_cad.loop.run import Floats, Run, Sensors
+from mbcdm_cad.loop.schema import Column, Measurement, node_at
+from mbcdm_cad.loop.units import Unit, known_units, unit_of
+
+# Fewer samples than this cannot hold the few sweeps that any statement needs.
+FEWEST_SAMPLES = 100
+# An output that turns by less than this many of its steps, or than this angle where the step is not known, stands.
+FEWEST_STEPS = 20
+LEAST_TRAVEL_RAD = 1e-6
+
+
+@dataclass(frozen=True)
+class MeasurementFile:
+    """A measurement file that fits its schema, and the lines of its fields."""
+
+    path: Path
+    content: Measurement
+    tree: yamltree.Tree
+
+    def problem(self, field: FieldPath, what: str, value: str = "", limit: str = "", *, remedy: str) -> Problem:
+        """A problem with one field."""
+        return Problem(str(self.path), self.tree.line_of(field), yamltree.dotted(field), what, value, limit, remedy)
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A run with what its reading met: ``notes`` are sentences for the user."""
+
+    run: Run
+    notes: tuple[str, ...]
+
+
+def load_measurement(path: str | Path) -> Run:
+    """The run of a measurement file. Raises InputError with file, line and remedy."""
+    return read_run(load_file(path)).run
+
+
+def load_file(path: str | Path) -> MeasurementFile:
+    """The measurement file alone, its data not yet read. Raises InputError."""
+    path = Path(path)
+    text = read_text(path, "measurement file", "; docs/measurement-file.md shows how one is written")
+    tree = yamltree.parse(text, str(path))
+    try:
+        content = Measurement.model_validate(tree.data)
+    except ValidationError as error:
+        raise InputError(schema_problems(error, tree, str(path), node_at)) from None
+    file = MeasurementFile(path, content, tree)
+    problems = _broken_rules(file)
+    if problems:
+        raise InputError(problems)
+    return file
+
+
+def read_run(file: MeasurementFile) -> Reading:
+    """The data of a measurement file as a run. Raises InputError, also where the file holds published figures."""
+    content = file.content
+    if content.data is None or content.columns is None:
+        raise InputError([file.problem(("published",), "no run in this file", remedy="give a file with data")])
+    data = _data_path(file, content.data)
+    try:
+        layout = find_format(
+            data, content.delimiter, content.decimal, content.comment, content.skip_rows, content.header
+        )
+        asked = _columns_asked(file)
+        indices = [_index(file, quantity, column, layout, data) for quantity, column in asked.items()]
+        table = read_table(data, layout, indices, content.broken_rows == "skip")
+        sha256 = _sha256(data)
+    except OSError as error:
+        problem = file.problem(
+            ("data",), f"cannot be read: {error.strerror or error}", shortened(content.data), remedy="check the path"
+        )
+        raise InputError([problem]) from None
+    run = _in_si(file, asked, table, data.name, sha256)
+    _refuse_hopeless(file, run, table, data)
+    notes = []
+    if table.broken:
+        lines = ", ".join(str(line) for line in table.broken_lines)
+        more = ", ..." if table.broken > len(table.broken_lines) else ""
+        notes.append(f"{table.broken} broken rows of {data.name} left out (lines {lines}{more})")
+    return Reading(run, tuple(notes))
+
+
+def _broken_rules(file: MeasurementFile) -> list[Problem]:
+    """What no single field can show."""
+    content = file.content
+    if content.published is not None:
+        extra = [key for key in ("data", "columns", "ratio") if getattr(content, key) is not None]
+        remedy = "keep one of the two: a run, or published figures"
+        return [file.problem((key,), "given beside published", remedy=remedy) for key in extra]
+    problems = [
+        file.problem((key,), "missing", remedy=f"add {key}, or published for figures of a paper")
+        for key in ("data", "columns")
+        if getattr(content, key) is None
+    ]
+    if content.columns is None:
+        return problems
+    asked = _columns_asked(file)
+    if "input" in asked and ("input_left" in asked or "input_right" in asked):
+        remedy = "give input for a drive that has one, input_left and input_right for one that has two"
+        problems.append(file.problem(("columns", "input"), "given beside input_left or input_right", remedy=remedy))
+    elif "input" not in asked and ("input_left" not in asked or "input_right" not in asked):
+        remedy = "give input for a drive that has one, input_left and input_right for one that has two"
+        problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
+    for quantity, column in asked.items():
+        where: FieldPath = ("columns", quantity)
+        if unit_of(quantity, column.unit, column.counts_per_turn) is None:
+            counts = column.unit.strip() in ("counts", "count") and quantity not in (
+                "time",
+                "temperature",
+                "load_torque",
+            )
+            remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
+            what = "counts without counts_per_turn" if counts else f"no unit of {quantity}"
+            problems.append(file.problem((*where, "unit"), what, shortened(column.unit), remedy=remedy))
+        if column.scale == 0.0:
+            problems.append(file.problem((*where, "scale"), "nothing is left", "0", remedy="give the factor"))
+        if isinstance(column.column, int) and column.column < 1:
+            remedy = "count the columns from 1"
+            problems.append(
+                file.problem((*where, "column"), "no column", str(column.column), "1 or more", remedy=remedy)
+            )
+    return problems
+
+
+def _columns_asked(file: MeasurementFile) -> dict[str, Column]:
+    """The columns given, in the order in which the table holds them: time, inputs, output, the rest."""
+    columns = file.content.columns
+    names = ("time", "input_left", "input_right", "input", "output", "load_torque", "temperature")
+    found = {name: getattr(columns, name) for name in names}
+    return {name: column for name, column in found.items() if column is not None}
+
+
+def _data_path(file: MeasurementFile, data: str) -> Path:
+    path = file.path.parent / data
+    try:
+        if path.is_file():
+            return path
+        what = "not a regular file" if path.exists() else "there is no such file"
+    except (OSError, ValueError) as error:
+        what = f"cannot be read: {error}"
+    remedy = "give the path of the logger's file, relative to this one"
+    raise InputError([file.problem(("data",), what, shortened(data), remedy=remedy)])
+
+
+def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format, data: Path) -> int:
+    """Which column of the data, from 0."""
+    where: FieldPath = ("columns", quantity, "column")
+    asked = column.column
+    if isinstance(asked, int):
+        if asked <= layout.fields:
+            return asked - 1
+        limit = f"1 to {layout.fields}"
+        problem = file.problem(where, f"not a column of {data.name}", str(asked), limit, remedy="count from 1")
+        raise InputError([problem])
+    found = [index for index, name in enumerate(layout.names[: layout.fields]) if name == asked.strip()]
+    if len(found) == 1:
+        return found[0]
+    if not layout.names:
+        remedy = "give its number, counted from 1"
+        problem = file.problem(where, f"{data.name} has no header with names", shortened(asked), remedy=remedy)
+    elif found:
+        line = f"line {layout.header_line}"
+        remedy = "give its number, counted from 1"
+        problem = file.problem(where, f"{len(found)} columns of that name on {line} of {data.name}", shortened(asked),
+                               remedy=remedy)  # fmt: skip
+    else:
+        what = f"no such column on line {layout.header_line} of {data.name}"
+        remedy = shortened(did_you_mean(asked, [name for name in layout.names if name.isprintable()]), 300).strip("'\"")
+        problem = file.problem(where, what, shortened(asked), remedy=remedy)
+    raise InputError([problem])
+
+
+def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source: str, sha256: str) -> Run:
+    """The table's rows put into SI in place, so that a long run is held once."""
+    rows: dict[str, Floats] = {}
+    for (quantity, column), row in zip(asked.items(), table.values, strict=True):
+        unit = unit_of(quantity, column.unit, column.counts_per_turn) or Unit(1.0)
+        row -= column.zero
+        row *= column.scale * unit.factor
+        row += unit.shift
+        rows[quantity] = row
+    names = tuple(name.removeprefix("input_") for name in rows if name.startswith("input"))
+    inputs = table.values[1 : 1 + len(names)]
+    given = file.content.sensors
+    sensors = Sensors(
+        given.input_resolution_rad or _step_of_counts(asked, [name for name in asked if name.startswith("input")]),
+        given.output_resolution_rad or _step_of_counts(asked, ["output"]),
+        given.torque_noise_Nm,
+    )
+    return Run(
+        rows["time"], inputs, rows["output"], rows.get("load_torque"), rows.get("temperature"), sensors,
+        names, source, sha256, file.content.ratio,
+    )  # fmt: skip
+
+
+def _step_of_counts(asked: dict[str, Column], names: list[str]) -> float | None:
+    """One count of an encoder in rad, the coarsest of several; None where the column is not in counts."""
+    steps = [
+        2.0 * math.pi / column.counts_per_turn * abs(column.scale)
+        for column in (asked[name] for name in names)
+        if column.counts_per_turn is not None
+    ]
+    return max(steps, default=None)
+
+
+def _refuse_hopeless(file: MeasurementFile, run: Run, table: Table, data: Path) -> None:
+    """Too few samples, time that runs backwards, figures out of all bounds, nothing that moved."""
+    count = run.time_s.size
+    if count < FEWEST_SAMPLES:
+        remedy = "record a few sweeps of the drive; check comment, skip_rows and broken_rows"
+        raise InputError([Problem(str(data), 1, "", "too few samples", str(count), f"{FEWEST_SAMPLES}", remedy)])
+    if not np.isfinite(table.values).all() or float(np.abs(table.values).max()) > 1e12:
+        remedy = "check unit, scale and counts_per_turn of every column"
+        raise InputError([file.problem(("columns",), "figures out of all bounds", limit="1e12 in SI", remedy=remedy)])
+    back = np.flatnonzero(np.diff(run.time_s) <= 0.0)
+    if back.size:
+        row = int(back[0]) + 1
+        step = float(run.time_s[row] - run.time_s[row - 1])
+        what = "time runs backwards" if step < 0.0 else "time stands still"
+        remedy = (
+            "sort the rows, or cut the file where a new run begins"
+            if step < 0.0
+            else "log the time with more digits, or leave out doubled rows"
+        )
+        raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
+    for name, values, resolution in (
+        *((f"input {n}".removesuffix(" input"), row, run.sensors.input_resolution_rad)
+          for n, row in zip(run.input_names, run.input_rad, strict=True)),
+        ("output", run.output_rad, run.sensors.output_resolution_rad),
+    ):  # fmt: skip
+        travel, least = float(np.ptp(values)), max(FEWEST_STEPS * (resolution or 0.0), LEAST_TRAVEL_RAD)
+        if travel < least:
+            field = ("columns", "input" if name == "input" else name.replace(" ", "_"))
+            remedy = "check that the drive was moved, and column, unit and scale"
+            problem = file.problem(
+                field, f"no motion of the {name}", f"{travel:.3g} rad", f"{least:.3g} rad", remedy=remedy
+            )
+            raise InputError([problem])
+
+
+def _sha256(path: Path) -> str:
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

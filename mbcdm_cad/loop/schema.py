@@ -1,0 +1,155 @@
+"""Schema of the measurement file: which column of a logger's file is what, or the figures that a paper printed."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, Literal
+
+from mbcdm_cad.design.describe import Node
+from mbcdm_cad.design.fields import Block, Integer, Number, Text, choice
+from mbcdm_cad.design.fields import quantity as figure
+from mbcdm_cad.design.loaded import FieldPath
+
+SENSORS = "data sheet"
+LOGGER = "the logger's file"
+
+
+class Column(Block):
+    """One column of the data."""
+
+    column: Text | Integer = choice("name in the header, or number from 1", source=LOGGER, example="q_left")
+    unit: Text = choice("unit of the figures, after zero and scale", source=LOGGER, example="rad")
+    scale: Number = figure(
+        "factor on the figures; -1 turns the sign round", unit="-", source=LOGGER, example=-1.0, default=1.0,
+        ge=-1e12, le=1e12,
+    )  # fmt: skip
+    zero: Number = figure(
+        "figure that the sensor shows at zero, taken off before scale", unit="-", source=LOGGER, example=338.56,
+        default=0.0,
+    )  # fmt: skip
+    counts_per_turn: Number | None = figure(
+        "counts a turn, for unit counts", unit="1/turn", source=SENSORS, example=8192.0, default=None, gt=0.0, le=1e12,
+    )  # fmt: skip
+
+
+class Columns(Block):
+    """What was measured. Inputs are positive when they drive the drum positive."""
+
+    time: Column = choice("time", source=LOGGER, example="{column: t, unit: s}")
+    input_left: Column | None = choice("input at -x", source=LOGGER, default=None)
+    input_right: Column | None = choice("input at +x", source=LOGGER, default=None)
+    input: Column | None = choice("the input of a drive that has one", source=LOGGER, default=None)
+    output: Column = choice("drum", source=LOGGER, example="{column: q_out, unit: rad}")
+    load_torque: Column | None = choice(
+        "load on the drum, > 0 where it opposes positive rotation; without it load-driven effects are not testable",
+        source=LOGGER, default=None,
+    )  # fmt: skip
+    temperature: Column | None = choice("temperature at the drive", source=LOGGER, default=None)
+
+
+class SensorFigures(Block):
+    """What the sensors resolve; the noise floor follows from it. Counts give the resolution where it is left out."""
+
+    input_resolution_rad: Number | None = figure(
+        "one step of the input encoders", unit="rad", source=SENSORS, example=1.9175e-4, default=None, gt=0.0, le=1.0,
+    )  # fmt: skip
+    output_resolution_rad: Number | None = figure(
+        "one step of the output encoder", unit="rad", source=SENSORS, example=1.3635e-6, default=None, gt=0.0, le=1.0,
+    )  # fmt: skip
+    torque_noise_Nm: Number | None = figure(
+        "RMS noise of the torque sensor", unit="N m", source=SENSORS, example=0.005, default=None, ge=0.0, le=1e6,
+    )  # fmt: skip
+
+
+Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "ripple_order"]
+
+
+class Conditions(Block):
+    """Under which a figure was measured."""
+
+    preload_N: Number | None = figure(
+        "tension in every cable", unit="N", source="paper", example=70.0, default=None, gt=0.0, le=1e5
+    )
+    load_torque_Nm: Number | None = figure(
+        "load on the drum", unit="N m", source="paper", example=0.91, default=None, gt=0.0, le=1e5
+    )
+
+
+class Published(Block):
+    """One figure that was printed instead of a run."""
+
+    quantity: Quantity = choice("what was measured", source="paper", example="backlash")
+    value: Number = figure("measured", unit="-", source="paper", example=0.33, gt=0.0, le=1e12)
+    unit: Text = choice("unit of the figures", source="paper", example="mrad")
+    stated_theory: Number | None = figure(
+        "what the authors expected, same unit", unit="-", source="paper", example=3.9, default=None, gt=0.0, le=1e12
+    )
+    conditions: Conditions = choice("under which it was measured", source="paper", default=Conditions())
+    where: Text = choice("page, section or figure", source="paper", example="section 5.3")
+
+
+class Measurement(Block):
+    """A measurement file: ``data`` with ``columns``, or ``published``."""
+
+    data: Text | None = choice(
+        "the logger's file, its path relative to this file", source=LOGGER, example="run.csv", default=None
+    )
+    columns: Columns | None = choice("what stands in which column", source=LOGGER, default=None)
+    sensors: SensorFigures = choice("what the sensors resolve", source=SENSORS, default=SensorFigures())
+    ratio: Number | None = figure(
+        "total ratio, for a drive of which nothing else is known; the design file is then not used", unit="-",
+        source="data sheet of the drive", example=35.0, default=None, gt=0.0, le=1e6,
+    )  # fmt: skip
+    delimiter: Literal["auto", "comma", "semicolon", "tab", "space"] = choice(
+        "what stands between two columns", source=LOGGER, example="semicolon", default="auto"
+    )
+    decimal: Literal["point", "comma"] = choice("decimal sign", source=LOGGER, example="comma", default="point")
+    comment: Text = choice("sign that begins a comment line", source=LOGGER, example="%", default="#")
+    skip_rows: Integer = figure(
+        "lines before anything else", unit="lines", source=LOGGER, example=2, default=0, ge=0, le=100_000
+    )
+    header: Literal["auto", "row", "comment", "none"] = choice(
+        "where the names stand: the first row, the last comment line before the data, nowhere; auto looks",
+        source=LOGGER, example="comment", default="auto",
+    )  # fmt: skip
+    broken_rows: Literal["refuse", "skip"] = choice(
+        "what to do with rows of another length, with text or with NaN: skip leaves out up to one in fifty and says so",
+        source=LOGGER, example="skip", default="refuse",
+    )  # fmt: skip
+    published: tuple[Published, ...] | None = choice(
+        "figures printed in a paper, in place of data", source="paper", default=None, min_length=1, max_length=100
+    )
+
+
+@cache
+def json_schema() -> Node:
+    """JSON Schema of the measurement file with every reference written out; do not change it."""
+    schema: Node = Measurement.model_json_schema()
+    definitions = schema.pop("$defs", {})
+    written: Node = _written_out(schema, definitions)
+    return written
+
+
+def _written_out(node: Any, definitions: dict[str, Node]) -> Any:
+    """``$ref`` replaced by what it refers to, and the branch that is not null by itself."""
+    if isinstance(node, list):
+        return [_written_out(item, definitions) for item in node]
+    if not isinstance(node, dict):
+        return node
+    merged = {key: _written_out(value, definitions) for key, value in node.items() if key not in ("$ref", "anyOf")}
+    branches = [branch for branch in node.get("anyOf", []) if branch.get("type") != "null"]
+    if "$ref" in node:
+        branches = [definitions[node["$ref"].rsplit("/", 1)[1]]]
+    if len(branches) == 1:
+        return {**_written_out(branches[0], definitions), **merged}
+    return merged
+
+
+def node_at(path: FieldPath) -> Node | None:
+    """The schema's node for a field path; None if unknown."""
+    node: Node | None = json_schema()
+    for part in path:
+        if node is None:
+            return None
+        node = node.get("items") if isinstance(part, int) else node.get("properties", {}).get(part)
+    return node

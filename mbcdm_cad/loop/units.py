@@ -1,0 +1,75 @@
+"""Units that a logger may write, and what they are in SI."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+COUNTS = "counts"
+STANDARD_GRAVITY_M_S2 = 9.80665
+
+
+@dataclass(frozen=True)
+class Unit:
+    """SI value = ``factor`` times the figure + ``shift``."""
+
+    factor: float
+    shift: float = 0.0
+
+
+def _scaled(*spelt: tuple[str, float]) -> dict[str, Unit]:
+    return {name: Unit(factor) for names, factor in spelt for name in names.split()}
+
+
+TIME = _scaled(("s sec second seconds", 1.0), ("ms", 1e-3), ("us µs", 1e-6), ("ns", 1e-9), ("min", 60.0), ("h", 3600.0))
+ANGLE = _scaled(
+    ("rad", 1.0),
+    ("mrad", 1e-3),
+    ("urad µrad", 1e-6),
+    ("deg degree degrees °", math.pi / 180.0),
+    ("arcmin", math.pi / 10800.0),
+    ("arcsec", math.pi / 648000.0),
+    ("turn turns rev", 2.0 * math.pi),
+)
+_KGF = STANDARD_GRAVITY_M_S2
+TORQUE = _scaled(
+    ("N*m Nm N.m", 1.0),
+    ("mN*m mNm mN.m N*mm Nmm N.mm", 1e-3),
+    ("N*cm Ncm N.cm", 1e-2),
+    ("uN*m uNm µN*m", 1e-6),
+    ("kgf*m", _KGF),
+    ("kgf*cm kgfcm", 1e-2 * _KGF),
+    ("gf*cm gfcm", 1e-5 * _KGF),
+    ("ozf*in", 28.349523125e-3 * 0.0254 * _KGF),
+    ("lbf*in", 0.45359237 * 0.0254 * _KGF),
+    ("lbf*ft", 0.45359237 * 0.3048 * _KGF),
+)
+# Temperatures are kept in degC, as the effects that use them compare and never multiply.
+TEMPERATURE = {
+    **dict.fromkeys(("degC", "°C", "C"), Unit(1.0)),
+    **dict.fromkeys(("K",), Unit(1.0, -273.15)),
+    **dict.fromkeys(("degF", "°F", "F"), Unit(5.0 / 9.0, -160.0 / 9.0)),
+}
+
+KINDS = {
+    "time": TIME,
+    "input": ANGLE,
+    "input_left": ANGLE,
+    "input_right": ANGLE,
+    "output": ANGLE,
+    "load_torque": TORQUE,
+    "temperature": TEMPERATURE,
+}
+
+
+def unit_of(quantity: str, name: str, counts_per_turn: float | None) -> Unit | None:
+    """The unit called ``name`` of a column ``quantity``, None if there is no such unit; encoder counts need a turn."""
+    spelt = name.strip().replace(" ", "").replace("·", "*").replace("μ", "µ")
+    if spelt in (COUNTS, "count") and KINDS[quantity] is ANGLE and counts_per_turn is not None:
+        return Unit(2.0 * math.pi / counts_per_turn)
+    return KINDS[quantity].get(spelt)
+
+
+def known_units(quantity: str) -> list[str]:
+    """Names to offer for a column."""
+    return [*KINDS[quantity], *([COUNTS] if KINDS[quantity] is ANGLE else [])]

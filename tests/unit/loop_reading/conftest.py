@@ -1,0 +1,17 @@
+"""The fixture ``write``: a small measured run on disk that each test bends to its purpose."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+from logger_samples import Write, writer
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Writes run.csv and run.yaml."""
+    return writer(tmp_path)
