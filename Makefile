@@ -26,13 +26,16 @@ $(VENV)/.ready: requirements.lock pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	$(BIN)/python -m compileall -q mbcdm_cad
 	@touch $@
 
 # The picture at the top of the README.
 picture: setup
 	$(BIN)/mbcdm picture $(DESIGN) docs/pictures/assembly.png
 
+# What is written from the schema: the table of the quick reader, the reference page.
 docs: setup
+	$(BIN)/python -m mbcdm_cad.design.plain
 	$(BIN)/mbcdm schema --reference > docs/design-file.md
 
 benchmark: setup
