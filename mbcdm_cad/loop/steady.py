@@ -65,7 +65,8 @@ def line_of(
 ) -> Line:
     """Test one order (cycles a turn of the drum); arrays (n,), samples in use only.
 
-    The search could have picked any order up to ``most_order``: 2 x travel (in turns) x ``most_order`` trials. The wave is fitted beside a line in angle, sweep by sweep, and beside a level in each sector.
+    The search could have picked any order up to ``most_order``: 2 x travel (in turns) x ``most_order`` trials. The wave
+    is fitted beside a level and a slope, in all, sweep by sweep and sector by sector.
     """
     wave = np.stack([np.cos(order * angle_rad), np.sin(order * angle_rad)], axis=1)
     travel = float(np.ptp(angle_rad))
