@@ -1,0 +1,326 @@
+"""Cables as chains of elastic pieces: unilateral tension, Coulomb contact on every wrap, rope carried along.
+
+Physics. A wrap is cut into pieces of equal angle, fixed to the pulley's surface. Each holds one tension, so one
+strain. Between a piece and its neighbour, or the tension T_e of the free span, friction carries at most a factor
+e^(mu s), s the angle between their middles. When T_e changes, pieces slip from the end inwards until one holds: the
+first that lies within the factor stays as it was, and with it all behind it. Nothing is assumed about loading,
+unloading or memory.
+
+Balance. The rope's length at preload is conserved: with delta the growth of the path since the start,
+
+    (T_e - T_pre) L_free + sum over wraps and pieces (T - T_pre) r dphi = E A delta,   T >= 0,
+
+which is one monotone equation for T_e, solved by Newton steps; what a cable cannot follow makes it slack (T_e = 0).
+
+Carrying along. When a pulley turns, the tangent point moves over pieces that stand still on the pulley: pieces pass
+under it and leave with the tension they had, new ones are laid on with T_e. ``transport=False`` keeps the tangent
+points where they are, as the analytic model does. The input wrap grows with sigma theta_i, the drum's with -sigma
+theta_o; the guide's window walks with the rope. ``guide_slip=False`` passes the tension over the guide without any
+wrap there; with it the guide's wrap has two ends, both at T_e (its bearing turns freely), and rope creeps on it from
+both.
+
+Python:  ``chains(cables, ...)`` gives fresh ``Chains`` at preload with all angles zero.
+njit, j the cable, all arrays changed in place:
+    ``advance(chains, j, input_rad, drum_rad, path_m) -> T_e``          all three steps below: what an integrator needs
+    ``carry(chains, j, input_rad, drum_rad)``                           turn the pulleys to these angles
+    ``look(chains, j, stretch_m) -> (T_e, dT_e/ddelta)``                tension at a total stretch; state unchanged
+    ``settle(chains, j, tension_N)``                                    let the pieces slip as far as T_e makes them
+    ``stretch(chains, j, input_rad, drum_rad, path_m)``                 delta = sigma (r_i theta_i - r_o theta_o) + path
+    ``strain(chains, j, strains)``                                      give the wraps a stress-free strain
+The same T_e acts at both ends of the free span: torques are sigma r_i T_e on the input and sigma r_o T_e on the drum.
+The stiffest a cable can be is ``E A / L_free`` (columns ``EA`` and ``FREE`` of ``Chains.constants``).
+SI throughout: m, N, rad. State of a cable: ``Chains.tension[j]`` is T_e; the pieces are in ``Chains.pieces``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from mbcdm_cad.rig.cables import RigCable
+from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+
+PIECE_RAD = 0.02
+INPUT_WRAP_RAD = 16.0
+DRUM_WRAP_RAD = 3.0
+# Columns of the constants, one row a cable.
+SIGMA, INPUT_RADIUS, DRUM_RADIUS, FREE, EA, PRELOAD, GUIDE_PER_DRUM, TRANSPORT = range(8)
+# Wraps of a cable.
+INPUT, GUIDE, DRUM = range(3)
+# Columns of a wrap: surface angles where it begins and ends now and began and ended at first, radius, friction, whether
+# it begins at an anchor, sum of (T - T_pre) dphi, and the factors e^(mu s) to the outer and the next piece of each end.
+(LOW, HIGH, LOW_0, HIGH_0, RADIUS, MU, ANCHORED, SUM, PIECE, PER_PIECE,
+ HIGH_OUTER, HIGH_NEXT, LOW_OUTER, LOW_NEXT) = range(14)  # fmt: skip
+_COLUMNS = 14
+_NEWTON = 60
+
+
+class Chains(NamedTuple):
+    """State of all cables: constants (n, 8), wraps (n, 3, 14), pieces' tension (n, 3, m) in N, T_e (n,) in N."""
+
+    constants: Floats
+    wraps: Floats
+    pieces: Floats
+    tension: Floats
+
+
+def chains(
+    cables: tuple[RigCable, ...],
+    *,
+    piece_rad: float = PIECE_RAD,
+    transport: bool = True,
+    guide_slip: bool = False,
+    input_wrap_rad: float = INPUT_WRAP_RAD,
+    drum_wrap_rad: float = DRUM_WRAP_RAD,
+    reach_rad: float = 0.8,
+) -> Chains:
+    """Fresh chains, every piece at its cable's preload.
+
+    ``piece_rad`` is the piece length on the pulley, ``input_wrap_rad`` and ``drum_wrap_rad`` the wraps at angle zero
+    (anchor to tangent point), ``reach_rad`` the largest drum angle to come. ValueError where a wrap would run out.
+    """
+    n = len(cables)
+    turns = max(c.drum_radius_m / c.input_radius_m for c in cables)
+    if transport and (reach_rad >= drum_wrap_rad or reach_rad * turns >= input_wrap_rad):
+        raise ValueError(
+            f"a travel of {reach_rad:.4g} rad winds off more than the wraps hold ({input_wrap_rad:.4g} rad on the "
+            f"inputs at {turns:.4g} turns a drum turn, {drum_wrap_rad:.4g} rad on the drum)"
+        )
+    longest = max(input_wrap_rad + reach_rad * turns, drum_wrap_rad + reach_rad, 2.0 * math.pi) + 1.0
+    state = Chains(
+        np.zeros((n, 8)), np.zeros((n, 3, _COLUMNS)), np.empty((n, 3, math.ceil(longest / piece_rad) + 4)), np.empty(n)
+    )
+    for j, c in enumerate(cables):
+        per_drum = c.drum_radius_m / c.guide_radius_m if c.guide_radius_m > 0.0 else 0.0
+        state.constants[j] = (
+            c.sigma, c.input_radius_m, c.drum_radius_m, c.path.free_span_m, c.stiffness_N, c.preload_N, per_drum,
+            1.0 if transport else 0.0,
+        )  # fmt: skip
+        state.pieces[j] = state.tension[j] = c.preload_N
+        guide = c.path.guide_wrap_rad if guide_slip else 0.0
+        spans = ((input_wrap_rad, c.input_radius_m), (guide, c.guide_radius_m), (drum_wrap_rad, c.drum_radius_m))
+        for w, (wrap_rad, radius_m) in enumerate(spans):
+            wrap = state.wraps[j, w]
+            wrap[HIGH] = wrap[HIGH_0] = wrap_rad
+            wrap[RADIUS], wrap[MU], wrap[ANCHORED] = radius_m, c.friction, float(w != GUIDE)
+            wrap[PIECE], wrap[PER_PIECE] = piece_rad, math.exp(c.friction * piece_rad)
+            _factors(wrap)
+    return state
+
+
+@compiled
+def _piece_after(angle: float, size: float) -> int:
+    """The piece that begins at ``angle`` or holds it inside; rounding must not give the one that ends there."""
+    k = math.floor(angle / size)
+    return k + 1 if (k + 1) * size <= angle else k
+
+
+@compiled
+def _piece_before(angle: float, size: float) -> int:
+    """The piece that ends at ``angle`` or holds it inside."""
+    k = math.ceil(angle / size) - 1
+    return k - 1 if k * size >= angle else k
+
+
+@compiled
+def _above(angle_rad: float, size: float) -> int:
+    """The piece that goes on above ``angle_rad``; an angle on an edge may come out of the division on either side."""
+    k = int(math.floor(angle_rad / size))
+    return k + 1 if (k + 1) * size <= angle_rad else k
+
+
+@compiled
+def _below(angle_rad: float, size: float) -> int:
+    """The piece that goes on below ``angle_rad``, as in :func:`_above`."""
+    k = int(math.ceil(angle_rad / size)) - 1
+    return k - 1 if k * size >= angle_rad else k
+
+
+@compiled
+def _factors(wrap: Floats) -> None:
+    """e^(mu s) from each end of the wrap to the middles of its outer piece, which is cut, and of the next."""
+    size, mu = wrap[PIECE], wrap[MU]
+    outer = wrap[HIGH] - _piece_before(wrap[HIGH], size) * size
+    wrap[HIGH_OUTER] = math.exp(mu * outer / 2.0)
+    wrap[HIGH_NEXT] = math.exp(mu * (outer + size / 2.0))
+    outer = (_piece_after(wrap[LOW], size) + 1) * size - wrap[LOW]
+    wrap[LOW_OUTER] = math.exp(mu * outer / 2.0)
+    wrap[LOW_NEXT] = math.exp(mu * (outer + size / 2.0))
+
+
+@compiled
+def _slip(pieces: Floats, wrap: Floats, tension: float, write: bool) -> tuple[float, float]:
+    """What ``tension`` at the ends changes in the sum of T dphi, and the change's slope; done to them if ``write``."""
+    size, count = wrap[PIECE], pieces.size
+    top, bottom = _piece_before(wrap[HIGH], size), _piece_after(wrap[LOW], size)
+    change, slope = 0.0, 0.0
+    # Between two ends each piece answers to the nearer one.
+    middle = bottom if wrap[ANCHORED] > 0.0 else (top + bottom + 1) // 2
+    for end in range(1 if wrap[ANCHORED] > 0.0 else 2):
+        step = -1 if end == 0 else 1
+        first, last = (top, middle) if end == 0 else (bottom, middle - 1)
+        factor = wrap[HIGH_OUTER] if end == 0 else wrap[LOW_OUTER]
+        following = wrap[HIGH_NEXT] if end == 0 else wrap[LOW_NEXT]
+        held = 0
+        for k in range(first, last + step, step):
+            extent = min((k + 1) * size, wrap[HIGH]) - max(k * size, wrap[LOW])
+            now = pieces[k % count]
+            if now > tension * factor:
+                share = factor
+            elif now < tension / factor:
+                share = 1.0 / factor
+            else:
+                # Two that hold: the outer piece is a mixture and may hold in front of one that does not.
+                held += 1
+                if held == 2:
+                    break
+                factor = following
+                following *= wrap[PER_PIECE]
+                continue
+            held = 0
+            change += extent * (tension * share - now)
+            slope += extent * share
+            if write:
+                pieces[k % count] = tension * share
+            factor = following
+            following *= wrap[PER_PIECE]
+    if write:
+        wrap[SUM] += change
+    return change, slope
+
+
+@compiled
+def _move_high(pieces: Floats, wrap: Floats, to: float, tension: float, preload: float) -> None:
+    """Move the wrap's end to the surface angle ``to``: new rope arrives at ``tension``, old leaves as it is."""
+    size, count = wrap[PIECE], pieces.size
+    while wrap[HIGH] < to:
+        k = _piece_after(wrap[HIGH], size)
+        edge = (k + 1) * size
+        end = min(edge, to)
+        there, arriving = wrap[HIGH] - max(k * size, wrap[LOW]), end - wrap[HIGH]
+        pieces[k % count] = (pieces[k % count] * there + tension * arriving) / (there + arriving)
+        wrap[SUM] += (tension - preload) * arriving
+        wrap[HIGH] = end
+    while wrap[HIGH] > to:
+        k = _piece_before(wrap[HIGH], size)
+        end = max(k * size, to)
+        wrap[SUM] -= (pieces[k % count] - preload) * (wrap[HIGH] - end)
+        wrap[HIGH] = end
+
+
+@compiled
+def _move_low(pieces: Floats, wrap: Floats, to: float, tension: float, preload: float) -> None:
+    """As :func:`_move_high` for the wrap's beginning: rope arrives when ``to`` is lower."""
+    size, count = wrap[PIECE], pieces.size
+    while wrap[LOW] > to:
+        k = _piece_before(wrap[LOW], size)
+        end = max(k * size, to)
+        there, arriving = min((k + 1) * size, wrap[HIGH]) - wrap[LOW], wrap[LOW] - end
+        pieces[k % count] = (pieces[k % count] * there + tension * arriving) / (there + arriving)
+        wrap[SUM] += (tension - preload) * arriving
+        wrap[LOW] = end
+    while wrap[LOW] < to:
+        k = _piece_after(wrap[LOW], size)
+        end = min((k + 1) * size, to)
+        wrap[SUM] -= (pieces[k % count] - preload) * (end - wrap[LOW])
+        wrap[LOW] = end
+
+
+@compiled
+def carry(chains: Chains, j: int, input_rad: float, drum_rad: float) -> None:
+    """Turn the pulleys of cable ``j`` to these angles; nothing without transport."""
+    c = chains.constants[j]
+    if c[TRANSPORT] == 0.0:
+        return
+    walked = c[SIGMA] * c[GUIDE_PER_DRUM] * drum_rad
+    for w in range(3):
+        wrap, pieces = chains.wraps[j, w], chains.pieces[j, w]
+        if wrap[HIGH_0] == 0.0:
+            continue
+        if w == GUIDE:
+            # In this order the window never closes, whichever way it walks.
+            low, high = wrap[LOW_0] + walked, wrap[HIGH_0] + walked
+            if high > wrap[HIGH]:
+                _move_high(pieces, wrap, high, chains.tension[j], c[PRELOAD])
+                _move_low(pieces, wrap, low, chains.tension[j], c[PRELOAD])
+            else:
+                _move_low(pieces, wrap, low, chains.tension[j], c[PRELOAD])
+                _move_high(pieces, wrap, high, chains.tension[j], c[PRELOAD])
+        else:
+            turned = c[SIGMA] * (input_rad if w == INPUT else -drum_rad)
+            _move_high(pieces, wrap, wrap[HIGH_0] + turned, chains.tension[j], c[PRELOAD])
+        _factors(wrap)
+
+
+@compiled
+def stretch(chains: Chains, j: int, input_rad: float, drum_rad: float, path_m: float) -> float:
+    """Growth of the cable's path since the start, m: delta = sigma (r_i theta_i - r_o theta_o) + path."""
+    c = chains.constants[j]
+    return float(c[SIGMA] * (c[INPUT_RADIUS] * input_rad - c[DRUM_RADIUS] * drum_rad) + path_m)
+
+
+@compiled
+def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
+    """Tension (N) that cable ``j`` would have at a total stretch, and dT/ddelta (N/m); its state stays as it is."""
+    c = chains.constants[j]
+    held = -c[EA] * stretch_m
+    for w in range(3):
+        held += chains.wraps[j, w, RADIUS] * chains.wraps[j, w, SUM]
+    tension = chains.tension[j]
+    slope = c[FREE]
+    for _ in range(_NEWTON):
+        miss, slope = held + (tension - c[PRELOAD]) * c[FREE], c[FREE]
+        for w in range(3):
+            wrap = chains.wraps[j, w]
+            if wrap[HIGH_0] > 0.0:
+                change, rate = _slip(chains.pieces[j, w], wrap, tension, False)
+                miss += wrap[RADIUS] * change
+                slope += wrap[RADIUS] * rate
+        if tension == 0.0 and miss >= 0.0:
+            return 0.0, 0.0
+        following = max(tension - miss / slope, 0.0)
+        if abs(following - tension) <= 1e-13 * c[PRELOAD]:
+            return following, c[EA] / slope
+        tension = following
+    return tension, c[EA] / slope
+
+
+@compiled
+def settle(chains: Chains, j: int, tension_N: float) -> None:
+    """Take ``tension_N`` as the cable's and let its pieces slip as far as that makes them."""
+    chains.tension[j] = tension_N
+    for w in range(3):
+        if chains.wraps[j, w, HIGH_0] > 0.0:
+            _slip(chains.pieces[j, w], chains.wraps[j, w], tension_N, True)
+
+
+@compiled
+def advance(chains: Chains, j: int, input_rad: float, drum_rad: float, path_m: float) -> float:
+    """Bring cable ``j`` to these angles and this extra path; returns its tension, N."""
+    carry(chains, j, input_rad, drum_rad)
+    tension = look(chains, j, stretch(chains, j, input_rad, drum_rad, path_m))[0]
+    settle(chains, j, tension)
+    return float(tension)
+
+
+@compiled
+def strain(chains: Chains, j: int, strains: Floats) -> None:
+    """Add a stress-free strain of rope over bed to each wrap (input, guide, drum): stuck rope goes slacker by it.
+
+    ``strains`` (3,): growth of the rope less that of the pulley under it. The free span's belongs in the path.
+    """
+    c = chains.constants[j]
+    for w in range(3):
+        wrap, pieces = chains.wraps[j, w], chains.pieces[j, w]
+        if wrap[HIGH_0] == 0.0 or strains[w] == 0.0:
+            continue
+        size = wrap[PIECE]
+        for k in range(_piece_after(wrap[LOW], size), _piece_before(wrap[HIGH], size) + 1):
+            extent = min((k + 1) * size, wrap[HIGH]) - max(k * size, wrap[LOW])
+            now = pieces[k % pieces.size]
+            then = max(now - c[EA] * strains[w], 0.0)
+            pieces[k % pieces.size] = then
+            # Length at preload is kept: what the strain adds to the rope, the lower tension takes away again.
+            wrap[SUM] += extent * (then - now + c[EA] * strains[w])

@@ -1,0 +1,114 @@
+"""The chain by itself: balance, memory, conservation of rope under transport, slackness."""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.rig import chain
+from mbcdm_cad.rig.cables import cables_of
+
+
+@pytest.fixture(scope="module")
+def cables(project):
+    return cables_of(load_design(project / "params" / "mbcdm.yaml").drive)
+
+
+def first_loading(c, tension):
+    """Integral of the exponential profile, worked out by hand: span, then a wrap that slips until T_pre holds."""
+    reach = (c.input_radius_m + c.drum_radius_m) / c.friction
+    slip = abs(tension - c.preload_N - c.preload_N * log(tension / c.preload_N))
+    sign = 1.0 if tension > c.preload_N else -1.0
+    return ((tension - c.preload_N) * c.path.free_span_m + sign * reach * slip) / c.stiffness_N
+
+
+@pytest.mark.parametrize("to_N", [75.0, 64.0, 100.0])
+def test_first_loading_is_the_integral_of_the_capstan_profile(cables, to_N):
+    state = chain.chains(cables, transport=False, piece_rad=0.005)
+    delta = first_loading(cables[0], to_N)
+    found = chain.advance(state, 0, 0.0, 0.0, delta)
+    assert found == pytest.approx(to_N, abs=1e-3 * abs(to_N - 70.0)), f"{found} N"
+
+
+def test_reversal_is_twice_as_wide_as_first_loading(cables):
+    state = chain.chains(cables, transport=False, piece_rad=0.005)
+    delta = first_loading(cables[0], 74.0)
+    chain.advance(state, 0, 0.0, 0.0, delta)
+    back = chain.advance(state, 0, 0.0, 0.0, -delta)
+    assert back == pytest.approx(66.0, abs=0.15), f"{back} N"
+    again = chain.advance(state, 0, 0.0, 0.0, delta)
+    assert again == pytest.approx(74.0, abs=0.02), f"the loop closes at {again} N"
+
+
+def test_look_changes_nothing_and_its_slope_is_right(cables):
+    state = chain.chains(cables, transport=False)
+    before = [array.copy() for array in state]
+    tension, slope = chain.look(state, 1, 2e-5)
+    assert all(np.array_equal(a, b) for a, b in zip(before, state, strict=True))
+    step = 1e-9
+    found = (chain.look(state, 1, 2e-5 + step)[0] - chain.look(state, 1, 2e-5 - step)[0]) / (2 * step)
+    assert slope == pytest.approx(found, rel=1e-4)
+    assert slope < cables[1].stiffness_N / cables[1].path.free_span_m
+    assert tension > 70.0
+
+
+@pytest.mark.parametrize("guide_slip", [False, True])
+def test_running_sum_is_the_sum_of_the_pieces_after_long_travel(cables, guide_slip):
+    state = chain.chains(cables, guide_slip=guide_slip)
+    for k in range(4000):
+        drum = 0.5 * np.sin(k * 0.01)
+        chain.advance(state, 2, 9.0 * drum, drum, 3e-5 * np.sin(k * 0.037))
+    for w in range(3):
+        wrap, pieces = state.wraps[2, w], state.pieces[2, w]
+        total = 0.0
+        for k in range(int(np.floor(wrap[chain.LOW] / 0.02)), int(np.ceil(wrap[chain.HIGH] / 0.02))):
+            extent = min((k + 1) * 0.02, wrap[chain.HIGH]) - max(k * 0.02, wrap[chain.LOW])
+            total += extent * (pieces[k % pieces.size] - 70.0)
+        assert wrap[chain.SUM] == pytest.approx(total, abs=1e-9), w
+
+
+def test_rope_wound_on_under_load_comes_back_with_its_tension(cables):
+    state = chain.chains(cables)
+    for k in range(200):  # load first, then wind on to the input under a stretch held fixed
+        chain.advance(state, 1, 0.0, 0.0, 4e-5 * k / 199)
+    loaded = state.tension[1]
+    for k in range(500):
+        drum = 0.3 * k / 499
+        chain.advance(state, 1, 9.0 * drum, drum, 4e-5)
+    wrap = state.wraps[1, chain.INPUT]
+    top = int(wrap[chain.HIGH] / 0.02) - 40
+    assert state.pieces[1, chain.INPUT, top] > 71.0, "rope laid on under load holds more than the preload"
+    assert state.tension[1] < loaded, "the drum's rope comes off at preload, so that the tension sinks"
+
+
+def test_without_friction_the_whole_rope_shares_the_stretch(cables):
+    from dataclasses import replace
+
+    c = replace(cables[0], friction=0.0)
+    state = chain.chains((c,), transport=False)
+    length = c.path.free_span_m + c.input_radius_m * 16.0 + c.drum_radius_m * 3.0
+    tension = chain.advance(state, 0, 0.0, 0.0, 1e-4)
+    assert tension == pytest.approx(70.0 + c.stiffness_N * 1e-4 / length, rel=1e-12)
+
+
+def test_a_rope_cannot_push(cables):
+    state = chain.chains(cables, transport=False)
+    assert chain.advance(state, 0, 0.0, 0.0, -5e-3) == 0.0
+    assert chain.advance(state, 0, 0.0, 0.0, 0.0) > 0.0
+    assert state.pieces[0].min() >= 0.0
+
+
+def test_strain_of_the_stuck_rope_slackens_it_uniformly(cables):
+    state = chain.chains(cables, transport=False)
+    c = cables[0]
+    chain.strain(state, 0, np.full(3, 1e-4))
+    tension = chain.advance(state, 0, 0.0, 0.0, -1e-4 * c.path.free_span_m)
+    assert tension == pytest.approx(70.0 - c.stiffness_N * 1e-4, rel=1e-12)
+
+
+def test_a_travel_that_empties_a_wrap_is_refused(cables):
+    with pytest.raises(ValueError, match="winds off"):
+        chain.chains(cables, reach_rad=2.0)
