@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ from mbcdm_cad.report.store import MadePart
 ESTIMATE_SIGMA = 0.10
 CATALOGUE_SIGMA = 0.02
 MADE_SIGMA = 0.01
+_MASS = re.compile(r"\bmass\b|\d\s?g\b(?!/cm3)", re.IGNORECASE)
 _DRUM_AXIS = (0.0, 1.0, 0.0)
 _GUIDE_AXIS = (0.0, 0.0, 1.0)
 
@@ -40,7 +42,10 @@ class BillLine:
 
 @dataclass(frozen=True)
 class Inertias:
-    """Moments of inertia of what moves, g mm^2: seen at the drum's axis, and reflected to one motor's shaft."""
+    """Moments of inertia of what moves, g mm^2: seen at the drum's axis, and reflected to one motor's shaft.
+
+    ``input_shafts`` are each input's about its own axis, its rotor reflected to it.
+    """
 
     drum_group: float
     guide_at_drum: float
@@ -49,6 +54,7 @@ class Inertias:
     at_drum_without_rotors: float
     at_drum: float
     at_motor: float
+    input_shafts: tuple[float, ...]
 
 
 def _source(item: Item, parts_list: Bill, drive: Drive) -> str:
@@ -60,10 +66,20 @@ def _source(item: Item, parts_list: Bill, drive: Drive) -> str:
     return str(entry.source)
 
 
+def mass_is_estimated(source: str) -> bool:
+    """Whether a catalogue entry's source calls its mass an estimate.
+
+    What counts is the clause that speaks of the mass (the word, or a figure in g); without one, all that is said.
+    """
+    clauses = re.split(r";|\.\s", source)
+    of_mass = [clause for clause in clauses if _MASS.search(clause)]
+    return any("estimate" in clause.lower() for clause in of_mass or clauses)
+
+
 def _sigma(kind: str, source: str) -> float:
     if kind == "made":
         return MADE_SIGMA
-    return ESTIMATE_SIGMA if "estimate" in source.lower() else CATALOGUE_SIGMA
+    return ESTIMATE_SIGMA if mass_is_estimated(source) else CATALOGUE_SIGMA
 
 
 def bill_lines(centred: Bill, parts: Mapping[str, MadePart], drive: Drive) -> tuple[BillLine, ...]:
@@ -116,16 +132,20 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
     guide_ratio = first.drum_radius_mm / first.guide_radius_mm
     guide = combined(groups["guide"]).about_axis(_GUIDE_AXIS) * guide_ratio**2
     pulleys = rotors = 0.0
+    shafts = []
     for pulley in layout.inputs:
         cable = next(c for c in drive.cables if c.input_name == pulley.name)
         ratio = cable.drum_radius_mm / cable.input_radius_mm
-        body = combined(groups[f"input_{pulley.name}"])
-        pulleys += body.about_axis(_GUIDE_AXIS, (pulley.x, 0.0, 0.0)) * ratio**2
+        body = combined(groups[f"input_{pulley.name}"]).about_axis(_GUIDE_AXIS, (pulley.x, 0.0, 0.0))
         # g cm^2 to g mm^2.
-        rotors += drive.motor.rotor_inertia_g_cm2 * 100.0 * (ratio * drive.gearhead.ratio) ** 2
+        rotor = drive.motor.rotor_inertia_g_cm2 * 100.0 * drive.gearhead.ratio**2
+        pulleys += body * ratio**2
+        rotors += rotor * ratio**2
+        shafts.append(body + rotor)
     motor_ratio = first.drum_radius_mm / first.input_radius_mm * drive.gearhead.ratio
     without = drum + guide + pulleys
-    return Inertias(drum, guide, pulleys, rotors, without, without + rotors, (without + rotors) / motor_ratio**2)
+    everything = without + rotors
+    return Inertias(drum, guide, pulleys, rotors, without, everything, everything / motor_ratio**2, tuple(shafts))
 
 
 def box_mm(
