@@ -112,16 +112,14 @@ class Unknown:
         }
 
 
-def describe_unknown(p: Prepared, residual_rad: Floats, floor_rad: float) -> Unknown | None:
-    """Describe a residual (rad, shape (n,), all samples of the run); None where it is no larger than the floor.
+def describe_unknown(p: Prepared, residual_rad: Floats, floor_rad: float) -> Unknown:
+    """Describe a residual (rad, shape (n,), all samples of the run); ``floor_rad`` says how small a pattern counts.
 
-    What the floor allows for is 1 + 0.45^2 of its mean square, the size from which an effect would be named.
+    Whether the residual is too large at all is for the caller to test.
     """
     use = p.used
     r = residual_rad[use] - residual_rad[use].mean()
     square = float(np.mean(r**2))
-    if square <= (1.0 + LEAST_SHARE_OF_FLOOR**2) * floor_rad**2:
-        return None
     sweep, sector = p.sweep[use], p.sector[use]
     sense = np.where(np.sign(p.speed_rad_s[use]) >= 0.0, 1, 0)
     variables: list[tuple[str, str, Floats, int]] = [("angle", "rad", p.output_rad[use], ANGLE_BINS)]
