@@ -78,7 +78,7 @@ def test_a_wander_does_not_repeat_in_angle_load_or_speed() -> None:
     said = []
     for seed in range(10):
         unknown = describe_unknown(*run_with("wander", seed), FLOOR)
-            said += [p.variable for p in unknown.patterns if p.variable != "time"]
+        said += [p.variable for p in unknown.patterns if p.variable != "time"]
         assert 0.1 < unknown.memory_s < 1.0, unknown.sentence()
     assert len(said) <= 1, said
 
