@@ -1,0 +1,87 @@
+"""Faults of a record that show in its signals alone: gaps in time, a sensor at its end, an angle that jumps a turn."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.loop.finding import Finding, column_of
+from mbcdm_cad.loop.run import Floats, Run
+
+# A step in time this many times the usual one is a gap.
+GAP_STEPS = 5.0
+# A sensor that stands at its end while the drive goes on by this share of the travel is at its limit.
+LOST_TRAVEL = 0.15
+# Share of the samples that a noisy torque may spend exactly at its end.
+LEVEL_SHARE = 0.005
+
+
+def signal_findings(run: Run, ratio: float) -> list[Finding]:
+    """Doubts and refusals."""
+    inputs = [(column_of(name), row) for name, row in zip(run.input_names, run.input_rad, strict=True)]
+    angles = [*inputs, (("columns", "output"), run.output_rad)]
+    found = _gaps(run.time_s)
+    for field, values in angles:
+        found += _jumps(str(field[1]), field, values)
+    for field, values in inputs:
+        found += _stands(str(field[1]), field, values, run.output_rad)
+    found += _stands("output", ("columns", "output"), run.output_rad, run.input_rad.mean(axis=0) / ratio)
+    if run.load_Nm is not None:
+        found += _levels(run.load_Nm)
+    return found
+
+
+def _gaps(time_s: Floats) -> list[Finding]:
+    steps = np.diff(time_s)
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP_STEPS * usual)
+    if gaps.size == 0:
+        return []
+    longest = int(gaps[np.argmax(steps[gaps])])
+    text = (
+        f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {time_s[longest]:.6g} s "
+        f"(usual step {usual:.4g} s); what the friction did in them nobody knows"
+    )
+    return [Finding("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
+
+
+def _jumps(name: str, field: FieldPath, values: Floats) -> list[Finding]:
+    """An encoder that starts again after a turn."""
+    steps = np.diff(values)
+    jumps = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
+    usual = float(np.median(np.abs(steps)))
+    if jumps.size == 0 or usual > 0.2:
+        return []
+    text = f"{name} jumps by a full turn {jumps.size} time(s), first after sample {int(jumps[0]) + 1}"
+    return [Finding("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
+
+
+def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[Finding]:
+    """An angle that stays exactly at its end while the other side of the drive goes on."""
+    for end, word in ((float(values.max()), "highest"), (float(values.min()), "lowest")):
+        at = values == end
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], at.view(np.int8), [0]))))
+        begins, ends = edges[::2], edges[1::2]
+        longest = int(np.argmax(ends - begins))
+        moved = float(np.ptp(other[begins[longest] : ends[longest]]))
+        if moved > LOST_TRAVEL * float(np.ptp(other)):
+            text = (
+                f"{name} stays at its {word} figure, {end:.6g} rad, for {int(ends[longest] - begins[longest])} samples "
+                f"while the drive goes on by {moved:.4g} rad: the sensor is at its end"
+            )
+            return [Finding("saturated", "doubt", text, "cut these samples out, or set the sensor's range", field)]
+    return []
+
+
+def _levels(load_Nm: Floats) -> list[Finding]:
+    """A noisy torque that spends time exactly at its end."""
+    still = float(np.mean(np.diff(load_Nm) == 0.0))
+    for end, word in ((float(load_Nm.max()), "highest"), (float(load_Nm.min()), "lowest")):
+        share = float(np.mean(load_Nm == end))
+        if share > LEVEL_SHARE and still < 0.5 and load_Nm.size * share > 10:
+            text = f"load torque is at its {word} figure, {end:.5g} N m, in {share:.1%} of the samples: it is cut off"
+            remedy = "set the sensor's range higher; load-driven effects are off where it is cut"
+            return [Finding("saturated", "doubt", text, remedy, ("columns", "load_torque"))]
+    return []
