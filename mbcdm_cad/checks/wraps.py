@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from math import atan2, cos, degrees, sin
+from math import atan2, degrees
 
 import numpy as np
 
 from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
 from mbcdm_cad.checks.knobs import Turn, down, floored, up
 from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.layout.path_figures import terminal_to_guide_mm
 
 # Land left under the cable between transfer point and terminal at the end of travel (estimate).
 LEAST_WRAP_DEG = 2.0
@@ -86,17 +87,14 @@ def _travel_within(measure: Callable[[Subject], Finding], s: Subject) -> str:
 
 def terminal_clears_guide(s: Subject) -> Finding:
     """Terminals stay beside the guide at the end of travel that brings them nearest."""
-    d = s.layout.drum
-    keep = max(c.guide_radius_mm for c in s.steps) + s.flank_mm
-    half = max(d.nut_pocket, d.lug_half_width)
     return worst(
         at_least(
             f"terminal of {t.cable_name} from the guide and its cables at the end of travel",
-            (t.radius_mm - half) * sin(wrap) + t.swage_start * cos(wrap) - keep,
+            terminal_to_guide_mm(s.layout, t, wrap),
             s.drive.clearances.running_mm,
             "mm",
         )
-        for t in d.tensioners
+        for t in s.layout.drum.tensioners
         for wrap in (t.anchor_rad - s.half_travel_rad,)
     )
 

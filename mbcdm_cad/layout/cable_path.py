@@ -225,10 +225,14 @@ def cable_path(drive: Drive, cable: CableRun, anchor_rad: float, tail_mm: float,
     return CablePath(cable, drum_angle_rad, tuple(pieces))
 
 
+def fleet_angle_at_deg(drive: Drive, cable: CableRun, drum_angle_rad: float) -> float:
+    """Fleet angle at a drum angle, with the sign of the walk: atan(walk / free span)."""
+    return degrees(atan2(axial_walk_mm(drive, cable, drum_angle_rad), winding(drive, cable).free_span_mm))
+
+
 def fleet_angle_deg(drive: Drive, cable: CableRun) -> float:
-    """Largest fleet angle over the travel: atan(walk / free span), at both ends of travel (the walk is symmetric)."""
-    w = winding(drive, cable)
-    return degrees(atan2(abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg))), w.free_span_mm))
+    """Largest fleet angle over the travel, at both of its ends (the walk is symmetric)."""
+    return abs(fleet_angle_at_deg(drive, cable, radians(drive.half_travel_deg)))
 
 
 def self_clearance_mm(drive: Drive, cable: CableRun, drum_angle_rad: float) -> float:

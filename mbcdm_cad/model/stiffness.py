@@ -25,6 +25,19 @@ def sticking_stiffness_Nm_rad(d: DriveSI) -> Floats:
     return np.asarray((d.drum_radius_m**2 * d.axial_stiffness_N / d.free_span_m).sum(axis=0))
 
 
+def sticking_response(d: DriveSI, path_m: Any) -> tuple[Floats, Floats]:
+    """What a change of the cables' path lengths does with inputs locked, no load, and every wrap sticking.
+
+    ``path_m`` (n_cables, ...) is how much longer each cable's path is. Returns the drum's turn (rad, (...)) and the
+    change of each tension (N, (n_cables, ...)): the most it can be, since slip on the wraps only makes cables softer.
+    """
+    path = np.asarray(path_m, dtype=float)
+    stiffness = d.column(d.axial_stiffness_N / d.free_span_m, path.ndim)
+    lever = d.column(d.sigma * d.drum_radius_m, path.ndim)
+    angle = (stiffness * lever * path).sum(axis=0) / (stiffness * lever**2).sum(axis=0)
+    return np.asarray(angle), np.asarray(stiffness * (path - lever * angle))
+
+
 def secant_stiffness_Nm_rad(d: DriveSI, load_Nm: Any) -> Floats:
     """M over the drum's turn from the unloaded state; the sticking stiffness in the limit of no load."""
     load = np.asarray(load_Nm, dtype=float)

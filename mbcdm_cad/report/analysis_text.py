@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import Analysis, analyse
+from mbcdm_cad.report.paths import path_data_or_reason, path_lines
 
 
 def _list(values: Sequence[float], digits: int = 2) -> str:
@@ -68,7 +69,9 @@ def analysis_text(a: Analysis) -> str:
 def analysis_outputs(drive: Drive) -> dict[str, bytes]:
     """What the analyse command prints, plain and as JSON."""
     analysis = analyse(drive)
+    paths, why = path_data_or_reason(drive)
+    lines = [analysis_text(analysis), "", *(path_lines(paths) if paths else [f"cable paths: {why}"])]
     return {
-        "plain": analysis_text(analysis).encode(),
-        "json": json.dumps(analysis.to_dict(), indent=1, allow_nan=False).encode(),
+        "plain": "\n".join(lines).encode(),
+        "json": json.dumps(analysis.to_dict() | {"paths": paths}, indent=1, allow_nan=False).encode(),
     }

@@ -17,7 +17,9 @@ from mbcdm_cad.layout.layout import Layout
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.assembly_order import assembly_order
 from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
+from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.store import MadePart
+from mbcdm_cad.report.torsion import torsion_data
 
 REPORT_FORMAT = 1
 _SWEPT_POSES = 29
@@ -85,6 +87,7 @@ def report_data(
     low, high = box_mm(layout, parts, 0.0)
     size = high - low
     analysis, order = analyse(drive), assembly_order(layout)
+    moving = inertias(layout, centred, by_item)
     kilograms = whole.mass_g / 1e3
     data = {
         "format": REPORT_FORMAT,
@@ -99,7 +102,8 @@ def report_data(
             "tolerance_g": drive.targets.mass_tolerance_g,
             "prototype_measured_g": drive.targets.prototype_mass_g,
         },
-        "inertia_moving_g_mm2": asdict(inertias(layout, centred, by_item)),
+        "inertia_moving_g_mm2": asdict(moving),
+        "torsion": torsion_data(drive, moving),
         "envelope": {
             "axes": ["X", "Z", "Y"],
             "size_mm": [float(size[0]), float(size[2]), float(size[1])],
@@ -127,6 +131,7 @@ def report_data(
             "paper_measured_Nm_kg": 9.649,
         },
         "analysis": analysis.to_dict(),
+        "paths": path_data(layout),
         "bill_of_materials": [asdict(line) for line in lines],
         "items": {
             item.name: {"part": item.part, "group": item.group, **_mass(by_item[item.name])} for item in centred.items

@@ -20,6 +20,7 @@ from mbcdm_cad.model.capability import (
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.stiffness import (
     secant_stiffness_Nm_rad,
+    sticking_response,
     sticking_stiffness_Nm_rad,
     tangent_stiffness_Nm_rad,
     torsional_modes_Hz,
@@ -145,3 +146,16 @@ def test_drum_feels_no_net_pull_at_equal_preload() -> None:
     d = paper_drive()
     loads = bearing_loads(d, d.preload_N)
     assert np.abs(loads.drum_force_N).max() < 1e-12 and np.abs(loads.drum_moment_Nm).max() < 1e-12
+
+
+def test_a_longer_path_turns_the_drum_and_balances() -> None:
+    """Sticking wraps: no torque is left on the drum, and the change of stretch is the path less the drum's turn."""
+    d = paper_drive()
+    path = np.array([[10e-6, 0.0], [0.0, -5e-6], [3e-6, 5e-6], [0.0, 0.0]])
+    angle, pull = sticking_response(d, path)
+    lever = d.sigma * d.drum_radius_m
+    assert np.abs(lever @ pull).max() < 1e-9, "torque on the drum, N m"
+    stretch = pull * (d.free_span_m / d.axial_stiffness_N)[:, None]
+    assert stretch == pytest.approx(path - lever[:, None] * angle)
+    turned, slack = sticking_response(d, lever)
+    assert turned == pytest.approx(1.0) and np.abs(slack).max() < 1e-6, "all paths as a turn of the drum makes them"

@@ -1,0 +1,59 @@
+"""Cable paths and torsional modes as the report and `mbcdm analyse` hold them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loader import load_text
+from mbcdm_cad.design.template import new_design_text
+from mbcdm_cad.layout.layout import layout
+from mbcdm_cad.report.analysis_text import analysis_outputs
+from mbcdm_cad.report.masses import Inertias
+from mbcdm_cad.report.paths import path_data, path_data_or_reason
+from mbcdm_cad.report.torsion import torsion_data
+
+
+@pytest.fixture(scope="module")
+def drive() -> Drive:
+    return load_text(new_design_text("mbcdm")).drive
+
+
+def test_analyse_prints_paths_and_travel(drive: Drive) -> None:
+    found = analysis_outputs(drive)
+    text, data = found["plain"].decode(), json.loads(found["json"])["paths"]
+    assert "usable travel -35.25 to +35.25 deg" in text
+    for c in data["cables"]:
+        assert f"{c['name']:<10} length {c['length_mm']:.2f} mm" in text
+        assert f"input contact ({c['input_contact_mm'][0]:.3f}" in text
+    assert data["limits_positive"][0]["cause"] == "hard stop"
+
+
+def test_a_design_without_a_layout_still_has_its_figures(drive: Drive) -> None:
+    """No dimensions to lay out: the reason stands in place of the paths."""
+    overlapping = replace(drive, centre_distance_mm=12.0)
+    paths, why = path_data_or_reason(overlapping)
+    assert paths is None and "centre distance" in why, why
+
+
+def test_no_helix_no_error_of_the_path(drive: Drive) -> None:
+    """A helix of (nearly) no lead runs as the pitch circles do."""
+    steep, flat = (path_data(layout(replace(drive, helix_lead_mm=lead))) for lead in (0.87, 1e-6))
+    worst = [max(map(abs, data["drum_turn_urad"])) for data in (steep, flat)]
+    assert worst[0] > 100 and worst[1] < 1e-3, f"{worst} urad"
+
+
+def test_torsional_modes_follow_the_inertias(drive: Drive) -> None:
+    moving = Inertias(1e5, 2e4, 1.0, 1.0, 1.0, 1.0, 1.0, (4e5, 4e5))
+    found = torsion_data(drive, moving)
+    expected = np.sqrt(found["stiffness_Nm_rad"] / 1.2e-4) / (2 * np.pi)
+    assert found["lowest_inputs_held_Hz"] == pytest.approx(expected)
+    heavier = torsion_data(drive, replace(moving, drum_group=4 * 1.2e5 - 2e4))
+    assert heavier["lowest_inputs_held_Hz"] == pytest.approx(expected / 2)
+    assert len(found["inputs_free_Hz"]) == 2 and found["inputs_free_Hz"][0] < found["inputs_free_Hz"][1]
+    stiff = torsion_data(drive, replace(moving, input_shafts=(1e12, 1e12)))
+    assert stiff["inputs_free_Hz"][-1] == pytest.approx(expected, rel=1e-5), "inputs too heavy to move are held"
