@@ -176,6 +176,12 @@ def coupling_height(s: Subject) -> Finding:
     )
 
 
+def _of_thinner_walls(s: Subject) -> str:
+    """Steel, for pulleys of something that asks for thicker walls."""
+    own, steel = s.drive.input_pulleys.material, s.drive.material("steel")
+    return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
+
+
 _RADII = (
     up("transmission.input_radii_mm"),
     down("transmission.ratios.input_to_guide"),
@@ -184,7 +190,7 @@ _RADII = (
 _CHOOSE = "choose another bearing or gearhead, or a material of thinner walls"
 CHECKS = (
     Check("stop_pocket_wall", "Wall outside the stops' pockets", "material: min_wall_mm", stop_pocket_wall,
-          turns=_RADII, advice="choose steel or brass for input_pulleys.material"),
+          turns=_RADII, advice=_of_thinner_walls),
     Check("stop_pocket_floor", "Metal between the stops' pockets", "material: min_wall_mm", stop_pocket_floor,
           turns=(up("rope.helix_lead_mm"), up("rope.dead_turns"), up("all radii of transmission"))),
     Check("stop_pocket_bore", "Metal between stops and shaft bore", "material: min_wall_mm", stop_pocket_bore,
