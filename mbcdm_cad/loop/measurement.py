@@ -19,7 +19,7 @@ from mbcdm_cad.loop.datafile import Table, read_table
 from mbcdm_cad.loop.logformat import Format, find_format
 from mbcdm_cad.loop.run import Floats, Run, Sensors
 from mbcdm_cad.loop.schema import Column, Measurement, node_at
-from mbcdm_cad.loop.units import Unit, known_units, unit_of
+from mbcdm_cad.loop.units import COUNTS, ENCODERS, Unit, known_units, unit_of
 
 # Fewer samples than this cannot hold the few sweeps that any statement needs.
 FEWEST_SAMPLES = 100
@@ -105,7 +105,13 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     if content.published is not None:
         extra = [key for key in ("data", "columns", "ratio") if getattr(content, key) is not None]
         remedy = "keep one of the two: a run, or published figures"
-        return [file.problem((key,), "given beside published", remedy=remedy) for key in extra]
+        problems = [file.problem((key,), "given beside published", remedy=remedy) for key in extra]
+        for index, item in enumerate(content.published):
+            if unit_of(item.quantity, item.unit) is None:
+                remedy = did_you_mean(item.unit, known_units(item.quantity))
+                what = f"no unit of {item.quantity}"
+                problems.append(file.problem(("published", index, "unit"), what, shortened(item.unit), remedy=remedy))
+        return problems
     problems = [
         file.problem((key,), "missing", remedy=f"add {key}, or published for figures of a paper")
         for key in ("data", "columns")
@@ -123,11 +129,7 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     for quantity, column in asked.items():
         where: FieldPath = ("columns", quantity)
         if unit_of(quantity, column.unit, column.counts_per_turn) is None:
-            counts = column.unit.strip() in ("counts", "count") and quantity not in (
-                "time",
-                "temperature",
-                "load_torque",
-            )
+            counts = column.unit.strip() in (COUNTS, "count") and quantity in ENCODERS
             remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
             what = "counts without counts_per_turn" if counts else f"no unit of {quantity}"
             problems.append(file.problem((*where, "unit"), what, shortened(column.unit), remedy=remedy))

@@ -73,6 +73,9 @@ class Conditions(Block):
     load_torque_Nm: Number | None = figure(
         "load on the drum", unit="N m", source="paper", example=0.91, default=None, gt=0.0, le=1e5
     )
+    half_travel_rad: Number | None = figure(
+        "amplitude of the drum's motion", unit="rad", source="paper", example=0.05, default=None, gt=0.0, le=100.0
+    )
 
 
 class Published(Block):

@@ -51,6 +51,9 @@ TEMPERATURE = {
     **dict.fromkeys(("degF", "°F", "F"), Unit(5.0 / 9.0, -160.0 / 9.0)),
 }
 
+MASS = _scaled(("kg", 1.0), ("g", 1e-3), ("lb", 0.45359237))
+ORDER = _scaled(("cycle/rad cycles/rad 1/rad", 1.0), ("cycle/turn cycles/turn 1/turn", 0.5 / math.pi))
+
 KINDS = {
     "time": TIME,
     "input": ANGLE,
@@ -59,17 +62,23 @@ KINDS = {
     "output": ANGLE,
     "load_torque": TORQUE,
     "temperature": TEMPERATURE,
+    "peak_torque": TORQUE,
+    "mass": MASS,
+    "backlash": ANGLE,
+    "ripple_amplitude": ANGLE,
+    "ripple_order": ORDER,
 }
+ENCODERS = ("input", "input_left", "input_right", "output")
 
 
-def unit_of(quantity: str, name: str, counts_per_turn: float | None) -> Unit | None:
+def unit_of(quantity: str, name: str, counts_per_turn: float | None = None) -> Unit | None:
     """The unit called ``name`` of a column ``quantity``, None if there is no such unit; encoder counts need a turn."""
     spelt = name.strip().replace(" ", "").replace("·", "*").replace("μ", "µ")
-    if spelt in (COUNTS, "count") and KINDS[quantity] is ANGLE and counts_per_turn is not None:
+    if spelt in (COUNTS, "count") and quantity in ENCODERS and counts_per_turn is not None:
         return Unit(2.0 * math.pi / counts_per_turn)
     return KINDS[quantity].get(spelt)
 
 
 def known_units(quantity: str) -> list[str]:
     """Names to offer for a column."""
-    return [*KINDS[quantity], *([COUNTS] if KINDS[quantity] is ANGLE else [])]
+    return [*KINDS[quantity], *([COUNTS] if quantity in ENCODERS else [])]
