@@ -112,8 +112,13 @@ class Fitter:
         offsets: Floats | None = None,
         mask: NDArray[np.bool_] | None = None,
         iterations: int = 8,
+        settled: float = SETTLED,
     ) -> Fit:
-        """Levenberg-Marquardt from ``values`` and ``offsets``; ``mask`` defaults to the training samples."""
+        """Levenberg-Marquardt from ``values`` and ``offsets``; ``mask`` defaults to the training samples.
+
+        A fit has settled when the sum of squares falls by less than ``settled``, relative; its Jacobian is then that of
+        the step before.
+        """
         mask = self.train if mask is None else mask
         now = [np.array(v, dtype=float) for v in values]
         apart = np.zeros(len(self.runs)) if offsets is None else np.array(offsets, dtype=float)
@@ -146,9 +151,9 @@ class Fitter:
             fall = (square - better[3]) / square
             now, apart, r, square = better
             damping = max(damping / 30.0, 1e-9)
-            jacobian = self.jacobian(effects, now, apart)
-            if fall < SETTLED:
+            if fall < settled:
                 break
+            jacobian = self.jacobian(effects, now, apart)
         return Fit(tuple(effects), tuple(now), apart, r, jacobian, square)
 
     def moved(

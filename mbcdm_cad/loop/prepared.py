@@ -8,6 +8,7 @@ added back linearly (see :mod:`mbcdm_cad.loop.setup`).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ LOAD_WINDOW_S = 0.05
 SPEED_WINDOW_S = 0.1
 COMMON_WINDOW_S = 0.05
 TEMPERATURE_WINDOW_S = 5.0
+# The elastic part of the prediction is simulated at steps of this length at most, and interpolated.
+COARSE_STEP_S = 0.04
 # A reversal counts where the output has come back by this share of its travel.
 REVERSAL_SHARE = 0.1
 SECTORS = 8
@@ -62,6 +65,12 @@ class Prepared:
     def test(self) -> NDArray[np.bool_]:
         """Samples held back."""
         return self.used & self.held
+
+    @cached_property
+    def coarse(self) -> NDArray[np.int64]:
+        """Samples on which the cables are simulated, the first and the last among them."""
+        every = max(1, int(COARSE_STEP_S / self.step_s))
+        return np.union1d(np.arange(0, self.time_s.size, every), [self.time_s.size - 1])
 
     def rewindowed(self, factor: float) -> Prepared:
         """The same run with another window on the difference of the inputs."""

@@ -49,11 +49,16 @@ class Step:
 
 
 class Search:
-    """The search over one set of runs; ``floor_rad`` is the noise floor that falls are measured by."""
+    """The search over one set of runs; ``floor_rad`` is the noise floor that falls are measured by.
 
-    def __init__(self, fitter: Fitter, library: Sequence[Effect], floor_rad: float) -> None:
-        self.fitter, self.library, self.floor_rad = fitter, tuple(library), floor_rad
+    ``bare`` is the fit without effects.
+    """
+
+    def __init__(self, fitter: Fitter, library: Sequence[Effect], floor_rad: float, bare: Fit) -> None:
+        self.fitter, self.library, self.floor_rad, self.bare = fitter, tuple(library), floor_rad, bare
         self.steps: list[Step] = []
+        self._screened: tuple[Fit, list[Screened]] | None = None
+        self._without: dict[tuple[Fit, Effect], Fit] = {}
 
     def held_rms(self, fit: Fit) -> float:
         """RMS on the held-out samples, rad, each run's mean taken off by the training samples."""
@@ -66,6 +71,8 @@ class Search:
 
     def screen(self, fit: Fit) -> list[Screened]:
         """All candidates beside those of ``fit``, best promise first."""
+        if self._screened is not None and self._screened[0] is fit:
+            return self._screened[1]
         f = self.fitter
         mask = f.train
         taken = {key_of(e) for e in fit.effects}
@@ -82,7 +89,9 @@ class Search:
                 except ModelError:
                     continue
                 found.append(promise)
-        return sorted(found, key=lambda s: -s.fall)
+        found.sort(key=lambda s: -s.fall)
+        self._screened = fit, found
+        return found
 
     def _promise(self, fit: Fit, effect: Effect, start: Floats, base: Floats, basis: Floats) -> Screened:
         f, mask = self.fitter, self.fitter.train
@@ -114,21 +123,28 @@ class Search:
     def refits(self, fit: Fit, most: int = MOST_REFITS, share: float = CLOSE_SHARE) -> list[Fit]:
         """``fit`` with one effect more, for each close candidate; best training mean square first."""
         screened = self.screen(fit)
-        found = []
-        for candidate in screened[:most]:
-            if candidate.fall < share * screened[0].fall:
-                break
-            found.append(self.fitter.fit((*fit.effects, candidate.effect), (*fit.values, candidate.start), fit.offsets))
-        return sorted(found, key=lambda one: one.square)
+        begun = [
+            self.fitter.fit((*fit.effects, c.effect), (*fit.values, c.start), fit.offsets, iterations=2)
+            for c in screened[:most]
+            if c.fall >= share * screened[0].fall
+        ]
+        # Those that two steps leave far behind do not win; the others go on to the end.
+        least = min(one.square for one in begun) if begun else 0.0
+        near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
+        ended = [self.fitter.fit(one.effects, one.values, one.offsets, settled=1e-5) for one in near]
+        return sorted(ended, key=lambda one: one.square)
 
     def without(self, fit: Fit, effect: Effect) -> Fit:
         """Refit with one effect left out."""
-        rest = [e for e in fit.effects if e is not effect]
-        return self.fitter.fit(rest, [fit.values_of(e) for e in rest], fit.offsets)
+        key = fit, effect
+        if key not in self._without:
+            rest = [e for e in fit.effects if e is not effect]
+            self._without[key] = self.fitter.fit(rest, [fit.values_of(e) for e in rest], fit.offsets)
+        return self._without[key]
 
     def forward(self) -> Fit:
         """Take effects while the held-out RMS falls by enough, and give back those that are no longer needed."""
-        now = self.fitter.fit()
+        now = self.bare
         while len(now.effects) < MOST_EFFECTS:
             better = self.refits(now)
             if not better or not self.enough(now, better[0]):

@@ -10,7 +10,6 @@ from mbcdm_cad.loop.prepared import COMMON_WINDOW_S, Prepared, smoothed
 from mbcdm_cad.loop.run import Floats
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.profiles import simulate_profiles
-from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
 
 # Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
@@ -22,8 +21,8 @@ class Setup:
     """One run as it is to be predicted: everything that an effect may change.
 
     ``d`` is None for a drive of which only the ratio is known; ``load_Nm`` None without a torque column.
-    ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley stands
-    from where its encoder says; ``added_rad`` (n,) adds to the reading.
+    ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
+    stands from where its encoder says; ``added_rad`` (n,) adds to the reading.
     """
 
     d: DriveSI | None
@@ -95,20 +94,39 @@ def rigid_drum_rad(s: Setup) -> Floats:
     return np.asarray(((weight * d.sigma)[:, None] * wound).sum(axis=0) / (weight * d.drum_radius_m).sum())
 
 
-def respond(s: Setup, winding: bool = False) -> tuple[Response, Floats]:
-    """The cables' response to the quiet inputs, and the input noise (rad at the drum) that is added back linearly."""
-    d = s.drive
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Drum angle and what each input carries, on all samples: rad (n,), N m (n_inputs, n)."""
+
+    drum_rad: Floats
+    input_torque_Nm: Floats
+
+
+def respond(s: Setup, winding: bool = False) -> Response:
+    """The cables' answer to the quiet inputs, the inputs' noise added back linearly.
+
+    The cables are simulated on every few samples and the elastic part, which changes slowly, is interpolated: the
+    common motion of the inputs carries the drum along on every sample.
+    """
+    d, p = s.drive, s.p
     mean = s.angle_rad.mean(axis=0)
     apart = s.angle_rad - mean
-    slow = smoothed(apart, s.p.difference_window_s, s.p.step_s)
-    quiet = smoothed(mean, COMMON_WINDOW_S, s.p.step_s)
-    angle = quiet + slow if s.shift_rad is None else quiet + slow + s.shift_rad
+    slow = smoothed(apart, p.difference_window_s, p.step_s)
+    quiet = smoothed(mean, COMMON_WINDOW_S, p.step_s)
+    at = p.coarse
+    angle = (quiet + slow)[:, at]
+    if s.shift_rad is not None:
+        angle = angle + s.shift_rad[:, at]
+    path = None if s.path_m is None else s.path_m[:, at]
     if winding:
-        response = simulate_profiles(d, angle, s.load, s.path_m, winding=True)
+        found = simulate_profiles(d, angle, s.load[at], path, winding=True)
     else:
-        response = simulate(d, angle, s.load, s.path_m)
-    noise = (mean - quiet) + (input_shares(d)[:, None] * (apart - slow)).sum(axis=0)
-    return response, noise / s.ratio
+        found = simulate(d, angle, s.load[at], path)
+    everywhere = np.arange(mean.size)
+    elastic = np.interp(everywhere, at, found.drum_angle_rad - quiet[at] / s.ratio)
+    noise = (input_shares(d)[:, None] * (apart - slow)).sum(axis=0)
+    torque = np.stack([np.interp(everywhere, at, row) for row in found.input_torque_Nm(d)])
+    return Response((mean + noise) / s.ratio + elastic, torque)
 
 
 class Simulator:
@@ -124,11 +142,8 @@ class Simulator:
             same = known.d is s.d and known.angle_rad is s.angle_rad and known.load_Nm is s.load_Nm
             if same and known.path_m is s.path_m and known.shift_rad is s.shift_rad and flag == winding:
                 return drum + s.added_rad
-        if s.d is None or s.load_Nm is None:
-            drum = rigid_drum_rad(s)
-        else:
-            response, noise = respond(s, winding)
-            drum = response.drum_angle_rad + noise
+        rigid = s.d is None or s.load_Nm is None
+        drum = rigid_drum_rad(s) if rigid else respond(s, winding).drum_rad
         self.count += 1
         self._known.append((s, winding, drum))
         del self._known[:-REMEMBERED]

@@ -24,7 +24,7 @@ def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
-    carried = respond(setup)[0].input_torque_Nm(setup.drive)[index]
+    carried = respond(setup).input_torque_Nm[index]
     side = np.tanh(carried / INPUT_CHANGE_NM)
     return setup.with_shift(index, -0.5 * values[0] * (side - side[0]))
 

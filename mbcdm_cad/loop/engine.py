@@ -1,0 +1,338 @@
+"""From measured runs to what the model lacks: residual, search, who else would do, verdict, error before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbcdm_cad.loop.covariance import cluster_covariance
+from mbcdm_cad.loop.effects.base import Effect, Figure
+from mbcdm_cad.loop.effects.registry import library
+from mbcdm_cad.loop.fit import Fit, Fitter
+from mbcdm_cad.loop.orders import order_spectrum
+from mbcdm_cad.loop.prepared import Prepared, prepare, smoothed
+from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value
+from mbcdm_cad.loop.run import Floats, Run
+from mbcdm_cad.loop.select import LEAST_FALL, Search
+from mbcdm_cad.loop.unknown import Unknown, describe_unknown
+from mbcdm_cad.model.si import DriveSI, to_si
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import Drive
+
+# Two candidates are alike where their errors differ by less than this many standard errors over the cells of sweep and
+# sector, or by less than this share of the floor in quadrature.
+ALIKE_ERRORS = 3.0
+ALIKE_SHARE = 0.15
+# A name is not given where what stays unexplained is as large as this share of what the name explains.
+BLAME_SHARE = 0.35
+# Windows that the intervals are told over: the difference's smoothing, halved and doubled.
+WINDOWS = (0.5, 2.0)
+SLOW_S = 0.3
+INTERVAL = 1.96
+TRACE_POINTS = 4000
+
+
+def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
+    """Find what the declared model of ``drive`` lacks in ``runs`` (one or more of the same drive, sharing the effects).
+
+    ``drive`` None: only the ratio of the runs is known. Nothing of the drive or the runs is changed.
+    """
+    d = None if drive is None else to_si(drive)
+    ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
+    prepared = [prepare(run, ratio) for run in runs]
+    return _Loop(d, ratio, prepared).result()
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """One effect of the final fit and those that would do as well."""
+
+    effect: Effect
+    alike: tuple[Fit, ...]
+
+
+class _Loop:
+    """One pass of the loop."""
+
+    def __init__(self, d: DriveSI | None, ratio: float, prepared: Sequence[Prepared]) -> None:
+        self.d, self.ratio, self.prepared = d, ratio, tuple(prepared)
+        self.fitter = Fitter(d, ratio, self.prepared)
+        offered = [library(d, p) for p in self.prepared]
+        labels = [{e.label for e in one} for one in offered]
+        self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
+        self.bare = self.fitter.fit()
+        self.floor_rad = self._floor()
+        self.search = Search(self.fitter, self.library, self.floor_rad, self.bare)
+        self.cells = self._cells()
+
+    def _floor(self) -> float:
+        """Noise floor: what the sensors are declared to do, else what the residual has beyond slow change."""
+        declared = [p.floor_rad for p in self.prepared]
+        if all(f > 0.0 for f in declared):
+            return float(np.sqrt(np.mean(np.square(declared))))
+        fast = np.concatenate([
+            self.bare.residual[part] - smoothed(self.bare.residual[part], 0.1, p.step_s)
+            for part, p in zip(self.fitter.parts, self.prepared, strict=True)
+        ])  # fmt: skip
+        return float(np.sqrt(np.mean(fast[self.fitter.used] ** 2))) or 1e-12
+
+    def _cells(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sweep (numbered on through the runs) and sector of every sample."""
+        sweep, start = [], 0
+        for p in self.prepared:
+            sweep.append(p.sweep + start)
+            start += int(p.sweep.max()) + 2
+        return np.concatenate(sweep), np.concatenate([p.sector for p in self.prepared])
+
+    def result(self) -> LoopResult:
+        """Search, swap, judge."""
+        fit, groups = self._settled()
+        unknown = self._left(fit)
+        if unknown is not None:
+            fit, groups, unknown = self._unblamed(fit, groups, unknown)
+        whole = self.fitter.fit(fit.effects, fit.values, fit.offsets, mask=self.fitter.used)
+        covariance = self._covariance(whole)
+        named, sets = [], []
+        for group in groups:
+            first = self._named(group.effect, fit, whole, covariance)
+            others = tuple(self._other(one) for one in group.alike)
+            if others:
+                sets.append((first, *others))
+            else:
+                named.append(first)
+        if unknown is not None:
+            verdict = "partly_explained" if groups else "unknown"
+        else:
+            verdict = "explained" if groups else "none"
+        not_testable = self._not_testable()
+        return LoopResult(
+            verdict, tuple(named), tuple(sets), unknown, self._errors(fit), self._evidence(groups, fit),
+            self._small(fit), not_testable, self._next_steps(named, sets, unknown, not_testable), self._chain_orders(),
+            self._traces(fit),
+        )  # fmt: skip
+
+    # --- selection -------------------------------------------------------------------------------------------------
+    def _settled(self) -> tuple[Fit, tuple[_Group, ...]]:
+        """The search's fit, after every effect was tried against the others of its looks."""
+        fit = self.search.forward()
+        for _ in range(4):
+            groups, better = [], None
+            for effect in fit.effects:
+                others = self.search.alternatives(fit, effect)
+                if others and others[0].square < fit.square and not self._alike(fit, others[0]):
+                    better = others[0]
+                    break
+                groups.append(_Group(effect, self._by_name([o for o in others if self._alike(o, fit)], effect)))
+            if better is None:
+                return fit, tuple(groups)
+            fit = better
+        return fit, tuple(groups)
+
+    @staticmethod
+    def _by_name(fits: Sequence[Fit], effect: Effect) -> tuple[Fit, ...]:
+        """The best fit of each name other than the effect's own."""
+        best: dict[object, Fit] = {}
+        for one in fits:
+            key = one.effects[-1].key
+            if key != effect.key and (key not in best or one.square < best[key].square):
+                best[key] = one
+        return tuple(best.values())
+
+    def _alike(self, worse: Fit, better: Fit) -> bool:
+        """Is the first no worse than the second, as far as sweeps and sectors can tell?"""
+        used = self.fitter.used
+        excess = (worse.residual**2 - better.residual**2)[used]
+        if float(np.mean(excess)) < (ALIKE_SHARE * self.floor_rad) ** 2:
+            return True
+        sweep, sector = self.cells
+        cell = np.unique((sweep * (int(sector.max()) + 1) + sector)[used], return_inverse=True)[1]
+        sums = np.bincount(cell, excess)
+        return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
+
+    # --- what is left ----------------------------------------------------------------------------------------------
+    def _left(self, fit: Fit) -> Unknown | None:
+        """What stays unexplained, where it is more than the floor allows."""
+        worst: Unknown | None = None
+        for part, p in zip(self.fitter.parts, self.prepared, strict=True):
+            r = fit.residual[part]
+            slow = smoothed(r, SLOW_S, p.step_s)
+            quiet = float(np.mean((r - slow)[p.used] ** 2))
+            # White noise leaves this share of its square in the smoothed residual.
+            kept = 2.0 / 3.0 * p.step_s / (0.5 * SLOW_S)
+            excess = float(np.mean(slow[p.used] ** 2)) - kept * quiet
+            fast = quiet - 1.5 * self.floor_rad**2
+            if max(excess, fast) > (LEAST_FALL * self.floor_rad) ** 2:
+                found = describe_unknown(p, r, self.floor_rad)
+                if found is not None and (worst is None or found.rms_rad > worst.rms_rad):
+                    worst = found
+        return worst
+
+    def _excess(self, fit: Fit) -> float:
+        """RMS on held-out data beyond the floor, rad."""
+        return float(np.sqrt(max(0.0, self.search.held_rms(fit) ** 2 - self.floor_rad**2)))
+
+    def _unblamed(
+        self, fit: Fit, groups: tuple[_Group, ...], unknown: Unknown
+    ) -> tuple[Fit, tuple[_Group, ...], Unknown]:
+        """Take back names that something unknown may only resemble."""
+        left = self._excess(fit)
+        kept = []
+        for group in groups:
+            less = self.search.without(fit, group.effect)
+            explains = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
+            if left < BLAME_SHARE * explains:
+                kept.append(group)
+        if len(kept) == len(groups):
+            return fit, groups, unknown
+        effects = [group.effect for group in kept]
+        fit = self.fitter.fit(effects, [fit.values_of(e) for e in effects], fit.offsets)
+        return fit, tuple(kept), self._left(fit) or unknown
+
+    # --- figures ---------------------------------------------------------------------------------------------------
+    def _covariance(self, fit: Fit) -> Floats:
+        """Covariance of the parameters of a fit on all samples in use."""
+        used = self.fitter.used
+        sweep, sector = self.cells
+        columns = self.fitter.centred(fit.jacobian, used)[used]
+        return cluster_covariance(columns, fit.residual[used], sweep[used], sector[used])
+
+    def _shift_by_window(self, fit: Fit) -> list[Floats]:
+        """Change of every parameter with the smoothing windows; as many arrays as effects."""
+        most = [np.zeros_like(v) for v in fit.values]
+        for factor in WINDOWS:
+            other = Fitter(self.d, self.ratio, [p.rewindowed(factor) for p in self.prepared])
+            again = other.fit(fit.effects, fit.values, fit.offsets, mask=other.used, iterations=2)
+            most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
+        return most
+
+    def _named(self, effect: Effect, fit: Fit, whole: Fit, covariance: Floats) -> Named:
+        """An effect with its figures from all data and the held-out fall that it is worth."""
+        if not hasattr(self, "_windows"):
+            self._windows = self._shift_by_window(whole)
+        k = whole.effects.index(effect)
+        start = sum(v.size for v in whole.values[:k])
+        values = whole.values[k]
+        block = covariance[start : start + values.size, start : start + values.size]
+        block = block + np.diag((self._windows[k] / INTERVAL) ** 2)
+        less = self.search.without(fit, effect)
+        fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
+        return self._as_named(effect, values, block, float(fall))
+
+    def _other(self, fit: Fit) -> Named:
+        """Another that would do as well, from the training samples."""
+        effect = fit.effects[-1]
+        size = fit.values[-1].size
+        start = sum(v.size for v in fit.values[:-1])
+        block = self._covariance(fit)[start : start + size, start : start + size]
+        return self._as_named(effect, fit.values[-1], block, 0.0)
+
+    def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
+        figures = {figure.name: _interval(figure, values, block, effect) for figure in effect.reported()}
+        others = [e.form for e in self.library if e.key == effect.key and e is not effect]
+        return Named(
+            effect.name, effect.form, effect.stage, effect.cables, figures,
+            {figure.name: figure.of(values) for figure in effect.physical}, tuple(others), effect.where_to_look,
+            effect.separate_by, effect.physics, fall,
+            {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
+        )  # fmt: skip
+
+    def _errors(self, fit: Fit) -> Errors:
+        """Held-out error before and after; intervals from the scatter between held-out sweeps."""
+        before, after = self._rms_interval(self.bare), self._rms_interval(fit)
+        test = self.fitter.test
+        could = before.value**2 - self.floor_rad**2
+        did = before.value**2 - after.value**2
+        share = float(np.clip(did / could, 0.0, 1.0)) if could > 0.0 else 1.0
+        return Errors(
+            before, after, float(np.abs(self.bare.residual[test]).max()), float(np.abs(fit.residual[test]).max()),
+            self.floor_rad, share, "; ".join(p.held_words for p in self.prepared),
+        )  # fmt: skip
+
+    def _rms_interval(self, fit: Fit) -> Value:
+        test = self.fitter.test
+        sweep = np.unique(self.cells[0][test], return_inverse=True)[1]
+        squares = np.bincount(sweep, fit.residual[test] ** 2) / np.bincount(sweep)
+        rms = self.search.held_rms(fit)
+        spread = INTERVAL * float(np.std(squares, ddof=1)) / np.sqrt(squares.size) if squares.size > 1 else rms**2
+        return Value(rms, float(np.sqrt(max(0.0, rms**2 - spread))), float(np.sqrt(rms**2 + spread)))
+
+    # --- words -----------------------------------------------------------------------------------------------------
+    def _evidence(self, groups: Sequence[_Group], fit: Fit) -> tuple[Evidence, ...]:
+        """What was taken, given back, and stands beside the named."""
+        lines = [
+            Evidence(s.effect.label, s.after_rad, float(np.sqrt(abs(s.before_rad**2 - s.after_rad**2))), s.action)
+            for s in self.search.steps
+        ]
+        for group in groups:
+            for one in group.alike:
+                words = f"as good as {group.effect.label}"
+                lines.append(Evidence(one.effects[-1].label, self.search.held_rms(one), 0.0, words))
+        return tuple(lines)
+
+    def _small(self, fit: Fit, most: int = 5) -> tuple[Evidence, ...]:
+        """Candidates that were left out: what they would still take off, below the size that is named."""
+        rms = self.search.held_rms(fit)
+        return tuple(
+            Evidence(s.effect.label, rms, float(np.sqrt(max(0.0, s.fall))), "too small to name")
+            for s in self.search.screen(fit)[:most]
+        )
+
+    def _not_testable(self) -> tuple[str, ...]:
+        """What these runs cannot tell."""
+        words = []
+        if any(p.load_Nm is None for p in self.prepared):
+            words.append("no torque column: stiffness, preload, friction of the cables, lash and winding history")
+        if self.d is None:
+            words.append("only the ratio is known: pulleys, preload and ropes")
+        if all(p.temperature_C is None for p in self.prepared):
+            words.append("no temperature: warming and settling look alike")
+        return tuple(words)
+
+    @staticmethod
+    def _next_steps(
+        named: Sequence[Named], sets: Sequence[Sequence[Named]], unknown: Unknown | None, not_testable: Sequence[str]
+    ) -> tuple[str, ...]:
+        steps = [f"{one.words}: look at {one.where_to_look}" for one in named]
+        for group in sets:
+            steps.append(f"to tell {' from '.join(one.words for one in group)}: {group[0].separate_by}")
+        if unknown is not None:
+            steps.append("something unknown: repeat the run at another load and speed, and see whether it comes back")
+        return tuple(steps)
+
+    def _chain_orders(self) -> dict[str, float]:
+        """Cycles a turn of the drum of everything that turns once."""
+        orders = {"drum": 1.0, "input": self.ratio}
+        if self.d is not None:
+            orders["guide"] = float(np.mean(self.d.drum_radius_m / self.d.guide_radius_m))
+        return orders
+
+    def _traces(self, fit: Fit) -> tuple[Traces, ...]:
+        traces = []
+        for part, p in zip(self.fitter.parts, self.prepared, strict=True):
+            every = max(1, p.time_s.size // TRACE_POINTS)
+            used = p.used
+            orders, before = order_spectrum(p.output_rad[used], self.bare.residual[part][used])
+            _, after = order_spectrum(p.output_rad[used], fit.residual[part][used])
+            load = None if p.load_Nm is None else p.load_Nm[::every]
+            traces.append(Traces(
+                p.time_s[::every], p.output_rad[::every], load, self.bare.residual[part][::every],
+                fit.residual[part][::every], p.held[::every].astype(float), orders, before, after,
+            ))  # fmt: skip
+        return tuple(traces)
+
+
+def _interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect) -> Value:
+    """A figure's value and interval, by linear propagation with differences of the parameters' own sizes."""
+    value = figure.of(values)
+    slope = np.zeros(values.size)
+    for i, parameter in enumerate(effect.parameters):
+        step = 1e-3 * max(abs(values[i]), parameter.size)
+        moved = values.copy()
+        moved[i] += step
+        slope[i] = (figure.of(moved) - value) / step
+    half = INTERVAL * float(np.sqrt(max(0.0, slope @ covariance @ slope)))
+    return Value(value, value - half, value + half)
