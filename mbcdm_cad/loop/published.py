@@ -108,7 +108,7 @@ def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
     return PublishedResult(file.path.name, tuple(figures), together(tuple(figures)))
 
 
-def _once(named: list[dict[str, str | None]]) -> list[dict[str, str | None]]:
+def _once(named: list[dict[str, str]]) -> list[dict[str, str]]:
     """The same name of several forms given once."""
     return list({item["name"]: item for item in named}.values())
 
