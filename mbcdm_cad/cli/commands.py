@@ -137,6 +137,18 @@ def reproduce(design: Path | None) -> int:
 
 
 @mbcdm.command()
+@_DESIGN
+@click.argument("measurements", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option("--json", "json_path", type=click.Path(path_type=Path), metavar="FILE", help="Write the result as JSON.")
+def loop(design: Path, measurements: tuple[Path, ...], json_path: Path | None) -> int:
+    """What does the model of DESIGN lack? Judge measured runs, described by MEASUREMENTS (YAML beside the CSV)."""
+    loaded = _loaded(design)
+    from mbcdm_cad.loop.command import loop_command
+
+    return loop_command(loaded, measurements, json_path=json_path)
+
+
+@mbcdm.command()
 @click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
 def schema(reference: bool) -> None:
     """Print the JSON Schema of design files, for completion in an editor."""

@@ -27,6 +27,8 @@ def cluster_covariance(
 
     Never less than that of white noise, which the two-way form, a difference, does not ensure by itself.
     """
+    if columns.shape[1] == 0:
+        return np.zeros((0, 0))
     size = np.linalg.norm(columns, axis=0)
     size[size == 0.0] = 1.0
     unit = columns / size

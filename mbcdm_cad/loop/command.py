@@ -1,0 +1,158 @@
+"""The command ``mbcdm loop``: reads, vets, closes the loop, prints and writes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.loop.finding import Finding
+from mbcdm_cad.loop.measurement import MeasurementFile, load_file, read_run
+from mbcdm_cad.loop.run import Run
+from mbcdm_cad.loop.vet import refusals, vet
+from mbcdm_cad.wholefile import write_whole
+
+SIDES = {"left": -1, "right": 1}
+
+
+@dataclass(frozen=True, eq=False)
+class Vetted:
+    """A run that can be judged: what it was read from, what its reading met, what was found of it."""
+
+    file: MeasurementFile
+    run: Run
+    notes: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+
+def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], *, json_path: Path | None) -> int:
+    """Judge the runs together. 0 when they could be judged; bad input raises InputError with all that is wrong."""
+    _refuse_overwriting(loaded, measurements, json_path)
+    files = [load_file(path) for path in measurements]
+    if any(file.content.published is not None for file in files):
+        return _published(loaded, files, json_path)
+    drive = _drive_of(loaded, files)
+    vetted = _vetted(files, drive)
+    from mbcdm_cad.loop.engine import close_loop  # the model and its compiled parts, once the input is known to be good
+    from mbcdm_cad.loop.result_text import result_text
+
+    result = close_loop(drive, [one.run for one in vetted])
+    click.echo(result_text(result))
+    for one in vetted:
+        click.echo("")
+        click.echo("\n".join(vetting_lines(one)))
+    content = {**result.to_json(), "design": _design(loaded, drive), "runs": [_run_json(one) for one in vetted]}
+    outputs = {} if json_path is None else {json_path: json_bytes(content)}
+    write_whole(outputs)
+    for path in outputs:
+        click.echo(f"{path} written")
+    return 0
+
+
+def vetting_lines(one: Vetted) -> list[str]:
+    """What the run is and what it can tell, one sentence a line, doubts first."""
+    words = {"doubt": "doubt", "fact": "run"}
+    lines = [f"{one.file.path}: {one.run.time_s.size} samples of {one.run.source}"]
+    lines += [f"  doubt: {note}" for note in one.notes]
+    return lines + [f"  {words[finding.level]}: {finding}" for finding in one.findings]
+
+
+def json_bytes(content: dict[str, Any]) -> bytes:
+    """JSON text; what is no number is null."""
+    return (json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_finite(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def _drive_of(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> Drive | None:
+    """The drive that all runs are of; None for one of which only the ratio is known."""
+    first = files[0].content.ratio
+    for file in files[1:]:
+        if file.content.ratio != first:
+            remedy = "judge runs of one drive together, each with the same ratio or none"
+            value, limit = (str(v) if v else "none" for v in (file.content.ratio, first))
+            what = f"another ratio than in {files[0].path}"
+            raise InputError([file.problem(("ratio",), what, value, limit, remedy=remedy)])
+    return loaded.drive if first is None else None
+
+
+def _vetted(files: Sequence[MeasurementFile], drive: Drive | None) -> list[Vetted]:
+    """All runs, read and vetted. Raises InputError with the refusals of all of them."""
+    vetted, problems = [], []
+    for file in files:
+        reading = read_run(file)
+        run = reading.run if drive is None else arranged(reading.run, drive)
+        findings = vet(run, drive)
+        problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
+        vetted.append(Vetted(file, run, reading.notes, tuple(findings)))
+    if problems:
+        raise InputError(problems)
+    return vetted
+
+
+def arranged(run: Run, drive: Drive) -> Run:
+    """The run with its inputs in the order of the design's; left is the one at -x."""
+    order = [SIDES.get(name, 0) for name in run.input_names]
+    if len(order) < 2 or sorted(order) != sorted(drive.input_sides) or tuple(order) == drive.input_sides:
+        return run
+    rows = [order.index(side) for side in drive.input_sides]
+    return replace(run, input_rad=run.input_rad[rows], input_names=tuple(run.input_names[row] for row in rows))
+
+
+def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], json_path: Path | None) -> int:
+    """Figures of a paper: no search, what could explain them."""
+    from mbcdm_cad.loop.published import judge_published
+
+    if len(files) > 1:
+        wrong = next(file for file in files if file.content.published is not None)
+        raise InputError([wrong.problem(("published",), "figures of a paper among runs", remedy="give it alone")])
+    result = judge_published(loaded.drive, files[0])
+    click.echo(result.text().rstrip())
+    if json_path is not None:
+        write_whole({json_path: json_bytes(result.to_json())})
+        click.echo(f"{json_path} written")
+    return 0
+
+
+def _refuse_overwriting(loaded: LoadedDesign, measurements: Sequence[Path], output: Path | None) -> None:
+    """An output must not take the place of an input."""
+    if output is None:
+        return
+    for path in (loaded.path, *measurements):
+        if path.resolve() == output.resolve():
+            problem = Problem(str(output), 1, "", "this is an input", remedy="give the output another name")
+            raise InputError([problem])
+    if not output.parent.is_dir():
+        raise MbcdmError(f"{output}: there is no folder {output.parent}; make it, or choose another path")
+
+
+def _design(loaded: LoadedDesign, drive: Drive | None) -> dict[str, str] | None:
+    return None if drive is None else {"name": drive.name, "file": loaded.path.name, "sha256": loaded.sha256}
+
+
+def _run_json(one: Vetted) -> dict[str, Any]:
+    return {
+        "file": one.file.path.name,
+        "data": one.run.source,
+        "sha256": one.run.sha256,
+        "samples": one.run.time_s.size,
+        "notes": list(one.notes),
+        "findings": [{"kind": f.kind, "level": f.level, "text": f.text, "remedy": f.remedy} for f in one.findings],
+    }

@@ -1,0 +1,53 @@
+"""What the loop found, as text for a terminal: sentence, errors, effects in metal, candidates, what to do next."""
+
+from __future__ import annotations
+
+from mbcdm_cad.loop.result import LoopResult, Named
+
+MICRO = 1e6
+
+
+def result_text(result: LoopResult) -> str:
+    """The finding in one sentence, then the tables. Angles in urad."""
+    e = result.errors
+    lines = [result.sentence, ""]
+    lines += [
+        f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  urad",
+        _error_line("declared model", e.before.value, e.before.low, e.before.high, e.peak_before_rad),
+        _error_line("with what was found", e.after.value, e.after.low, e.after.high, e.peak_after_rad),
+        f"{'noise floor':<24}{MICRO * e.floor_rad:>10.3g}",
+        f"explained: {e.explained_share:.0%} of what lies above the floor; held out: {e.held_out}",
+    ]
+    for named in result.effects:
+        lines += ["", *named_lines(named)]
+    for group in result.one_of:
+        lines += ["", "one of these, the data cannot tell which:"]
+        for named in group:
+            lines += ["  " + line for line in named_lines(named)]
+    candidates = (*result.evidence, *result.small)
+    if candidates:
+        width = max(len(c.label) for c in candidates)
+        lines += ["", f"{'candidate':<{width}}{'held out':>12}{'takes off':>12}  urad"]
+        lines += [
+            f"{c.label:<{width}}{MICRO * c.held_out_rad:>12.3g}{MICRO * c.fall_rad:>12.3g}  {c.outcome}"
+            for c in candidates
+        ]
+    lines += [f"not testable: {words}" for words in result.not_testable]
+    lines += [f"next: {words}" for words in result.next_steps]
+    return "\n".join(lines)
+
+
+def named_lines(named: Named) -> list[str]:
+    """An effect with its figures, one a line."""
+    lines = [f"{named.words} ({named.form}): {named.physics}"]
+    lines += [
+        f"  {name} {value.value:.4g} (95 %: {value.low:.4g} to {value.high:.4g})"
+        for name, value in named.parameters.items()
+    ]
+    lines += [f"  {name} {value:.4g}" for name, value in named.physical.items()]
+    lines += [f"  looks the same: {words}" for words in named.equivalent]
+    return [*lines, f"  look at: {named.where_to_look}"]
+
+
+def _error_line(word: str, rms: float, low: float, high: float, peak: float) -> str:
+    return f"{word:<24}{MICRO * rms:>10.3g}{MICRO * low:>12.3g}{MICRO * high:>10.3g}{MICRO * peak:>10.3g}"

@@ -1,0 +1,93 @@
+"""``mbcdm loop``: exit codes, what is printed and written, and what stays unwritten."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from logger_samples import Write, mapping, signals, table
+
+from mbcdm_cad.cli import run as mbcdm
+
+DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+BARE = {key: value for key, value in mapping()["columns"].items() if key != "load_torque"}
+
+
+@pytest.fixture
+def bare(write: Write) -> Path:
+    """A run without torque, so that only kinematics are judged."""
+    return write(table(signals(4000)), mapping(columns=BARE))
+
+
+def test_a_run_is_judged_and_the_result_written(bare: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = bare.with_name("result.json")
+    assert mbcdm(["loop", str(DESIGN), str(bare), "--json", str(target)]) == 0
+    said = capsys.readouterr().out
+    found = json.loads(target.read_text())
+    assert said.startswith(found["sentence"]) and "no load_torque: kinematics only" in said, said
+    assert found["verdict"] == "none" and found["effects"] == [], found
+    assert found["runs"][0]["samples"] == 4000 and len(found["runs"][0]["sha256"]) == 64, found["runs"]
+    assert [path.name for path in bare.parent.iterdir() if path.name.startswith(".")] == []
+
+
+def test_refusals_name_file_line_and_remedy_and_write_nothing(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    wrong = signals(4000)
+    wrong["left"] = wrong["left"] * 57.29578
+    path = write(table(wrong))
+    target = path.with_name("result.json")
+    assert mbcdm(["loop", str(DESIGN), str(path), "--json", str(target)]) == 2
+    said = capsys.readouterr().err
+    line = 1 + path.read_text().splitlines().index("  input_left:")
+    assert f"run.yaml:{line}: columns.input_left: " in said and "degrees called radians" in said, said
+    assert not target.exists()
+
+
+@pytest.mark.parametrize("which", ["design", "measurement", "no folder"])
+def test_an_output_that_cannot_be_is_refused_before_any_work(
+    which: str, bare: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    design = bare.with_name("design.yaml")
+    design.write_text(DESIGN.read_text())
+    target = {"design": design, "measurement": bare, "no folder": bare.with_name("none") / "x.json"}[which]
+    before = [path.read_bytes() for path in (design, bare)]
+    assert mbcdm(["loop", str(design), str(bare), "--json", str(target)]) == 2
+    said = capsys.readouterr()
+    assert ("no folder" if which == "no folder" else "this is an input") in said.err and not said.out, said
+    assert [path.read_bytes() for path in (design, bare)] == before
+
+
+def test_runs_of_different_drives_are_not_judged_together(
+    write: Write, bare: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = bare.with_name("other.yaml")
+    other.write_text(bare.read_text() + "ratio: 9.0\n")
+    assert mbcdm(["loop", str(DESIGN), str(bare), str(other)]) == 2
+    said = capsys.readouterr().err
+    assert "other.yaml:" in said and "another ratio" in said and "value 9.0, limit none" in said, said
+
+
+def test_inputs_come_in_the_order_of_the_design(bare: Path) -> None:
+    from dataclasses import replace
+
+    from mbcdm_cad.design import load_design
+    from mbcdm_cad.loop.command import arranged
+    from mbcdm_cad.loop.measurement import load_measurement
+
+    run, drive = load_measurement(bare), load_design(DESIGN).drive
+    turned = replace(drive, input_sides=tuple(-side for side in drive.input_sides))
+    first, second = arranged(run, drive), arranged(run, turned)
+    assert first.input_names == ("left", "right") and second.input_names == ("right", "left")
+    assert (second.input_rad == first.input_rad[::-1]).all()
+
+
+def test_no_file_is_touched_unless_all_can_be_written(tmp_path: Path) -> None:
+    from mbcdm_cad.wholefile import write_whole
+
+    kept = tmp_path / "kept.json"
+    kept.write_text("before")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError, match="is a folder"):
+        write_whole({kept: b"after", tmp_path / "folder": b"x"})
+    assert kept.read_text() == "before"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "kept.json"]
