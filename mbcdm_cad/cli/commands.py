@@ -150,18 +150,21 @@ def loop(design: Path, measurements: tuple[Path, ...], json_path: Path | None) -
 
 @mbcdm.command()
 @click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
-def schema(reference: bool) -> None:
+@click.option("--measurement", is_flag=True, help="Of measurement files, which 'mbcdm loop' reads.")
+def schema(reference: bool, measurement: bool) -> None:
     """Print the JSON Schema of design files, for completion in an editor."""
     if reference:
         from mbcdm_cad.design.reference import reference_page
+        from mbcdm_cad.loop.measurement_page import measurement_page
 
-        click.echo(reference_page(), nl=False)
+        click.echo(measurement_page() if measurement else reference_page(), nl=False)
         return
     import json
 
     from mbcdm_cad.design.editor import editor_schema
+    from mbcdm_cad.loop.schema import json_schema
 
-    click.echo(json.dumps(editor_schema(), indent=2, ensure_ascii=False))
+    click.echo(json.dumps(json_schema() if measurement else editor_schema(), indent=2, ensure_ascii=False))
 
 
 @mbcdm.command()

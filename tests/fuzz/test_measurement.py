@@ -39,7 +39,8 @@ SPICE = [
 ]  # fmt: skip
 MAPPING_SPICE = [
     b"&a ", b"*a", b"<<: ", b"[", b"]", b"{", b"}", b": ", b"- ", b"~", b"published: ", b"ratio: 9\n", b"rad",
-    b"counts", b"K", b"-1", b"0", b"99", b"1e300", b"../", b"/dev/zero", b"skip", b"comma", b"tab", b"none", b"comment", b"\\0",
+    b"counts", b"K", b"-1", b"0", b"99", b"1e300", b"../", b"/dev/zero", b"skip", b"comma", b"tab", b"none",
+    b"comment", b"\\0",
 ]  # fmt: skip
 
 
