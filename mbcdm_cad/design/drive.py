@@ -307,8 +307,33 @@ class Waiver:
 
 
 @dataclass(frozen=True)
+class AsBuiltValue:
+    """One figure of an effect, SI; ``low`` and ``high``: its 95 % interval where it is known."""
+
+    name: str
+    value: float
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class AsBuilt:
+    """An effect that the built drive was found to have; no cables: all."""
+
+    name: str
+    form: str
+    stage: str | None
+    cables: tuple[str, ...]
+    values: tuple[AsBuiltValue, ...]
+    source: str | None
+
+
+@dataclass(frozen=True)
 class Drive:
     """All that the model, the checks and the parts need to know of one design.
+
+    ``as_built`` holds what was found on the built drive and is not among its values; a modulus, preload or friction
+    that was found is (:mod:`mbcdm_cad.design.as_built`).
 
     ``screws`` and ``materials`` hold the whole catalogue with the design's own entries, since parts choose screws by
     name and bought parts name their material.
@@ -346,6 +371,7 @@ class Drive:
     screws: tuple[Screw, ...]
     materials: tuple[Material, ...]
     sigmas: Sigmas
+    as_built: tuple[AsBuilt, ...]
 
     def screw(self, name: str) -> Screw:
         """The screw of the catalogue called ``name``; KeyError if there is none."""

@@ -34,7 +34,7 @@ def reference_page() -> str:
     lines = [_INTRO, "## Top level", "", *_table({key: node for key, node in top.items() if key not in blocks})]
     for key, node in blocks.items():
         lines += [f"## {key}", "", _sentence(node), "", *_table(_flattened(node))]
-    for key in ("inputs", "cables", "waivers"):
+    for key in ("inputs", "cables", "waivers", "as_built"):
         lines += [f"## Items of {key}", "", *_table(_flattened(solid(top[key]["items"])))]
     lines.append("## Catalogue\n")
     lines.append("A design may add or override entries under `catalogue: {KIND: {NAME: {...}}}`, with these fields.\n")

@@ -7,6 +7,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from mbcdm_cad.design import drive as d
+from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.loaded import FieldPath
 
@@ -64,7 +65,7 @@ def resolve(design: Design, sigmas: Mapping[FieldPath, float]) -> d.Drive:
     material: Callable[[str], d.Material] = lambda name: catalogue.get("materials", name)  # noqa: E731
     bearing: Callable[[str], d.Bearing] = lambda name: catalogue.get("bearings", name)  # noqa: E731
     drum, guide, pulleys, train = design.drum, design.guide, design.input_pulleys, design.drive
-    return d.Drive(
+    declared = d.Drive(
         name=design.name,
         configuration=design.configuration,
         cables=_cables(design),
@@ -102,6 +103,15 @@ def resolve(design: Design, sigmas: Mapping[FieldPath, float]) -> d.Drive:
         screws=tuple(catalogue.get("screws", name) for name in catalogue.names("screws")),
         materials=tuple(catalogue.get("materials", name) for name in catalogue.names("materials")),
         sigmas=_sigmas(design, catalogue, sigmas),
+        as_built=(),
+    )
+    return with_as_built(declared, _as_built(design))
+
+
+def _as_built(design: Design) -> tuple[d.AsBuilt, ...]:
+    return tuple(
+        _copied(d.AsBuilt, entry, values=tuple(_copied(d.AsBuiltValue, value) for value in entry.values))
+        for entry in design.as_built
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
+from mbcdm_cad.design.as_built import CHANGE_VALUES
 from mbcdm_cad.design.loaded import FieldPath
 from mbcdm_cad.design.resolve import KINDS, Catalogue
 from mbcdm_cad.errors import did_you_mean, shortened
@@ -37,6 +38,7 @@ def broken_rules(design: Design) -> list[Broken]:
         _cables,
         _rope,
         _waivers,
+        _as_built,
         _references,
         _own_entries,
     )
@@ -182,6 +184,29 @@ def _rope(design: Design) -> Iterator[Broken]:
 
 def _waivers(design: Design) -> Iterator[Broken]:
     yield from _unique("waivers", "check", [waiver.check for waiver in design.waivers])
+
+
+def _as_built(design: Design) -> Iterator[Broken]:
+    cables = [cable.name for cable in design.cables]
+    for k, entry in enumerate(design.as_built):
+        for i, name in enumerate(entry.cables):
+            if name not in cables:
+                limit = ", ".join(cables)
+                yield Broken(
+                    ("as_built", k, "cables", i), "no such cable", shortened(name), limit, did_you_mean(name, cables)
+                )
+        if entry.name in CHANGE_VALUES and entry.form in CHANGE_VALUES[entry.name]:
+            share = next((i for i, value in enumerate(entry.values) if value.name == "share"), None)
+            if share is None:
+                yield Broken(
+                    ("as_built", k, "values"), "no share", "", "a value named share", "add {name: share, value: ...}"
+                )
+            elif entry.values[share].value <= -1.0:
+                path: FieldPath = ("as_built", k, "values", share, "value")
+                value = f"{entry.values[share].value:g}"
+                yield Broken(
+                    path, "nothing would be left", value, "over -1", "give the change as a share, 0.1 for 10 % more"
+                )
 
 
 def _unique(block: str, name: str, values: list[str] | list[int]) -> Iterator[Broken]:

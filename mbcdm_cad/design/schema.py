@@ -421,6 +421,32 @@ class Waiver(Block):
     reason: Text = choice("why it is accepted", source="-")
 
 
+class AsBuiltValue(Block):
+    """One figure of an effect that was found on the built drive, in the SI unit that its name ends in."""
+
+    name: EntryName = choice("name of the figure", source="-")
+    value: Number = choice("what was found", source="-", ge=-1e6, le=1e6)
+    low: Number | None = choice("lower end of its 95 % interval", source="-", default=None, ge=-1e6, le=1e6)
+    high: Number | None = choice("upper end of its 95 % interval", source="-", default=None, ge=-1e6, le=1e6)
+
+
+class AsBuilt(Block):
+    """An effect that the built drive was found to have, written by 'mbcdm loop --apply'."""
+
+    name: Slug = choice("name of the effect, as in docs/loop.md", source="-")
+    form: Text = choice("which physical form of it", source="-")
+    stage: Slug | None = choice("the shaft that it sits on", source="-", default=None)
+    cables: tuple[Slug, ...] = choice("the cables that have it; all where none is named", source="-", default=())
+    values: tuple[AsBuiltValue, ...] = choice(
+        "its figures: {name: share, value: 0.12, low: 0.11, high: 0.13}",
+        source="-",
+        example=[{"name": "share", "value": 0.12, "low": 0.11, "high": 0.13}],
+        min_length=1,
+        max_length=8,
+    )
+    source: Text | None = choice("the measured run that it was found in", source="-", default=None)
+
+
 REFERENCE_INPUTS = [{"name": "left", "side": "-x"}, {"name": "right", "side": "+x"}]
 REFERENCE_CABLES = [
     {"name": "cable_1", "input": "left", "step": 1, "drum_side": "+x"},
@@ -465,6 +491,13 @@ class Design(Block):
     export: Export
     waivers: tuple[Waiver, ...] = choice(
         "checks that may fail: {check: ID, reason: WHY}", source="-", reference=[], default=(), max_length=64
+    )
+    as_built: tuple[AsBuilt, ...] = choice(
+        "effects that the built drive was found to have, written by 'mbcdm loop --apply'",
+        source="-",
+        reference=[],
+        default=(),
+        max_length=32,
     )
     catalogue: OwnEntries = Field(
         default=OwnEntries.model_construct(),

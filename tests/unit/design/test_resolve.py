@@ -93,7 +93,7 @@ def leaves(data: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | 
         yield path
 
 
-NOT_IN_THE_DRIVE = {("schema_version",), ("configuration",), ("waivers",), ("catalogue",)}
+NOT_IN_THE_DRIVE = {("schema_version",), ("configuration",), ("waivers",), ("as_built",), ("catalogue",)}
 COUPLED = {  # fields that cannot change alone without breaking a rule
     "inputs": {("inputs", 0, "side"): "+x", ("inputs", 1, "side"): "-x"},
     "name of an input": {("inputs", 0, "name"): "port", ("cables", 0, "input"): "port", ("cables", 1, "input"): "port"},
