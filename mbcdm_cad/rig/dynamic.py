@@ -12,11 +12,13 @@ import numpy as np
 from mbcdm_cad.rig import dynamic_kernel as kernel
 from mbcdm_cad.rig import dynamic_plant as plant
 from mbcdm_cad.rig import dynamic_tables as tables
-from mbcdm_cad.rig.dynamic_cables import chains
+from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.dynamic_compiled import Floats
 from mbcdm_cad.rig.dynamic_rig import DynamicRig, EncoderSpec
 
 LOG_RATE_HZ = 100.0
+# Far more than elasticity accounts for: the loops have lost the drum.
+GIVE_UP_RAD = 0.05
 _ACCOUNTS = ("motor", "load", "rotor_friction", "pulley_friction", "drum_friction", "viscous", "cables")
 
 
@@ -49,11 +51,13 @@ def run_dynamic(
     brake_Nm: Floats | float = 0.0,
     seed: int = 0,
     log_rate_Hz: float = LOG_RATE_HZ,
+    give_up_rad: float = GIVE_UP_RAD,
 ) -> DynamicRun:
     """Run ``reference`` (n, 3), the drum's angle, speed and acceleration at each period of the loops.
 
     ``torque_Nm`` is what a torque motor applies and ``brake_Nm`` the level of a brake, one value or one a period. The
-    same seed gives the same run. ValueError where rates do not divide each other.
+    same seed gives the same run. It ends early when the drum is off its reference by ``give_up_rad``. ValueError where
+    rates do not divide each other.
     """
     n_inputs, n = len(rig.motors), reference.shape[0]
     rate = rig.loops[0].rate_Hz
@@ -61,21 +65,28 @@ def run_dynamic(
     log_every = _whole(rate / log_rate_Hz, "rate_Hz", "log_rate_Hz")
     rng = np.random.default_rng(seed)
     rows = -(-n // log_every)
-    log = np.zeros((rows, kernel.LOG_FIRST + 4 * n_inputs + len(rig.drive.cables)))
+    log = np.zeros((rows, kernel.LOG_FIRST + 4 * n_inputs + len(rig.cables)))
     account = np.zeros(plant.ACCOUNTS)
-    change = kernel.run(
+    state = chains(
+        rig.cables, piece_rad=rig.piece_rad, transport=rig.transport, guide_slip=rig.guide_slip,
+        reach_rad=float(np.abs(reference[:, 0]).max()) + 2.0 * give_up_rad,
+    )  # fmt: skip
+    change, done = kernel.run(
         tables.input_table(rig), tables.cable_table(rig), tables.input_of(rig), tables.drum_row(rig),
-        tables.load_row(rig), chains(rig.drive), tables.current_share(rig), tables.loop_gains(rig), tables.turns(rig),
+        tables.load_row(rig), state, tables.current_share(rig), tables.loop_gains(rig), tables.turns(rig),
         tables.encoder_table(rig), rng.standard_normal((n, n_inputs)), np.ascontiguousarray(reference, dtype=float),
         _series(torque_Nm, n), _series(brake_Nm, n), rig.step_s, steps, log_every, log, account,
+        give_up_rad,
     )  # fmt: skip
+    rows = -(-done // log_every)
+    log = log[:rows]
     time = np.arange(rows) * log_every / rate
     ends = [kernel.LOG_FIRST + k * n_inputs for k in range(5)]
     _, pulley, counts, motor, rotor, tension = np.split(log.T, ends)
     drum, torque = log[:, kernel.DRUM], log[:, kernel.TORQUE]
     return DynamicRun(
         time_s=time,
-        reference_rad=reference[::log_every, 0],
+        reference_rad=reference[:done:log_every, 0],
         drum_rad=drum,
         input_rad=pulley,
         torque_Nm=torque,

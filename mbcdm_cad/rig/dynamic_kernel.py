@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.rig import controller, dynamic_plant
+from mbcdm_cad.rig import chain, controller, dynamic_plant
+from mbcdm_cad.rig.chain import Chains
 from mbcdm_cad.rig.controller import control
-from mbcdm_cad.rig.dynamic_cables import pull
 from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
 from mbcdm_cad.rig.dynamic_plant import advance, stored
 
@@ -44,7 +44,7 @@ def run(
     input_of: NDArray[np.int64],
     drum: Floats,
     load: Floats,
-    chains: tuple[Floats, ...],
+    chains: Chains,
     current_share: Floats,
     gains: Floats,
     turns: Floats,
@@ -58,8 +58,11 @@ def run(
     log_every: int,
     log: Floats,
     account: Floats,
-) -> float:
-    """Run all periods of the position loops and fill ``log``; returns the change of stored energy, J.
+    give_up_rad: float,
+) -> tuple[float, int]:
+    """Run the periods of the position loops and fill ``log``; the change of stored energy, J, and the periods done.
+
+    The run ends early, as a guarded bench would, when the drum is off its reference by ``give_up_rad``.
 
     ``reference`` (n, 3): drum angle, speed and acceleration asked for at each period; ``torque`` and ``brake`` (n,):
     torque motor and level of the brake, N m; ``noise`` (n, n_inputs): standard normal; ``turns`` (n_inputs,): turns of
@@ -70,8 +73,7 @@ def run(
     last = 2 * n_inputs
     q, v, before = np.zeros(last + 1), np.zeros(last + 1), np.zeros(last + 1)
     guess, push = np.zeros(last + 1), np.zeros(last + 1)
-    tension, tension_before = np.empty(n_cables), np.empty(n_cables)
-    pull(chains, q[n_inputs:], tension)
+    tension, tension_before = chains.tension.copy(), np.empty(n_cables)
     motor, command, target = np.zeros(n_inputs), np.zeros(n_inputs), np.empty(3)
     state = np.zeros((n_inputs, controller.STATES))
     seen = np.zeros((int(encoders[:, DELAY].max()) + 1, n_inputs))
@@ -108,9 +110,9 @@ def run(
             advance(
                 inputs, cables, input_of, drum, tension, motor, outer, capacity, h, q, v, guess, push, account,
             )  # fmt: skip
-            pull(chains, q[n_inputs:], tension)
             for j in range(n_cables):
                 p = n_inputs + input_of[j]
+                tension[j] = chain.advance(chains, j, q[p], q[last], 0.0)
                 inner = cables[j, dynamic_plant.INPUT_RADIUS] * (q[p] - before[p])
                 rest = cables[j, dynamic_plant.DRUM_RADIUS] * (q[last] - before[last])
                 stretch = cables[j, dynamic_plant.SIGMA] * (inner - rest)
@@ -118,7 +120,9 @@ def run(
             # The sensor sits between drum and load: bearings' share of the friction is not in it.
             share = capacity / max(capacity + drum[dynamic_plant.DRUM_DRAG], 1e-300)
             felt += (outer - push[last] * share / h + load[LOAD_INERTIA] * (v[last] - speed) / h) / steps
-    return float(stored(inputs, drum, q, v) - energy)
+        if abs(q[last] - reference[k, 0]) > give_up_rad:
+            return stored(inputs, drum, q, v) - energy, k + 1
+    return stored(inputs, drum, q, v) - energy, reference.shape[0]
 
 
 @compiled

@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.cables import RigCable, cables_of
+from mbcdm_cad.rig.chain import PIECE_RAD
 from mbcdm_cad.rig.controller import ControllerSpec
 from mbcdm_cad.rig.dynamic_load import LoadSpec
 from mbcdm_cad.rig.gearhead import GearheadSpec, gearhead_of
@@ -39,10 +41,12 @@ class EncoderSpec:
 class DynamicRig:
     """A drive on the bench: a motor, gearhead, loop and encoder for each input, in the order of the drive's inputs.
 
-    Drags are Coulomb friction in bearings, each at its own shaft.
+    ``cables`` are those really built, ``piece_rad``, ``transport`` and ``guide_slip`` as in
+    :func:`mbcdm_cad.rig.chain.chains`. Drags are Coulomb friction in bearings, each at its own shaft.
     """
 
     drive: Drive
+    cables: tuple[RigCable, ...]
     motors: tuple[MotorSpec, ...]
     gearheads: tuple[GearheadSpec, ...]
     loops: tuple[ControllerSpec, ...]
@@ -53,6 +57,9 @@ class DynamicRig:
     input_drag_Nm: float = 0.0
     guide_drag_Nm: float = 0.0
     step_s: float = STEP_S
+    piece_rad: float = PIECE_RAD
+    transport: bool = True
+    guide_slip: bool = False
 
 
 def rig_of(
@@ -78,7 +85,9 @@ def rig_of(
         for i in range(n_inputs)
     )
     encoder = EncoderSpec(drive.encoder.resolution_urad * 1e-6)
-    return DynamicRig(drive, (motor,) * n_inputs, (gearhead,) * n_inputs, loops, (encoder,) * n_inputs, load=load)
+    return DynamicRig(
+        drive, cables_of(drive), (motor,) * n_inputs, (gearhead,) * n_inputs, loops, (encoder,) * n_inputs, load=load
+    )
 
 
 def input_turns(drive: Drive, i: int) -> float:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.rig import dynamic_plant as plant
-from mbcdm_cad.rig.dynamic_cables import free_span_m
 from mbcdm_cad.rig.dynamic_compiled import Floats
 from mbcdm_cad.rig.dynamic_rig import DynamicRig, input_turns
 from mbcdm_cad.rig.inertias import guide_turns, inertias
@@ -16,7 +15,7 @@ from mbcdm_cad.rig.inertias import guide_turns, inertias
 
 def input_of(rig: DynamicRig) -> NDArray[np.int64]:
     """For each cable the number of its input."""
-    return np.array([rig.drive.input_names.index(c.input_name) for c in rig.drive.cables], dtype=np.int64)
+    return np.array([c.input_index for c in rig.cables], dtype=np.int64)
 
 
 def load_row(rig: DynamicRig) -> Floats:
@@ -72,11 +71,7 @@ def input_table(rig: DynamicRig) -> Floats:
 
 def cable_table(rig: DynamicRig) -> Floats:
     """Sense, radii in m and stiffness of the free span in N/m of each cable."""
-    pull = rig.drive.cable.axial_stiffness_N
-    rows = [
-        [c.sigma, c.input_radius_mm * 1e-3, c.drum_radius_mm * 1e-3, pull / free_span_m(rig.drive, c)]
-        for c in rig.drive.cables
-    ]
+    rows = [[c.sigma, c.input_radius_m, c.drum_radius_m, c.stiffness_N / c.path.free_span_m] for c in rig.cables]
     return np.array(rows)
 
 

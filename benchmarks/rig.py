@@ -1,0 +1,90 @@
+"""How fast the rig in software is, on one core, as ratio of computing time to simulated time.
+
+    python benchmarks/rig.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
+
+Processor time of all threads, the least of N runs after a short one that compiles. Exit code 1 if a limit is exceeded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.dynamic import run_dynamic
+from mbcdm_cad.rig.dynamic_motion import sine
+from mbcdm_cad.rig.dynamic_rig import LOOP_RATE_HZ, rig_of
+
+ROOT = Path(__file__).resolve().parents[1]
+SIMULATED_S = 160.0
+QUASI_STATIC_LIMIT_S = 10.0
+DYNAMIC_RATIO_LIMIT = 1.0
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One measured figure; ``limit`` is the most allowed, None: for information."""
+
+    name: str
+    value: float
+    unit: str
+    limit: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        return self.limit is None or self.value <= self.limit
+
+    def __str__(self) -> str:
+        verdict = "" if self.limit is None else f"   at most {self.limit:g}   {'ok' if self.holds else 'TOO SLOW'}"
+        return f"{self.name:<66}{self.value:12.4g} {self.unit}{verdict}"
+
+
+def least(once: Callable[[], object], repeat: int) -> float:
+    """Least processor time of ``repeat`` runs, s."""
+    times = []
+    for _ in range(repeat):
+        start = time.process_time()
+        once()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def dynamic(drive: Drive, repeat: int) -> list[Figure]:
+    """160 s of a braked sine at the usual step."""
+    rig = rig_of(drive)
+    run_dynamic(rig, sine(0.05, 1.0, 0.1, LOOP_RATE_HZ), brake_Nm=0.91)
+    figures = []
+    for amplitude, word in ((0.05, "+-50 mrad"), (0.45, "+-450 mrad")):
+        reference = sine(amplitude, 0.1, 0.1 * SIMULATED_S, LOOP_RATE_HZ)
+        taken = least(lambda reference=reference: run_dynamic(rig, reference, brake_Nm=0.91), repeat)
+        figures += [
+            Figure(f"dynamic rig, {SIMULATED_S:g} s, {word}, brake 0.91 N m", taken, "s"),
+            Figure("  per simulated second, over real time", taken / SIMULATED_S, "", DYNAMIC_RATIO_LIMIT),
+        ]
+    return figures
+
+
+def main() -> int:
+    """Measure, print, and tell whether all limits hold."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("design", nargs="?", type=Path, default=ROOT / "params" / "mbcdm.yaml")
+    parser.add_argument("--repeat", type=int, default=2)
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    drive = load_design(options.design).drive
+    figures = dynamic(drive, options.repeat)
+    for figure in figures:
+        print(figure)
+    if options.json:
+        options.json.write_text(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n")
+    return 0 if all(figure.holds for figure in figures) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
