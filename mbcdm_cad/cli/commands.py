@@ -184,3 +184,19 @@ def init(new: Path) -> None:
     except ValueError as error:
         raise InputError([Problem(str(new), 1, "", f"cannot be written: {error}", remedy="check the path")]) from None
     click.echo(f"{new}: design {name} written; 'mbcdm check {new}' checks it")
+
+
+@mbcdm.command()
+@_DESIGN
+@click.argument("experiment", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), default=Path("out"), show_default=True, metavar="DIR",
+              help="Folder that the experiment's folder is written into.")  # fmt: skip
+def simulate(design: Path, experiment: Path, out: Path) -> None:
+    """Run EXPERIMENT.yaml on the test rig in software with DESIGN: a measured run, and apart from it the truth."""
+    loaded = _loaded(design)
+    from mbcdm_cad.rig.reading import read_experiment
+
+    wanted = read_experiment(experiment)
+    from mbcdm_cad.rig.command import simulate_command
+
+    click.echo(simulate_command(loaded.drive, wanted, out))

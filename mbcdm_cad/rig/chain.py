@@ -125,20 +125,6 @@ def _piece_before(angle: float, size: float) -> int:
 
 
 @compiled
-def _above(angle_rad: float, size: float) -> int:
-    """The piece that goes on above ``angle_rad``; an angle on an edge may come out of the division on either side."""
-    k = int(math.floor(angle_rad / size))
-    return k + 1 if (k + 1) * size <= angle_rad else k
-
-
-@compiled
-def _below(angle_rad: float, size: float) -> int:
-    """The piece that goes on below ``angle_rad``, as in :func:`_above`."""
-    k = int(math.ceil(angle_rad / size)) - 1
-    return k - 1 if k * size >= angle_rad else k
-
-
-@compiled
 def _factors(wrap: Floats) -> None:
     """e^(mu s) from each end of the wrap to the middles of its outer piece, which is cut, and of the next."""
     size, mu = wrap[PIECE], wrap[MU]

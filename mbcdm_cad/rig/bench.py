@@ -1,0 +1,107 @@
+"""The bench as built: the design's drive, with whatever the experiment's effects have done to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.cables import RigCable, cables_of
+from mbcdm_cad.rig.dynamic_compiled import Floats
+
+# Extra path of every cable in m, (n_cables, n), for pulley angles (n_inputs, n) and drum angles (n,) in rad.
+PathOf = Callable[[Floats, Floats], Floats]
+# An angle error in rad, (n,), for the shaft's angle in rad, (n,).
+ErrorOf = Callable[[Floats], Floats]
+
+
+@dataclass
+class Bench:
+    """All that effects may change before a run; arrays over the n samples of ``time_s``.
+
+    ``command_rad`` is what the gearheads are told, ``drum_rad`` the drum angle that answers to it without any error.
+    ``strains`` is the stress-free strain of rope over bed on each wrap (input, guide, drum).
+    """
+
+    drive: Drive
+    time_s: Floats
+    drum_rad: Floats
+    command_rad: Floats
+    rng: np.random.Generator
+    cables: tuple[RigCable, ...]
+    paths: list[PathOf] = field(default_factory=list)
+    strains: Floats | None = None
+    gear_stiffness_Nm_rad: list[float] = field(default_factory=list)
+    gear_play_rad: list[float] = field(default_factory=list)
+    gear_errors: list[tuple[int, ErrorOf]] = field(default_factory=list)
+    hidden_Nm: list[Floats] = field(default_factory=list)
+    stick_slip: Floats | None = None
+    output_twist_rad_Nm: float = 0.0
+    encoder_errors: list[tuple[str, ErrorOf]] = field(default_factory=list)
+    output_delay_s: float = 0.0
+    temperature_C: Floats | None = None
+    truth: list[dict[str, Any]] = field(default_factory=list)
+
+    def change(self, which: list[int], **factors: float) -> None:
+        """Multiply fields of these cables, as in ``change([0, 1], preload_N=0.9)``."""
+        self.cables = tuple(
+            replace(c, **{name: getattr(c, name) * factor for name, factor in factors.items()}) if j in which else c
+            for j, c in enumerate(self.cables)
+        )
+
+    def which(self, names: tuple[str, ...]) -> list[int]:
+        """Indices of the cables of these names; of all where none is named. KeyError names one that is not there."""
+        known = [c.name for c in self.cables]
+        for name in names:
+            if name not in known:
+                raise KeyError(name)
+        return [known.index(name) for name in names] if names else list(range(len(known)))
+
+    def input_index(self, stage: str) -> int:
+        """Index of the input of a stage such as ``input_left``; KeyError if the drive has none of that name."""
+        name = stage.removeprefix("input_")
+        if name not in self.drive.input_names:
+            raise KeyError(stage)
+        return self.drive.input_names.index(name)
+
+    def turns(self, i: int) -> float:
+        """Turns of input ``i`` for one of the drum."""
+        mine = [c.drum_radius_m / c.input_radius_m for c in cables_of(self.drive) if c.input_index == i]
+        return sum(mine) / len(mine)
+
+    def guide_rad(self, drum_rad: Floats) -> Floats:
+        """The guide's angle about +z: it turns against the drum, r_o/r_g times as far."""
+        ratios = [c.drum_radius_m / c.guide_radius_m for c in cables_of(self.drive)]
+        return -drum_rad * (sum(ratios) / len(ratios))
+
+    def add_strain(self, which: list[int], free: Floats, wraps: tuple[Floats, Floats, Floats]) -> None:
+        """Let rope of these cables grow by ``free`` (n,) in its span, and over its bed by ``wraps``."""
+        if self.strains is None:
+            self.strains = np.zeros((len(self.cables), 3, self.time_s.size))
+        longer = np.zeros((len(self.cables), self.time_s.size))
+        for j in which:
+            longer[j] = free * self.cables[j].path.free_span_m
+            for w in range(3):
+                self.strains[j, w] += wraps[w]
+        self.paths.append(lambda inputs, drum: -longer)
+
+    def tell(self, name: str, in_vocabulary: bool = True, seen: bool = True, **more: Any) -> None:
+        """Write an effect into the truth. ``seen`` is false for what the sensors cannot show at all."""
+        entry: dict[str, Any] = {"name": name, "in_vocabulary": in_vocabulary}
+        if not seen:
+            entry["seen"] = False
+        parameters = more.pop("parameters", {})
+        self.truth.append({**entry, **more, "parameters": parameters})
+
+
+def bench_of(drive: Drive, time_s: Floats, drum_rad: Floats, strays_rad: Floats, rng: np.random.Generator) -> Bench:
+    """A faultless bench: gearheads stiff and without play, cables as designed."""
+    bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive))
+    n_inputs = len(drive.input_names)
+    bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])
+    bench.gear_stiffness_Nm_rad = [float("inf")] * n_inputs
+    bench.gear_play_rad = [0.0] * n_inputs
+    return bench

@@ -1,0 +1,154 @@
+"""The quasi-static rig: where drum and input pulleys stand when every torque balances, sample by sample.
+
+Unknown are the drum's angle and the angle of each input pulley that hangs on a soft or loose gearhead:
+
+    drum    sum_j (sigma_j r_oj - lever_j) T_j = M          lever_j: what the path of cable j grows by per drum angle
+    input   s(phi - theta) = sum_j sigma_j r_ij T_j         s: gearhead's shaft with play, phi the gearhead's angle
+
+Newton steps with a line search; the tensions come from :mod:`mbcdm_cad.rig.chain` without touching its state, which
+settles once the balance is found. The drum wrap is carried by the predicted drum angle (the inputs' over the ratio),
+off by less than a milliradian and put right one sample later.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.rig import chain
+from mbcdm_cad.rig.chain import Chains, carry, look, settle, strain
+from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+
+_STEPS = 80
+_HALVINGS = 12
+# Share of the shaft's stiffness left inside its play, so that a pulley that hangs free still has one place to stand.
+_IN_PLAY = 1e-4
+
+
+@compiled
+def shaft(twist_rad: float, stiffness: float, play_rad: float) -> tuple[float, float]:
+    """Torque of a shaft with play, N m, and its slope: flat but for a trace inside the play."""
+    inside = min(max(twist_rad, -0.5 * play_rad), 0.5 * play_rad)
+    slope = stiffness * _IN_PLAY if abs(twist_rad) < 0.5 * play_rad else stiffness
+    return stiffness * (twist_rad - inside) + stiffness * _IN_PLAY * inside, slope
+
+
+@compiled
+def _misses(
+    chains: Chains,
+    input_of: NDArray[np.int64],
+    gears: Floats,
+    motor: Floats,
+    path: Floats,
+    lever: Floats,
+    predicted: float,
+    load: float,
+    x: Floats,
+    miss: Floats,
+    slopes: Floats,
+    tension: Floats,
+) -> float:
+    """Torques left over at ``x`` (pulleys, then drum), their slopes, the tensions; returns the sum of squares."""
+    n_inputs = gears.shape[0]
+    miss[:] = 0.0
+    slopes[:] = 0.0
+    for j in range(input_of.size):
+        c, i = chains.constants[j], input_of[j]
+        inner, outer = c[chain.SIGMA] * c[chain.INPUT_RADIUS], c[chain.SIGMA] * c[chain.DRUM_RADIUS] - lever[j]
+        delta = inner * x[i] - outer * x[n_inputs] + path[j] - lever[j] * predicted
+        tension[j], rate = look(chains, j, delta)
+        miss[n_inputs] += outer * tension[j]
+        miss[i] -= inner * tension[j]
+        slopes[n_inputs, n_inputs] -= outer * outer * rate
+        slopes[i, i] -= inner * inner * rate
+        slopes[i, n_inputs] += inner * outer * rate
+        slopes[n_inputs, i] += inner * outer * rate
+    miss[n_inputs] -= load
+    for i in range(n_inputs):
+        if math.isinf(gears[i, 0]):
+            # Held where its motor stands: no unknown.
+            miss[i] = 0.0
+            slopes[i, :] = 0.0
+            slopes[:, i] = 0.0
+            slopes[i, i] = -1.0
+        else:
+            torque, slope = shaft(motor[i] - x[i], gears[i, 0], gears[i, 1])
+            miss[i] += torque
+            slopes[i, i] -= slope
+    total = 0.0
+    for k in range(n_inputs + 1):
+        total += miss[k] * miss[k]
+    return total
+
+
+@compiled
+def run(
+    chains: Chains,
+    input_of: NDArray[np.int64],
+    gears: Floats,
+    motor: Floats,
+    path: Floats,
+    lever: Floats,
+    predicted: Floats,
+    load: Floats,
+    strains: Floats,
+    pulleys: Floats,
+    drum: Floats,
+    tension: Floats,
+) -> int:
+    """Fill ``pulleys`` (n_inputs, n), ``drum`` (n,) in rad and ``tension`` (n_cables, n) in N; the sample at which no
+    balance was found, or -1.
+
+    ``gears`` (n_inputs, 2): stiffness in N m/rad (infinite: held) and play in rad; ``motor`` (n_inputs, n) gearhead
+    angles; ``path`` and ``lever`` (n_cables, n) extra path in m and its slope in m/rad about the ``predicted`` drum
+    angle (n,); ``load`` (n,) N m; ``strains`` (n_cables, 3, n) stress-free strain of rope over bed, or n = 0.
+    """
+    n_inputs, n_cables = motor.shape[0], input_of.size
+    x, trial = np.zeros(n_inputs + 1), np.zeros(n_inputs + 1)
+    miss, slopes, found = np.empty(n_inputs + 1), np.empty((n_inputs + 1, n_inputs + 1)), np.empty(n_cables)
+    scale = 0.0
+    for j in range(n_cables):
+        scale += chains.constants[j, chain.PRELOAD] * chains.constants[j, chain.DRUM_RADIUS]
+    before = np.zeros(n_inputs + 1)
+    for k in range(load.size):
+        for i in range(n_inputs):
+            x[i] += motor[i, k] - before[i]
+            before[i] = motor[i, k]
+        x[n_inputs] += predicted[k] - before[n_inputs]
+        before[n_inputs] = predicted[k]
+        for j in range(n_cables):
+            carry(chains, j, float(x[input_of[j]]), float(x[n_inputs]))
+            if strains.shape[2] > 0 and k > 0:
+                strain(chains, j, strains[j, :, k] - strains[j, :, k - 1])
+        size = _misses(
+            chains, input_of, gears, motor[:, k], path[:, k], lever[:, k], predicted[k], load[k], x, miss, slopes, found
+        )
+        for _ in range(_STEPS):
+            if size <= (1e-12 * scale) ** 2:
+                break
+            step = np.linalg.solve(slopes - 1e-9 * np.eye(n_inputs + 1), miss)
+            share, better = 1.0, False
+            for _ in range(_HALVINGS):
+                trial[:] = x - share * step
+                there = _misses(
+                    chains, input_of, gears, motor[:, k], path[:, k], lever[:, k], predicted[k], load[k],
+                    trial, miss, slopes, found,
+                )  # fmt: skip
+                if there < size:
+                    better = True
+                    break
+                share *= 0.5
+            if not better:
+                break
+            x[:] = trial
+            size = there
+        if not size <= (1e-7 * scale) ** 2:
+            return k
+        for j in range(n_cables):
+            settle(chains, j, found[j])
+            tension[j, k] = found[j]
+        pulleys[:, k] = x[:n_inputs]
+        drum[k] = x[n_inputs]
+    return -1

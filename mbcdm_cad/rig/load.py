@@ -1,0 +1,93 @@
+"""What hangs on the drum: brake, torque motor or inertia plate; the torque that the sensor between feels.
+
+Positive torque opposes positive rotation. A brake's torque follows the motion through its own twist (``flank_mrad`` of
+drum angle from one side to the other): tau += 2 level dtheta / flank, held within the level.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+
+Torque = Annotated[float, Field(ge=-50.0, le=50.0)]
+
+
+class Load(Block):
+    """The load. ``levels_Nm`` follow one another, each for ``periods_per_level`` periods of the motion."""
+
+    kind: Literal["none", "brake", "torque_motor", "inertia_plate"] = "none"
+    levels_Nm: Annotated[tuple[Torque, ...], Field(min_length=1, max_length=50, strict=False)] = (0.0,)
+    periods_per_level: Annotated[float, Field(gt=0.0, le=1000.0)] = 1.0
+    # Torque motor: steady, or a sine or square of its own period.
+    wave: Literal["steady", "sine", "square"] = "steady"
+    wave_period_s: Annotated[float, Field(gt=0.0, le=1e4)] = 10.0
+    bias_Nm: Torque = 0.0
+    # Brake: drum angle in which its torque turns over.
+    flank_mrad: Annotated[float, Field(gt=0.0, le=50.0)] = 0.5
+    # Inertia plate.
+    inertia_kg_m2: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    unbalance_Nm: Torque = 0.0
+    unbalance_angle_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
+
+    def torque_Nm(self, time_s: Floats, drum_rad: Floats, period_s: float, stick_slip: Floats | None = None) -> Floats:
+        """Torque on the drum, (n,). ``stick_slip`` (n, 2): static share and stiffness of a brake that sticks."""
+        which = (time_s / (self.periods_per_level * period_s)).astype(np.int64) % len(self.levels_Nm)
+        level = np.asarray(self.levels_Nm)[which]
+        if self.kind == "brake":
+            if stick_slip is not None:
+                return stuck_brake(drum_rad, level, stick_slip) + self.bias_Nm
+            return brake(drum_rad, level, self.flank_mrad * 1e-3) + self.bias_Nm
+        if self.kind == "torque_motor":
+            phase = 2.0 * pi * time_s / self.wave_period_s
+            wave = {"steady": np.ones_like(phase), "sine": np.sin(phase), "square": _square(phase)}[self.wave]
+            return np.asarray(level * wave + self.bias_Nm)
+        if self.kind == "inertia_plate":
+            step = time_s[1] - time_s[0]
+            acceleration = np.gradient(np.gradient(drum_rad, step), step)
+            weight = self.unbalance_Nm * np.sin(drum_rad + self.unbalance_angle_deg * pi / 180.0)
+            return np.asarray(self.inertia_kg_m2 * acceleration + weight + self.bias_Nm)
+        return np.full(time_s.size, self.bias_Nm)
+
+
+def _square(phase: Floats) -> Floats:
+    """A square wave whose flanks take some percent of its period, as a torque motor's do."""
+    return np.asarray(np.tanh(20.0 * np.sin(phase)))
+
+
+@compiled
+def brake(drum_rad: Floats, level: Floats, flank_rad: float) -> Floats:
+    """Torque of a brake of these levels, N m: an elastic flank, then slip."""
+    torque = np.zeros(drum_rad.size)
+    for k in range(1, drum_rad.size):
+        now = torque[k - 1] + 2.0 * level[k] / flank_rad * (drum_rad[k] - drum_rad[k - 1])
+        torque[k] = min(max(now, -abs(level[k])), abs(level[k]))
+    return torque
+
+
+@compiled
+def stuck_brake(drum_rad: Floats, level: Floats, character: Floats) -> Floats:
+    """As :func:`brake`, but it holds up to a static share of its level and then drops as far below it.
+
+    ``character`` (n, 2): static share (> 1, may scatter from sample to sample) and stiffness in N m/rad. A mass that
+    overshoots freely ends as far below the kinetic level as it began above it: that is the drop.
+    """
+    torque = np.zeros(drum_rad.size)
+    for k in range(1, drum_rad.size):
+        now = torque[k - 1] + character[k, 1] * (drum_rad[k] - drum_rad[k - 1])
+        hold = character[k, 0] * abs(level[k])
+        if abs(now) > hold:
+            now = math_sign(now) * (2.0 * abs(level[k]) - hold)
+        torque[k] = now
+    return torque
+
+
+@compiled
+def math_sign(value: float) -> float:
+    """Sign of a number, 1 for zero."""
+    return -1.0 if value < 0.0 else 1.0

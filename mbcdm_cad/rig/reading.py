@@ -1,0 +1,57 @@
+"""Reading an experiment file: text, YAML, schema; every fault becomes an ``InputError`` with its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.source import read_text
+from mbcdm_cad.errors import InputError, Problem, shortened
+from mbcdm_cad.rig.experiment import MAX_SAMPLES, Experiment
+
+_BOUNDS = {"gt": "over", "ge": "at least", "lt": "under", "le": "at most", "min_length": "at least",
+           "max_length": "at most", "pattern": "signs", "expected": "one of", "expected_tags": "one of"}  # fmt: skip
+
+
+def read_experiment(path: str | Path) -> Experiment:
+    """The experiment in a YAML file. Raises InputError with all problems found."""
+    path = Path(path)
+    text = read_text(path, "experiment file", "; docs/experiments.md shows examples")
+    tree = yamltree.parse(text, str(path))
+    try:
+        experiment = Experiment.model_validate(tree.data)
+    except ValidationError as error:
+        found = [_problem(item, tree, str(path)) for item in error.errors(include_url=False)]
+        raise InputError(sorted(found, key=lambda problem: problem.line)[:50]) from None
+    samples = experiment.duration_s * experiment.sample_rate_Hz * experiment.physics.substeps
+    if not 8 <= samples <= MAX_SAMPLES:
+        raise InputError(
+            [
+                Problem(
+                    str(path), tree.line_of(("duration_s",)), "duration_s", "a run of that many steps cannot be made",
+                    f"{samples:.0f} steps", f"8 to {MAX_SAMPLES}", "change duration_s or sample_rate_Hz",
+                )
+            ]
+        )  # fmt: skip
+    return experiment
+
+
+def _problem(item: Any, tree: yamltree.Tree, file: str) -> Problem:
+    context = item.get("ctx", {})
+    # Pydantic names the branch of a union in the path; the file does not hold it.
+    where = tuple(part for k, part in enumerate(item["loc"]) if not (k == 2 and item["loc"][0] == "effects"))
+    limit = ", ".join(f"{word} {context[key]}" for key, word in _BOUNDS.items() if key in context)
+    what = {
+        "missing": "missing", "extra_forbidden": "unknown field", "union_tag_invalid": "unknown effect",
+        "union_tag_not_found": "an effect without its name",
+    }.get(item["type"], "not possible")  # fmt: skip
+    remedy = {
+        "missing": "add it", "extra_forbidden": "check its spelling", "union_tag_invalid": "choose one of them",
+        "union_tag_not_found": "add 'effect: NAME'",
+    }.get(item["type"], str(item["msg"])[0].lower() + str(item["msg"])[1:])  # fmt: skip
+    shown = item["input"].get("effect") if item["type"] == "union_tag_invalid" else item["input"]
+    value = "" if item["type"] == "missing" else shortened(shown)
+    return Problem(file, tree.line_of(where), yamltree.dotted(where), what, value, limit, remedy)

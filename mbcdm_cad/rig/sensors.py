@@ -1,0 +1,46 @@
+"""What the bench's sensors make of the truth: where they sit, counts, noise, lateness."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.dynamic_compiled import Floats
+
+Resolution = Annotated[float, Field(ge=0.0, le=1e-2)]
+Noise = Annotated[float, Field(ge=0.0, le=1e-2)]
+Delay = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+class Sensors(Block):
+    """Encoders and torque sensor; a resolution of 0 is a sensor without steps. ``*_delay_s`` is known to nobody else.
+
+    ``input_at`` says where the input encoders sit: on the pulleys, or behind the motors, read at the gearhead's output.
+    """
+
+    input_at: Literal["pulley", "motor"] = "pulley"
+    input_resolution_rad: Resolution = 1.9175e-4
+    input_noise_rad: Noise = 0.0
+    output_resolution_rad: Resolution = 1.3635e-6
+    output_noise_rad: Noise = 0.0
+    torque_noise_Nm: Annotated[float, Field(ge=0.0, le=5.0)] = 0.005
+    torque_delay_s: Delay = 0.0
+    temperature_noise_K: Annotated[float, Field(ge=0.0, le=5.0)] = 0.05
+    log_torque: bool = True
+
+
+def counted(angle_rad: Floats, resolution_rad: float, noise_rad: float, rng: np.random.Generator) -> Floats:
+    """The angle as an encoder counts it: noise, then steps that lie anywhere against the angle's zero."""
+    offset, noise = rng.random(), rng.standard_normal(angle_rad.size)
+    seen = angle_rad + noise_rad * noise
+    if resolution_rad == 0.0:
+        return seen
+    return np.asarray((np.floor(seen / resolution_rad + offset) - np.floor(offset)) * resolution_rad)
+
+
+def late(time_s: Floats, value: Floats, delay_s: float) -> Floats:
+    """The value as it was ``delay_s`` before; before the start it stood still."""
+    return value if delay_s == 0.0 else np.interp(time_s - delay_s, time_s, value)

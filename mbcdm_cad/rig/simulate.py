@@ -1,0 +1,155 @@
+"""One experiment from start to end: motion, effects, balance sample by sample, sensors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.rig import chain, equilibrium
+from mbcdm_cad.rig.bench import Bench, bench_of
+from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.sensors import counted, late
+
+# Half the span of drum angle over which an extra path's slope is taken.
+_SLOPE_RAD = 1e-5
+
+
+class RigError(MbcdmError):
+    """An experiment that cannot be run, though its file is well formed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedRun:
+    """Truth and readings of a run, SI, arrays over n samples.
+
+    ``input_rad`` (n_inputs, n) are the pulleys, ``tension_N`` (n_cables, n); ``load_Nm`` is what the sensor feels.
+    """
+
+    time_s: Floats
+    input_rad: Floats
+    drum_rad: Floats
+    load_Nm: Floats
+    tension_N: Floats
+    measured_input_rad: Floats
+    measured_output_rad: Floats
+    measured_load_Nm: Floats | None
+    measured_temperature_C: Floats | None
+    truth: list[dict[str, Any]]
+
+
+def simulate(drive: Drive, experiment: Experiment) -> SimulatedRun:
+    """Run ``experiment`` on the bench with ``drive``. The same seed gives the same run. Raises RigError."""
+    bench = set_up(drive, experiment)
+    load = experiment.load.torque_Nm(bench.time_s, bench.drum_rad, experiment.motion.period_s, bench.stick_slip)
+    pulleys, drum, tension = balance(bench, experiment, load)
+    every = slice(None, None, experiment.physics.substeps)
+    return _read(bench, experiment, pulleys, drum, load, tension, every)
+
+
+def set_up(drive: Drive, experiment: Experiment) -> Bench:
+    """The bench of ``experiment`` with all its effects applied."""
+    rng = np.random.default_rng(experiment.seed)
+    rate = experiment.sample_rate_Hz * experiment.physics.substeps
+    time = np.arange(round(experiment.duration_s * rate)) / rate
+    drum = experiment.motion.drum_rad(time)
+    strays = experiment.motion.strays_rad(time, len(drive.input_names), rng)
+    try:
+        bench = bench_of(drive, time, drum, strays, rng)
+    except (ValueError, ZeroDivisionError) as error:
+        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}; choose one with a guide") from None
+    for effect in experiment.effects:
+        try:
+            effect.apply(bench)
+        except KeyError as error:
+            names = ", ".join([c.name for c in bench.cables] + [f"input_{name}" for name in drive.input_names])
+            raise RigError(
+                f"{experiment.name}: effects: {effect.effect}: the drive has no {error.args[0]}; known: {names}"
+            ) from None
+    return bench
+
+
+def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floats, Floats, Floats]:
+    """Angles of the pulleys (n_inputs, n) and the drum (n,), tensions (n_cables, n). Raises RigError."""
+    physics = experiment.physics
+    reach = 1.05 * float(np.abs(bench.drum_rad).max()) + 1e-3
+    try:
+        chains = chain.chains(
+            bench.cables, piece_rad=physics.piece_mrad * 1e-3, transport=physics.cable_transport,
+            guide_slip=physics.guide_slip, input_wrap_rad=physics.input_wrap_rad, drum_wrap_rad=physics.drum_wrap_rad,
+            reach_rad=reach,
+        )  # fmt: skip
+    except ValueError as error:
+        raise RigError(
+            f"{experiment.name}: {error}; lower motion.amplitude_mrad or lengthen physics.*_wrap_rad"
+        ) from None
+    motor = bench.command_rad.copy()
+    for i, of in bench.gear_errors:
+        motor[i] += of(bench.command_rad[i])
+    n_cables, n = len(bench.cables), load_Nm.size
+    path, lever = np.zeros((n_cables, n)), np.zeros((n_cables, n))
+    for of_angles in bench.paths:
+        path += of_angles(motor, bench.drum_rad)
+        ahead, behind = bench.drum_rad + _SLOPE_RAD, bench.drum_rad - _SLOPE_RAD
+        lever += (of_angles(motor, ahead) - of_angles(motor, behind)) / (2.0 * _SLOPE_RAD)
+    gears = np.array([bench.gear_stiffness_Nm_rad, bench.gear_play_rad]).T.copy()
+    pulleys, drum, tension = np.empty_like(motor), np.empty(n), np.empty((n_cables, n))
+    total = load_Nm + sum(bench.hidden_Nm, np.zeros(n))
+    failed = equilibrium.run(
+        chains, np.array([c.input_index for c in bench.cables]), gears, motor, path, lever, bench.drum_rad, total,
+        np.zeros((n_cables, 3, 0)) if bench.strains is None else bench.strains, pulleys, drum, tension,
+    )  # fmt: skip
+    if failed >= 0:
+        raise RigError(
+            f"{experiment.name}: at {bench.time_s[failed]:.2f} s no drum angle balances {total[failed]:.4g} N m: "
+            "lower load.levels_Nm or an effect"
+        )
+    return pulleys, drum, tension
+
+
+def _read(
+    bench: Bench, experiment: Experiment, pulleys: Floats, drum: Floats, load: Floats, tension: Floats, every: slice
+) -> SimulatedRun:
+    sensors, rng, time = experiment.sensors, bench.rng, bench.time_s
+    shafts = pulleys if sensors.input_at == "pulley" else bench.command_rad
+    seen = {f"input_{name}": shafts[i].copy() for i, name in enumerate(bench.drive.input_names)}
+    seen["drum"] = drum - bench.output_twist_rad_Nm * load
+    for stage, of in bench.encoder_errors:
+        seen[stage] += of(drum if stage == "drum" else shafts[bench.input_index(stage)])
+    inputs = [
+        counted(seen[f"input_{name}"][every], sensors.input_resolution_rad, sensors.input_noise_rad, rng)
+        for name in bench.drive.input_names
+    ]
+    output = late(time, seen["drum"], bench.output_delay_s)[every]
+    torque = late(time, load, sensors.torque_delay_s)[every]
+    temperature = bench.temperature_C
+    return SimulatedRun(
+        time_s=time[every],
+        input_rad=pulleys[:, every],
+        drum_rad=drum[every],
+        load_Nm=load[every],
+        tension_N=tension[:, every],
+        measured_input_rad=np.stack(inputs),
+        measured_output_rad=counted(output, sensors.output_resolution_rad, sensors.output_noise_rad, rng),
+        measured_load_Nm=torque + sensors.torque_noise_Nm * rng.standard_normal(torque.size)
+        if sensors.log_torque
+        else None,
+        measured_temperature_C=None
+        if temperature is None
+        else temperature[every] + sensors.temperature_noise_K * rng.standard_normal(torque.size),
+        truth=_truth(bench, experiment),
+    )
+
+
+def _truth(bench: Bench, experiment: Experiment) -> list[dict[str, Any]]:
+    """The effects, and what the physics itself does that the declared model leaves out."""
+    truth = list(bench.truth)
+    if experiment.physics.cable_transport and experiment.load.kind != "none":
+        truth.append({"name": "winding_history", "in_vocabulary": True, "parameters": {}})
+    if experiment.physics.guide_slip:
+        truth.append({"name": "guide_slip", "in_vocabulary": False, "parameters": {}})
+    return truth

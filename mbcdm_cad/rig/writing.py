@@ -1,0 +1,94 @@
+"""Files of a simulated run, put in place all at once or not at all."""
+
+from __future__ import annotations
+
+import io
+import secrets
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.simulate import SimulatedRun
+
+
+class RunOutputError(MbcdmError):
+    """A run that cannot be written where it was asked to go."""
+
+
+def run_files(run: SimulatedRun, experiment: Experiment, input_names: tuple[str, ...]) -> dict[str, bytes]:
+    """The CSV, the measurement file and the truth file, by name. The same run gives the same bytes."""
+    name = experiment.name
+    one = len(input_names) == 1
+    keys = ["input"] if one else [f"input_{side}" for side in input_names]
+    names = ["q_in"] if one else [f"q_{side}" for side in input_names]
+    columns: dict[str, Any] = {"time": {"column": "t", "unit": "s"}}
+    columns |= {key: {"column": column, "unit": "rad"} for key, column in zip(keys, names, strict=True)}
+    columns["output"] = {"column": "q_out", "unit": "rad"}
+    table, header = [run.time_s, *run.measured_input_rad, run.measured_output_rad], ["t", *names, "q_out"]
+    if run.measured_load_Nm is not None:
+        columns["load_torque"] = {"column": "tau", "unit": "N*m"}
+        table, header = [*table, run.measured_load_Nm], [*header, "tau"]
+    if run.measured_temperature_C is not None:
+        columns["temperature"] = {"column": "temp", "unit": "degC"}
+        table, header = [*table, run.measured_temperature_C], [*header, "temp"]
+    sensors = experiment.sensors
+    measurement: dict[str, Any] = {"data": f"{name}.csv", "columns": columns, "sensors": {
+        key: value for key, value in (
+            ("input_resolution_rad", sensors.input_resolution_rad),
+            ("output_resolution_rad", sensors.output_resolution_rad),
+            ("torque_noise_Nm", sensors.torque_noise_Nm if sensors.log_torque else 0.0),
+        ) if value > 0.0
+    }}  # fmt: skip
+    if not measurement["sensors"]:
+        del measurement["sensors"]
+    truth = {"experiment": name, "effects": run.truth}
+    return {
+        f"{name}.csv": _csv(header, table),
+        f"{name}.yaml": _yaml(measurement),
+        f"{name}.truth.yaml": _yaml(truth),
+    }
+
+
+def _csv(header: list[str], columns: list[Any]) -> bytes:
+    text = io.StringIO()
+    # Time to a microsecond, all else to ten digits: below the finest sensor by far.
+    formats = ["%.6f", *["%.10g"] * (len(columns) - 1)]
+    np.savetxt(text, np.stack(columns, axis=1), fmt=formats, delimiter=",", header=",".join(header), comments="")
+    return text.getvalue().encode()
+
+
+def _yaml(content: dict[str, Any]) -> bytes:
+    return yaml.safe_dump(content, sort_keys=False, default_flow_style=False).encode()
+
+
+def write_run(folder: Path, files: dict[str, bytes]) -> None:
+    """Make ``folder`` hold just these files. A folder there before gives way only if it holds files of a run alone."""
+    folder = folder.absolute()
+    staging = folder.with_name(f".{folder.name}.new-{secrets.token_hex(8)}")
+    old = folder.with_name(f".{folder.name}.old-{secrets.token_hex(8)}")
+    ours = {suffix for name in files for suffix in ["".join(Path(name).suffixes)]} | {".png"}
+    try:
+        if folder.exists() and (not folder.is_dir() or any("".join(p.suffixes) not in ours for p in folder.iterdir())):
+            raise RunOutputError(
+                f"{folder}: holds something else than a simulated run; choose another folder with --out"
+            )
+        staging.mkdir(parents=True)
+        for name, data in files.items():
+            (staging / name).write_bytes(data)
+        if folder.exists():
+            folder.rename(old)
+        staging.rename(folder)
+    except OSError as error:
+        if old.exists() and not folder.exists():
+            old.rename(folder)
+        raise RunOutputError(
+            f"{folder}: cannot write: {error.strerror or error}; make room or rights, or choose another --out"
+        ) from error
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)

@@ -1,0 +1,126 @@
+"""A run from file to files: bytes, truth apart, nothing half written."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import mbcdm_cad.rig
+from mbcdm_cad.cli import run as cli
+from mbcdm_cad.design import load_design
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.simulate import RigError, simulate
+
+SHORT = """\
+name: short
+duration_s: 20.0
+motion: {shape: triangle, amplitude_mrad: 50.0, period_s: 10.0}
+load: {kind: brake, levels_Nm: [0.91]}
+"""
+
+
+@pytest.fixture
+def files(project, tmp_path):
+    experiment = tmp_path / "short.yaml"
+    experiment.write_text(SHORT)
+    return [str(project / "params" / "mbcdm.yaml"), str(experiment)]
+
+
+def test_the_command_writes_run_measurement_truth_and_picture(files, tmp_path, capsys):
+    assert cli(["simulate", *files, "--out", str(tmp_path / "out")]) == 0
+    folder = tmp_path / "out" / "short"
+    assert sorted(p.name for p in folder.iterdir()) == ["short.csv", "short.png", "short.truth.yaml", "short.yaml"]
+    measurement = yaml.safe_load((folder / "short.yaml").read_text())
+    header = (folder / measurement["data"]).read_text().split("\n")[0].split(",")
+    assert [entry["column"] for entry in measurement["columns"].values()] == header
+    truth = yaml.safe_load((folder / "short.truth.yaml").read_text())
+    assert [entry["name"] for entry in truth["effects"]] == ["winding_history"]
+    assert "winding" not in (folder / "short.yaml").read_text()
+    assert "2000 samples" in capsys.readouterr().out
+
+
+def test_same_seed_same_bytes_and_another_seed_others(files, tmp_path):
+    def made(name):
+        assert cli(["simulate", *files, "--out", str(tmp_path / name)]) == 0
+        return {p.name: p.read_bytes() for p in (tmp_path / name / "short").iterdir()}
+
+    first = made("a")
+    assert first == made("b")
+    Path(files[1]).write_text(SHORT + "seed: 2\n")
+    assert made("c")["short.csv"] != first["short.csv"]
+
+
+def test_a_folder_of_something_else_is_left_alone(files, tmp_path, capsys):
+    folder = tmp_path / "out" / "short"
+    folder.mkdir(parents=True)
+    (folder / "thesis.tex").write_text("mine")
+    assert cli(["simulate", *files, "--out", str(tmp_path / "out")]) == 2
+    assert [p.name for p in folder.iterdir()] == ["thesis.tex"]
+    assert [p.name for p in folder.parent.iterdir()] == ["short"]
+    assert "another folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("motion: {shape: sawtooth, amplitude_mrad: 50.0, period_s: 10.0}", ["motion.shape", "'sawtooth'"]),
+        ("motion: {shape: sine, amplitude_mrad: -5.0, period_s: 10.0}", ["motion.amplitude_mrad", "-5.0", "over 0"]),
+        ("motion: {shape: sine, amplitude_mrad: .nan, period_s: 10.0}", ["not a finite number"]),
+        ("motion: {shape: sine, amplitude_mrad: 50, period_s: 10, speed: 3}", ["motion.speed", "unknown field"]),
+        ("duration_s: 1e4\nsample_rate_Hz: 5000.0\n" + SHORT.split("\n")[2], ["duration_s", "steps"]),
+        ("effects: [{effect: gremlin}]\n" + SHORT.split("\n")[2], ["effects[0]", "gremlin", "modulus"]),
+        ("effects: [{effect: modulus}]\n" + SHORT.split("\n")[2], ["effects[0].share", "missing"]),
+        ("effects: [{effect: modulus, share: much}]\n" + SHORT.split("\n")[2], ["effects[0].share", "'much'"]),
+    ],
+)
+def test_bad_experiments_are_told_with_line_and_remedy(tmp_path, change, words):
+    path = tmp_path / "bad.yaml"
+    lines = [
+        line for line in SHORT.split("\n") if not line.startswith(("motion", "duration" if "1e4" in change else "#"))
+    ]
+    path.write_text("\n".join(lines) + change + "\n")
+    with pytest.raises(InputError) as caught:
+        read_experiment(path)
+    text = str(caught.value)
+    assert all(word in text for word in words), text
+    assert f"{path}:" in text and ";" in text
+
+
+def test_what_cannot_be_run_is_refused_in_words(project):
+    drive = load_design(project / "params" / "mbcdm.yaml").drive
+    base = {"name": "x", "duration_s": 4.0, "motion": {"shape": "sine", "amplitude_mrad": 5.0, "period_s": 4.0}}
+    with pytest.raises(RigError, match="cable_9"):
+        simulate(drive, Experiment.model_validate(
+            {**base, "effects": [{"effect": "preload", "share": 0.1, "cables": ["cable_9"]}]}
+        ))  # fmt: skip
+    with pytest.raises(RigError, match="winds off"):
+        simulate(drive, Experiment.model_validate({**base, "physics": {"drum_wrap_rad": 0.004}}))
+
+
+def test_the_drum_balances_its_load_at_every_sample(project):
+    drive = load_design(project / "params" / "mbcdm.yaml").drive
+    run = simulate(drive, Experiment.model_validate(yaml.safe_load(SHORT)))
+    pull = sum(c.sigma * c.drum_radius_mm * 1e-3 * t for c, t in zip(drive.cables, run.tension_N, strict=True))
+    assert np.abs(pull - run.load_Nm).max() < 1e-9
+
+
+def test_the_rig_uses_nothing_of_the_model():
+    """Only the design room, the errors' and the rig's own modules; no code of model, checks, layout or loop."""
+    folder = Path(mbcdm_cad.rig.__path__[0])
+    modules = sorted(folder.rglob("*.py"))
+    assert len(modules) > 20
+    for module in modules:
+        for node in ast.walk(ast.parse(module.read_text())):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 0, module
+                names = [f"{node.module}.{a.name}" for a in node.names]
+            for name in (name for name in names if name.startswith("mbcdm_cad")):
+                room = name.split(".")[1]
+                assert room in {"design", "rig", "errors", "__version__"}, f"{module.name} imports {name}"
