@@ -180,6 +180,10 @@ def notes(drive: Drive) -> tuple[str, ...]:
         f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
         "different one under each reading.",
         "Peak torque counts the gearhead as lossless, as the paper does; the figure with its efficiency is beside it.",
+        f"Motor {drive.motor.name}: {drive.motor.rated_torque_mNm:g} mN m [{drive.motor.source}].",
+        f"Gearhead {drive.gearhead.name}: {drive.gearhead.ratio:g}:1, efficiency {drive.gearhead.efficiency:g}, "
+        f"{drive.gearhead.rated_torque_mNm:g} mN m continuous, {drive.gearhead.max_torque_mNm:g} at most "
+        f"[{drive.gearhead.source}].",
         "Nothing is lost at the guide, and the rope has no bending stiffness; slip on the guide's wraps would add "
         "about 8 % to the backlash.",
     )

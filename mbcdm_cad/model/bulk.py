@@ -30,6 +30,7 @@ class Requirements:
     input_rating_Nm: Any
     rope_diameter_m: Any
     tension_limit_N: Any
+    helix_lead_m: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,8 @@ class BulkFigures:
 
     Shapes: (n,), (n_cables, n), or (2, n) for a load of either sign, + (opposing positive rotation) first.
     ``drum_wrap_needed_rad`` is the wrap at the middle of the travel that still holds the slip zone of the test load at
-    its end; ``input_wrap_needed_rad`` what an input winds over the whole travel.
+    its end; ``input_wrap_needed_rad`` what an input winds over the whole travel. ``fleet_angle_rad`` is that at the end
+    of travel: the helix's advance over the free span.
     """
 
     valid: Any
@@ -46,6 +48,7 @@ class BulkFigures:
     bend_ratio: Floats
     free_span_m: Floats
     guide_wrap_rad: Floats
+    fleet_angle_rad: Floats
     input_wrap_needed_rad: Floats
     drum_wrap_needed_rad: Floats
     cable_backlash_rad: Floats
@@ -106,7 +109,14 @@ def _taken(d: DriveSI, which: Any) -> DriveSI:
 
 
 def _missing(d: DriveSI, good: Any) -> BulkFigures:
-    per_cable = ("free_span_m", "guide_wrap_rad", "input_wrap_needed_rad", "drum_wrap_needed_rad", "cable_backlash_rad")
+    per_cable = (
+        "free_span_m",
+        "guide_wrap_rad",
+        "fleet_angle_rad",
+        "input_wrap_needed_rad",
+        "drum_wrap_needed_rad",
+        "cable_backlash_rad",
+    )
     rows = dict.fromkeys(per_cable, d.n_cables) | {"turn_rad": 2, "peak_torque_Nm": 2}
     empty = [
         np.full((rows[f.name], good.size) if f.name in rows else good.size, np.nan) for f in fields(BulkFigures)[1:]
@@ -137,6 +147,9 @@ def _block(d: DriveSI, need: Requirements, good: Any) -> BulkFigures:
         bend_ratio=2.0 * np.minimum(d.input_radius_m, d.guide_radius_m).min(axis=0) / need.rope_diameter_m,
         free_span_m=d.free_span_m,
         guide_wrap_rad=guide_wraps_rad(d),
+        fleet_angle_rad=np.arctan(
+            need.half_travel_rad * d.total_ratio * need.helix_lead_m / (2 * np.pi) / d.free_span_m
+        ),
         input_wrap_needed_rad=2.0 * need.half_travel_rad * d.total_ratio,
         drum_wrap_needed_rad=need.half_travel_rad + slip,
         cable_backlash_rad=backlash.backlash_rad,

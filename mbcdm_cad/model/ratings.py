@@ -38,8 +38,9 @@ def requirements(drive: Drive) -> Requirements:
         load_Nm=drive.loads.test_torque_Nm,
         half_travel_rad=np.radians(drive.half_travel_deg),
         input_rating_Nm=input_ratings_Nm(drive)[MOTOR],
-        rope_diameter_m=drive.cable.diameter_mm * 1e-3,
+        rope_diameter_m=drive.cable.diameter_mm * MM,
         tension_limit_N=tension_limit_N(drive),
+        helix_lead_m=drive.helix_lead_mm * MM,
     )
 
 

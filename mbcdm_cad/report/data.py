@@ -14,7 +14,7 @@ from mbcdm_cad.checks import CheckResult
 from mbcdm_cad.export.mass import MassProperties, combined
 from mbcdm_cad.layout.frame_stiffness import FrameCompliance
 from mbcdm_cad.layout.layout import Layout
-from mbcdm_cad.model import analyse
+from mbcdm_cad.model import analyse, measured
 from mbcdm_cad.report.assembly_order import assembly_order
 from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
 from mbcdm_cad.report.paths import path_data
@@ -127,8 +127,8 @@ def report_data(
             "peak_positive_Nm": analysis.peak_torque_Nm[0],
             "peak_negative_Nm": analysis.peak_torque_Nm[1],
             "torque_to_weight_Nm_kg": min(analysis.peak_torque_Nm) / kilograms,
-            "paper_design_Nm_kg": 11.14,
-            "paper_measured_Nm_kg": 9.649,
+            "paper_design_Nm_kg": measured.DESIGN_TORQUE_TO_WEIGHT_NM_KG,
+            "paper_measured_Nm_kg": measured.TORQUE_TO_WEIGHT_NM_KG,
         },
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),

@@ -10,8 +10,9 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layout.layout import Layout, layout
-from mbcdm_cad.layout.path_figures import path_figures
-from mbcdm_cad.model import ModelError, to_si
+from mbcdm_cad.layout.path_figures import PathFigures, path_figures
+from mbcdm_cad.model import DriveSI, ModelError, to_si
+from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.stiffness import sticking_response
 
 
@@ -19,12 +20,26 @@ def path_data(dims: Layout) -> dict[str, Any]:
     """Plain data of the paths, as the report and ``mbcdm analyse --json`` hold them."""
     figures = path_figures(dims)
     length_m = np.array([cable.length_um for cable in figures.cables]) * 1e-6
-    turn, pull = sticking_response(to_si(dims.drive), length_m)
+    d = to_si(dims.drive)
+    turn, pull = sticking_response(d, length_m)
     return {
         **asdict(figures),
         "usable_deg": list(figures.usable_deg),
+        "test_turn_mrad": _turns_with_real_wraps(d, figures, dims.drive.loads.test_torque_Nm),
         "drum_turn_urad": [float(v) for v in turn * 1e6],
         "tension_change_N": [[float(v) for v in row] for row in pull],
+    }
+
+
+def _turns_with_real_wraps(d: DriveSI, figures: PathFigures, load_Nm: float) -> dict[str, list[float]]:
+    """Turn under + and - ``load_Nm`` at each drum angle, slip ending at the real anchors, mrad."""
+    wraps = [np.radians([getattr(c, name) for c in figures.cables]) for name in ("input_wrap_deg", "drum_wrap_deg")]
+    real = d.spread(len(figures.drum_angle_deg)).with_(input_wrap_rad=wraps[0], drum_wrap_rad=wraps[1])
+    idle = solve_equilibrium(real, 0.0).drum_angle_rad
+    ways = {"positive": load_Nm, "negative": -load_Nm}
+    return {
+        name: [float(v) for v in (solve_equilibrium(real, load).drum_angle_rad - idle) * 1e3]
+        for name, load in ways.items()
     }
 
 
@@ -59,6 +74,11 @@ def path_lines(paths: dict[str, Any]) -> Iterator[str]:
     yield (
         f"  helix and fleet angle change the lengths by up to {longest:.1f} um over the travel: the drum turns by up "
         f"to {max(map(abs, paths['drum_turn_urad'])):.1f} urad, tensions change by up to {pull:.2f} N (wraps sticking)"
+    )
+    turned = [abs(v) for way in paths["test_turn_mrad"].values() for v in way]
+    yield (
+        f"  turn at the test torque with the wraps as they are: {min(turned):.4f} to {max(turned):.4f} mrad over the "
+        "travel (the figures above take them as endless)"
     )
     low, high = paths["usable_deg"]
     yield f"usable travel {low:.2f} to {high:+.2f} deg (design {ends[0]:+g} to {ends[1]:+g}); limits in order:"

@@ -20,6 +20,7 @@ NEED = Requirements(
     input_rating_Nm=0.2204,
     rope_diameter_m=0.81e-3,
     tension_limit_N=106.0,
+    helix_lead_m=0.87e-3,
 )
 
 
@@ -82,6 +83,7 @@ def test_reference_design_in_a_batch_of_one() -> None:
     assert bulk.peak_torque_Nm[:, 0] == pytest.approx([3.747, 3.194], abs=1e-3)
     assert np.degrees(bulk.guide_wrap_rad[:, 0]) == pytest.approx([25.7, 207.5, 29.4, 211.3], abs=0.06)
     assert np.degrees(bulk.input_wrap_needed_rad[:, 0]) == pytest.approx([630.0] * 4)
+    assert np.degrees(bulk.fleet_angle_rad[:, 0]) == pytest.approx([1.399, 1.421, 1.447, 1.476], abs=1e-3)
     assert bulk.bend_ratio[0] == pytest.approx(14.8, abs=0.02)
 
 

@@ -18,7 +18,7 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.uncertainty import intervals
 from mbcdm_cad.report.analysis_text import analysis_outputs
 
-NEED = Requirements(0.91, np.radians(35.0), 0.2204, 0.81e-3, 106.0)
+NEED = Requirements(0.91, np.radians(35.0), 0.2204, 0.81e-3, 106.0, 0.87e-3)
 
 
 def design(**rope: Any) -> Any:

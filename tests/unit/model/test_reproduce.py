@@ -53,3 +53,13 @@ def test_page_is_up_to_date(drive: Drive) -> None:
     assert page.read_text() == as_markdown(reproduce(drive), drive.name), (
         f"rewrite {page} from mbcdm_cad.model.reproduce"
     )
+
+
+def test_the_command_ends_with_1_outside_a_tolerance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from mbcdm_cad.report.commands import reproduce_command
+
+    text = (ROOT / "params" / "mbcdm.yaml").read_text("utf-8")
+    assert reproduce_command(None) == 0
+    (tmp_path / "soft.yaml").write_text(text.replace("modulus_GPa: 54.0", "modulus_GPa: 40.0"), "utf-8")
+    assert reproduce_command(tmp_path / "soft.yaml") == 1
+    assert "from the paper's 0.33 (tolerance 5.00%)" in capsys.readouterr().err

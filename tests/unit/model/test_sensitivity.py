@@ -22,7 +22,12 @@ from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tol
 from mbcdm_cad.model.uncertainty import intervals
 
 NEED = Requirements(
-    load_Nm=0.91, half_travel_rad=np.radians(35.0), input_rating_Nm=0.2204, rope_diameter_m=0.81e-3, tension_limit_N=1e4
+    load_Nm=0.91,
+    half_travel_rad=np.radians(35.0),
+    input_rating_Nm=0.2204,
+    rope_diameter_m=0.81e-3,
+    tension_limit_N=1e4,
+    helix_lead_m=0.87e-3,
 )
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

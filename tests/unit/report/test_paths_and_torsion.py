@@ -12,6 +12,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loader import load_text
 from mbcdm_cad.design.template import new_design_text
 from mbcdm_cad.layout.layout import layout
+from mbcdm_cad.model import to_si
+from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.report.analysis_text import analysis_outputs
 from mbcdm_cad.report.masses import Inertias
 from mbcdm_cad.report.paths import path_data, path_data_or_reason
@@ -45,6 +47,17 @@ def test_no_helix_no_error_of_the_path(drive: Drive) -> None:
     steep, flat = (path_data(layout(replace(drive, helix_lead_mm=lead))) for lead in (0.87, 1e-6))
     worst = [max(map(abs, data["drum_turn_urad"])) for data in (steep, flat)]
     assert worst[0] > 100 and worst[1] < 1e-3, f"{worst} urad"
+
+
+def test_real_wraps_turn_the_drum_no_further_than_endless_ones(drive: Drive) -> None:
+    d = to_si(drive)
+    endless = abs(float(solve_equilibrium(d, 0.91).drum_angle_rad)) * 1e3
+    with_wraps = path_data(layout(drive))["test_turn_mrad"]
+    for way in ("positive", "negative"):
+        assert len(with_wraps[way]) == 9
+        for turn in with_wraps[way]:
+            assert 0.8 * endless < abs(turn) <= endless * (1 + 1e-9), f"{turn} mrad, {endless} with endless wraps"
+    assert with_wraps["positive"][4] * with_wraps["negative"][4] < 0
 
 
 def test_torsional_modes_follow_the_inertias(drive: Drive) -> None:
