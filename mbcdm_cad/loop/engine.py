@@ -21,7 +21,7 @@ from mbcdm_cad.loop.unknown import Unknown, describe_unknown
 from mbcdm_cad.model.si import DriveSI, to_si
 
 if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.design.drive import AsBuilt, Drive
 
 # Two candidates are alike where their errors differ by less than this many standard errors over the cells of sweep and
 # sector, or by less than this share of the floor in quadrature.
@@ -44,7 +44,7 @@ def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
     d = None if drive is None else to_si(drive)
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
     prepared = [prepare(run, ratio) for run in runs]
-    return _Loop(d, ratio, prepared).result()
+    return _Loop(d, ratio, prepared, () if drive is None else drive.as_built).result()
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +58,10 @@ class _Group:
 class _Loop:
     """One pass of the loop."""
 
-    def __init__(self, d: DriveSI | None, ratio: float, prepared: Sequence[Prepared]) -> None:
+    def __init__(self, d: DriveSI | None, ratio: float, prepared: Sequence[Prepared], known: Sequence[AsBuilt]) -> None:
         self.d, self.ratio, self.prepared = d, ratio, tuple(prepared)
-        self.fitter = Fitter(d, ratio, self.prepared)
+        self.known = tuple(known)
+        self.fitter = Fitter(d, ratio, self.prepared, self.known)
         offered = [library(d, p) for p in self.prepared]
         labels = [{e.label for e in one} for one in offered]
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
@@ -204,7 +205,7 @@ class _Loop:
         """Change of every parameter with the smoothing windows; as many arrays as effects."""
         most = [np.zeros_like(v) for v in fit.values]
         for factor in WINDOWS:
-            other = Fitter(self.d, self.ratio, [p.rewindowed(factor) for p in self.prepared])
+            other = Fitter(self.d, self.ratio, [p.rewindowed(factor) for p in self.prepared], self.known)
             again = other.fit(fit.effects, fit.values, fit.offsets, mask=other.used, iterations=2)
             most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
         return most
@@ -330,7 +331,7 @@ def _interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect
     value = figure.of(values)
     slope = np.zeros(values.size)
     for i, parameter in enumerate(effect.parameters):
-        step = 1e-3 * max(abs(values[i]), parameter.size)
+        step = 1e-3 * max(abs(float(values[i])), parameter.size)
         moved = values.copy()
         moved[i] += step
         slope[i] = (figure.of(moved) - value) / step

@@ -13,6 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.design.drive import AsBuilt
+from mbcdm_cad.loop.as_built import known_effects
 from mbcdm_cad.loop.effects.base import Effect
 from mbcdm_cad.loop.prepared import Prepared
 from mbcdm_cad.loop.run import Floats
@@ -50,12 +52,19 @@ class Fit:
 
 
 class Fitter:
-    """Fits sets of effects to one or more runs of one drive."""
+    """Fits sets of effects to one or more runs of one drive, ``known`` effects besides (``Drive.as_built``)."""
 
-    def __init__(self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared]) -> None:
+    def __init__(
+        self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt] = ()
+    ) -> None:
         self.d, self.runs = d, tuple(runs)
         self.simulate = [Simulator() for _ in self.runs]
         self.base = [declared(d, ratio, p) for p in self.runs]
+        # What the built drive is known to have is part of what is declared.
+        if d is not None:
+            for k, p in enumerate(self.runs):
+                for effect, values in known_effects(d, p, known):
+                    self.base[k] = effect.apply(self.base[k], values, self.simulate[k])
         ends = np.cumsum([0, *(p.time_s.size for p in self.runs)])
         self.parts = [slice(a, b) for a, b in pairwise(ends)]
         self.output = np.concatenate([p.output_rad for p in self.runs])
