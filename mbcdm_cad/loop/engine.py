@@ -335,5 +335,5 @@ def _interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect
         moved = values.copy()
         moved[i] += step
         slope[i] = (figure.of(moved) - value) / step
-    half = INTERVAL * float(np.sqrt(max(0.0, slope @ covariance @ slope)))
+    half = INTERVAL * float(np.sqrt(max(0.0, float(slope @ covariance @ slope))))
     return Value(value, value - half, value + half)
