@@ -73,10 +73,10 @@ def run_dynamic(
     )  # fmt: skip
     change, done = kernel.run(
         tables.input_table(rig), tables.cable_table(rig), tables.input_of(rig), tables.drum_row(rig),
-        tables.load_row(rig), state, tables.current_share(rig), tables.loop_gains(rig), tables.turns(rig),
-        tables.encoder_table(rig), rng.standard_normal((n, n_inputs)), np.ascontiguousarray(reference, dtype=float),
-        _series(torque_Nm, n), _series(brake_Nm, n), rig.step_s, steps, log_every, log, account,
-        give_up_rad,
+        tables.load_row(rig), state, tables.path_table(rig, reference), tables.current_share(rig),
+        tables.loop_gains(rig), tables.turns(rig), tables.encoder_table(rig), rng.standard_normal((n, n_inputs)),
+        np.ascontiguousarray(reference, dtype=float), _series(torque_Nm, n), _series(brake_Nm, n), rig.step_s, steps,
+        log_every, log, account, give_up_rad,
     )  # fmt: skip
     rows = -(-done // log_every)
     log = log[:rows]

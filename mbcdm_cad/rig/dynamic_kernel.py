@@ -45,6 +45,7 @@ def run(
     drum: Floats,
     load: Floats,
     chains: Chains,
+    paths: Floats,
     current_share: Floats,
     gains: Floats,
     turns: Floats,
@@ -67,7 +68,8 @@ def run(
     ``reference`` (n, 3): drum angle, speed and acceleration asked for at each period; ``torque`` and ``brake`` (n,):
     torque motor and level of the brake, N m; ``noise`` (n, n_inputs): standard normal; ``turns`` (n_inputs,): turns of
     an input for one of the drum; ``current_share`` (n_inputs,): what the current loop closes of its gap in a step;
-    ``encoders`` (n_inputs, 3): resolution and noise in rad, delay in periods.
+    ``encoders`` (n_inputs, 3): resolution and noise in rad, delay in periods; ``paths`` (n, n_cables, 3), or (0, ..) if
+    there is none: extra path of each cable at the reference, m, and its slopes over the drum's and the input's angle.
     """
     n_inputs, n_cables = inputs.shape[0], cables.shape[0]
     last = 2 * n_inputs
@@ -76,6 +78,7 @@ def run(
     tension, tension_before = chains.tension.copy(), np.empty(n_cables)
     motor, command, target = np.zeros(n_inputs), np.zeros(n_inputs), np.empty(3)
     state = np.zeros((n_inputs, controller.STATES))
+    now = cables.copy()
     seen = np.zeros((int(encoders[:, DELAY].max()) + 1, n_inputs))
     _hold(inputs, cables, input_of, tension, q, motor, state)
     energy = stored(inputs, drum, q, v)
@@ -98,6 +101,8 @@ def run(
                 row[LOG_FIRST + 3 * n_inputs + i] = q[i]
             for j in range(n_cables):
                 row[LOG_FIRST + 4 * n_inputs + j] = tension[j]
+        if paths.shape[0] > 0:
+            _bend(cables, paths[k], now)
         felt = 0.0
         for _ in range(steps):
             for i in range(n_inputs):
@@ -108,13 +113,18 @@ def run(
             outer = torque[k] + load[UNBALANCE] * math.sin(q[last] + load[UNBALANCE_ANGLE])
             capacity = brake_capacity(brake[k], speed, load)
             advance(
-                inputs, cables, input_of, drum, tension, motor, outer, capacity, h, q, v, guess, push, account,
+                inputs, now, input_of, drum, tension, motor, outer, capacity, h, q, v, guess, push, account,
             )  # fmt: skip
             for j in range(n_cables):
                 p = n_inputs + input_of[j]
-                tension[j] = chain.advance(chains, j, q[p], q[last], 0.0)
-                inner = cables[j, dynamic_plant.INPUT_RADIUS] * (q[p] - before[p])
-                rest = cables[j, dynamic_plant.DRUM_RADIUS] * (q[last] - before[last])
+                extra = 0.0
+                if paths.shape[0] > 0:
+                    ahead = q[last] - reference[k, 0]
+                    extra = paths[k, j, 0] + paths[k, j, 1] * ahead
+                    extra += paths[k, j, 2] * (q[p] - turns[input_of[j]] * reference[k, 0])
+                tension[j] = chain.advance(chains, j, q[p], q[last], extra)
+                inner = now[j, dynamic_plant.INPUT_RADIUS] * (q[p] - before[p])
+                rest = now[j, dynamic_plant.DRUM_RADIUS] * (q[last] - before[last])
                 stretch = cables[j, dynamic_plant.SIGMA] * (inner - rest)
                 account[dynamic_plant.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
             # The sensor sits between drum and load: bearings' share of the friction is not in it.
@@ -123,6 +133,15 @@ def run(
         if abs(q[last] - reference[k, 0]) > give_up_rad:
             return stored(inputs, drum, q, v) - energy, k + 1
     return stored(inputs, drum, q, v) - energy, reference.shape[0]
+
+
+@compiled
+def _bend(cables: Floats, path: Floats, now: Floats) -> None:
+    """Lever arms that an extra path gives each cable: its slopes, by virtual work."""
+    for j in range(cables.shape[0]):
+        sense = cables[j, dynamic_plant.SIGMA]
+        now[j, dynamic_plant.DRUM_RADIUS] = cables[j, dynamic_plant.DRUM_RADIUS] - sense * path[j, 1]
+        now[j, dynamic_plant.INPUT_RADIUS] = cables[j, dynamic_plant.INPUT_RADIUS] + sense * path[j, 2]
 
 
 @compiled

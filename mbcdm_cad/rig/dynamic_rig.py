@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.bench import PathOf
 from mbcdm_cad.rig.cables import RigCable, cables_of
 from mbcdm_cad.rig.chain import PIECE_RAD
 from mbcdm_cad.rig.controller import ControllerSpec
@@ -41,8 +42,9 @@ class EncoderSpec:
 class DynamicRig:
     """A drive on the bench: a motor, gearhead, loop and encoder for each input, in the order of the drive's inputs.
 
-    ``cables`` are those really built, ``piece_rad``, ``transport`` and ``guide_slip`` as in
-    :func:`mbcdm_cad.rig.chain.chains`. Drags are Coulomb friction in bearings, each at its own shaft.
+    ``cables`` are those really built, ``paths`` what lengthens them with the angles, as an eccentric pulley does;
+    ``piece_rad``, ``transport`` and ``guide_slip`` as in :func:`mbcdm_cad.rig.chain.chains`. Drags are Coulomb friction
+    in bearings, each at its own shaft.
     """
 
     drive: Drive
@@ -60,6 +62,7 @@ class DynamicRig:
     piece_rad: float = PIECE_RAD
     transport: bool = True
     guide_slip: bool = False
+    paths: tuple[PathOf, ...] = ()
 
 
 def rig_of(

@@ -12,6 +12,9 @@ from mbcdm_cad.rig.dynamic_compiled import Floats
 from mbcdm_cad.rig.dynamic_rig import DynamicRig, input_turns
 from mbcdm_cad.rig.inertias import guide_turns, inertias
 
+# Half the span of angle over which an extra path's slope is taken.
+SLOPE_RAD = 1e-5
+
 
 def input_of(rig: DynamicRig) -> NDArray[np.int64]:
     """For each cable the number of its input."""
@@ -81,3 +84,19 @@ def drum_row(rig: DynamicRig) -> Floats:
     inertia = moved.drum_kg_m2 + moved.guide_kg_m2 * ratio**2 + rig.load.inertia_kg_m2
     drag = rig.load.bearing_drag_Nm + rig.guide_drag_Nm * ratio
     return np.array([inertia, drag, rig.load.bearing_viscous_Nms])
+
+
+def path_table(rig: DynamicRig, reference: Floats) -> Floats:
+    """Extra path of each cable at the reference and its slopes over drum and input, (n, n_cables, 3) or (0, ...)."""
+    n, n_cables = (reference.shape[0] if rig.paths else 0), len(rig.cables)
+    table = np.zeros((n, n_cables, 3))
+    if not rig.paths:
+        return table
+    drum = reference[:, 0]
+    inputs = turns(rig)[:, None] * drum
+    for of in rig.paths:
+        table[:, :, 0] += of(inputs, drum).T
+        table[:, :, 1] += (of(inputs, drum + SLOPE_RAD) - of(inputs, drum - SLOPE_RAD)).T / (2.0 * SLOPE_RAD)
+        # Each cable's path knows its own input alone, so all inputs may move at once.
+        table[:, :, 2] += (of(inputs + SLOPE_RAD, drum) - of(inputs - SLOPE_RAD, drum)).T / (2.0 * SLOPE_RAD)
+    return table
