@@ -19,26 +19,23 @@ STEP_LINE_MARGIN = 1.5
 def order_spectrum(angle_rad: Floats, residual: Any) -> tuple[Floats, Floats]:
     """(cycles a turn, amplitude in the residual's unit) over the travel covered; binned in angle, then an FFT.
 
-    A complex residual is a wave whose phase is not known.
-
-    Shapes (m,). The bins are a quarter of the shortest wave looked for, or wider where the samples are too few.
+    Shapes (m,). The bins are a quarter of the shortest wave looked for, or wider where the samples are too few. Bins
+    hold means, since samples lie unevenly (sweeps dwell at some angles, and meet the same ones again), and a window of
+    Hann's keeps a slow trend from leaking into every order.
     """
     low, span = float(angle_rad.min()), float(np.ptp(angle_rad))
     bins = int(min(4.0 * MOST_ORDER * span / (2.0 * np.pi), angle_rad.size / 4.0)) + 8
     index = np.minimum(((angle_rad - low) / span * bins).astype(np.int64), bins - 1)
-    total = np.bincount(index, residual.real, bins)
-    if np.iscomplexobj(residual):
-        total = total + 1j * np.bincount(index, residual.imag, bins)
+    count = np.bincount(index, minlength=bins)
+    full = np.flatnonzero(count)
+    mean = np.interp(np.arange(bins), full, np.bincount(index, residual, bins)[full] / count[full])
+    window = np.hanning(bins)
+    mean = (mean - float((window * mean).sum() / window.sum())) * window
     # Zeros put behind make the grid of orders four times finer than one cycle a travel.
     length = 4 * bins
-    half = length // 2 + 1
-    if np.iscomplexobj(total):
-        lines = np.abs(np.fft.fft(total, length))
-        amplitude = np.maximum(lines[:half], lines[-np.arange(half)]) / residual.size
-    else:
-        amplitude = 2.0 * np.abs(np.fft.rfft(total, length)) / residual.size
+    amplitude = 2.0 * np.abs(np.fft.rfft(mean, length)) / window.sum()
     orders = np.arange(amplitude.size) * bins / length * 2.0 * np.pi / span
-    keep = (orders * span / (2.0 * np.pi) >= LEAST_CYCLES) & (orders <= bins * np.pi / span)
+    keep = (orders * span / (2.0 * np.pi) >= LEAST_CYCLES) & (orders <= min(MOST_ORDER, bins * np.pi / span))
     return orders[keep], amplitude[keep]
 
 
