@@ -94,7 +94,7 @@ _REST = {
     "lash_input_left": Case(LOADED, size("lash", "input_play", "play_rad", 4e-4, 1.5e-3, stage="input_left")),
     "lash_input_right": Case(LOADED, size("lash", "input_play", "play_rad", 4e-4, 1.5e-3, stage="input_right")),
     "ripple_slow": Case(WIDE, ripple((20.0, 50.0), 1e-5, 4e-5)),
-    "ripple_fast": Case(ANY, ripple((300.0, 1500.0), 1e-5, 4e-5)),
+    "ripple_fast": Case(ANY, ripple((200.0, 700.0), 1e-5, 4e-5)),
     "thermal": Case(LOADED, size("thermal_drift", "warming", "turn_rad_K", 2e-5, 6e-5), "fair", temperature=True),
     "creep": Case(LOADED, amount("creep", "settling", {"amplitude_rad": (1e-5, 4e-5), "time_s": (2.0, 15.0)}), "fair"),
     "slip_anchor": Case(LOADED, anchor(4e-6, 1.5e-5)),
