@@ -28,12 +28,21 @@ def order_spectrum(angle_rad: Floats, residual: Any) -> tuple[Floats, Floats]:
     index = np.minimum(((angle_rad - low) / span * bins).astype(np.int64), bins - 1)
     count = np.bincount(index, minlength=bins)
     full = np.flatnonzero(count)
-    mean = np.interp(np.arange(bins), full, np.bincount(index, residual, bins)[full] / count[full])
     window = np.hanning(bins)
-    mean = (mean - float((window * mean).sum() / window.sum())) * window
     # Zeros put behind make the grid of orders four times finer than one cycle a travel.
     length = 4 * bins
-    amplitude = 2.0 * np.abs(np.fft.rfft(mean, length)) / window.sum()
+    half = length // 2 + 1
+
+    def lines(values: Floats) -> Any:
+        mean = np.interp(np.arange(bins), full, np.bincount(index, values, bins)[full] / count[full])
+        mean = (mean - float((window * mean).sum() / window.sum())) * window
+        return np.fft.fft(mean, length) / window.sum()
+
+    if np.iscomplexobj(residual):
+        both = np.abs(lines(residual.real) + 1j * lines(residual.imag))
+        amplitude = np.maximum(both[:half], both[-np.arange(half)])
+    else:
+        amplitude = 2.0 * np.abs(lines(residual)[:half])
     orders = np.arange(amplitude.size) * bins / length * 2.0 * np.pi / span
     keep = (orders * span / (2.0 * np.pi) >= LEAST_CYCLES) & (orders <= min(MOST_ORDER, bins * np.pi / span))
     return orders[keep], amplitude[keep]
