@@ -1,0 +1,49 @@
+"""Which half sweeps are held back: chosen by load, direction and time alone, before any residual is looked at.
+
+Every fourth by number would do, were it not that loads are stepped in a rhythm of their own: then all that is held back
+has one load, and an effect of the load is neither seen nor judged there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.loop.run import Floats
+
+# One half sweep of so many is held back.
+ONE_OF = 4
+# Loads closer than this share of their range count as one level.
+LEVEL_SHARE = 0.1
+
+
+def held_sweeps(sweep: NDArray[np.int64], output_rad: Floats, load_Nm: Floats | None) -> NDArray[np.int64]:
+    """Numbers of the half sweeps to hold back; ``sweep`` (n,) numbers them, below 0 those that are not used.
+
+    The half sweeps are put in order of direction, then of load level (up and down in turn, so that neighbours are
+    alike), then of time; every fourth along that order is taken, so that each direction and, with enough of them, each
+    level has its share. At least one, never all.
+    """
+    numbers = np.unique(sweep[sweep >= 0])
+    if numbers.size < 2:
+        return numbers[:0]
+    starts = np.array([np.flatnonzero(sweep == one)[[0, -1]] for one in numbers])
+    direction = np.sign(output_rad[starts[:, 1]] - output_rad[starts[:, 0]])
+    level = np.zeros(numbers.size)
+    if load_Nm is not None:
+        mean = np.array([load_Nm[sweep == one].mean() for one in numbers])
+        level = np.round(mean / (LEVEL_SHARE * np.ptp(load_Nm))) if np.ptp(load_Nm) > 0.0 else level
+    level = np.where(direction > 0.0, level, -level)
+    order = np.lexsort((numbers, level, direction))
+    first = min(ONE_OF // 2, numbers.size - 1)
+    return np.sort(numbers[order][first::ONE_OF])
+
+
+def held_words(held: NDArray[np.int64], sweep: NDArray[np.int64], load_Nm: Floats | None) -> str:
+    """For people: numbers, counted from the first half sweep that is used, and the loads that they saw."""
+    numbers = ", ".join(str(one + 1) for one in held[:8]) + (", ..." if held.size > 8 else "")
+    words = f"half sweeps {numbers}"
+    if load_Nm is not None and held.size:
+        means = [float(load_Nm[sweep == one].mean()) for one in held]
+        words += f" (mean loads {min(means):.2g} to {max(means):.2g} N m)"
+    return words
