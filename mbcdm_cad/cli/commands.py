@@ -140,12 +140,17 @@ def reproduce(design: Path | None) -> int:
 @_DESIGN
 @click.argument("measurements", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--json", "json_path", type=click.Path(path_type=Path), metavar="FILE", help="Write the result as JSON.")
-def loop(design: Path, measurements: tuple[Path, ...], json_path: Path | None) -> int:
+@click.option("--apply", "as_built", type=click.Path(path_type=Path), metavar="AS_BUILT.yaml",
+              help="Write the design file with what was found in it.")  # fmt: skip
+@click.option("--report", type=click.Path(path_type=Path), metavar="FOLDER", help="Write a page with plots there.")
+def loop(
+    design: Path, measurements: tuple[Path, ...], json_path: Path | None, as_built: Path | None, report: Path | None
+) -> int:
     """What does the model of DESIGN lack? Judge measured runs, described by MEASUREMENTS (YAML beside the CSV)."""
     loaded = _loaded(design)
-    from mbcdm_cad.loop.command import loop_command
+    from mbcdm_cad.loop.command import Outputs, loop_command
 
-    return loop_command(loaded, measurements, json_path=json_path)
+    return loop_command(loaded, measurements, Outputs(json_path, as_built, report))
 
 
 @mbcdm.command()

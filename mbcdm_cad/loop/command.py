@@ -34,13 +34,25 @@ class Vetted:
     findings: tuple[Finding, ...]
 
 
-def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], *, json_path: Path | None) -> int:
+@dataclass(frozen=True)
+class Outputs:
+    """Files to write: the result as JSON, the design as built, and the folder of the report page; None for none."""
+
+    json: Path | None = None
+    as_built: Path | None = None
+    report: Path | None = None
+
+
+def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
     """Judge the runs together. 0 when they could be judged; bad input raises InputError with all that is wrong."""
-    _refuse_overwriting(loaded, measurements, json_path)
+    _refuse_outputs(loaded, measurements, wanted)
     files = [load_file(path) for path in measurements]
     if any(file.content.published is not None for file in files):
-        return _published(loaded, files, json_path)
+        return _published(loaded, files, wanted)
     drive = _drive_of(loaded, files)
+    if drive is None and wanted.as_built is not None:
+        remedy = "leave --apply out, or judge runs of the design"
+        raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
     vetted = _vetted(files, drive)
     from mbcdm_cad.loop.engine import close_loop  # the model and its compiled parts, once the input is known to be good
     from mbcdm_cad.loop.result_text import result_text
@@ -51,7 +63,17 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], *, json_pat
         click.echo("")
         click.echo("\n".join(vetting_lines(one)))
     content = {**result.to_json(), "design": _design(loaded, drive), "runs": [_run_json(one) for one in vetted]}
-    outputs = {} if json_path is None else {json_path: json_bytes(content)}
+    outputs = {} if wanted.json is None else {wanted.json: json_bytes(content)}
+    if wanted.as_built is not None:
+        from mbcdm_cad.loop.as_built import as_built_text
+
+        text = as_built_text(loaded, result, ", ".join(one.run.source for one in vetted))
+        outputs[wanted.as_built] = text.encode()
+    if wanted.report is not None:
+        from mbcdm_cad.loop.report import report_page
+
+        page = report_page(result, _design(loaded, drive), [(one.run, one.findings, one.notes) for one in vetted])
+        outputs |= {wanted.report / "report.html": page, wanted.report / "result.json": json_bytes(content)}
     write_whole(outputs)
     for path in outputs:
         click.echo(f"{path} written")
@@ -116,31 +138,36 @@ def arranged(run: Run, drive: Drive) -> Run:
     return replace(run, input_rad=run.input_rad[rows], input_names=tuple(run.input_names[row] for row in rows))
 
 
-def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], json_path: Path | None) -> int:
+def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
     """Figures of a paper: no search, what could explain them."""
     from mbcdm_cad.loop.published import judge_published
 
-    if len(files) > 1:
+    if len(files) > 1 or wanted.report is not None or wanted.as_built is not None:
+        remedy = "give it alone, without --report and --apply"
         wrong = next(file for file in files if file.content.published is not None)
-        raise InputError([wrong.problem(("published",), "figures of a paper among runs", remedy="give it alone")])
+        raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
     result = judge_published(loaded.drive, files[0])
     click.echo(result.text().rstrip())
-    if json_path is not None:
-        write_whole({json_path: json_bytes(result.to_json())})
-        click.echo(f"{json_path} written")
+    if wanted.json is not None:
+        write_whole({wanted.json: json_bytes(result.to_json())})
+        click.echo(f"{wanted.json} written")
     return 0
 
 
-def _refuse_overwriting(loaded: LoadedDesign, measurements: Sequence[Path], output: Path | None) -> None:
-    """An output must not take the place of an input."""
-    if output is None:
-        return
-    for path in (loaded.path, *measurements):
-        if path.resolve() == output.resolve():
-            problem = Problem(str(output), 1, "", "this is an input", remedy="give the output another name")
+def _refuse_outputs(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> None:
+    """An output must not take the place of an input or of another output, and needs a folder to be in."""
+    taken = {path.resolve() for path in (loaded.path, *measurements)}
+    for output in (wanted.json, wanted.as_built):
+        if output is None:
+            continue
+        if output.resolve() in taken:
+            problem = Problem(str(output), 1, "", "this is an input or another output", remedy="give it another name")
             raise InputError([problem])
-    if not output.parent.is_dir():
-        raise MbcdmError(f"{output}: there is no folder {output.parent}; make it, or choose another path")
+        if not output.parent.is_dir():
+            raise MbcdmError(f"{output}: there is no folder {output.parent}; make it, or choose another path")
+        taken.add(output.resolve())
+    if wanted.report is not None and wanted.report.exists() and not wanted.report.is_dir():
+        raise MbcdmError(f"{wanted.report}: a file, and the report needs a folder; give another name")
 
 
 def _design(loaded: LoadedDesign, drive: Drive | None) -> dict[str, str] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.run import Floats
 
 if TYPE_CHECKING:
@@ -174,5 +175,8 @@ class LoopResult:
         return f"The model lacks {' and '.join(words)}; {sizes}{tail}."
 
     def _described(self, named: Named) -> str:
-        figures = ", ".join(f"{key} {v.value:.4g} ({v.low:.4g} to {v.high:.4g})" for key, v in named.parameters.items())
-        return f"{named.words} [{named.form}: {figures}]"
+        figures = []
+        for name, value in named.parameters.items():
+            word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+            figures.append(f"{word} {middle} ({low.split(' ')[0]} to {high})")
+        return f"{named.words} [{named.form}: {', '.join(figures)}]"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.result import LoopResult, Named
 
 MICRO = 1e6
@@ -40,13 +41,19 @@ def result_text(result: LoopResult) -> str:
 def named_lines(named: Named) -> list[str]:
     """An effect with its figures, one a line."""
     lines = [f"{named.words} ({named.form}): {named.physics}"]
-    lines += [
-        f"  {name} {value.value:.4g} (95 %: {value.low:.4g} to {value.high:.4g})"
-        for name, value in named.parameters.items()
-    ]
-    lines += [f"  {name} {value:.4g}" for name, value in named.physical.items()]
+    for name, value in named.parameters.items():
+        word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        lines.append(f"  {word} {middle} (95 %: {low} to {high})")
+    for name, figure in named.physical.items():
+        if name not in named.parameters:
+            lines.append("  {} {}".format(*_one(name, figure)))
     lines += [f"  looks the same: {words}" for words in named.equivalent]
     return [*lines, f"  look at: {named.where_to_look}"]
+
+
+def _one(name: str, figure: float) -> tuple[str, str]:
+    word, shown = readable(name, [figure])
+    return word, shown[0]
 
 
 def _error_line(word: str, rms: float, low: float, high: float, peak: float) -> str:

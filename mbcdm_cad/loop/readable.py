@@ -1,0 +1,33 @@
+"""Figures in units that a person reads: micrometres and microradians in place of 1e-06."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+# By ending of the name, longest first: sizes to choose from, largest first.
+_SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
+    ("_rad_Nm", ((1.0, "rad/(N m)"), (1e-3, "mrad/(N m)"), (1e-6, "urad/(N m)"))),
+    ("_rad", ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "urad"))),
+    ("_Nm", ((1.0, "N m"), (1e-3, "mN m"))),
+    ("_m", ((1e-3, "mm"), (1e-6, "um"))),
+    ("_N", ((1.0, "N"),)),
+    ("_s", ((1.0, "s"), (1e-3, "ms"))),
+    ("share", ((1e-2, "%"),)),
+)
+# Angles that say where and not how much.
+_PLACES = ("phase", "angle", "at_")
+
+
+def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
+    """A figure's name without its unit and its values with one, all in the unit that suits the largest."""
+    for ending, sizes in _SIZES:
+        if not name.endswith(ending):
+            continue
+        word = name if ending == "share" else name.removesuffix(ending)
+        if ending == "_rad" and name.startswith(_PLACES):
+            sizes = ((math.pi / 180.0, "deg"),)
+        most = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+        factor, unit = next((size for size in sizes if most >= size[0]), sizes[-1])
+        return word.replace("_", " ").strip(), [f"{v / factor:.4g} {unit}" for v in values]
+    return name.replace("_", " "), [f"{v:.5g}" for v in values]

@@ -1,0 +1,112 @@
+"""The loop's page for the bench: one file, no other file and no network needed."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from typing import Any
+
+from mbcdm_cad.loop.finding import Finding
+from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.report_figures import orders_png, scatter_png, time_png
+from mbcdm_cad.loop.result import Evidence, LoopResult, Named, Traces
+from mbcdm_cad.loop.run import Run
+
+VERDICTS = {
+    "none": "Nothing is missing",
+    "explained": "Explained",
+    "partly_explained": "Partly explained",
+    "unknown": "Unknown",
+    "not_testable": "Not testable",
+}
+# Pages of more runs than this show the plots of the first ones.
+MOST_PLOTTED = 6
+
+Told = tuple[Run, Sequence[Finding], Sequence[str]]
+
+
+def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequence[Told]) -> bytes:
+    """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("mbcdm_cad.loop", "."), undefined=jinja2.StrictUndefined, autoescape=True
+    )
+    page = environment.get_template("report.html.j2").render(
+        verdict=VERDICTS[result.verdict],
+        sentence=_micro(result.sentence),
+        errors=_errors(result),
+        effects=[_effect(named) for named in result.effects],
+        sets=[[_effect(named) for named in group] for group in result.one_of],
+        unknown=_micro(result.unknown.sentence()) if result.unknown else "",
+        candidates=[_candidate(one) for one in (*result.evidence, *result.small)],
+        not_testable=result.not_testable,
+        next_steps=result.next_steps,
+        design=design,
+        runs=[_run(told) for told in runs],
+        plots=[
+            {"source": told[0].source, "images": _images(trace, result.chain_orders)}
+            for told, trace in list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED]
+        ],
+    )
+    return page.encode()
+
+
+def _errors(result: LoopResult) -> dict[str, Any]:
+    e = result.errors
+    _, shown = readable("_rad", [e.before.value, e.before.low, e.before.high, e.peak_before_rad,
+                                 e.after.value, e.after.low, e.after.high, e.peak_after_rad, e.floor_rad])  # fmt: skip
+    shown = [_micro(text) for text in shown]
+    most = max(e.before.value, e.after.value, e.floor_rad, 1e-300)
+    return {
+        "rows": [
+            ("Declared model", *shown[0:4], 100.0 * e.before.value / most),
+            ("With what was found", *shown[4:8], 100.0 * e.after.value / most),
+            ("Noise floor of the sensors", shown[8], "", "", "", 100.0 * e.floor_rad / most),
+        ],
+        "share": f"{e.explained_share:.0%}",
+        "held_out": e.held_out,
+    }
+
+
+def _effect(named: Named) -> dict[str, Any]:
+    figures = []
+    for name, value in named.parameters.items():
+        word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        figures.append((word, _micro(middle), _micro(f"{low} to {high}")))
+    for name, figure in named.physical.items():
+        if name not in named.parameters:
+            word, (text,) = readable(name, [figure])
+            figures.append((word, _micro(text), ""))
+    return {"named": named, "figures": figures, "takes_off": _micro(readable("_rad", [named.fall_rad])[1][0])}
+
+
+def _candidate(one: Evidence) -> dict[str, str]:
+    _, (held, fall) = readable("_rad", [one.held_out_rad, one.fall_rad])
+    return {"label": one.label, "held": _micro(held), "fall": _micro(fall), "outcome": one.outcome}
+
+
+def _run(told: Told) -> dict[str, Any]:
+    run, findings, notes = told
+    doubts = [*notes, *(str(f) for f in findings if f.level == "doubt")]
+    return {
+        "source": run.source,
+        "samples": f"{run.time_s.size:,}".replace(",", " "),
+        "sha256": run.sha256,
+        "doubts": doubts,
+        "facts": [str(f) for f in findings if f.level == "fact"],
+    }
+
+
+def _images(trace: Traces, chain_orders: dict[str, float]) -> list[dict[str, str]]:
+    drawn = (
+        ("Measured and predicted angle, and their difference, over time", time_png(trace)),
+        ("Difference over output angle and load; lines are means", scatter_png(trace)),
+        ("Orders of the difference, with what turns once in the chain", orders_png(trace, chain_orders)),
+    )
+    return [{"alt": alt, "data": b64encode(png).decode()} for alt, png in drawn]
+
+
+def _micro(text: str) -> str:
+    """The sign for micro, which a page can show and a terminal may not."""
+    return text.replace(" um", " \N{MICRO SIGN}m").replace(" urad", " \N{MICRO SIGN}rad")

@@ -1,0 +1,115 @@
+"""Plots of the loop's page: measured against predicted, residual against time, angle and load, spectrum of orders."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from mbcdm_cad.loop.result import Traces
+from mbcdm_cad.loop.run import Floats
+
+MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
+HELD = "#DDDDDD"
+STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.framealpha": 0.9}
+WIDTH_IN = 9.6
+BINS = 60
+
+
+def time_png(t: Traces) -> bytes:
+    """Drum angle measured and predicted, and the residual before and after, over time; held-out time is grey."""
+    with mpl.rc_context(STYLE):
+        figure, (above, below) = _panels(4.6, rows=2, shared=True)
+        above.plot(t.time_s, 1e3 * t.output_rad, color=MEASURED, lw=1.6, label="measured")
+        above.plot(t.time_s, 1e3 * (t.output_rad - t.residual_before_rad), color=BEFORE, lw=0.8, ls="--",
+                   label="predicted by the declared model")  # fmt: skip
+        above.set_ylabel("output (mrad)")
+        factor, unit = _size(t)
+        below.plot(t.time_s, t.residual_before_rad / factor, color=BEFORE, lw=0.8, label="before")
+        below.plot(t.time_s, t.residual_after_rad / factor, color=AFTER, lw=0.8, label="after")
+        below.set(xlabel="time (s)", ylabel=f"measured - predicted ({unit})")
+        for axes in (above, below):
+            label = "held out"
+            for begin, end in _spans(t.held):
+                axes.axvspan(t.time_s[begin], t.time_s[end], color=HELD, zorder=0, label=label)
+                label = ""
+            axes.set_xlim(t.time_s[0], t.time_s[-1])
+            axes.legend(loc="upper right", ncols=3)
+        return _png(figure)
+
+
+def scatter_png(t: Traces) -> bytes:
+    """Residual against output angle, and against load where it was measured; lines are means over bins."""
+    with mpl.rc_context(STYLE):
+        variables = [("output (mrad)", 1e3 * t.output_rad)]
+        if t.load_Nm is not None:
+            variables.append(("load torque (N m)", t.load_Nm))
+        figure, panels = _panels(3.4, columns=len(variables))
+        factor, unit = _size(t)
+        for axes, (label, values) in zip(np.atleast_1d(panels), variables, strict=True):
+            for residual, colour, word in (
+                (t.residual_before_rad, BEFORE, "before"),
+                (t.residual_after_rad, AFTER, "after"),
+            ):
+                axes.plot(values, residual / factor, ls="", marker=".", ms=1.5, alpha=0.25, color=colour)
+                axes.plot(*_means(values, residual / factor), color=colour, lw=1.8, label=word)
+            axes.set(xlabel=label, ylabel=f"measured - predicted ({unit})")
+            axes.legend(loc="upper right")
+        return _png(figure)
+
+
+def orders_png(t: Traces, chain_orders: dict[str, float]) -> bytes:
+    """Amplitude of the residual over cycles a turn of the output, with what turns once in the chain marked."""
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(3.0)
+        factor, unit = _size(t)
+        axes.loglog(t.orders, t.amplitude_before_rad / factor, color=BEFORE, lw=0.8, label="before")
+        axes.loglog(t.orders, t.amplitude_after_rad / factor, color=AFTER, lw=0.8, label="after")
+        top = float(max(t.amplitude_before_rad.max(), t.amplitude_after_rad.max())) / factor
+        axes.set_ylim(1e-4 * top, 3.0 * top)
+        axes.set_xlim(0.8 * min([*chain_orders.values(), float(t.orders[0])]), float(t.orders[-1]))
+        for name, order in chain_orders.items():
+            axes.axvline(order, color="#444444", lw=0.8, ls=":")
+            axes.annotate(name, (order, 2.0 * top), rotation=90, ha="right", va="top", fontsize=8, color="#444444")
+        axes.axvspan(axes.get_xlim()[0], float(t.orders[0]), color=HELD, zorder=0)
+        axes.set(xlabel="cycles a turn of the output (grey: too few cycles over this travel to be told)",
+                 ylabel=f"amplitude ({unit})")  # fmt: skip
+        axes.legend(loc="lower left")
+        return _png(figure)
+
+
+def _panels(height_in: float, rows: int = 1, columns: int = 1, shared: bool = False) -> tuple[Figure, Any]:
+    figure = Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, sharex=shared)
+
+
+def _size(t: Traces) -> tuple[float, str]:
+    most = float(np.abs(t.residual_before_rad).max())
+    return (1e-3, "mrad") if most >= 1e-3 else (1e-6, "urad")
+
+
+def _means(values: Floats, residual: Floats) -> tuple[Floats, Floats]:
+    """Means over bins of equal width that hold enough points."""
+    edges = np.linspace(values.min(), values.max(), BINS + 1)
+    index = np.clip(np.digitize(values, edges) - 1, 0, BINS - 1)
+    count = np.bincount(index, minlength=BINS)
+    busy = count >= 5
+    means = np.bincount(index, residual, BINS)[busy] / count[busy]
+    return (0.5 * (edges[1:] + edges[:-1]))[busy], means
+
+
+def _spans(held: Floats) -> list[tuple[int, int]]:
+    """First and last index of every stretch that is held out."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], (held > 0.5).astype(np.int8), [0]))))
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _png(figure: Figure) -> bytes:
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
+    return buffer.getvalue()
