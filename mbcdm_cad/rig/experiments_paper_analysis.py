@@ -12,9 +12,11 @@ from mbcdm_cad.rig.dynamic import DynamicRun
 from mbcdm_cad.rig.dynamic_compiled import Floats
 from mbcdm_cad.rig.dynamic_rig import input_turns
 
-# An input counts as saturated when its torque stays within 1 % of the limit, on the average of half a second.
-SATURATED_SHARE = 0.99
-AVERAGED_S = 0.5
+# An input counts as saturated when its torque stays within 0.2 % of the limit, on the average of a fifth of a second.
+SATURATED_SHARE = 0.998
+AVERAGED_S = 0.2
+# An input has left its angle when it is off by five counts of its encoder, on the same average.
+LEFT_RAD = 1e-3
 # The drum has given way when it is this far off: far more than elasticity accounts for.
 GIVEN_WAY_RAD = 0.02
 LOWEST_ORDER = 20.0
@@ -22,14 +24,22 @@ LOWEST_ORDER = 20.0
 
 def first_saturated_Nm(run: DynamicRun, limits_Nm: Sequence[float]) -> float:
     """Load torque at which the first input reaches its limit, N m; NaN if none does."""
-    window = max(int(AVERAGED_S / (run.time_s[1] - run.time_s[0])), 1)
-    load = np.convolve(np.abs(run.torque_Nm), np.full(window, 1.0 / window), mode="valid")
-    at = load.size
-    for torque, limit in zip(run.motor_Nm, limits_Nm, strict=True):
-        mean = np.convolve(np.abs(torque), np.full(window, 1.0 / window), mode="valid")
-        over = np.flatnonzero(mean >= SATURATED_SHARE * limit)
-        at = min(at, int(over[0]) if over.size else at)
-    return float(load[at]) if at < load.size else float("nan")
+    return _load_where(run, np.abs(run.motor_Nm) / np.asarray(limits_Nm)[:, None], SATURATED_SHARE)
+
+
+def left_angle_Nm(run: DynamicRun, drive: Drive) -> float:
+    """Load torque at which the first input has left its angle by :data:`LEFT_RAD`, N m; NaN if none does."""
+    turns = np.array([input_turns(drive, i) for i in range(len(drive.input_names))])
+    return _load_where(run, np.abs(run.input_rad - turns[:, None] * run.reference_rad), LEFT_RAD)
+
+
+def _load_where(run: DynamicRun, series: Floats, level: float) -> float:
+    """Load at which the first row of ``series`` reaches ``level``, both as running means."""
+    window = np.full(max(int(AVERAGED_S / (run.time_s[1] - run.time_s[0])), 1), 1.0)
+    load = np.convolve(np.abs(run.torque_Nm), window / window.size, mode="valid")
+    reached = [np.flatnonzero(np.convolve(row, window / window.size, mode="valid") >= level) for row in series]
+    first = min((int(over[0]) for over in reached if over.size), default=-1)
+    return float(load[first]) if first >= 0 else float("nan")
 
 
 def given_way_index(run: DynamicRun) -> int:
