@@ -17,6 +17,7 @@ from mbcdm_cad.checks import (
     spans,
     strength,
     support_fits,
+    support_walls,
     surfaces,
     sweeps,
     terminals,
@@ -27,7 +28,7 @@ from mbcdm_cad.checks.finding import Check
 
 FAMILIES: tuple[ModuleType, ...] = (
     ratios, surfaces, bending, transfer, spans, wraps, strength, motors, bearings, fixings,
-    pulley_fits, guide_fits, drum_fits, terminals, support_fits, sweeps, envelope,
+    pulley_fits, guide_fits, drum_fits, terminals, support_walls, support_fits, sweeps, envelope,
 )  # fmt: skip
 CHECKS: tuple[Check, ...] = tuple(check for family in FAMILIES for check in family.CHECKS)
 
