@@ -142,15 +142,22 @@ def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: O
     """Figures of a paper: no search, what could explain them."""
     from mbcdm_cad.loop.published import judge_published
 
-    if len(files) > 1 or wanted.report is not None or wanted.as_built is not None:
-        remedy = "give it alone, without --report and --apply"
+    if len(files) > 1 or wanted.as_built is not None:
+        remedy = "give it alone, without --apply"
         wrong = next(file for file in files if file.content.published is not None)
         raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
     result = judge_published(loaded.drive, files[0])
     click.echo(result.text().rstrip())
-    if wanted.json is not None:
-        write_whole({wanted.json: json_bytes(result.to_json())})
-        click.echo(f"{wanted.json} written")
+    content = json_bytes(result.to_json())
+    outputs = {} if wanted.json is None else {wanted.json: content}
+    if wanted.report is not None:
+        from mbcdm_cad.loop.published_page import published_page
+
+        page = published_page(result, loaded.drive.name)
+        outputs |= {wanted.report / "report.html": page, wanted.report / "result.json": content}
+    write_whole(outputs)
+    for path in outputs:
+        click.echo(f"{path} written")
     return 0
 
 

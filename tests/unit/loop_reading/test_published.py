@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 from functools import cache
+from html import unescape
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mbcdm_cad.cli import run
 from mbcdm_cad.design import load_design
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.measurement import load_file, read_run
 from mbcdm_cad.loop.published import Candidate, Judged, PublishedResult, judge_published
+from mbcdm_cad.loop.published_page import published_page
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
 
@@ -95,3 +98,24 @@ def test_a_run_is_no_published_file_and_the_other_way_round(tmp_path: Path) -> N
     path.write_text("published: [{quantity: backlash, value: 0.33, unit: g, where: here}]")
     with pytest.raises(InputError, match=r"published\[0\]\.unit: no unit of backlash"):
         load_file(path)
+
+
+def test_page_holds_every_figure_and_candidate() -> None:
+    page = unescape(published_page(result(), "mbcdm").decode())
+    for f in result().figures:
+        assert f.quantity.replace("_", " ") in page
+        for c in f.candidates:
+            assert c.cause in page and c.needed in page, c
+    assert "330 urad" in page or "0.33 mrad" in page
+    assert "src=" not in page and "href=" not in page
+
+
+def test_command_prints_and_writes_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    paper = str(PARAMS / "measurements" / "paper.yaml")
+    arguments = ["loop", str(PARAMS / "mbcdm.yaml"), paper, "--json", str(tmp_path / "r.json")]
+    assert run([*arguments, "--report", str(tmp_path / "page")]) == 0
+    assert "24.67" in (tmp_path / "page" / "report.html").read_text() and "peak_torque" in capsys.readouterr().out
+    assert json.loads((tmp_path / "r.json").read_text()) == json.loads((tmp_path / "page" / "result.json").read_text())
+    assert run([*arguments, "--apply", str(tmp_path / "a.yaml")]) == 2
+    assert "paper.yaml:2: published: figures of a paper" in capsys.readouterr().err
+    assert not (tmp_path / "a.yaml").exists()
