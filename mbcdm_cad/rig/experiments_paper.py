@@ -24,8 +24,8 @@ from mbcdm_cad.rig.experiments_paper_analysis import (
     angle_spectrum,
     first_saturated_Nm,
     given_way_Nm,
-    left_angle_Nm,
     highest_peak,
+    left_angle_Nm,
     reversal_swings_rad,
 )
 

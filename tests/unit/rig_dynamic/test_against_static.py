@@ -12,6 +12,8 @@ from mbcdm_cad.design import load_design
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.rig import equilibrium
+from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.dynamic import run_dynamic
 from mbcdm_cad.rig.dynamic_motion import sine, standstill
 from mbcdm_cad.rig.dynamic_rig import DynamicRig, EncoderSpec, rig_of
@@ -57,6 +59,29 @@ def test_braked_run_is_the_analytic_model_where_its_assumptions_hold() -> None:
     error = np.abs(run.drum_rad - model.drum_angle_rad)[still].max()
     size = np.abs(model.drum_angle_rad - run.input_rad.mean(axis=0) / 9.0)[still].max()
     assert error < 0.005 * size, f"{error * 1e6:.3f} urad of {size * 1e6:.1f} urad beside the model"
+
+
+@pytest.mark.parametrize("guide_slip", [False, True])
+def test_slow_run_is_the_quasi_static_rig(guide_slip: bool) -> None:
+    """The same chains in balance at each sample: drum and tensions agree where nothing accelerates."""
+    rig = ideal(guide_slip=guide_slip)
+    run = run_dynamic(rig, sine(0.05, 0.1, 1, 1000.0), brake_Nm=0.91, log_rate_Hz=200.0)
+    n, cables = run.time_s.size, rig.cables
+    pulleys, drum, tension = np.empty((2, n)), np.empty(n), np.empty((4, n))
+    none = np.zeros((4, n))
+    held = np.array([[np.inf, 0.0], [np.inf, 0.0]])
+    state = chains(cables, guide_slip=guide_slip)
+    of = np.array([c.input_index for c in cables])
+    angle = np.ascontiguousarray(run.input_rad)
+    failed = equilibrium.run(
+        state, of, held, angle, none, none, run.drum_rad, run.torque_Nm, np.zeros((4, 3, 0)), pulleys, drum, tension
+    )
+    assert failed < 0
+    still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0
+    error = np.abs(run.drum_rad - drum)[still].max()
+    pull = np.abs(run.tension_N - tension)[:, still].max()
+    assert error < 1.5e-6, f"drum differs by {error * 1e6:.3f} urad"
+    assert pull < 0.1, f"tensions differ by {pull:.3f} N"
 
 
 def test_carried_rope_widens_the_loop() -> None:
