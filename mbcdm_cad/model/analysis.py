@@ -17,8 +17,16 @@ from mbcdm_cad.model.capability import (
     torque_to_weight_Nm_kg,
 )
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.figures import Analysis, BearingFigures, CableFigures, LoadCase, ModulusReading, UncertainFigure
-from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m
+from mbcdm_cad.model.figures import (
+    Analysis,
+    BearingFigures,
+    CableFigures,
+    LoadCase,
+    ModulusReading,
+    ShaftTurns,
+    UncertainFigure,
+)
+from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm, requirements, sigmas_si, tension_limit_N
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -56,6 +64,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         area_mm2=drive.cable.area_mm2,
         axial_stiffness_kN=float(d.axial_stiffness_N) / 1e3,
         centre_distance_mm=drive.centre_distance_mm,
+        shaft_turns=shaft_turns(d, drive),
         eq1_worst_residual=eq1_residuals(d).worst,
         pair_mismatch_mm=mismatch_mm,
         pair_mismatch_N=mismatch_N,
@@ -77,6 +86,16 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         intervals=uncertain_figures(endless, drive),
         notes=notes(drive),
     )
+
+
+def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
+    """Every shaft at the end of the travel, by each cable: they disagree where Eq. (1) does not hold."""
+    found = []
+    for j, name in enumerate(d.cable_names):
+        turned = shaft_angles(d, "drum", np.radians(drive.half_travel_deg), j, drive.gearhead.ratio)
+        angles = (turned.drum_rad, turned.guide_rad, turned.input_rad, turned.motor_rad)
+        found.append(ShaftTurns(name, *(float(np.degrees(angle)) for angle in angles)))
+    return tuple(found)
 
 
 def uncertain_figures(d: DriveSI, drive: Drive) -> tuple[UncertainFigure, ...]:

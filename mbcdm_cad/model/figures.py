@@ -71,6 +71,17 @@ class ModulusReading:
 
 
 @dataclass(frozen=True)
+class ShaftTurns:
+    """How far each shaft of one cable's chain turns when the drum turns by ``drum_deg``, with its sense."""
+
+    cable_name: str
+    drum_deg: float
+    guide_deg: float
+    input_deg: float
+    motor_deg: float
+
+
+@dataclass(frozen=True)
 class UncertainFigure:
     """A figure with its 95 % interval, from the sigmas that the design file gives."""
 
@@ -98,6 +109,7 @@ class Analysis:
     area_mm2: float
     axial_stiffness_kN: float
     centre_distance_mm: float
+    shaft_turns: tuple[ShaftTurns, ...]
     eq1_worst_residual: float
     pair_mismatch_mm: tuple[float, ...]
     pair_mismatch_N: float

@@ -21,6 +21,14 @@ def analysis_text(a: Analysis) -> str:
         f"{a.name}: E = {a.modulus_GPa:g} GPa on the {a.modulus_area} area {a.area_mm2:.4f} mm^2, "
         f"EA = {a.axial_stiffness_kN:.2f} kN, mu = {a.friction_coefficient:g}",
         f"  the paper's {a.measured_backlash_mrad:g} mrad at 70 N, 0.91 N m implies E = {readings}",
+        f"  Eq. (1) is missed by {a.eq1_worst_residual:.3g} at most; over the travel the cables of a pair differ by "
+        f"{_list(a.pair_mismatch_mm, 4)} mm ({', '.join(dict.fromkeys(c.input_name for c in a.cables))}), "
+        f"tensions change by up to {a.pair_mismatch_N:.2f} N",
+        *(
+            f"  {t.cable_name:<10} drum {t.drum_deg:+g} deg: guide {t.guide_deg:+.2f}, input {t.input_deg:+.2f}, motor "
+            f"{t.motor_deg:+.1f} deg"
+            for t in a.shaft_turns
+        ),
         "",
         "cable      input  preload N   span mm  T_h N    T_l N    backlash mrad (exact, simplified)",
     ]
