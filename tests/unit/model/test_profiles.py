@@ -45,6 +45,30 @@ def test_long_wraps_give_the_turning_points_answer(history: list[float]) -> None
     assert pull < 1e-7, f"tensions differ by {pull:.3g} N"
 
 
+@given(st.integers(0, 10**9))
+@settings(max_examples=80)
+def test_any_series_is_balanced_or_refused_for_its_travel(seed: int) -> None:
+    """Random frictions, moduli, wraps, steps from microns to radians and loads through slack."""
+    rng = np.random.default_rng(seed)
+    d = paper_drive(
+        friction_coefficient=10 ** rng.uniform(-2.5, -0.1), modulus_Pa=10 ** rng.uniform(9.0, 11.3),
+        preload_N=rng.uniform(5.0, 150.0, 4),
+    )  # fmt: skip
+    if rng.random() < 0.6:
+        d = d.with_(input_wrap_rad=rng.uniform(0.05, 30.0, 4), drum_wrap_rad=rng.uniform(0.02, 3.0, 4))
+    n, step = int(rng.integers(5, 60)), 10 ** rng.uniform(-7.0, 0.3)
+    angle = np.tile(np.cumsum(rng.normal(0, step, n)), (2, 1)) + rng.normal(0, 1e-4, (2, n))
+    load = rng.normal(0, 10 ** rng.uniform(-3.0, 0.6), n)
+    try:
+        answer = simulate_profiles(d, angle, load, winding=bool(rng.random() < 0.7))
+    except ModelError as error:
+        assert "would wind off more than its wrap" in str(error), error
+        return
+    assert (answer.tension_N >= 0.0).all()
+    missed = np.abs((d.sigma * d.drum_radius_m) @ answer.tension_N - load).max()
+    assert missed < 1e-9, f"balance missed by {missed:.3g} N m"
+
+
 def test_slip_on_the_guide_is_the_third_wrap() -> None:
     d, load = with_guide_slip(paper_drive()), np.array([0.91, -0.91, 0.4, -0.2])
     endless = d.with_(guide_wrap_rad=np.full(4, np.inf))
