@@ -49,14 +49,15 @@ def test_eq7_is_the_integral_of_the_tight_profile() -> None:
     assert sp.simplify(integral - zone(ro, Th)) == 0
 
 
-def test_eq8_printed_integrand_has_the_wrong_sign() -> None:
+@pytest.mark.parametrize("radius", [ro, ri], ids=["Eq. (8), drum", "Eq. (10), input"])
+def test_eq8_and_eq10_printed_integrand_has_the_wrong_sign(radius: sp.Symbol) -> None:
     angle = sp.log(Tp / Tl) / mu
-    contraction = sp.integrate((Tl * sp.exp(mu * s) - Tp) * ro / EA, (s, 0, angle))
-    printed_integrand = sp.integrate((Tp - Tl * sp.exp(mu * s)) * ro / EA, (s, 0, angle))
-    printed_result = -zone(ro, Tl)
+    contraction = sp.integrate((Tl * sp.exp(mu * s) - Tp) * radius / EA, (s, 0, angle))
+    printed_integrand = sp.integrate((Tp - Tl * sp.exp(mu * s)) * radius / EA, (s, 0, angle))
+    printed_result = -zone(radius, Tl)
     assert sp.simplify(contraction - printed_result) == 0, "the printed result is d(delta_T) - d(delta_pre)"
     assert sp.simplify(printed_integrand + printed_result) == 0, "the printed integrand gives its opposite"
-    value = float(contraction.subs({Tp: 70, Tl: 60, mu: 0.15, ro: 0.054, EA: 18702}))
+    value = float(contraction.subs({Tp: 70, Tl: 60, mu: 0.15, radius: 0.054, EA: 18702}))
     assert eq.eq8_slip_stretch_slack(60.0, 70.0, 0.15, 0.054, 18702.0) == pytest.approx(value, rel=1e-12)
     printed = eq.eq8_slip_stretch_slack(60.0, 70.0, 0.15, 0.054, 18702.0, as_printed=True)
     assert printed == pytest.approx(-value, rel=1e-12)

@@ -62,7 +62,8 @@ def test_any_series_is_balanced_or_refused_for_its_travel(seed: int) -> None:
     try:
         answer = simulate_profiles(d, angle, load, winding=bool(rng.random() < 0.7))
     except ModelError as error:
-        assert "would wind off more than its wrap" in str(error), error
+        if "would wind off more than its wrap" not in str(error):
+            raise
         return
     assert (answer.tension_N >= 0.0).all()
     missed = np.abs((d.sigma * d.drum_radius_m) @ answer.tension_N - load).max()
