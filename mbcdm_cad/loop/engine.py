@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import t as t_distribution
 
-from mbcdm_cad.loop.covariance import cluster_covariance
 from mbcdm_cad.loop.effects.base import Effect, Figure
 from mbcdm_cad.loop.effects.registry import library
 from mbcdm_cad.loop.fit import Fit, Fitter
@@ -18,6 +18,7 @@ from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, V
 from mbcdm_cad.loop.run import Floats, Run
 from mbcdm_cad.loop.select import LEAST_FALL, Search
 from mbcdm_cad.loop.unknown import Unknown, describe_unknown
+from mbcdm_cad.loop.wald import Estimate, cluster_estimate
 from mbcdm_cad.model.si import DriveSI, to_si
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ ALIKE_SHARE = 0.15
 BLAME_SHARE = 0.35
 # Windows that the intervals are told over: the difference's smoothing, halved and doubled.
 WINDOWS = (0.5, 2.0)
+# A phase known to this share of a radian is too much of a coincidence.
+COINCIDENCE = 0.05
 SLOW_S = 0.3
 INTERVAL = 1.96
 TRACE_POINTS = 4000
@@ -96,10 +99,9 @@ class _Loop:
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)
         whole = self.fitter.fit(fit.effects, fit.values, fit.offsets, mask=self.fitter.used)
-        covariance = self._covariance(whole)
         named, sets = [], []
         for group in groups:
-            first = self._named(group.effect, fit, whole, covariance)
+            first = self._named(group.effect, fit, whole)
             others = tuple(self._other(one) for one in group.alike)
             if others:
                 sets.append((first, *others))
@@ -127,7 +129,8 @@ class _Loop:
                 if others and others[0].square < fit.square and not self._alike(fit, others[0]):
                     better = others[0]
                     break
-                groups.append(_Group(effect, self._by_name([o for o in others if self._alike(o, fit)], effect)))
+                alike = [o for o in others if self._alike(o, fit) and not self._coincidence(effect, o)]
+                groups.append(_Group(effect, self._by_name(alike, effect)))
             if better is None:
                 return fit, tuple(groups)
             fit = better
@@ -142,6 +145,19 @@ class _Loop:
             if key != effect.key and (key not in best or one.square < best[key].square):
                 best[key] = one
         return tuple(best.values())
+
+    def _coincidence(self, effect: Effect, other: Fit) -> bool:
+        """Would ``other`` need its figures to fall by chance where they look like the simpler ``effect``?
+
+        A wave of two coordinates that are both known to a few per cent of its size could have had any phase; that it
+        has the one phase of the simpler effect is not believed.
+        """
+        two = other.effects[-1]
+        if len(two.parameters) <= len(effect.parameters):
+            return False
+        values = other.values[-1]
+        spread = np.sqrt(np.diag(self._spread(other, two)))
+        return bool(np.max(spread[:2]) < COINCIDENCE * np.hypot(values[0], values[1]))
 
     def _alike(self, worse: Fit, better: Fit) -> bool:
         """Is the first no worse than the second, as far as sweeps and sectors can tell?"""
@@ -194,12 +210,22 @@ class _Loop:
         return fit, tuple(kept), self._left(fit) or unknown
 
     # --- figures ---------------------------------------------------------------------------------------------------
-    def _covariance(self, fit: Fit) -> Floats:
-        """Covariance of the parameters of a fit on all samples in use."""
+    def _estimate(self, fit: Fit) -> Estimate:
+        """Covariance of the parameters of a fit, clustered by sweep and sector, on all samples in use."""
         used = self.fitter.used
         sweep, sector = self.cells
         columns = self.fitter.centred(fit.jacobian, used)[used]
-        return cluster_covariance(columns, fit.residual[used], sweep[used], sector[used])
+        return cluster_estimate(columns, fit.residual[used], sweep[used], sector[used])
+
+    def _spread(self, fit: Fit, effect: Effect) -> Floats:
+        """Covariance of one effect's parameters, scaled so that 1.96 standard deviations make a 95 % interval."""
+        k = fit.effects.index(effect)
+        start, size = sum(v.size for v in fit.values[:k]), fit.values[k].size
+        estimate = self._estimate(fit)
+        wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2
+        block = estimate.covariance[start : start + size, start : start + size]
+        # What the data do not move at all has no interval by linear theory; it is as unknown as it is large.
+        return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values[k])) ** 2))
 
     def _shift_by_window(self, fit: Fit) -> list[Floats]:
         """Change of every parameter with the smoothing windows; as many arrays as effects."""
@@ -210,26 +236,19 @@ class _Loop:
             most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
         return most
 
-    def _named(self, effect: Effect, fit: Fit, whole: Fit, covariance: Floats) -> Named:
+    def _named(self, effect: Effect, fit: Fit, whole: Fit) -> Named:
         """An effect with its figures from all data and the held-out fall that it is worth."""
         if not hasattr(self, "_windows"):
             self._windows = self._shift_by_window(whole)
         k = whole.effects.index(effect)
-        start = sum(v.size for v in whole.values[:k])
-        values = whole.values[k]
-        block = covariance[start : start + values.size, start : start + values.size]
-        block = block + np.diag((self._windows[k] / INTERVAL) ** 2)
+        block = self._spread(whole, effect) + np.diag((self._windows[k] / INTERVAL) ** 2)
         less = self.search.without(fit, effect)
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
-        return self._as_named(effect, values, block, float(fall))
+        return self._as_named(effect, whole.values[k], block, float(fall))
 
     def _other(self, fit: Fit) -> Named:
         """Another that would do as well, from the training samples."""
-        effect = fit.effects[-1]
-        size = fit.values[-1].size
-        start = sum(v.size for v in fit.values[:-1])
-        block = self._covariance(fit)[start : start + size, start : start + size]
-        return self._as_named(effect, fit.values[-1], block, 0.0)
+        return self._as_named(fit.effects[-1], fit.values[-1], self._spread(fit, fit.effects[-1]), 0.0)
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
         figures = {figure.name: _interval(figure, values, block, effect) for figure in effect.reported()}

@@ -144,15 +144,14 @@ class Fitter:
             better = None
             for _ in range(6):
                 step = np.linalg.solve(normal + damping * np.eye(slope.size), slope) / size
-                trial, trial_apart = self.moved(effects, now, apart, step)
-                try:
-                    trial_r = self.residual(effects, trial, trial_apart, mask)
-                except ModelError:  # a step too far: slack, or a radius gone
-                    damping = max(100.0 * damping, 1e-4)
-                    continue
-                trial_square = float(np.mean(trial_r[mask] ** 2))
-                if trial_square < square:
-                    better = trial, trial_apart, trial_r, trial_square
+                better = self._tried(effects, now, apart, step, mask, square)
+                if better is None and self.free.any() and effects:
+                    # An offset that runs into its bound spoils the step of the rest: leave the offsets alone.
+                    kept = slope.size - int(self.free.sum())
+                    short = np.linalg.solve(normal[:kept, :kept] + damping * np.eye(kept), slope[:kept]) / size[:kept]
+                    step = np.concatenate([short, np.zeros(slope.size - kept)])
+                    better = self._tried(effects, now, apart, step, mask, square)
+                if better is not None:
                     break
                 damping = max(30.0 * damping, 1e-6)
             if better is None:
@@ -164,6 +163,24 @@ class Fitter:
                 break
             jacobian = self.jacobian(effects, now, apart)
         return Fit(tuple(effects), tuple(now), apart, r, jacobian, square)
+
+    def _tried(
+        self,
+        effects: Sequence[Effect],
+        values: Sequence[Floats],
+        offsets: Floats,
+        step: Floats,
+        mask: NDArray[np.bool_],
+        square: float,
+    ) -> tuple[list[Floats], Floats, Floats, float] | None:
+        """Values, offsets, residual and mean square after a step; None if that is no better, or cannot be simulated."""
+        trial, apart = self.moved(effects, values, offsets, step)
+        try:
+            r = self.residual(effects, trial, apart, mask)
+        except ModelError:  # a step too far: slack, or a radius gone
+            return None
+        found = float(np.mean(r[mask] ** 2))
+        return (trial, apart, r, found) if found < square else None
 
     def moved(
         self, effects: Sequence[Effect], values: Sequence[Floats], offsets: Floats, step: Floats

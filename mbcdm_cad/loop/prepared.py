@@ -14,16 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
+from mbcdm_cad.loop.holdout import held_sweeps, held_words
 from mbcdm_cad.loop.run import Floats, Run
 
-# Windows of the smoothing in s: left minus right, load, and the inputs' mean (estimates, varied for the intervals).
+# Windows of the smoothing in s: left minus right, and the inputs' mean (estimates, varied for the intervals).
 DIFFERENCE_WINDOW_S = 2.0
-LOAD_WINDOW_S = 0.05
 SPEED_WINDOW_S = 0.1
 COMMON_WINDOW_S = 0.05
 TEMPERATURE_WINDOW_S = 5.0
 # The elastic part of the prediction is simulated at steps of this length at most, and interpolated.
 COARSE_STEP_S = 0.04
+# Means over so many samples of the load are tried, and how many standard errors count as apart.
+LOAD_WIDTHS = (5, 9, 17, 33, 65, 129)
+LOAD_ERRORS = 2.5
 # A reversal counts where the output has come back by this share of its travel.
 REVERSAL_SHARE = 0.1
 SECTORS = 8
@@ -44,6 +47,7 @@ class Prepared:
     angle_rad: Floats
     output_rad: Floats
     load_Nm: Floats | None
+    raw_load_Nm: Floats | None
     speed_rad_s: Floats
     temperature_C: Floats | None
     sweep: NDArray[np.int64]
@@ -73,8 +77,9 @@ class Prepared:
         return np.union1d(np.arange(0, self.time_s.size, every), [self.time_s.size - 1])
 
     def rewindowed(self, factor: float) -> Prepared:
-        """The same run with another window on the difference of the inputs."""
-        return replace(self, difference_window_s=factor * self.difference_window_s)
+        """The same run with other windows on the difference of the inputs and on the load."""
+        load = None if self.raw_load_Nm is None else quiet_load(self.raw_load_Nm, factor)
+        return replace(self, difference_window_s=factor * self.difference_window_s, load_Nm=load)
 
 
 def smoothed(values: Floats, window_s: float, step_s: float) -> Floats:
@@ -84,6 +89,30 @@ def smoothed(values: Floats, window_s: float, step_s: float) -> Floats:
         return values
     once = uniform_filter1d(values, width, axis=-1, mode="nearest")
     return np.asarray(uniform_filter1d(once, width, axis=-1, mode="nearest"))
+
+
+def quiet_load(load_Nm: Floats, factor: float = 1.0) -> Floats:
+    """Load freed of the sensor's noise: a long mean where it is steady, a short one on its flanks.
+
+    Noise left in the load works the friction of the model and reads as too soft a drive; a mean longer than a flank
+    misses the loads that were reached. At each sample the mean is widened as long as its interval still meets those of
+    all narrower ones (intersection of confidence intervals, after Lepski). ``factor`` scales the noise that is assumed.
+    """
+    # Second differences see the noise and not the load; 1.4826 makes a median deviation a standard deviation.
+    bend = np.diff(load_Nm, 2)
+    noise = factor * 1.4826 * float(np.median(np.abs(bend))) / np.sqrt(6.0)
+    chosen = low = high = np.empty(0)
+    alive = np.ones(load_Nm.size, dtype=np.bool_)
+    for width in LOAD_WIDTHS:
+        mean = uniform_filter1d(load_Nm, width, mode="nearest")
+        reach = LOAD_ERRORS * noise / np.sqrt(width)
+        if width == LOAD_WIDTHS[0]:
+            chosen, low, high = mean, mean - reach, mean + reach
+            continue
+        low, high = np.maximum(low, mean - reach), np.minimum(high, mean + reach)
+        alive &= low <= high
+        chosen = np.where(alive, mean, chosen)
+    return np.asarray(uniform_filter1d(chosen, LOAD_WIDTHS[0], mode="nearest"))
 
 
 def half_sweeps(output_rad: Floats) -> NDArray[np.int64]:
@@ -115,8 +144,7 @@ def half_sweeps(output_rad: Floats) -> NDArray[np.int64]:
 def prepare(run: Run, ratio: float, most: int = MOST_SAMPLES) -> Prepared:
     """Make a run ready for a drive of total ratio ``ratio``; runs of more than ``most`` samples are averaged in blocks.
 
-    The first half sweep is discarded. Held back, by number alone and before anything is looked at: half sweeps 3 and 6
-    of every 8 (counted from the first that is used), so that both directions are among them.
+    The first half sweep is discarded, and some are held back before any residual is looked at (see ``holdout``).
     """
     stride = max(1, run.time_s.size // most)
     whole = run.time_s.size // stride * stride
@@ -128,7 +156,8 @@ def prepare(run: Run, ratio: float, most: int = MOST_SAMPLES) -> Prepared:
 
     time, angle, output = thinned(run.time_s), thinned(run.input_rad), thinned(run.output_rad)
     step = float(np.median(np.diff(time)))
-    load = None if run.load_Nm is None else smoothed(thinned(run.load_Nm), LOAD_WINDOW_S, step)
+    raw_load = None if run.load_Nm is None else thinned(run.load_Nm)
+    load = None if raw_load is None else quiet_load(raw_load)
     temperature = (
         None if run.temperature_C is None else smoothed(thinned(run.temperature_C), TEMPERATURE_WINDOW_S, step)
     )
@@ -139,15 +168,13 @@ def prepare(run: Run, ratio: float, most: int = MOST_SAMPLES) -> Prepared:
     low, span = float(output.min()), float(np.ptp(output))
     sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
     used = sweep >= 0
-    turn = sweep % 8
-    held = used & ((turn == 2) | (turn == 5))
+    numbers = held_sweeps(sweep, output, load)
+    held = np.isin(sweep, numbers)
     quiet = smoothed(angle.mean(axis=0) / ratio, SPEED_WINDOW_S, step)
     speed = smoothed(np.gradient(quiet, time), SPEED_WINDOW_S, step)
-    numbers = ", ".join(str(k + 1) for k in np.unique(sweep[held])[:8])
-    more = ", ..." if np.unique(sweep[held]).size > 8 else ""
     return Prepared(
-        time, angle, output, load, speed, temperature, sweep, sector, used, held, step,
-        sensor_floor_rad(run, ratio), input_step_rad(run), f"half sweeps {numbers}{more}",
+        time, angle, output, load, raw_load, speed, temperature, sweep, sector, used, held, step,
+        sensor_floor_rad(run, ratio), input_step_rad(run), held_words(numbers, sweep, load),
     )  # fmt: skip
 
 

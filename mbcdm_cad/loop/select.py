@@ -120,15 +120,20 @@ class Search:
         first = np.clip(np.where(held, start, start + step), low, high)
         return Screened(effect, first, fit.square - float(np.mean(r**2)))
 
-    def refits(self, fit: Fit, most: int = MOST_REFITS, share: float = CLOSE_SHARE) -> list[Fit]:
-        """``fit`` with one effect more, for each close candidate; best training mean square first."""
+    def refits(self, fit: Fit, share: float = CLOSE_SHARE, counterparts_of: Effect | None = None) -> list[Fit]:
+        """``fit`` with one effect more, for each close candidate; best training mean square first.
+
+        ``counterparts_of``: candidates of that effect's name (another stage, another cable) are refitted however little
+        the linear screening promises of them.
+        """
         screened = self.screen(fit)
+        sure = counterparts_of.name if counterparts_of else None
+        chosen = [c for c in screened[:MOST_REFITS] if c.fall >= share * screened[0].fall]
+        chosen += [c for c in screened if c.effect.name == sure and c not in chosen]
         begun = [
-            self.fitter.fit((*fit.effects, c.effect), (*fit.values, c.start), fit.offsets, iterations=2)
-            for c in screened[:most]
-            if c.fall >= share * screened[0].fall
+            self.fitter.fit((*fit.effects, c.effect), (*fit.values, c.start), fit.offsets, iterations=3) for c in chosen
         ]
-        # Those that two steps leave far behind do not win; the others go on to the end.
+        # Those that a few steps leave far behind do not win; the others go on to the end.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
         ended = [self.fitter.fit(one.effects, one.values, one.offsets, settled=1e-5) for one in near]
@@ -168,4 +173,5 @@ class Search:
     def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
         """Fits in which something of another name stands in for ``effect``, best first."""
         less = self.without(fit, effect)
-        return [one for one in self.refits(less, share=0.5) if key_of(one.effects[-1]) != key_of(effect)]
+        found = self.refits(less, share=0.5, counterparts_of=effect)
+        return [one for one in found if key_of(one.effects[-1]) != key_of(effect)]

@@ -22,7 +22,8 @@ class Setup:
 
     ``d`` is None for a drive of which only the ratio is known; ``load_Nm`` None without a torque column.
     ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
-    stands from where its encoder says; ``added_rad`` (n,) adds to the reading.
+    stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
+    history is at work, 0 to 1.
     """
 
     d: DriveSI | None
@@ -33,6 +34,7 @@ class Setup:
     path_m: Floats | None
     shift_rad: Floats | None
     added_rad: Floats
+    winding: float = 0.0
 
     @property
     def drive(self) -> DriveSI:
@@ -136,15 +138,21 @@ class Simulator:
         self._known: list[tuple[Setup, bool, Floats]] = []
         self.count = 0
 
-    def __call__(self, s: Setup, winding: bool = False) -> Floats:
+    def __call__(self, s: Setup) -> Floats:
         """Reading of the output encoder, rad, shape (n,)."""
+        drum = self._drum(s, False)
+        if s.winding != 0.0:
+            drum = drum + s.winding * (self._drum(s, True) - drum)
+        return drum + s.added_rad
+
+    def _drum(self, s: Setup, winding: bool) -> Floats:
         for known, flag, drum in self._known:
             same = known.d is s.d and known.angle_rad is s.angle_rad and known.load_Nm is s.load_Nm
             if same and known.path_m is s.path_m and known.shift_rad is s.shift_rad and flag == winding:
-                return drum + s.added_rad
+                return drum
         rigid = s.d is None or s.load_Nm is None
         drum = rigid_drum_rad(s) if rigid else respond(s, winding).drum_rad
         self.count += 1
         self._known.append((s, winding, drum))
         del self._known[:-REMEMBERED]
-        return drum + s.added_rad
+        return drum

@@ -55,9 +55,9 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     if d is not None and p.load_Nm is not None:
         found += [
             Effect(
-                "slip_step", "anchor of a cable", "one cable gives way at its anchor and loses tension",
+                "slip_step", f"anchor of {cable}", "one cable gives way at its anchor and loses tension",
                 f"anchor and tensioner of {cable}", SEPARATE, (Parameter("slip_m", 1e-6), when), partial(_anchor, j),
-                cables=(cable,), starts=partial(_jumps, 0.0),
+                starts=partial(_jumps, 0.0),
             )
             for j, cable in enumerate(d.cable_names)
         ]  # fmt: skip

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from mbcdm_cad.loop.effects.base import Effect, Parameter
 from mbcdm_cad.loop.prepared import Prepared
 from mbcdm_cad.loop.run import Floats
@@ -13,9 +11,8 @@ from mbcdm_cad.loop.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 
 
-def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
-    bare = replace(setup, added_rad=np.zeros_like(setup.added_rad))
-    return setup.with_added(values[0] * (simulate(bare, winding=True) - simulate(bare)))
+def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, winding=setup.winding + float(values[0]))
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
