@@ -19,15 +19,22 @@ _SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
 _PLACES = ("phase", "angle", "at_")
 
 
+def size_of(name: str, values: Sequence[float]) -> tuple[float, str]:
+    """Factor and unit that suit the largest of the values of a figure called ``name``; (1, "") where it has none."""
+    for ending, sizes in _SIZES:
+        if name.endswith(ending):
+            if ending == "_rad" and name.startswith(_PLACES):
+                sizes = ((math.pi / 180.0, "deg"),)
+            most = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+            return next((size for size in sizes if most >= size[0]), sizes[-1])
+    return 1.0, ""
+
+
 def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
     """A figure's name without its unit and its values with one, all in the unit that suits the largest."""
-    for ending, sizes in _SIZES:
-        if not name.endswith(ending):
-            continue
-        word = name if ending == "share" else name.removesuffix(ending)
-        if ending == "_rad" and name.startswith(_PLACES):
-            sizes = ((math.pi / 180.0, "deg"),)
-        most = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
-        factor, unit = next((size for size in sizes if most >= size[0]), sizes[-1])
-        return word.replace("_", " ").strip(), [f"{v / factor:.4g} {unit}" for v in values]
-    return name.replace("_", " "), [f"{v:.5g}" for v in values]
+    factor, unit = size_of(name, values)
+    if not unit:
+        return name.replace("_", " "), [f"{v:.5g}" for v in values]
+    ending = next(ending for ending, _ in _SIZES if name.endswith(ending))
+    word = name if ending == "share" else name.removesuffix(ending)
+    return word.replace("_", " ").strip(), [f"{v / factor:.4g} {unit}" for v in values]

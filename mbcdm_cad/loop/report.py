@@ -83,7 +83,12 @@ def _effect(named: Named) -> dict[str, Any]:
 
 def _candidate(one: Evidence) -> dict[str, str]:
     _, (held, fall) = readable("_rad", [one.held_out_rad, one.fall_rad])
-    return {"label": one.label, "held": _micro(held), "fall": _micro(fall), "outcome": one.outcome}
+    return {
+        "label": one.label,
+        "held": _micro(held),
+        "fall": _micro(fall) if one.fall_rad else "",
+        "outcome": one.outcome,
+    }
 
 
 def _run(told: Told) -> dict[str, Any]:
@@ -101,7 +106,7 @@ def _run(told: Told) -> dict[str, Any]:
 def _images(trace: Traces, chain_orders: dict[str, float]) -> list[dict[str, str]]:
     drawn = (
         ("Measured and predicted angle, and their difference, over time", time_png(trace)),
-        ("Difference over output angle and load; lines are means", scatter_png(trace)),
+        ("Difference over output angle (means: solid rising, dashed falling) and load", scatter_png(trace)),
         ("Orders of the difference, with what turns once in the chain", orders_png(trace, chain_orders)),
     )
     return [{"alt": alt, "data": b64encode(png).decode()} for alt, png in drawn]

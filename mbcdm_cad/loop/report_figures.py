@@ -10,12 +10,13 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from mbcdm_cad.loop.readable import size_of
 from mbcdm_cad.loop.result import Traces
 from mbcdm_cad.loop.run import Floats
 
 MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
 HELD = "#DDDDDD"
-STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.framealpha": 0.9}
+STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False}
 WIDTH_IN = 9.6
 BINS = 60
 
@@ -38,27 +39,36 @@ def time_png(t: Traces) -> bytes:
                 axes.axvspan(t.time_s[begin], t.time_s[end], color=HELD, zorder=0, label=label)
                 label = ""
             axes.set_xlim(t.time_s[0], t.time_s[-1])
-            axes.legend(loc="upper right", ncols=3)
+            _legend(axes)
         return _png(figure)
 
 
 def scatter_png(t: Traces) -> bytes:
-    """Residual against output angle, and against load where it was measured; lines are means over bins."""
+    """Residual against output angle, and against load where it was measured.
+
+    Means over bins: against angle for each sense of motion, solid with rising and dashed with falling angle.
+    """
     with mpl.rc_context(STYLE):
         variables = [("output (mrad)", 1e3 * t.output_rad)]
         if t.load_Nm is not None:
             variables.append(("load torque (N m)", t.load_Nm))
         figure, panels = _panels(3.4, columns=len(variables))
         factor, unit = _size(t)
+        first = np.atleast_1d(panels)[0]
         for axes, (label, values) in zip(np.atleast_1d(panels), variables, strict=True):
             for residual, colour, word in (
                 (t.residual_before_rad, BEFORE, "before"),
                 (t.residual_after_rad, AFTER, "after"),
             ):
                 axes.plot(values, residual / factor, ls="", marker=".", ms=1.5, alpha=0.25, color=colour)
-                axes.plot(*_means(values, residual / factor), color=colour, lw=1.8, label=word)
+                if axes is first:
+                    rising = np.gradient(t.output_rad) >= 0.0
+                    axes.plot(*_means(values[rising], residual[rising] / factor), color=colour, lw=1.6, label=word)
+                    axes.plot(*_means(values[~rising], residual[~rising] / factor), color=colour, lw=1.6, ls="--")
+                else:
+                    axes.plot(*_means(values, residual / factor), ls="", marker="o", ms=3.0, color=colour, label=word)
             axes.set(xlabel=label, ylabel=f"measured - predicted ({unit})")
-            axes.legend(loc="upper right")
+            _legend(axes)
         return _png(figure)
 
 
@@ -78,8 +88,13 @@ def orders_png(t: Traces, chain_orders: dict[str, float]) -> bytes:
         axes.axvspan(axes.get_xlim()[0], float(t.orders[0]), color=HELD, zorder=0)
         axes.set(xlabel="cycles a turn of the output (grey: too few cycles over this travel to be told)",
                  ylabel=f"amplitude ({unit})")  # fmt: skip
-        axes.legend(loc="lower left")
+        _legend(axes)
         return _png(figure)
+
+
+def _legend(axes: Any) -> None:
+    """Above the axes, where it hides nothing."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
 
 
 def _panels(height_in: float, rows: int = 1, columns: int = 1, shared: bool = False) -> tuple[Figure, Any]:
@@ -89,8 +104,7 @@ def _panels(height_in: float, rows: int = 1, columns: int = 1, shared: bool = Fa
 
 
 def _size(t: Traces) -> tuple[float, str]:
-    most = float(np.abs(t.residual_before_rad).max())
-    return (1e-3, "mrad") if most >= 1e-3 else (1e-6, "urad")
+    return size_of("_rad", [float(np.abs(t.residual_before_rad).max())])
 
 
 def _means(values: Floats, residual: Floats) -> tuple[Floats, Floats]:

@@ -160,12 +160,12 @@ class LoopResult:
     def sentence(self) -> str:
         """The finding in one sentence."""
         e = self.errors
-        sizes = f"held-out error {e.before.value * 1e6:.3g} -> {e.after.value * 1e6:.3g} urad RMS"
+        _, (before, after, floor) = readable("_rad", [e.before.value, e.after.value, e.floor_rad])
+        sizes = f"held-out error {before} RMS before, {after} after"
         words = [self._described(named) for named in self.effects]
-        words += ["one of " + " | ".join(named.words for named in group) for group in self.one_of]
+        words += ["one of " + " or ".join(named.words for named in group) for group in self.one_of]
         if self.verdict == "none":
-            rms, floor = 1e6 * e.before.value, 1e6 * e.floor_rad
-            return f"The declared model explains the run: held-out error {rms:.3g} urad RMS, noise floor {floor:.3g}."
+            return f"The declared model explains the run: held-out error {before} RMS, noise floor {floor}."
         if self.verdict == "not_testable":
             return "Nothing can be said from this run: " + "; ".join(self.not_testable) + "."
         if self.verdict == "unknown":

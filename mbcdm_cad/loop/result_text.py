@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.readable import readable, size_of
 from mbcdm_cad.loop.result import LoopResult, Named
-
-MICRO = 1e6
 
 
 def result_text(result: LoopResult) -> str:
-    """The finding in one sentence, then the tables. Angles in urad."""
+    """The finding in one sentence, then the tables, angles in the unit that suits the error of the declared model."""
     e = result.errors
+    size, unit = size_of("_rad", [e.before.value])
     lines = [result.sentence, ""]
     lines += [
-        f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  urad",
-        _error_line("declared model", e.before.value, e.before.low, e.before.high, e.peak_before_rad),
-        _error_line("with what was found", e.after.value, e.after.low, e.after.high, e.peak_after_rad),
-        f"{'noise floor':<24}{MICRO * e.floor_rad:>10.3g}",
+        f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
+        _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),
+        _error_line("with what was found", size, e.after.value, e.after.low, e.after.high, e.peak_after_rad),
+        f"{'noise floor':<24}{e.floor_rad / size:>10.3g}",
         f"explained: {e.explained_share:.0%} of what lies above the floor; held out: {e.held_out}",
     ]
     for named in result.effects:
@@ -28,9 +27,9 @@ def result_text(result: LoopResult) -> str:
     candidates = (*result.evidence, *result.small)
     if candidates:
         width = max(len(c.label) for c in candidates)
-        lines += ["", f"{'candidate':<{width}}{'held out':>12}{'takes off':>12}  urad"]
+        lines += ["", f"{'candidate':<{width}}{'held out':>12}{'takes off':>12}  {unit}"]
         lines += [
-            f"{c.label:<{width}}{MICRO * c.held_out_rad:>12.3g}{MICRO * c.fall_rad:>12.3g}  {c.outcome}"
+            f"{c.label:<{width}}{c.held_out_rad / size:>12.3g}{c.fall_rad / size:>12.3g}  {c.outcome}"
             for c in candidates
         ]
     lines += [f"not testable: {words}" for words in result.not_testable]
@@ -56,5 +55,6 @@ def _one(name: str, figure: float) -> tuple[str, str]:
     return word, shown[0]
 
 
-def _error_line(word: str, rms: float, low: float, high: float, peak: float) -> str:
-    return f"{word:<24}{MICRO * rms:>10.3g}{MICRO * low:>12.3g}{MICRO * high:>10.3g}{MICRO * peak:>10.3g}"
+def _error_line(word: str, size: float, *errors_rad: float) -> str:
+    rms, low, high, peak = (error / size for error in errors_rad)
+    return f"{word:<24}{rms:>10.3g}{low:>12.3g}{high:>10.3g}{peak:>10.3g}"

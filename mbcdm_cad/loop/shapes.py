@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.run import Floats
 
 # Shapes within this of the best one's share are listed too.
@@ -79,10 +80,9 @@ def _bump(name: str, unit: str, at: Floats, mean: Floats, weight: Floats) -> Sha
             if explains > best[0]:
                 best = explains, float(centre), float(width), float(size[0])
     explains, centre, width, height = best
-    size_words = (
-        f"{1e6 * height:.3g} urad at {name} {centre:.4g} {unit}, {2.355 * width:.3g} {unit} wide at half height"
-    )
-    return Shape("exp(-((x - x0)/w)^2 / 2)", explains, f"a bump of {size_words}")
+    tall = readable("_rad", [height])[1][0]
+    words = f"a bump of {tall} at {name} {centre:.4g} {unit}, {2.355 * width:.3g} {unit} wide at half height"
+    return Shape("exp(-((x - x0)/w)^2 / 2)", explains, words)
 
 
 def _step(name: str, unit: str, at: Floats, mean: Floats, weight: Floats) -> Shape:
@@ -93,4 +93,5 @@ def _step(name: str, unit: str, at: Floats, mean: Floats, weight: Floats) -> Sha
         if explains > best[0]:
             best = explains, float(0.5 * (at[k - 1] + at[k])), float(size[0])
     explains, place, height = best
-    return Shape("x > x0", explains, f"a step of {1e6 * height:.3g} urad at {name} {place:.4g} {unit}")
+    tall = readable("_rad", [height])[1][0]
+    return Shape("x > x0", explains, f"a step of {tall} at {name} {place:.4g} {unit}")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.loop.orders import order_spectrum
 from mbcdm_cad.loop.prepared import Prepared
+from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.run import Floats
 from mbcdm_cad.loop.shapes import Shape, best_shapes
 
@@ -75,11 +76,13 @@ class Unknown:
 
     def sentence(self) -> str:
         """For people."""
-        size = f"{1e6 * self.rms_rad:.3g} urad RMS, {1e6 * self.peak_rad:.3g} at most"
+        repeats_rad = self.patterns[0].rms_rad if self.patterns else 0.0
+        _, (rms, peak, repeats) = readable("_rad", [self.rms_rad, self.peak_rad, repeats_rad])
+        size = f"{rms} RMS, {peak} at most"
         if not self.patterns:
             return f"{size}; does not repeat in angle, load, speed or time; forgets itself in {self.memory_s:.2g} s"
         best = self.patterns[0]
-        words = f"{size}; repeats in {best.variable}: {1e6 * best.rms_rad:.3g} urad RMS, {best.share:.0%} of it"
+        words = f"{size}; repeats in {best.variable}: {repeats} RMS, {best.share:.0%} of it"
         if best.shapes:
             words += f"; {best.shapes[0].words}"
         if self.alike:
