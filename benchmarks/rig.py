@@ -20,6 +20,10 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.dynamic import run_dynamic
 from mbcdm_cad.rig.dynamic_motion import sine
 from mbcdm_cad.rig.dynamic_rig import LOOP_RATE_HZ, rig_of
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.load import Load
+from mbcdm_cad.rig.motion import Motion
+from mbcdm_cad.rig.simulate import simulate
 
 ROOT = Path(__file__).resolve().parents[1]
 SIMULATED_S = 160.0
@@ -55,6 +59,26 @@ def least(once: Callable[[], object], repeat: int) -> float:
     return min(times)
 
 
+def quasi_static(drive: Drive, repeat: int) -> list[Figure]:
+    """160 s at 100 Hz of a braked triangle, short and long travel."""
+    figures = []
+    what = f"quasi-static rig, {SIMULATED_S:g} s at 100 Hz"
+    for amplitude in (50.0, 450.0):
+        experiment = Experiment(
+            name="speed", duration_s=SIMULATED_S, motion=Motion(amplitude_mrad=amplitude, period_s=20.0),
+            load=Load(kind="brake", levels_Nm=(0.91,)),
+        )  # fmt: skip
+        simulate(drive, experiment.model_copy(update={"duration_s": 1.0}))
+        taken = least(lambda experiment=experiment: simulate(drive, experiment), repeat)
+        figures += [
+            Figure(
+                f"quasi-static rig, {SIMULATED_S:g} s at 100 Hz, +-{amplitude:g} mrad", taken, "s", QUASI_STATIC_LIMIT_S
+            ),
+            Figure("  per simulated second, over real time", taken / SIMULATED_S, ""),
+        ]
+    return figures
+
+
 def dynamic(drive: Drive, repeat: int) -> list[Figure]:
     """160 s of a braked sine at the usual step."""
     rig = rig_of(drive)
@@ -78,7 +102,7 @@ def main() -> int:
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     drive = load_design(options.design).drive
-    figures = dynamic(drive, options.repeat)
+    figures = quasi_static(drive, options.repeat) + dynamic(drive, options.repeat)
     for figure in figures:
         print(figure)
     if options.json:

@@ -107,6 +107,7 @@ def positioning(drive: Drive, seed: int = 0) -> PaperResult:
         Compared("highest peak, where", "cycle/turn", at * 2.0 * np.pi, 694.3, "if the paper's axis is per turn"),
         Compared("highest peak, amplitude", "urad", peak * 1e6, 24.67,
                  f"follows the ripple chosen, {ripple * 1e3:.3f} mN m at the motor"),
+        Compared("ripple that would give the paper's peak", "mN m", ripple * 1e3 * 24.67e-6 / peak),
     )  # fmt: skip
     chosen: dict[str, float | str] = {
         "bandwidth_Hz": 5.0, "plate_kg_m2": PLATE_kg_m2, "ripple_share_of_rated_torque": RIPPLE_SHARE,

@@ -107,6 +107,13 @@ def angle_spectrum(angle_rad: Floats, error_rad: Floats, share: float = 0.8) -> 
 
 
 def highest_peak(order: Floats, amplitude: Floats, lowest: float = LOWEST_ORDER) -> tuple[float, float]:
-    """Where and how high the highest line above ``lowest`` cycles per rad is."""
+    """Where and how high the highest line above ``lowest`` cycles per rad is: top of a parabola through the logarithms.
+
+    The spectrum's bins are one over the length of a sweep apart, and a Hann window is nearly a parabola there.
+    """
     k = int(np.argmax(np.where(order >= lowest, amplitude, 0.0)))
-    return float(order[k]), float(amplitude[k])
+    if not 0 < k < order.size - 1 or not amplitude[k - 1 : k + 2].min() > 0.0:
+        return float(order[k]), float(amplitude[k])
+    left, top, right = np.log(amplitude[k - 1 : k + 2])
+    shift = 0.5 * (left - right) / (left - 2.0 * top + right)
+    return float(order[k] + shift * (order[1] - order[0])), float(np.exp(top - 0.25 * (left - right) * shift))

@@ -37,8 +37,8 @@ def test_spectrum_over_angle_finds_a_line_and_its_height(cycles_per_rad: float) 
         np.cos(2 * np.pi * 0.05 * time)
     )
     at, height = highest_peak(*angle_spectrum(angle, error))
-    assert abs(at - cycles_per_rad) < 6.3, f"line at {at:.1f}, put in at {cycles_per_rad}"
-    assert height == pytest.approx(24.67e-6, rel=0.16), "a line between two bins loses up to 15 % in a Hann window"
+    assert abs(at - cycles_per_rad) < 0.5, f"line at {at:.2f}, put in at {cycles_per_rad}"
+    assert height == pytest.approx(24.67e-6, rel=0.03), f"{height * 1e6:.2f} urad, put in 24.67"
 
 
 def test_spectrum_needs_a_whole_sweep() -> None:
