@@ -62,7 +62,6 @@ def least(once: Callable[[], object], repeat: int) -> float:
 def quasi_static(drive: Drive, repeat: int) -> list[Figure]:
     """160 s at 100 Hz of a braked triangle, short and long travel."""
     figures = []
-    what = f"quasi-static rig, {SIMULATED_S:g} s at 100 Hz"
     for amplitude in (50.0, 450.0):
         experiment = Experiment(
             name="speed", duration_s=SIMULATED_S, motion=Motion(amplitude_mrad=amplitude, period_s=20.0),
