@@ -23,7 +23,8 @@ class Bench:
     """All that effects may change before a run; arrays over the n samples of ``time_s``.
 
     ``command_rad`` is what the gearheads are told, ``drum_rad`` the drum angle that answers to it without any error.
-    ``strains`` is the stress-free strain of rope over bed on each wrap (input, guide, drum).
+    ``input_at`` is the place of the input encoders, "pulley" or "motor"; ``strains`` is the stress-free strain of rope
+    over bed on each wrap (input, guide, drum).
     """
 
     drive: Drive
@@ -32,6 +33,7 @@ class Bench:
     command_rad: Floats
     rng: np.random.Generator
     cables: tuple[RigCable, ...]
+    input_at: str
     paths: list[PathOf] = field(default_factory=list)
     strains: Floats | None = None
     gear_stiffness_Nm_rad: list[float] = field(default_factory=list)
@@ -42,6 +44,7 @@ class Bench:
     output_twist_rad_Nm: float = 0.0
     encoder_errors: list[tuple[str, ErrorOf]] = field(default_factory=list)
     output_delay_s: float = 0.0
+    input_delay_s: float = 0.0
     temperature_C: Floats | None = None
     truth: list[dict[str, Any]] = field(default_factory=list)
 
@@ -77,6 +80,12 @@ class Bench:
         ratios = [c.drum_radius_m / c.guide_radius_m for c in cables_of(self.drive)]
         return -drum_rad * (sum(ratios) / len(ratios))
 
+    def add_encoder_error(self, stage: str, error: ErrorOf) -> None:
+        """Let the encoder of this stage misread; KeyError if the drive has none there."""
+        if stage != "drum":
+            self.input_index(stage)
+        self.encoder_errors.append((stage, error))
+
     def add_strain(self, which: list[int], free: Floats, wraps: tuple[Floats, Floats, Floats]) -> None:
         """Let rope of these cables grow by ``free`` (n,) in its span, and over its bed by ``wraps``."""
         if self.strains is None:
@@ -89,7 +98,7 @@ class Bench:
         self.paths.append(lambda inputs, drum: -longer)
 
     def tell(self, name: str, in_vocabulary: bool = True, seen: bool = True, **more: Any) -> None:
-        """Write an effect into the truth. ``seen`` is false for what the sensors cannot show at all."""
+        """Write an effect into the truth. ``seen`` is false for what the readings explain by themselves."""
         entry: dict[str, Any] = {"name": name, "in_vocabulary": in_vocabulary}
         if not seen:
             entry["seen"] = False
@@ -97,9 +106,16 @@ class Bench:
         self.truth.append({**entry, **more, "parameters": parameters})
 
 
-def bench_of(drive: Drive, time_s: Floats, drum_rad: Floats, strays_rad: Floats, rng: np.random.Generator) -> Bench:
+def bench_of(
+    drive: Drive,
+    time_s: Floats,
+    drum_rad: Floats,
+    strays_rad: Floats,
+    rng: np.random.Generator,
+    input_at: str = "pulley",
+) -> Bench:
     """A faultless bench: gearheads stiff and without play, cables as designed."""
-    bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive))
+    bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive), input_at)
     n_inputs = len(drive.input_names)
     bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])
     bench.gear_stiffness_Nm_rad = [float("inf")] * n_inputs

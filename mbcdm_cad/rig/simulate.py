@@ -59,7 +59,7 @@ def set_up(drive: Drive, experiment: Experiment) -> Bench:
     drum = experiment.motion.drum_rad(time)
     strays = experiment.motion.strays_rad(time, len(drive.input_names), rng)
     try:
-        bench = bench_of(drive, time, drum, strays, rng)
+        bench = bench_of(drive, time, drum, strays, rng, experiment.sensors.input_at)
     except (ValueError, ZeroDivisionError) as error:
         raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}; choose one with a guide") from None
     for effect in experiment.effects:
@@ -121,7 +121,12 @@ def _read(
     for stage, of in bench.encoder_errors:
         seen[stage] += of(drum if stage == "drum" else shafts[bench.input_index(stage)])
     inputs = [
-        counted(seen[f"input_{name}"][every], sensors.input_resolution_rad, sensors.input_noise_rad, rng)
+        counted(
+            late(time, seen[f"input_{name}"], bench.input_delay_s)[every],
+            sensors.input_resolution_rad,
+            sensors.input_noise_rad,
+            rng,
+        )
         for name in bench.drive.input_names
     ]
     output = late(time, seen["drum"], bench.output_delay_s)[every]

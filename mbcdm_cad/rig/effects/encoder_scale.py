@@ -1,0 +1,28 @@
+"""An encoder that counts too many or too few lines a turn: it reads its shaft's angle times 1 + share."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mbcdm_cad.rig.bench import Bench
+from mbcdm_cad.rig.effects.base import Effect
+
+
+class EncoderScale(Effect):
+    """Scale error of an encoder."""
+
+    effect: Literal["encoder_scale"]
+    stage: Literal["drum", "input_left", "input_right", "input_input"]
+    share_ppm: Annotated[float, Field(ge=-1e5, le=1e5)]
+
+    def apply(self, bench: Bench) -> None:
+        share = self.share_ppm * 1e-6
+        bench.add_encoder_error(self.stage, lambda angle: np.asarray(share * angle))
+        # Output over what the inputs predict; an input counts for its part of the drive.
+        inputs = len(bench.drive.input_names)
+        ratio = share if self.stage == "drum" else -share / inputs
+        bench.tell("ratio_error", stage=self.stage, cause="encoder_scale",
+                   parameters={"share": ratio, "encoder_share": share})  # fmt: skip

@@ -1,0 +1,57 @@
+"""A broken wire stands up: the rope is thicker by ``height_um`` over ``length_mm``, somewhere along it.
+
+Where the thick place lies on a pulley of radius r, the centre line runs that much further out: the path grows by the
+integral of the height over the angle it covers there, i.e. by height x covered length / r. In the free span it does
+nothing. ``position_mm`` is its middle along the rope with the drum at zero, from the tangent point on the input on
+(so the guide's wrap begins at L_free, the drum's at L_free + r_g gamma); it travels with the rope.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from mbcdm_cad.rig.bench import Bench
+from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.shapes import hump_integral
+
+
+class StrandDamage(Effect):
+    """Local bump of a rope."""
+
+    effect: Literal["strand_damage"]
+    cable: str
+    height_um: Annotated[float, Field(ge=0.0, le=1000.0)]
+    length_mm: Annotated[float, Field(gt=0.0, le=50.0)] = 2.0
+    position_mm: Annotated[float, Field(ge=-500.0, le=500.0)]
+
+    def apply(self, bench: Bench) -> None:
+        (j,) = bench.which((self.cable,))
+        c = bench.cables[j]
+        half = 0.5e-3 * self.length_mm
+        guide_begin = c.path.free_span_m
+        guide_end = guide_begin + c.path.guide_wrap_rad * c.guide_radius_m
+
+        def before(end_m: float, middle: Floats) -> Floats:
+            """Integral of the height over the part of the rope on this side of ``end_m``."""
+            return hump_integral(end_m - middle, -half, half)
+
+        def extra(drum: Floats) -> Floats:
+            middle = self.position_mm * 1e-3 - c.sigma * c.drum_radius_m * drum
+            on_input = before(0.0, middle)
+            on_guide = before(guide_end, middle) - before(guide_begin, middle)
+            on_drum = half - before(guide_end, middle)
+            covered = on_input / c.input_radius_m + on_guide / c.guide_radius_m + on_drum / c.drum_radius_m
+            return np.asarray(self.height_um * 1e-6 * covered)
+
+        def path(inputs: Floats, drum: Floats) -> Floats:
+            longer = np.zeros((len(bench.cables), drum.size))
+            longer[j] = extra(drum) - extra(np.zeros(1))[0]
+            return longer
+
+        bench.paths.append(path)
+        bench.tell("strand_damage", in_vocabulary=False, cables=[self.cable],
+                   parameters={"height_m": self.height_um * 1e-6, "position_m": self.position_mm * 1e-3})  # fmt: skip
