@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.loop.readable import size_of
 from mbcdm_cad.loop.result import Traces
@@ -19,6 +20,8 @@ HELD = "#DDDDDD"
 STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False}
 WIDTH_IN = 9.6
 BINS = 60
+# Points over which the sense of motion is told, more than an encoder's step lasts.
+SENSE_POINTS = 25
 
 
 def time_png(t: Traces) -> bytes:
@@ -62,7 +65,7 @@ def scatter_png(t: Traces) -> bytes:
             ):
                 axes.plot(values, residual / factor, ls="", marker=".", ms=1.5, alpha=0.25, color=colour)
                 if axes is first:
-                    rising = np.gradient(t.output_rad) >= 0.0
+                    rising = np.gradient(uniform_filter1d(t.output_rad, SENSE_POINTS)) >= 0.0
                     axes.plot(*_means(values[rising], residual[rising] / factor), color=colour, lw=1.6, label=word)
                     axes.plot(*_means(values[~rising], residual[~rising] / factor), color=colour, lw=1.6, ls="--")
                 else:

@@ -31,6 +31,34 @@ def test_a_run_is_judged_and_the_result_written(bare: Path, capsys: pytest.Captu
     assert [path.name for path in bare.parent.iterdir() if path.name.startswith(".")] == []
 
 
+@pytest.fixture
+def short(write: Write) -> Path:
+    """As ``bare``, of a drive whose ratio is 1 % off what the design says."""
+    off = signals(4000)
+    off["drum"] = off["drum"] * 1.01
+    return write(table(off), mapping(columns=BARE))
+
+
+def test_what_was_found_is_applied_and_reported_on_a_page(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    built, folder = short.with_name("built.yaml"), short.with_name("page")
+    assert mbcdm(["loop", str(DESIGN), str(short), "--apply", str(built), "--report", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert "ratio_error" in said.splitlines()[0], said
+    assert sorted(path.name for path in folder.iterdir()) == ["report.html", "result.json"]
+    page = (folder / "report.html").read_text()
+    assert "ratio_error" in page and page.count("data:image/png;base64,") == 3
+    assert "ratio_error" in built.read_text() and mbcdm(["analyse", str(built)]) == 0
+
+
+def test_nothing_is_applied_to_the_design_from_a_drive_of_its_own(
+    short: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    short.write_text(short.read_text() + "ratio: 9.0\n")
+    built = short.with_name("built.yaml")
+    assert mbcdm(["loop", str(DESIGN), str(short), "--apply", str(built)]) == 2
+    assert "leave --apply out" in capsys.readouterr().err and not built.exists()
+
+
 def test_refusals_name_file_line_and_remedy_and_write_nothing(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
     wrong = signals(4000)
     wrong["left"] = wrong["left"] * 57.29578
