@@ -8,17 +8,22 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import bench_of
+from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.plot import run_picture, transmission_error_urad
 from mbcdm_cad.rig.simulate import simulate
 from mbcdm_cad.rig.writing import run_files, write_run
 
 
-def simulate_command(drive: Drive, experiment: Experiment, out: Path) -> str:
+def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, out: Path) -> str:
     """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
+    if isinstance(experiment, DynamicExperiment):
+        from mbcdm_cad.rig.dynamic_command import dynamic_command  # the quasi-static rig needs none of it
+
+        return dynamic_command(drive, experiment, out)
     run = simulate(drive, experiment)
     zero = np.zeros(2)
-    still = bench_of(drive, zero, zero, np.zeros((len(drive.input_names), 2)), np.random.default_rng(0))
+    still = bench_of(drive, zero, zero, np.zeros((len(drive.input_names), 2)), np.random.default_rng(0), "pulley")
     turns = [still.turns(i) for i in range(len(drive.input_names))]
     files = run_files(run, experiment, drive.input_names)
     files[f"{experiment.name}.png"] = run_picture(run, experiment.about or experiment.name, turns)

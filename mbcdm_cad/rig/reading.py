@@ -10,22 +10,26 @@ from pydantic import ValidationError
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
+from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
 from mbcdm_cad.rig.experiment import MAX_SAMPLES, Experiment
 
 _BOUNDS = {"gt": "over", "ge": "at least", "lt": "under", "le": "at most", "min_length": "at least",
            "max_length": "at most", "pattern": "signs", "expected": "one of", "expected_tags": "one of"}  # fmt: skip
 
 
-def read_experiment(path: str | Path) -> Experiment:
-    """The experiment in a YAML file. Raises InputError with all problems found."""
+def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
+    """The experiment in a YAML file, on the dynamic rig if it has a field ``rig``. InputError tells all problems."""
     path = Path(path)
     text = read_text(path, "experiment file", "; docs/experiments.md shows examples")
     tree = yamltree.parse(text, str(path))
+    dynamic = isinstance(tree.data, dict) and "rig" in tree.data
     try:
-        experiment = Experiment.model_validate(tree.data)
+        experiment = (DynamicExperiment if dynamic else Experiment).model_validate(tree.data)
     except ValidationError as error:
         found = [_problem(item, tree, str(path)) for item in error.errors(include_url=False)]
         raise InputError(sorted(found, key=lambda problem: problem.line)[:50]) from None
+    if isinstance(experiment, DynamicExperiment):
+        return experiment
     samples = experiment.duration_s * experiment.sample_rate_Hz * experiment.physics.substeps
     if not 8 <= samples <= MAX_SAMPLES:
         raise InputError(

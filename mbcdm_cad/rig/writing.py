@@ -12,6 +12,7 @@ import numpy as np
 import yaml
 
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.simulate import SimulatedRun
 
@@ -20,7 +21,9 @@ class RunOutputError(MbcdmError):
     """A run that cannot be written where it was asked to go."""
 
 
-def run_files(run: SimulatedRun, experiment: Experiment, input_names: tuple[str, ...]) -> dict[str, bytes]:
+def run_files(
+    run: SimulatedRun, experiment: Experiment | DynamicExperiment, input_names: tuple[str, ...]
+) -> dict[str, bytes]:
     """The CSV, the measurement file and the truth file, by name. The same run gives the same bytes."""
     name = experiment.name
     one = len(input_names) == 1

@@ -1,0 +1,164 @@
+"""An experiment file on the dynamic rig, from words to a run, and what ``mbcdm simulate`` writes of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.bench import Bench, bench_of
+from mbcdm_cad.rig.dynamic import DynamicRun, run_dynamic
+from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
+from mbcdm_cad.rig.dynamic_load import LoadSpec
+from mbcdm_cad.rig.dynamic_rig import LOOP_RATE_HZ, DynamicRig, EncoderSpec, rig_of
+from mbcdm_cad.rig.simulate import RigError, SimulatedRun
+from mbcdm_cad.rig.writing import run_files, write_run
+
+
+def dynamic_command(drive: Drive, experiment: DynamicExperiment, out: Path) -> str:
+    """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
+    folder = out / experiment.name
+    if experiment.paper is not None:
+        return _paper(drive, experiment, folder)
+    from mbcdm_cad.rig.plot import run_picture, transmission_error_urad
+
+    run, bench, rig = simulate_dynamic(drive, experiment)
+    logged = as_logged(run, truth_of(experiment, bench))
+    turns = [bench.turns(i) for i in range(len(rig.motors))]
+    files = run_files(logged, experiment, drive.input_names)
+    files[f"{experiment.name}.png"] = run_picture(logged, experiment.about or experiment.name, turns)
+    write_run(folder, files)
+    error = transmission_error_urad(logged, turns)
+    named = ", ".join(str(entry["name"]) for entry in logged.truth) or "nothing"
+    ended = "" if run.time_s[-1] > 0.98 * experiment.duration_s else f", lost the drum at {run.time_s[-1]:.2f} s"
+    return (
+        f"{folder / (experiment.name + '.yaml')}: {run.time_s.size} samples{ended}\n"
+        f"transmission error {error.min():.1f} to {error.max():.1f} urad, "
+        f"tensions {run.tension_N.min():.2f} to {run.tension_N.max():.2f} N\n"
+        f"beyond the declared model (in the truth file): {named}"
+    )
+
+
+def _paper(drive: Drive, experiment: DynamicExperiment, folder: Path) -> str:
+    from mbcdm_cad.rig.experiments_paper import EXPERIMENTS
+    from mbcdm_cad.rig.experiments_paper_files import result_files, result_text
+
+    result = EXPERIMENTS[str(experiment.paper)](drive, experiment.seed)
+    files = result_files(result, drive)
+    if len(result.runs) == 1:
+        (run,) = result.runs.values()
+        truth = [{"name": "winding_history", "in_vocabulary": True, "parameters": {}}]
+        files |= run_files(as_logged(run, truth), experiment, drive.input_names)
+    write_run(folder, files)
+    return f"{folder}: {', '.join(sorted(files))}\n\n{result_text(result)}"
+
+
+def simulate_dynamic(drive: Drive, experiment: DynamicExperiment) -> tuple[DynamicRun, Bench, DynamicRig]:
+    """Run ``experiment``; the run, the bench with its effects, and the rig built from it. Raises RigError."""
+    reference = experiment.motion.reference(experiment.duration_s, LOOP_RATE_HZ)
+    bench = _bench(drive, experiment, reference[:, 0])
+    rig = _rig(drive, experiment, bench)
+    time = np.arange(reference.shape[0]) / LOOP_RATE_HZ
+    torque = experiment.load.torque_Nm + experiment.load.ramp_Nm_s * time
+    try:
+        run = run_dynamic(
+            rig, reference, torque, experiment.load.brake_Nm, experiment.seed, float(experiment.sample_rate_Hz)
+        )
+    except ValueError as error:
+        raise RigError(f"{experiment.name}: {error}; lower motion.amplitude_mrad") from None
+    return run, bench, rig
+
+
+def _bench(drive: Drive, experiment: DynamicExperiment, drum: Any) -> Bench:
+    time = np.arange(drum.size) / LOOP_RATE_HZ
+    strays = np.zeros((len(drive.input_names), drum.size))
+    try:
+        bench = bench_of(drive, time, drum, strays, np.random.default_rng(experiment.seed), "pulley")
+    except (ValueError, ZeroDivisionError) as error:
+        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}; choose one with a guide") from None
+    for effect in experiment.effects:
+        try:
+            effect.apply(bench)
+        except KeyError as error:
+            raise RigError(f"{experiment.name}: effects: {effect.effect}: the drive has no {error.args[0]}") from None
+        left = bench.encoder_errors or bench.gear_errors or bench.hidden_Nm or bench.output_twist_rad_Nm
+        if left or bench.strains is not None or bench.stick_slip is not None or bench.temperature_C is not None:
+            raise RigError(
+                f"{experiment.name}: effects: {effect.effect}: not on the dynamic rig; leave out 'rig: dynamic' or use "
+                "its blocks drives, bearings, load and sensors"
+            )
+    return bench
+
+
+def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRig:
+    load, drives, sensors, physics = experiment.load, experiment.drives, experiment.sensors, experiment.physics
+    spec = LoadSpec(load.inertia_kg_m2, load.static_ratio, load.static_speed_rad_s, load.unbalance_Nm,
+                    bearing_drag_Nm=experiment.bearings.drum_Nm)  # fmt: skip
+    rig = rig_of(drive, spec, drives.lossless, drives.bandwidth_Hz)
+    cogging = drives.cogging_share * rig.motors[0].torque_limit_Nm
+    motors = tuple(
+        # Unlike phases: two motors are not mounted in step.
+        replace(m, cogging_Nm=cogging, cogging_per_turn=drives.cogging_per_turn, cogging_phase_rad=2.0 * i)
+        for i, m in enumerate(rig.motors)
+    )
+    if drives.lossless:
+        motors = tuple(replace(m, coulomb_Nm=0.0, viscous_Nms=0.0) for m in motors)
+    gearheads = tuple(
+        replace(g, lash_rad=drives.lash_mrad * 1e-3 + bench.gear_play_rad[i],
+                stiffness_Nm_rad=min(g.stiffness_Nm_rad, bench.gear_stiffness_Nm_rad[i]),
+                mesh_error_rad=drives.mesh_error_urad * 1e-6, mesh_per_motor_turn=drives.mesh_per_motor_turn)
+        for i, g in enumerate(rig.gearheads)
+    )  # fmt: skip
+    encoder = EncoderSpec(
+        sensors.input_resolution_rad, sensors.input_noise_rad, sensors.input_delay_s + bench.input_delay_s
+    )
+    late = sensors.output_delay_s + bench.output_delay_s
+    return replace(
+        rig, motors=motors, gearheads=gearheads, cables=bench.cables, paths=tuple(bench.paths),
+        encoders=(encoder,) * len(motors),
+        drum_encoder=EncoderSpec(sensors.output_resolution_rad, sensors.output_noise_rad, late),
+        torque_noise_Nm=sensors.torque_noise_Nm, input_drag_Nm=experiment.bearings.input_Nm,
+        guide_drag_Nm=experiment.bearings.guide_Nm, step_s=physics.step_us * 1e-6, piece_rad=physics.piece_mrad * 1e-3,
+        transport=physics.cable_transport, guide_slip=physics.guide_slip,
+    )  # fmt: skip
+
+
+def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]]:
+    """What the declared model does not know, in the loop's words; causes outside its vocabulary by their own name."""
+    drives, load, bearings, sensors = experiment.drives, experiment.load, experiment.bearings, experiment.sensors
+    if experiment.physics.cable_transport:
+        bench.tell("winding_history")
+    if experiment.physics.guide_slip:
+        bench.tell("guide_slip", in_vocabulary=False)
+    if drives.cogging_share > 0.0:
+        bench.tell("ripple", cause="motor_cogging", parameters={"per_motor_turn": drives.cogging_per_turn})
+    if drives.mesh_error_urad > 0.0:
+        bench.tell("ripple", cause="gear_mesh", parameters={"per_motor_turn": drives.mesh_per_motor_turn})
+    if drives.lash_mrad > 0.0:
+        bench.tell("lash", seen=False, parameters={"lash_rad": drives.lash_mrad * 1e-3})
+    if load.static_ratio > 1.0 and load.brake_Nm > 0.0:
+        bench.tell("brake_stick_slip", in_vocabulary=False, parameters={"static_ratio": load.static_ratio})
+    if bearings.drum_Nm > 0.0 or bearings.guide_Nm > 0.0:
+        bench.tell("friction", parameters={"drum_Nm": bearings.drum_Nm, "guide_Nm": bearings.guide_Nm})
+    if sensors.output_delay_s > 0.0:
+        bench.tell("delay", parameters={"delay_s": sensors.output_delay_s})
+    return bench.truth
+
+
+def as_logged(run: DynamicRun, truth: list[dict[str, Any]]) -> SimulatedRun:
+    """The run in the form that the files of all simulated runs are written from."""
+    return SimulatedRun(
+        time_s=run.time_s,
+        input_rad=run.input_rad,
+        drum_rad=run.drum_rad,
+        load_Nm=run.torque_Nm,
+        tension_N=run.tension_N,
+        measured_input_rad=run.measured_input_rad,
+        measured_output_rad=run.measured_drum_rad,
+        measured_load_Nm=run.measured_torque_Nm,
+        measured_temperature_C=None,
+        truth=truth,
+    )

@@ -1,0 +1,108 @@
+"""Experiment file of the dynamic rig (``rig: dynamic``): what the loops follow, the load, and what is wrong."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.dynamic_motion import sine, standstill
+from mbcdm_cad.rig.effects.registry import AnyEffect
+from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
+
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Torque = Annotated[float, Field(ge=-50.0, le=50.0)]
+Friction = Annotated[float, Field(ge=0.0, le=10.0)]
+
+
+class DynamicMotion(Block):
+    """A sine of the drum's angle that starts from rest, or standstill."""
+
+    shape: Literal["sine", "hold"] = "sine"
+    amplitude_mrad: Annotated[float, Field(gt=0.0, le=1200.0)] = 50.0
+    frequency_Hz: Annotated[float, Field(ge=1e-3, le=20.0)] = 0.1
+
+    def reference(self, duration_s: float, rate_Hz: float) -> Floats:
+        """Angle, speed and acceleration of the drum at each period of the loops, (n, 3)."""
+        if self.shape == "hold":
+            return standstill(duration_s, rate_Hz)
+        return sine(self.amplitude_mrad * 1e-3, self.frequency_Hz, duration_s * self.frequency_Hz, rate_Hz)
+
+
+class DynamicLoad(Block):
+    """Brake and torque motor may act together; a brake with a ``static_ratio`` above 1 sticks and slips."""
+
+    brake_Nm: Friction = 0.0
+    static_ratio: Annotated[float, Field(ge=1.0, le=3.0)] = 1.0
+    static_speed_rad_s: Annotated[float, Field(gt=0.0, le=1.0)] = 1e-3
+    torque_Nm: Torque = 0.0
+    ramp_Nm_s: Torque = 0.0
+    inertia_kg_m2: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    unbalance_Nm: Torque = 0.0
+
+
+class Drives(Block):
+    """Motors and gearheads; what is left out is the design's. ``lossless`` switches all their friction off."""
+
+    lossless: bool = False
+    cogging_share: Share = 0.0  # of the rated torque, once a turn of the motor unless the order says otherwise
+    cogging_per_turn: Annotated[float, Field(gt=0.0, le=200.0)] = 1.0
+    lash_mrad: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    mesh_error_urad: Annotated[float, Field(ge=0.0, le=1e4)] = 0.0
+    mesh_per_motor_turn: Annotated[float, Field(gt=0.0, le=200.0)] = 1.0
+    bandwidth_Hz: Annotated[float, Field(ge=0.5, le=25.0)] = 5.0
+
+
+class Bearings(Block):
+    """Coulomb friction of the bearings, each at its own shaft, N m. The torque sensor does not see it."""
+
+    input_Nm: Friction = 0.0
+    guide_Nm: Friction = 0.0
+    drum_Nm: Friction = 0.0
+
+
+class DynamicSensors(Block):
+    """What the sensors make of the truth; the loops see the input encoders too, the rest is logged."""
+
+    input_resolution_rad: Resolution = 1.9175e-4
+    input_noise_rad: Noise = 0.0
+    input_delay_s: Delay = 0.0
+    output_resolution_rad: Resolution = 1.3635e-6
+    output_noise_rad: Noise = 0.0
+    output_delay_s: Delay = 0.0
+    torque_noise_Nm: Annotated[float, Field(ge=0.0, le=5.0)] = 0.005
+
+    @property
+    def log_torque(self) -> bool:
+        """The dynamic rig always logs the torque."""
+        return True
+
+
+class DynamicPhysics(Block):
+    """Choices of the physics."""
+
+    cable_transport: bool = True
+    guide_slip: bool = False
+    piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
+    step_us: Literal[20, 50, 100, 200, 500] = 100
+
+
+class DynamicExperiment(Block):
+    """An experiment on the dynamic rig. ``paper`` runs one of the paper's three and needs nothing else."""
+
+    rig: Literal["dynamic"]
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,79}$")]
+    about: Annotated[str, Field(max_length=500)] = ""
+    seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
+    paper: Literal["driving-capability", "positioning", "backlash"] | None = None
+    duration_s: Annotated[float, Field(gt=0.0, le=2000.0)] = 160.0
+    sample_rate_Hz: Literal[50, 100, 200, 500, 1000] = 100
+    motion: DynamicMotion = DynamicMotion()
+    load: DynamicLoad = DynamicLoad()
+    drives: Drives = Drives()
+    bearings: Bearings = Bearings()
+    sensors: DynamicSensors = DynamicSensors()
+    physics: DynamicPhysics = DynamicPhysics()
+    effects: Annotated[tuple[AnyEffect, ...], Field(max_length=50, strict=False)] = ()
