@@ -1,4 +1,5 @@
-"""Plots for print: units on every axis; lines differ by colour, dash and marker, so grey or colour-blind eyes can tell.
+"""Plots for print: units on every axis; lines differ by colour, dash and marker, bars by hatch, for grey print and
+colour-blind eyes.
 
 Figures are drawn without a display and written as SVG or PNG, by the suffix; the same data gives the same bytes.
 """
@@ -22,6 +23,7 @@ from mbcdm_cad.model.tolerance import ToleranceStack
 # Okabe and Ito's palette, without the yellow that vanishes on paper.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)), (0, (3, 1, 1, 1, 1, 1)), (0, (8, 3)))
+HATCHES = ("////", "\\\\\\\\", "....", "xxxx")
 MARKERS = ("o", "s", "^", "D", "v", "x")
 FIXED: dict[Any, Any] = {
     "svg.hashsalt": "mbcdm",
@@ -70,10 +72,13 @@ def plot_indices(indices: GlobalIndices, path: Path) -> None:
         for k, (name, total) in enumerate(indices.total.items()):
             at = place + (k - (len(indices.total) - 1) / 2) * width
             label = name.removesuffix("_rad").removesuffix("_Nm").replace("_", " ")
-            axes.bar(at, total, width, color=COLOURS[k], alpha=0.45, label=f"{label}, total")
-            axes.bar(at, indices.first[name], width, fill=False, hatch="//", edgecolor=COLOURS[k], linewidth=0.6)
+            axes.bar(at, total, width, color=COLOURS[k], alpha=0.35)
+            alone = {"hatch": HATCHES[k], "edgecolor": COLOURS[k], "linewidth": 0.6, "fill": False}
+            axes.bar(at, indices.first[name], width, label=label, **alone)
         axes.set_xticks(place, [name.rsplit("_", 1)[0].replace("_", " ") for name in indices.parameter], rotation=20)
-        axes.set(xlabel="parameter (-)", ylabel="share of variance (-)", title="hatched: alone; bar: with interactions")
+        axes.set(
+            xlabel="parameter (-)", ylabel="share of variance (-)", title="hatched: alone; whole bar: with interactions"
+        )
         axes.legend(fontsize="small")
         _save(figure, path)
 

@@ -11,6 +11,7 @@ import pytest
 from paper_case import paper_drive
 
 from mbcdm_cad.design import load_design
+from mbcdm_cad.model import plots
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.bulk import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -205,6 +206,13 @@ def test_every_axis_has_a_unit(study: Path) -> None:
         labels = [t for t in texts if re.search(r"\((N|mrad|-|deg|urad|N m)\)$", t)]
         axes = path.read_text().count('id="axes_')
         assert len(labels) >= 2 * axes, f"{path.name}: {axes} axes, labels with units {labels}"
+
+
+def test_lines_and_bars_differ_without_colour() -> None:
+    """Dash and marker of lines, hatch of bars."""
+    styles = [(str(plots._style(k)["linestyle"]), plots._style(k)["marker"]) for k in range(6)]
+    assert len({dash for dash, _ in styles}) == len({marker for _, marker in styles}) == 6, styles
+    assert len(set(plots.HATCHES)) == len(plots.HATCHES) >= len(global_indices(paper_drive(), NEED, n=64).total)
 
 
 def test_study_repeats_byte_for_byte(study: Path, tmp_path: Path) -> None:
