@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
 from mbcdm_cad.checks.knobs import down, up
 from mbcdm_cad.checks.subject import Subject
-from mbcdm_cad.layout.collar import COLLAR_WIDTH_MM
+from mbcdm_cad.layout.collar import collar_width_mm
 from mbcdm_cad.layout.pulleys import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 
 # Height of the shoulder that an inner ring rests on (bearing makers' fillets of 0.15 mm and something to bear on).
@@ -168,7 +168,7 @@ def coupling_height(s: Subject) -> Finding:
             ),
             at_least(
                 "coupling space for the clamp collar on its way over the end of the gearhead's shaft",
-                v.bearing_shelf_bottom_z - max(shaft_end, v.motor_shelf_top_z) - COLLAR_WIDTH_MM,
+                v.bearing_shelf_bottom_z - max(shaft_end, v.motor_shelf_top_z) - collar_width_mm(drive),
                 PASSAGE_MM,
                 "mm",
             ),

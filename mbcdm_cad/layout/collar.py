@@ -14,11 +14,11 @@ from mbcdm_cad.design.drive import Drive
 if TYPE_CHECKING:
     from mbcdm_cad.layout.stack import Stack
 
-# As high as the head of its screw asks for: in the coupling space it must pass over the end of the gearhead's shaft.
-COLLAR_WIDTH_MM = 3.4
 COLLAR_SCREW = "M1.6x6"
 COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1
+# Collar above and below its screw's head, and beyond a grip of one shaft's diameter.
+HEAD_EDGE_MM = 0.2
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,15 @@ def _section(drive: Drive) -> tuple[float, float, float]:
     return hypot(offset + screw.thread_mm / 2 + wall, screw.length_mm - seat), offset, seat
 
 
+def collar_width_mm(drive: Drive) -> float:
+    """Width: what the screw's head and a grip of the shaft's diameter ask for, no more.
+
+    In the coupling space the collar must pass over the end of the gearhead's shaft.
+    """
+    head, shaft = drive.screw(COLLAR_SCREW).head_diameter_mm, drive.gearhead.shaft_diameter_mm
+    return max(head + 2 * HEAD_EDGE_MM, shaft + HEAD_EDGE_MM)
+
+
 def collar_sweep_mm(drive: Drive) -> float:
     """Radius that collar and screw sweep about the pulley's axis."""
     radius, offset, seat = _section(drive)
@@ -63,7 +72,7 @@ def collar(drive: Drive, levels: Stack) -> CollarDims:
         bore_radius=drive.bearings.input_lower.bore_mm / 2,
         radius=radius,
         bottom_z=bottom,
-        top_z=bottom + COLLAR_WIDTH_MM,
+        top_z=bottom + collar_width_mm(drive),
         slit_width=COLLAR_SLIT_MM,
         screw=COLLAR_SCREW,
         screw_offset=offset,

@@ -16,7 +16,7 @@ from math import hypot, sqrt
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layout.cable_path import stop_geometry
-from mbcdm_cad.layout.collar import COLLAR_WIDTH_MM
+from mbcdm_cad.layout.collar import collar_width_mm
 from mbcdm_cad.layout.stack import BAND_MARGIN_MM, END_PLAY_MM, Stack, band, outward_of
 
 JOURNAL_SLIT_MM = 0.6
@@ -175,7 +175,7 @@ def input_pulley(drive: Drive, levels: Stack, name: str) -> InputPulleyDims:
         bore_radius=gear.shaft_diameter_mm / 2,
         bore_top_z=shaft_end + 0.5,
         slit_width=JOURNAL_SLIT_MM,
-        slit_top_z=journal_bottom + COLLAR_WIDTH_MM + 1.0,
+        slit_top_z=journal_bottom + collar_width_mm(drive) + 1.0,
         slots=slots,
     )
 
