@@ -14,9 +14,10 @@ from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.si import DriveSI
 
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
-# Torque over which the contact changes sides, at the drum and at an input: a few times the sensor's noise.
+# Torque at the drum over which the contact changes sides: a few times the sensor's noise.
 DRUM_CHANGE_NM = 0.01
-INPUT_CHANGE_NM = 1e-3
+# Rounds in which a floating pulley finds its place; slipping cables are softer, so each leaves under half of the way.
+ROUNDS = 3
 
 
 def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -24,9 +25,29 @@ def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
-    carried = respond(setup).input_torque_Nm[index]
-    side = np.tanh(carried / INPUT_CHANGE_NM)
-    return setup.with_shift(index, -0.5 * values[0] * (side - side[0]))
+    """The pulley lags by half the play on the face that carries, and floats between where neither face is pressed.
+
+    In the gap it stands where its cables leave no torque. That is found by rounds over the whole run: the torque left,
+    over the stiffness that the pulley sees while its cables stick, is how far it has yet to move.
+    """
+    d, half = setup.drive, 0.5 * float(values[0])
+    bias = float(np.sum(d.sigma * d.input_radius_m * d.preload_N * d.of_input(index)))
+    start = half if bias >= 0.0 else -half
+    stiffness = _stiffness_Nm_rad(d, index)
+    lag = np.full(setup.p.time_s.size, start)
+    for _round in range(ROUNDS):
+        carried = respond(setup.with_shift(index, start - lag)).input_torque_Nm[index]
+        lag = np.clip(lag + carried / stiffness, -half, half)
+    return setup.with_shift(index, start - lag)
+
+
+def _stiffness_Nm_rad(d: DriveSI, index: int) -> float:
+    """Torque at one input per angle of it, the other inputs held and the drum under a constant load, N m/rad."""
+    each = d.axial_stiffness_N / d.free_span_m
+    own = d.of_input(index)
+    direct = float(np.sum(own * each * d.input_radius_m**2))
+    crossed = float(np.sum(own * each * d.input_radius_m * d.drum_radius_m))
+    return direct - crossed**2 / float(np.sum(each * d.drum_radius_m**2))
 
 
 @compiled
