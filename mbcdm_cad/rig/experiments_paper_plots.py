@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.experiments_paper import PaperResult
+from mbcdm_cad.rig.experiments_paper import PaperResult, RAMP_Nm_s
 from mbcdm_cad.rig.experiments_paper_analysis import (
     LOWEST_ORDER,
     angle_spectrum,
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SIZE_IN = (8.0, 6.0)
+_DASHES = ("-", "--", "-.", ":")
+_FAILURES = ("first input at its limit", "an input is off by 1 mrad", "drum gives way")
 
 
 def plot_png(result: PaperResult, drive: Drive) -> bytes:
@@ -38,12 +40,18 @@ def plot_png(result: PaperResult, drive: Drive) -> bytes:
 
 def _driving(figure: Figure, result: PaperResult, _drive: Drive) -> None:
     axes = figure.subplots(2, 1, sharex=True)
-    for name, run in result.runs.items():
+    for (name, run), dash in zip(result.runs.items(), _DASHES, strict=False):
         end = given_way_index(run)
-        axes[0].plot(run.time_s[:end], np.abs(run.measured_torque_Nm[:end]), label=name, linewidth=0.8)
-        axes[1].plot(run.time_s[:end], 1e3 * (run.reference_rad - run.drum_rad)[:end], linewidth=0.8)
-    axes[0].axhline(3.3, color="black", linestyle="--", linewidth=0.8, label="paper: 3.3 N m")
+        (line,) = axes[0].plot(run.time_s[:end], np.abs(run.measured_torque_Nm[:end]), dash, label=name, linewidth=0.8)
+        axes[1].plot(run.time_s[:end], 1e3 * (run.reference_rad - run.drum_rad)[:end], dash, linewidth=0.8)
+        for mark, what in zip("o^x", _FAILURES, strict=True):
+            (at,) = (c.rig for c in result.compared if c.quantity == f"{what}: {name}")
+            axes[0].plot(at / RAMP_Nm_s, at, mark, color=line.get_color(), markersize=6)
+    axes[0].axhline(3.3, color="black", linestyle=":", linewidth=0.8, label="paper: 3.3 N m")
     axes[0].set_ylabel("load torque, N m")
+    axes[0].set_title(
+        "circle: first input at its limit; triangle: an input off by 1 mrad; cross: drum gives way", fontsize=8
+    )
     axes[0].legend(fontsize=7)
     axes[1].set_ylabel("drum's error, mrad")
     axes[1].set_xlabel("time, s")
@@ -75,12 +83,12 @@ def _backlash(figure: Figure, result: PaperResult, drive: Drive) -> None:
     run = result.runs["backlash"]
     error = 1e3 * transmission_error_rad(run, drive)
     axes = figure.subplots(2, 1)
-    axes[0].plot(run.time_s, run.measured_torque_Nm, linewidth=0.8, color="tab:blue")
+    axes[0].plot(run.time_s, run.measured_torque_Nm, linewidth=0.8, color="tab:blue", label="load torque")
     axes[0].set_ylabel("load torque, N m")
     axes[0].set_xlabel("time, s")
     right = axes[0].twinx()
-    right.plot(run.time_s, error, color="tab:red", linewidth=0.8)
-    right.set_ylabel("transmission error, mrad")
+    right.plot(run.time_s, error, "--", color="tab:red", linewidth=0.8)
+    right.set_ylabel("transmission error, mrad (dashed)")
     axes[1].plot(1e3 * run.measured_drum_rad, error, linewidth=0.6)
     axes[1].set_xlabel("output, mrad")
     axes[1].set_ylabel("transmission error, mrad")

@@ -1,0 +1,57 @@
+"""The paper's experiments on the rig: the figures they give, the paper's beside them, and files that are whole."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.rig.experiments_paper import EXPERIMENTS, PaperResult
+from mbcdm_cad.rig.experiments_paper_files import result_files
+
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+
+
+def figures(result: PaperResult) -> dict[str, float]:
+    return {f"{c.quantity}, {c.unit}": c.rig for c in result.compared}
+
+
+def checked_files(result: PaperResult) -> None:
+    files = result_files(result, DRIVE)
+    assert sorted(files) == [f"{result.name}.png", f"{result.name}.result.json", f"{result.name}.txt"]
+    assert files[f"{result.name}.png"].startswith(b"\x89PNG") and len(files[f"{result.name}.png"]) > 20_000
+    assert len(json.loads(files[f"{result.name}.result.json"])["compared"]) == len(result.compared)
+    assert files == result_files(result, DRIVE), "the same result gave other bytes"
+
+
+def test_backlash_is_the_paper_s_within_what_carried_rope_explains() -> None:
+    result = EXPERIMENTS["backlash"](DRIVE, 0)
+    (swing,) = figures(result).values()
+    assert 0.33 < swing < 0.33 * 1.12, f"{swing:.4f} mrad; the paper 0.33"
+    checked_files(result)
+
+
+def test_positioning_error_and_the_motor_s_line() -> None:
+    result = EXPERIMENTS["positioning"](DRIVE, 0)
+    found = figures(result)
+    assert found["largest tracking error, mrad"] == pytest.approx(0.3, rel=0.1)
+    # The motor turns 76 x 9 times for one turn of the drum.
+    assert found["highest peak, where, cycle/turn"] == pytest.approx(76 * 9, rel=0.002)
+    assert found["ripple that would give the paper's peak, mN m"] < 0.1 * DRIVE.motor.rated_torque_mNm
+    checked_files(result)
+
+
+@pytest.mark.slow
+def test_driving_capability_both_ways_and_with_a_lossy_gearhead() -> None:
+    result = EXPERIMENTS["driving-capability"](DRIVE, 0)
+    found = figures(result)
+    assert found["first input at its limit: lossless, +, N m"] == pytest.approx(3.747, rel=0.01)
+    assert found["first input at its limit: lossless, -, N m"] == pytest.approx(3.194, rel=0.01)
+    for way in "+-":
+        lossless = found[f"drum gives way: lossless, {way}, N m"]
+        lossy = found[f"drum gives way: efficiency 0.68, {way}, N m"]
+        # Driven backward the motor holds only 2 - 1/efficiency of the load, and its brushes and lag add some percent.
+        assert lossy == pytest.approx(lossless / (2.0 - 1.0 / 0.68), rel=0.06), f"{lossless} and {lossy} N m"
+    checked_files(result)
