@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).parents[3]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
 from bench_data import CASES, simulate_case, write_run
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.loop.measurement import load_measurement
 from mbcdm_cad.loop.vet import vet
 
+ROOT = Path(__file__).parents[3]
 FEW = ("null", "ratio_radii", "lash_input_left", "slip_anchor", "drum_short")
 
 
