@@ -50,15 +50,18 @@ SIGMA, INPUT_RADIUS, DRUM_RADIUS, FREE, EA, PRELOAD, GUIDE_PER_DRUM, TRANSPORT =
 # Wraps of a cable.
 INPUT, GUIDE, DRUM = range(3)
 # Columns of a wrap: surface angles where it begins and ends now and began and ended at first, radius, friction, whether
-# it begins at an anchor, sum of (T - T_pre) dphi, and the factors e^(mu s) to the outer and the next piece of each end.
+# it begins at an anchor, sum of (T - T_pre) dphi, the factors e^(mu s) to the outer and the next piece of each end, and
+# after how many pieces in a row that hold no further ones are looked at.
 (LOW, HIGH, LOW_0, HIGH_0, RADIUS, MU, ANCHORED, SUM, PIECE, PER_PIECE,
- HIGH_OUTER, HIGH_NEXT, LOW_OUTER, LOW_NEXT) = range(14)  # fmt: skip
-_COLUMNS = 14
+ HIGH_OUTER, HIGH_NEXT, LOW_OUTER, LOW_NEXT, ENOUGH) = range(15)  # fmt: skip
+_COLUMNS = 15
+# The outer piece is a mixture of old and new rope and may hold in front of one that does not.
+_TWO = 2.0
 _NEWTON = 60
 
 
 class Chains(NamedTuple):
-    """State of all cables: constants (n, 8), wraps (n, 3, 14), pieces' tension (n, 3, m) in N, T_e (n,) in N."""
+    """State of all cables: constants (n, 8), wraps (n, 3, 15), pieces' tension (n, 3, m) in N, T_e (n,) in N."""
 
     constants: Floats
     wraps: Floats
@@ -106,6 +109,7 @@ def chains(
             wrap[HIGH] = wrap[HIGH_0] = wrap_rad
             wrap[RADIUS], wrap[MU], wrap[ANCHORED] = radius_m, c.friction, float(w != GUIDE)
             wrap[PIECE], wrap[PER_PIECE] = piece_rad, math.exp(c.friction * piece_rad)
+            wrap[ENOUGH] = _TWO
             _factors(wrap)
     return state
 
@@ -158,9 +162,8 @@ def _slip(pieces: Floats, wrap: Floats, tension: float, write: bool) -> tuple[fl
             elif now < tension / factor:
                 share = 1.0 / factor
             else:
-                # Two that hold: the outer piece is a mixture and may hold in front of one that does not.
                 held += 1
-                if held == 2:
+                if held >= wrap[ENOUGH]:
                     break
                 factor = following
                 following *= wrap[PER_PIECE]
@@ -256,6 +259,8 @@ def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
         held += chains.wraps[j, w, RADIUS] * chains.wraps[j, w, SUM]
     tension = chains.tension[j]
     slope = c[FREE]
+    # Pieces that tighten and pieces that slacken may bend the balance both ways: Newton needs a bracket.
+    low, high = 0.0, math.inf
     for _ in range(_NEWTON):
         miss, slope = held + (tension - c[PRELOAD]) * c[FREE], c[FREE]
         for w in range(3):
@@ -266,7 +271,13 @@ def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
                 slope += wrap[RADIUS] * rate
         if tension == 0.0 and miss >= 0.0:
             return 0.0, 0.0
+        if miss > 0.0:
+            high = tension
+        else:
+            low = tension
         following = max(tension - miss / slope, 0.0)
+        if following > 0.0 and following != tension and not (low < following < high):
+            following = 0.5 * (low + high)
         if abs(following - tension) <= 1e-13 * c[PRELOAD]:
             return following, c[EA] / slope
         tension = following
@@ -302,7 +313,8 @@ def strain(chains: Chains, j: int, strains: Floats) -> None:
         wrap, pieces = chains.wraps[j, w], chains.pieces[j, w]
         if wrap[HIGH_0] == 0.0 or strains[w] == 0.0:
             continue
-        size = wrap[PIECE]
+        # Strained pieces need not get tighter or slacker in order: from now on all must be looked at.
+        size, wrap[ENOUGH] = wrap[PIECE], math.inf
         for k in range(_piece_after(wrap[LOW], size), _piece_before(wrap[HIGH], size) + 1):
             extent = min((k + 1) * size, wrap[HIGH]) - max(k * size, wrap[LOW])
             now = pieces[k % pieces.size]

@@ -1,0 +1,40 @@
+"""The ready experiment files: each is read, says what it is, and runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.simulate import simulate
+
+
+@pytest.fixture(scope="module")
+def library(project):
+    read = {path: read_experiment(path) for path in sorted((project / "params" / "experiments").glob("*.yaml"))}
+    return {path: experiment for path, experiment in read.items() if isinstance(experiment, Experiment)}
+
+
+def test_names_are_those_of_the_files_and_seeds_differ(library):
+    assert len(library) >= 60
+    assert [e.name for e in library.values()] == [path.stem for path in library]
+    assert all(e.about for e in library.values())
+    assert len({e.seed for e in library.values()}) == len(library)
+
+
+def test_the_library_holds_every_effect(library, project):
+    used = {effect.effect for e in library.values() for effect in e.effects}
+    files = {p.stem for p in (project / "mbcdm_cad" / "rig" / "effects").glob("*.py")}
+    assert used == files - {"__init__", "base", "shapes", "registry"}
+
+
+@pytest.mark.slow
+def test_every_experiment_runs(library, project):
+    drive = load_design(project / "params" / "mbcdm.yaml").drive
+    for experiment in library.values():
+        run = simulate(drive, experiment)
+        assert np.all(np.isfinite(run.measured_output_rad)), experiment.name
+        assert run.tension_N.min() > 20.0, f"{experiment.name}: {run.tension_N.min()} N"
+        assert np.abs(run.drum_rad - run.measured_output_rad).max() < 1e-2, experiment.name
