@@ -84,13 +84,20 @@ def _bench(drive: Drive, experiment: DynamicExperiment, drum: Any) -> Bench:
             effect.apply(bench)
         except KeyError as error:
             raise RigError(f"{experiment.name}: effects: {effect.effect}: the drive has no {error.args[0]}") from None
-        left = bench.encoder_errors or bench.gear_errors or bench.hidden_Nm or bench.output_twist_rad_Nm
-        if left or bench.strains is not None or bench.stick_slip is not None or bench.temperature_C is not None:
+        if _beyond(bench):
             raise RigError(
                 f"{experiment.name}: effects: {effect.effect}: not on the dynamic rig; leave out 'rig: dynamic' or use "
                 "its blocks drives, bearings, load and sensors"
             )
     return bench
+
+
+def _beyond(bench: Bench) -> bool:
+    """Whether an effect has done something that the dynamic rig does in its own way or not at all."""
+    asked = np.stack([bench.drum_rad * bench.turns(i) for i in range(len(bench.drive.input_names))])
+    lists = bench.encoder_errors or bench.gear_errors or bench.hidden_Nm or bench.output_twist_rad_Nm
+    arrays = (bench.strains, bench.stick_slip, bench.temperature_C)
+    return bool(lists) or any(a is not None for a in arrays) or not np.array_equal(bench.command_rad, asked)
 
 
 def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRig:

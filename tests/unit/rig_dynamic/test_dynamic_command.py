@@ -100,8 +100,9 @@ def test_bad_files_are_refused_with_their_line(text: str, word: str, tmp_path: P
 
 
 def test_what_the_rig_cannot_do_is_said(tmp_path: Path) -> None:
-    with pytest.raises(RigError, match="not on the dynamic rig"):
-        simulate_dynamic(DRIVE, read(SHORT + "effects: [{effect: temperature, rise_K: 5.0}]\n", tmp_path))
+    for effect in ("temperature, rise_K: 5.0", "motor_cogging, stage: input_left, torque_mNm: 0.1"):
+        with pytest.raises(RigError, match="not on the dynamic rig"):
+            simulate_dynamic(DRIVE, read(SHORT + f"effects: [{{effect: {effect}}}]\n", tmp_path))
     with pytest.raises(RigError, match="cable_9"):
         simulate_dynamic(DRIVE, read(SHORT + "effects: [{effect: preload, share: 0.1, cables: [cable_9]}]\n", tmp_path))
 
