@@ -71,7 +71,7 @@ class _Loop:
         self.bare = self.fitter.fit()
         self.floor_rad = self._floor()
         self.search = Search(self.fitter, self.library, self.floor_rad, self.bare)
-        self.cells = self._cells()
+        self.cells = self.fitter.sweep, self.fitter.sector
 
     def _floor(self) -> float:
         """Noise floor: what the sensors are declared to do, else what the residual has beyond slow change."""
@@ -83,14 +83,6 @@ class _Loop:
             for part, p in zip(self.fitter.parts, self.prepared, strict=True)
         ])  # fmt: skip
         return float(np.sqrt(np.mean(fast[self.fitter.used] ** 2))) or 1e-12
-
-    def _cells(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sweep (numbered on through the runs) and sector of every sample."""
-        sweep, start = [], 0
-        for p in self.prepared:
-            sweep.append(p.sweep + start)
-            start += int(p.sweep.max()) + 2
-        return np.concatenate(sweep), np.concatenate([p.sector for p in self.prepared])
 
     def result(self) -> LoopResult:
         """Search, swap, judge."""

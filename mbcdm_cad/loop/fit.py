@@ -71,6 +71,10 @@ class Fitter:
         self.train = np.concatenate([p.train for p in self.runs])
         self.test = np.concatenate([p.test for p in self.runs])
         self.used = np.concatenate([p.used for p in self.runs])
+        # Sweeps are numbered on through the runs; sectors are of one drum.
+        first = np.cumsum([0, *(int(p.sweep.max()) + 2 for p in self.runs)])
+        self.sweep = np.concatenate([p.sweep + start for p, start in zip(self.runs, first, strict=False)])
+        self.sector = np.concatenate([p.sector for p in self.runs])
         # The offset between two inputs matters only where it strains the cables.
         strained = d is not None and d.n_inputs == 2
         self.free = np.array([strained and p.load_Nm is not None for p in self.runs])

@@ -7,11 +7,12 @@ only if the RMS on held-out samples falls by a stated share of the noise floor, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mbcdm_cad.loop.effects.base import Effect
+from mbcdm_cad.loop.evidence import supported
 from mbcdm_cad.loop.fit import Fit, Fitter
 from mbcdm_cad.loop.run import Floats
 from mbcdm_cad.model.errors import ModelError
@@ -84,8 +85,10 @@ class Search:
             if key_of(effect) in taken and effect.name != "ripple":
                 continue
             for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                # There may be several ripples: each is an effect of its own.
+                one = replace(effect) if effect.name == "ripple" else effect
                 try:
-                    promise = self._promise(fit, effect, np.array(start), base, basis)
+                    promise = self._promise(fit, one, np.array(start), base, basis)
                 except ModelError:
                     continue
                 found.append(promise)
@@ -151,12 +154,21 @@ class Search:
         """Take effects while the held-out RMS falls by enough, and give back those that are no longer needed."""
         now = self.bare
         while len(now.effects) < MOST_EFFECTS:
-            better = self.refits(now)
-            if not better or not self.enough(now, better[0]):
+            better = next((one for one in self.refits(now) if self.acceptable(now, one)), None)
+            if better is None:
                 break
-            self._note("taken", better[0].effects[-1], now, better[0])
-            now = self.backward(better[0])
+            self._note("taken", better.effects[-1], now, better)
+            now = self.backward(better)
         return now
+
+    def acceptable(self, now: Fit, better: Fit) -> bool:
+        """Is the last effect of ``better`` large enough, and borne out by all sweeps and sectors?"""
+        if not self.enough(now, better):
+            return False
+        if supported(self.fitter, now, better, len(self.library)):
+            return True
+        self._note("leans on one place", better.effects[-1], now, better)
+        return False
 
     def backward(self, fit: Fit) -> Fit:
         """Drop what the others explain as well."""
