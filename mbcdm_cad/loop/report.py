@@ -6,9 +6,11 @@ from base64 import b64encode
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from mbcdm_cad.loop.finding import Finding
 from mbcdm_cad.loop.readable import readable
-from mbcdm_cad.loop.report_figures import orders_png, scatter_png, time_png
+from mbcdm_cad.loop.report_figures import loop_png, orders_png, scatter_png, time_png
 from mbcdm_cad.loop.result import Evidence, LoopResult, Named, Traces
 from mbcdm_cad.loop.run import Run
 
@@ -45,7 +47,7 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
         design=design,
         runs=[_run(told) for told in runs],
         plots=[
-            {"source": told[0].source, "images": _images(trace, result.chain_orders)}
+            {"source": told[0].source, "images": _images(trace, result.chain_orders, told[0])}
             for told, trace in list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED]
         ],
     )
@@ -103,9 +105,11 @@ def _run(told: Told) -> dict[str, Any]:
     }
 
 
-def _images(trace: Traces, chain_orders: dict[str, float]) -> list[dict[str, str]]:
+def _images(trace: Traces, chain_orders: dict[str, float], run: Run) -> list[dict[str, str]]:
+    ideal = np.interp(trace.time_s, run.time_s, run.input_rad.mean(axis=0) / chain_orders["input"])
     drawn = (
         ("Measured and predicted angle, and their difference, over time", time_png(trace)),
+        ("Transmission error over output angle, measured and predicted", loop_png(trace, ideal)),
         ("Difference over output angle (means: solid rising, dashed falling) and load", scatter_png(trace)),
         ("Orders of the difference, with what turns once in the chain", orders_png(trace, chain_orders)),
     )

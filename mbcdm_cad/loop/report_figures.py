@@ -46,6 +46,25 @@ def time_png(t: Traces) -> bytes:
         return _png(figure)
 
 
+def loop_png(t: Traces, ideal_rad: Floats) -> bytes:
+    """Transmission error over the output: what hysteresis is seen by. ``ideal_rad`` (n,): inputs through the ratio."""
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(3.6)
+        error = t.output_rad - ideal_rad
+        error = error - np.median(error)
+        factor, unit = size_of("_rad", [float(np.abs(error).max())])
+        angle = 1e3 * t.output_rad
+        axes.plot(angle, error / factor, ls="", marker=".", ms=2.0, alpha=0.5, color=MEASURED, label="measured")
+        for residual, colour, word in (
+            (t.residual_before_rad, BEFORE, "declared model"),
+            (t.residual_after_rad, AFTER, "with what was found"),
+        ):
+            axes.plot(angle, (error - residual) / factor, lw=0.8, color=colour, label=word)
+        axes.set(xlabel="output (mrad)", ylabel=f"output - inputs/ratio ({unit})")
+        _legend(axes)
+        return _png(figure)
+
+
 def scatter_png(t: Traces) -> bytes:
     """Residual against output angle, and against load where it was measured.
 

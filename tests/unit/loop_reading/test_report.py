@@ -74,7 +74,7 @@ def test_the_page_needs_no_other_file_and_holds_what_the_result_holds() -> None:
     page = whole_page()
     links = _Links()
     links.feed(page)
-    assert links.open == [] and len(links.fetched) == 3, links.fetched
+    assert links.open == [] and len(links.fetched) == 4, links.fetched
     assert all(link.startswith("data:image/png;base64,") for link in links.fetched)
     for words in (
         "8.6 µm", "8.4 µm to 8.8 µm", "140 µrad", "96.5 µrad", "99%", "ripple (line in angle)", "given back",
@@ -109,7 +109,7 @@ def test_a_set_says_that_the_data_cannot_tell() -> None:
 def test_pictures_are_the_same_every_time_and_show_before_and_after() -> None:
     first = whole_page()
     pictures = [b64decode(data) for data in re.findall(r"base64,([A-Za-z0-9+/=]+)", first)]
-    assert pictures[1] == scatter_png(RESULT.traces[0])
+    assert pictures[2] == scatter_png(RESULT.traces[0])
     pixels = np.asarray(matplotlib.image.imread(BytesIO(pictures[0])))[:, :, :3]
     for colour in (BEFORE, AFTER):
         wanted = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
