@@ -46,7 +46,13 @@ def _paper(drive: Drive, experiment: DynamicExperiment, folder: Path) -> str:
     from mbcdm_cad.rig.experiments_paper import EXPERIMENTS
     from mbcdm_cad.rig.experiments_paper_files import result_files, result_text
 
-    result = EXPERIMENTS[str(experiment.paper)](drive, experiment.seed)
+    try:
+        result = EXPERIMENTS[str(experiment.paper)](drive, experiment.seed)
+    except ValueError as error:
+        raise RigError(
+            f"{experiment.name}: {drive.name} does not get through the paper's experiment: {error}; "
+            "look at the torque of motor and gearhead, and at the wraps"
+        ) from None
     files = result_files(result, drive)
     if len(result.runs) == 1:
         (run,) = result.runs.values()

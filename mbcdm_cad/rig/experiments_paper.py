@@ -120,6 +120,8 @@ def backlash(drive: Drive, seed: int = 0) -> PaperResult:
     rig = rig_of(drive, LoadSpec())
     run = run_dynamic(rig, sine(0.05, 0.1, 4, rig.loops[0].rate_Hz), brake_Nm=BRAKE_NM, seed=seed)
     swings = reversal_swings_rad(run, drive)[1:]
+    if not swings.size:
+        raise ValueError(f"the drum never reversed under the brake, the run ended at {run.time_s[-1]:.2f} s")
     compared = (
         Compared("swing of the transmission error at a reversal", "mrad", float(np.mean(swings)) * 1e3, 0.33,
                  f"mean of {swings.size}, {swings.min() * 1e3:.4f} to {swings.max() * 1e3:.4f}"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +106,15 @@ def test_what_the_rig_cannot_do_is_said(tmp_path: Path) -> None:
             simulate_dynamic(DRIVE, read(SHORT + f"effects: [{{effect: {effect}}}]\n", tmp_path))
     with pytest.raises(RigError, match="cable_9"):
         simulate_dynamic(DRIVE, read(SHORT + "effects: [{effect: preload, share: 0.1, cables: [cable_9]}]\n", tmp_path))
+
+
+@pytest.mark.parametrize("paper", ["backlash", "positioning"])
+def test_a_drive_too_weak_for_the_paper_s_experiment_is_told(paper: str, tmp_path: Path) -> None:
+    weak = replace(DRIVE, motor=replace(DRIVE.motor, rated_torque_mNm=0.05))
+    experiment = read(f"rig: dynamic\nname: weak\npaper: {paper}\n", tmp_path)
+    with pytest.raises(RigError, match="does not get through"):
+        simulate_command(weak, experiment, tmp_path / "out")
+    assert not (tmp_path / "out").exists(), "something was written"
 
 
 def test_paper_s_figures_stand_beside_the_rig_s() -> None:
