@@ -1,0 +1,54 @@
+"""The rig beside the analytic model. Here, and only here, both are imported."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+
+import pytest
+
+from mbcdm_cad.design import load_design
+
+
+@pytest.fixture(scope="module")
+def comparison(project):
+    spec = importlib.util.spec_from_file_location("rig_against_model", project / "benchmarks" / "rig_against_model.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+@pytest.fixture(scope="module")
+def drive(comparison, project):
+    return comparison.stiff_rope(load_design(project / "params" / "mbcdm.yaml").drive)
+
+
+def test_they_agree_where_the_model_s_assumptions_hold(comparison, drive):
+    rows = comparison.agreement(drive) + comparison.winding(drive)
+    assert len(rows) == 9
+    for row in rows:
+        assert abs(row.difference) <= row.tolerance, row
+
+
+def test_the_figures_are_those_known_from_elsewhere(comparison, drive):
+    """Backlash, swing and drive limits checked by hand-made discretisations before this code was written."""
+    rows = {row.name: row.rig for row in comparison.agreement(drive)}
+    known = [145.95, 291.9, None, None, 3.747, 3.194]
+    for (name, found), expected in zip(rows.items(), known, strict=True):
+        assert expected is None or found == pytest.approx(expected, rel=1e-3), name
+
+
+def test_they_part_by_as_much_as_is_known(comparison, drive):
+    short, long, guide = comparison.parting(drive)
+    assert short.rig == pytest.approx(167.3, abs=0.3), short
+    assert long.rig == pytest.approx(396.0, abs=1.0), long
+    assert guide.difference == pytest.approx(0.08, abs=0.005), guide
+    soft = comparison.winding(drive)[2]
+    assert soft.rig == pytest.approx(163.9, abs=1.0), soft
+
+
+def test_finer_pieces_come_nearer(comparison, drive):
+    errors = [abs(comparison.agreement(drive, piece)[0].difference) for piece in (0.08, 0.02, 0.005)]
+    assert errors[0] > 4 * errors[1] > 4 * errors[2], errors
