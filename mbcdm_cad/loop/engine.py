@@ -176,7 +176,9 @@ class _Loop:
             fast = quiet - 1.5 * self.floor_rad**2
             if max(excess, fast) > (LEAST_FALL * self.floor_rad) ** 2:
                 found = describe_unknown(p, r, self.floor_rad)
-                if found is not None and (worst is None or found.rms_rad > worst.rms_rad):
+                # What neither repeats nor stands out of the floor is the floor.
+                too_much = found.rms_rad**2 > (1.0 + LEAST_FALL**2) * self.floor_rad**2
+                if (found.repeatable or too_much) and (worst is None or found.rms_rad > worst.rms_rad):
                     worst = found
         return worst
 

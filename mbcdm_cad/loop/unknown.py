@@ -29,8 +29,10 @@ LEAST_SHARE = 0.15
 ALIKE = 0.85
 ANGLE_BINS = 48
 OTHER_BINS = 16
-# Samples that a bin of one sweep needs.
-LEAST_IN_BIN = 3
+# Samples that a bin of one sweep needs, and how many it has on the whole: where there are fewer, bins are wider.
+LEAST_IN_BIN = 2
+MEAN_IN_BIN = 8
+LEAST_BINS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +132,9 @@ def describe_unknown(p: Prepared, residual_rad: Floats, floor_rad: float) -> Unk
         variables.append(("load", "N*m", p.load_Nm[use], OTHER_BINS))
     variables.append(("speed", "rad/s", p.speed_rad_s[use], OTHER_BINS))
     plain, split = [], []
+    enough = max(LEAST_BINS, r.size // (MEAN_IN_BIN * np.unique(sweep).size))
     for name, unit, x, bins in variables:
-        index = _binned(x, bins)
+        index = _binned(x, min(bins, enough))
         plain.append(_pattern(name, unit, x, index, r, sweep, square, floor_rad))
         if name != "speed":
             by_sense = _pattern(f"{name} by direction", unit, x, index * 2 + sense, r, sweep, square, floor_rad)
