@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import LinAlgError, eigh
 
 from mbcdm_cad.loop.finding import Finding
 from mbcdm_cad.loop.prepared import SPEED_WINDOW_S, half_sweeps, smoothed
@@ -30,7 +30,11 @@ def order_left(angle_rad: Floats, order: float) -> float:
     line = angle_rad - angle_rad.mean()
     left = waves - np.outer(line, line @ waves) / float(line @ line)
     # The least ratio of two quadratic forms in (cos, sin) of the phase.
-    return float(max(eigh(left.T @ left, waves.T @ waves, eigvals_only=True)[0], 0.0))
+    try:
+        return float(max(eigh(left.T @ left, waves.T @ waves, eigvals_only=True)[0], 0.0))
+    except LinAlgError:
+        # An angle that rests at two places only: any wave is a line there.
+        return 0.0
 
 
 def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:

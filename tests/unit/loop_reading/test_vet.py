@@ -142,3 +142,9 @@ def test_load_levels_are_found_only_where_the_load_rests() -> None:
     steps = np.repeat([-0.9, -0.3, 0.3, 0.9], 500) + rng.normal(0.0, 0.005, 2000)
     assert load_levels(steps) == pytest.approx([-0.9, -0.3, 0.3, 0.9], abs=0.01)
     assert load_levels(np.sin(np.linspace(0.0, 20.0, 2000))) == []
+
+
+def test_an_angle_that_only_jumps_between_two_places_is_vetted() -> None:
+    jumps = np.where(np.arange(RUN.time_s.size) > 3000, 0.4, 0.0)
+    run = replace(RUN, output_rad=jumps, input_rad=np.tile(9.0 * jumps, (2, 1)))
+    assert "one_sweep" in kinds(run, "doubt") and order_left(jumps, 1.0) < 1e-12
