@@ -1,3 +1,1 @@
-"""The test rig in software: physics of the drive that shares the design file with the analytic model and nothing else."""
-
-from __future__ import annotations
+"""The test rig in software: physics of the drive that shares with the analytic model the design file, nothing else."""
