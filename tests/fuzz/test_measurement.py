@@ -1,10 +1,11 @@
-"""Mutated loggers' files and measurement files: only ever a run or an InputError with file, line and remedy."""
+"""Mutated loggers' files and measurement files: only ever a run that can be vetted, or an InputError that helps."""
 
 from __future__ import annotations
 
 import random
 import warnings
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
@@ -13,8 +14,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from mbcdm_cad.design import load_design
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.measurement import FEWEST_SAMPLES, load_file, load_measurement
+from mbcdm_cad.loop.vet import vet
 
 PAPER = Path(__file__).parents[2] / "params" / "measurements" / "paper.yaml"
 MAPPING = """\
@@ -109,7 +113,17 @@ def tried(path: Path, note: object) -> bool:
     assert run.time_s.size >= FEWEST_SAMPLES and np.all(np.diff(run.time_s) > 0.0), note
     for values in (run.time_s, run.input_rad, run.output_rad, run.load_Nm, run.temperature_C):
         assert values is None or (np.isfinite(values).all() and values.shape[-1] == run.time_s.size), note
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        findings = vet(run, reference_drive())
+    assert all(finding.text.isprintable() for finding in findings), (note, findings)
     return True
+
+
+@cache
+def reference_drive() -> Drive:
+    """The drive that runs are vetted against."""
+    return load_design(PAPER.parents[1] / "mbcdm.yaml").drive
 
 
 def run_mutants(folder: Path, seeds: range) -> tuple[int, int]:
