@@ -155,6 +155,9 @@ class _Loop:
         """Is the first no worse than the second, as far as sweeps and sectors can tell?"""
         used = self.fitter.used
         excess = (worse.residual**2 - better.residual**2)[used]
+        # A fit that went astray is wrong in a few cells beyond all measure, which a test by their scatter would excuse.
+        if float(np.mean(excess)) > max(self.floor_rad**2, float(np.mean(better.residual[used] ** 2))):
+            return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.floor_rad) ** 2:
             return True
         sweep, sector = self.cells
