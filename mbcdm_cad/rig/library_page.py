@@ -1,0 +1,124 @@
+"""The page that shows what the ready experiments look like: a table and small multiples.
+
+    python -m mbcdm_cad.rig.library_page params/mbcdm.yaml params/experiments docs
+
+Writes ``experiments.md`` and ``pictures/experiments.png`` below the last folder. Shown is what each experiment's faults
+and physics add to the transmission error, with perfect sensors, over the same run without any.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.plot import transmission_error_urad
+from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.sensors import Sensors
+from mbcdm_cad.rig.simulate import set_up, simulate
+
+_ACROSS = 8
+_OVER_TIME = {"temperature", "creep", "anchor_slip"}
+_SHOWN = 1500
+_HEAD = """\
+# Ready experiments
+
+{count} experiment files for the quasi-static rig (`rig.md`), in `params/experiments/`. Run one with
+`mbcdm simulate params/mbcdm.yaml params/experiments/NAME.yaml`. This page is made by
+`python -m mbcdm_cad.rig.library_page params/mbcdm.yaml params/experiments docs`.
+
+Names begin with what they test: `null` (the declared model as it is), `winding` (rope carried along alone), single
+effects, `pair` and `three`, `out` (outside the loop's vocabulary), `none` (an effect that the readings explain by
+themselves). "Adds" is what faults and physics add to the transmission error of the same run without any, with perfect
+sensors: standard deviation and spread after the first eighth of the run.
+
+![what each adds](pictures/experiments.png)
+
+In the picture each panel shows what an experiment adds (urad) over the drum's angle (mrad), or over time (s) where it
+acts in time; the panel's title is the file's name.
+
+| experiment | what it is | truth | adds: std (urad) | spread (urad) |
+| --- | --- | --- | --- | --- |
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """What an experiment adds to the transmission error, (n,) in urad, and where it is to be drawn over."""
+
+    experiment: Experiment
+    added_urad: Floats
+    over: Floats
+    truth: tuple[str, ...]
+
+
+def added(drive: Drive, experiment: Experiment) -> Added:
+    """Run an experiment with perfect sensors with and without its faults."""
+    perfect = Sensors(input_at=experiment.sensors.input_at, input_resolution_rad=0.0, output_resolution_rad=0.0,
+                      torque_noise_Nm=0.0, temperature_noise_K=0.0)  # fmt: skip
+    faulty = experiment.model_copy(update={"sensors": perfect})
+    physics = experiment.physics.model_copy(update={"cable_transport": False, "guide_slip": False})
+    declared = faulty.model_copy(update={"effects": (), "physics": physics})
+    bench = set_up(drive, declared)
+    turns = [bench.turns(i) for i in range(len(drive.input_names))]
+    run, plain = simulate(drive, faulty), simulate(drive, declared)
+    difference = transmission_error_urad(run, turns) - transmission_error_urad(plain, turns)
+    in_time = any(effect.effect in _OVER_TIME for effect in experiment.effects)
+    over = run.time_s if in_time else run.drum_rad * 1e3
+    begin = run.time_s.size // 8
+    names = tuple(dict.fromkeys(str(entry["name"]) for entry in run.truth))
+    return Added(experiment, difference[begin:], over[begin:], names)
+
+
+def picture(all_added: list[Added], path: Path) -> None:
+    """Small multiples as a PNG."""
+    down = -(-len(all_added) // _ACROSS)
+    figure = Figure(figsize=(2.1 * _ACROSS, 1.5 * down), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(down, _ACROSS, squeeze=False).ravel()
+    for axis, one in zip(axes, all_added, strict=False):
+        every = max(1, one.over.size // _SHOWN)
+        axis.plot(one.over[::every], one.added_urad[::every], lw=0.5)
+        axis.set_title(one.experiment.name, fontsize=7)
+        axis.tick_params(labelsize=5)
+        if np.ptp(one.added_urad) < 1.0:
+            axis.set_ylim(-1.0, 1.0)
+    for axis in axes[len(all_added) :]:
+        axis.set_axis_off()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=80, metadata={"Software": None})
+
+
+def page(all_added: list[Added]) -> str:
+    """The page's text."""
+    lines = [
+        f"| `{one.experiment.name}` | {one.experiment.about} | {', '.join(one.truth) or '-'} | "
+        f"{np.std(one.added_urad):.1f} | {np.ptp(one.added_urad):.0f} |"
+        for one in all_added
+    ]
+    return _HEAD.format(count=len(all_added)) + "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("design", type=Path)
+    parser.add_argument("experiments", type=Path)
+    parser.add_argument("docs", type=Path)
+    arguments = parser.parse_args()
+    drive = load_design(arguments.design).drive
+    read = [read_experiment(path) for path in sorted(arguments.experiments.glob("*.yaml"))]
+    all_added = [added(drive, experiment) for experiment in read if isinstance(experiment, Experiment)]
+    picture(all_added, arguments.docs / "pictures" / "experiments.png")
+    (arguments.docs / "experiments.md").write_text(page(all_added), "utf-8")
+
+
+if __name__ == "__main__":
+    main()
