@@ -17,6 +17,7 @@ from mbcdm_cad.loop.prepared import Prepared, prepare, smoothed
 from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value
 from mbcdm_cad.loop.run import Floats, Run
 from mbcdm_cad.loop.select import LEAST_FALL, Search
+from mbcdm_cad.loop.separable import Separation, separation
 from mbcdm_cad.loop.unknown import Unknown, describe_unknown
 from mbcdm_cad.loop.wald import Estimate, cluster_estimate
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -165,6 +166,14 @@ class _Loop:
         sums = np.bincount(cell, excess)
         return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
 
+    def _separation(self, fit: Fit, effect: Effect, other: Fit) -> Separation:
+        """How well ``effect`` of ``fit`` is told from what stands in for it in ``other``."""
+        used = self.fitter.used
+        less = self.search.without(fit, effect).residual[used]
+        sweep, sector = self.cells
+        here = fit.residual[used]
+        return separation(less - here, less - other.residual[used], here, sweep[used], sector[used])
+
     # --- what is left ----------------------------------------------------------------------------------------------
     def _left(self, fit: Fit) -> Unknown | None:
         """What stays unexplained, where it is more than the floor allows."""
@@ -286,7 +295,8 @@ class _Loop:
         ]
         for group in groups:
             for one in group.alike:
-                words = f"as good as {group.effect.label}"
+                apart = self._separation(fit, group.effect, one)
+                words = f"as good as {group.effect.label}" + ("" if apart.told else f": {apart.words}")
                 lines.append(Evidence(one.effects[-1].label, self.search.held_rms(one), 0.0, words))
         return tuple(lines)
 
