@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, get_args
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -19,6 +20,7 @@ from matplotlib.figure import Figure
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.experiment import Experiment
 from mbcdm_cad.rig.plot import transmission_error_urad
 from mbcdm_cad.rig.reading import read_experiment
@@ -47,6 +49,11 @@ acts in time; the panel's title is the file's name.
 
 | experiment | what it is | truth | adds: std (urad) | spread (urad) |
 | --- | --- | --- | --- | --- |
+"""
+_EFFECTS = """
+## Effects
+What `effects:` may list, one block each, any number; the physics is told in the files of `mbcdm_cad/rig/effects`.
+
 """
 
 
@@ -97,6 +104,29 @@ def picture(all_added: list[Added], path: Path) -> None:
     figure.savefig(path, dpi=80, metadata={"Software": None})
 
 
+def effects_table() -> str:
+    """All effects with the fields they take, their bounds and defaults, in Markdown."""
+    lines = ["| effect | what it is | fields |", "| --- | --- | --- |"]
+    for kind in get_args(get_args(AnyEffect)[0]):
+        schema = kind.model_json_schema()["properties"]
+        name = schema.pop("effect")["const"]
+        fields = ", ".join(f"`{field}`{_bounds(node)}" for field, node in schema.items())
+        lines.append(f"| `{name}` | {kind.__doc__} | {fields} |")
+    return "\n".join(lines)
+
+
+def _bounds(node: dict[str, Any]) -> str:
+    """Bounds, words and default of a field, in brackets."""
+    low = node.get("minimum", node.get("exclusiveMinimum"))
+    high = node.get("maximum", node.get("exclusiveMaximum"))
+    words = [f"{low:g} to {high:g}"] if low is not None and high is not None else []
+    words += [" or ".join(node["enum"])] if "enum" in node else []
+    default = node.get("default")
+    if default is not None:
+        words.append("all if none" if default in ([], ()) else f"default {default}")
+    return f" ({'; '.join(words)})" if words else ""
+
+
 def page(all_added: list[Added]) -> str:
     """The page's text."""
     lines = [
@@ -104,7 +134,7 @@ def page(all_added: list[Added]) -> str:
         f"{np.std(one.added_urad):.1f} | {np.ptp(one.added_urad):.0f} |"
         for one in all_added
     ]
-    return _HEAD.format(count=len(all_added)) + "\n".join(lines) + "\n"
+    return _HEAD.format(count=len(all_added)) + "\n".join(lines) + "\n" + _EFFECTS + effects_table() + "\n"
 
 
 def main() -> None:

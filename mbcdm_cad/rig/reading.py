@@ -20,7 +20,7 @@ _BOUNDS = {"gt": "over", "ge": "at least", "lt": "under", "le": "at most", "min_
 def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
     """The experiment in a YAML file, on the dynamic rig if it has a field ``rig``. InputError tells all problems."""
     path = Path(path)
-    text = read_text(path, "experiment file", "; docs/experiments.md shows examples")
+    text = read_text(path, "file of an experiment", "; docs/experiments.md shows examples")
     tree = yamltree.parse(text, str(path))
     dynamic = isinstance(tree.data, dict) and "rig" in tree.data
     try:
@@ -55,7 +55,17 @@ def _problem(item: Any, tree: yamltree.Tree, file: str) -> Problem:
     remedy = {
         "missing": "add it", "extra_forbidden": "check its spelling", "union_tag_invalid": "choose one of them",
         "union_tag_not_found": "add 'effect: NAME'",
-    }.get(item["type"], str(item["msg"])[0].lower() + str(item["msg"])[1:])  # fmt: skip
+    }.get(item["type"], _remedy(item))  # fmt: skip
     shown = item["input"].get("effect") if item["type"] == "union_tag_invalid" else item["input"]
     value = "" if item["type"] == "missing" else shortened(shown)
     return Problem(file, tree.line_of(where), yamltree.dotted(where), what, value, limit, remedy)
+
+
+def _remedy(item: Any) -> str:
+    """Pydantic's sentence in the words of a YAML file."""
+    kind, words = str(item["type"]), str(item["msg"])
+    if kind == "tuple_type":
+        return "write a list, such as [1.0, 2.0]"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return "give its fields, indented below it"
+    return words[0].lower() + words[1:]

@@ -7,6 +7,7 @@ import pytest
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.library_page import added, effects_table
 from mbcdm_cad.rig.reading import read_experiment
 from mbcdm_cad.rig.simulate import simulate
 
@@ -28,6 +29,21 @@ def test_the_library_holds_every_effect(library, project):
     used = {effect.effect for e in library.values() for effect in e.effects}
     files = {p.stem for p in (project / "mbcdm_cad" / "rig" / "effects").glob("*.py")}
     assert used == files - {"__init__", "base", "shapes", "registry"}
+
+
+def test_the_page_names_every_experiment_and_lists_every_effect_as_it_is(library, project):
+    page = (project / "docs" / "experiments.md").read_text()
+    missing = [e.name for e in library.values() if f"| `{e.name}` | {e.about} |" not in page]
+    assert not missing, f"{missing}; run python -m mbcdm_cad.rig.library_page params/mbcdm.yaml params/experiments docs"
+    assert effects_table() in page
+
+
+def test_what_an_experiment_adds_is_nothing_for_a_null_and_its_physics_else(library, project):
+    drive = load_design(project / "params" / "mbcdm.yaml").drive
+    named = {e.name: e for e in library.values()}
+    assert np.ptp(added(drive, named["null-short-sine"]).added_urad) == 0.0
+    # 40 urad a N m at up to 2 N m, both ways
+    assert np.ptp(added(drive, named["stiffness-shaft"]).added_urad) == pytest.approx(160.0, abs=1.0)
 
 
 @pytest.mark.slow
