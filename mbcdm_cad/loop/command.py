@@ -19,6 +19,7 @@ from mbcdm_cad.loop.finding import Finding
 from mbcdm_cad.loop.measurement import MeasurementFile, load_file, read_run
 from mbcdm_cad.loop.run import Run
 from mbcdm_cad.loop.vet import refusals, vet
+from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.wholefile import write_whole
 
 SIDES = {"left": -1, "right": 1}
@@ -57,7 +58,11 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     from mbcdm_cad.loop.engine import close_loop  # the model and its compiled parts, once the input is known to be good
     from mbcdm_cad.loop.result_text import result_text
 
-    result = close_loop(drive, [one.run for one in vetted])
+    try:
+        result = close_loop(drive, [one.run for one in vetted])
+    except ModelError as error:
+        names = ", ".join(str(file.path) for file in files)
+        raise MbcdmError(f"{names}: the declared model cannot follow the run: {error}") from None
     click.echo(result_text(result))
     for one in vetted:
         click.echo("")

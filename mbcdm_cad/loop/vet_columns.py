@@ -18,6 +18,8 @@ FARTHEST = 1.5
 LEAST_AGREEMENT = 0.8
 # Pairs of samples this share of the record apart give the slopes.
 LAGS = (0.005, 0.02, 0.08)
+# A load of this many times what slackens the cables is no load but a wrong unit.
+MOST_LOAD = 3.0
 # Known slips, as the factor by which an angle comes out too large, and how they are told.
 SLIPS = (
     (180.0 / math.pi, "degrees called radians"),
@@ -53,7 +55,7 @@ def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI
     """Refusals and doubts about what the columns are."""
     factors = [_factor(run.output_rad, row, ratio) for row in run.input_rad]
     if all(factor is not None and abs(factor - 1.0) <= NEAR for factor in factors):
-        return _travel(run, travel_rad) or _load_sign(run, ratio, d)
+        return _travel(run, travel_rad) or _load_size(run, d) or _load_sign(run, ratio, d)
     swapped = _swapped(run, ratio)
     if swapped:
         return [swapped]
@@ -148,6 +150,20 @@ def _travel(run: Run, travel_rad: float | None) -> list[Finding]:
         "all angles look like degrees called radians: mend the units" if degrees else "check the units of all angles"
     )
     return [Finding("travel", "refused", text, remedy, ("columns", "output"))]
+
+
+def _load_size(run: Run, d: DriveSI | None) -> list[Finding]:
+    """A load that would slacken the cables many times over is in another unit."""
+    if d is None or run.load_Nm is None:
+        return []
+    most = float(np.abs(run.load_Nm).max())
+    # Both cables of one sense at twice their preload, the others slack.
+    holds = float(np.sum(d.preload_N * d.drum_radius_m))
+    if most <= MOST_LOAD * holds:
+        return []
+    text = f"loads up to {most:.4g} N m, where the preload of the cables holds some {holds:.3g} N m"
+    remedy = "check the unit of load_torque (mN*m called N*m?) and its scale"
+    return [Finding("load", "refused", text, remedy, ("columns", "load_torque"))]
 
 
 def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:

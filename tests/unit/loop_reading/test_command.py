@@ -9,6 +9,7 @@ import pytest
 from logger_samples import Write, mapping, signals, table
 
 from mbcdm_cad.cli import run as mbcdm
+from mbcdm_cad.model.errors import ModelError
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 BARE = {key: value for key, value in mapping()["columns"].items() if key != "load_torque"}
@@ -48,6 +49,18 @@ def test_what_was_found_is_applied_and_reported_on_a_page(short: Path, capsys: p
     page = (folder / "report.html").read_text()
     assert "ratio_error" in page and page.count("data:image/png;base64,") == 4
     assert "ratio_error" in built.read_text() and mbcdm(["analyse", str(built)]) == 0
+
+
+def test_a_run_that_the_model_cannot_follow_is_told_by_its_file(
+    bare: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(*_: object) -> None:
+        raise ModelError("sample 7: no drum angle balances a load of 1 N m; check its unit and sign")
+
+    monkeypatch.setattr("mbcdm_cad.loop.engine.close_loop", refuse)
+    assert mbcdm(["loop", str(DESIGN), str(bare)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"{bare}: the declared model cannot follow the run: sample 7") and "check" in said, said
 
 
 def test_nothing_is_applied_to_the_design_from_a_drive_of_its_own(

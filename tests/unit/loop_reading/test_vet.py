@@ -75,6 +75,7 @@ def test_a_sound_run_is_left_in_peace() -> None:
         (replace(RUN, input_rad=np.stack([RUN.input_rad[0], np.random.default_rng(1).normal(size=RUN.time_s.size)])),
          "unrelated", "input_right", "does not follow the right input"),
         (replace(RUN, load_Nm=-RUN.load_Nm), "reversed_load", "load_torque", "scale: -1 on load_torque"),
+        (replace(RUN, load_Nm=1000.0 * RUN.load_Nm), "load", "load_torque", "mN*m called N*m?"),
         (replace(RUN, input_rad=RUN.input_rad[:1], input_names=("input",)), "inputs", "columns", "1 input column"),
         (replace(RUN, input_rad=np.mod(RUN.input_rad, 2.0 * np.pi)), "wrapped", "input_left", "jumps by a full turn"),
     ],

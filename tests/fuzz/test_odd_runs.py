@@ -1,0 +1,69 @@
+"""Odd signals taken through vetting and the whole loop: a judgement or a sentence for the user, never a traceback."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.loop.engine import close_loop
+from mbcdm_cad.loop.result import VERDICTS
+from mbcdm_cad.loop.result_text import result_text
+from mbcdm_cad.loop.run import Floats, Run, Sensors
+from mbcdm_cad.loop.vet import refusals, vet
+
+DRIVE = load_design(Path(__file__).parents[2] / "params" / "mbcdm.yaml").drive
+
+
+def odd_signal(rng: np.random.Generator, count: int) -> Floats:
+    """A signal of size one: waves, walks, ramps, steps, noise, coarse steps, a spike."""
+    at = np.linspace(0.0, 1.0, count)
+    spike = np.sin(20.0 * at)
+    spike[rng.integers(0, count)] = 10.0
+    kinds = (
+        np.sin(at * rng.uniform(0.5, 40.0)),
+        np.cumsum(rng.normal(size=count)) / np.sqrt(count),
+        at,
+        np.where(at > 0.5, 1.0, 0.0),
+        rng.normal(size=count),
+        np.round(np.sin(20.0 * at) * rng.integers(1, 5)),
+        spike,
+        np.abs(np.sin(20.0 * at)),
+        2.0 * np.abs((10.0 * at) % 2.0 - 1.0) - 1.0,
+    )
+    return kinds[rng.integers(0, len(kinds))]
+
+
+def odd_run(seed: int) -> Run:
+    """A run that reading lets through: some samples, some motion, time that goes on."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.choice([100, 101, 150, 400]))
+    steps = rng.choice([1e-6, 1e-3, 1e-2, 1.0]) * (rng.uniform(0.01, 2.0, count) if rng.random() < 0.4 else 1.0)
+    output = odd_signal(rng, count) * rng.choice([0.01, 0.4])
+    inputs = 2 if rng.random() < 0.6 else 1
+    shafts = np.tile(9.0 * output, (inputs, 1)) + rng.normal(size=(inputs, count)) * rng.choice([0.0, 1e-5])
+    load = None if rng.random() < 0.4 else odd_signal(rng, count) * rng.choice([0.0, 1e-9, 0.9, 2.0])
+    return Run(
+        np.cumsum(np.broadcast_to(steps, count)), shafts,
+        output + rng.choice([0.0, 1e-4, 1e-2]) * odd_signal(rng, count),
+        load, None if rng.random() < 0.7 else 10.0 * odd_signal(rng, count),
+        Sensors(*(None if rng.random() < 0.5 else float(10.0 ** rng.uniform(-7.0, -3.0)) for _ in range(3))),
+        ("left", "right") if inputs == 2 else ("input",), ratio=None if inputs == 2 else 9.0,
+    )  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("seed", [*range(16), *(pytest.param(k, marks=pytest.mark.slow) for k in range(16, 120))])
+def test_any_run_is_judged_or_told_off(seed: int) -> None:
+    run = odd_run(seed)
+    drive = DRIVE if run.ratio is None else None
+    if refusals(vet(run, drive)):
+        return
+    try:
+        result = close_loop(drive, [run])
+    except MbcdmError:
+        return
+    assert result.verdict in VERDICTS and result_text(result).startswith(result.sentence)
