@@ -101,8 +101,13 @@ def state_of_code() -> str:
     return digest.hexdigest()[:16]
 
 
-def study(cases: list[str], seeds: int, twins: int, jobs: int, store: Path, fresh: bool, quiet: bool) -> list[Score]:
-    """Judge every case and seed that the store does not hold yet; all scores, in order of case and seed."""
+def study(
+    cases: list[str], seeds: int, twins: int, jobs: int, store: Path, fresh: bool, quiet: bool, judged_only: bool
+) -> list[Score]:
+    """Judge every case and seed that the store does not hold yet; all scores, in order of case and seed.
+
+    ``judged_only`` judges none and gives those of a study that was stopped.
+    """
     code = state_of_code()
     store.parent.mkdir(parents=True, exist_ok=True)
     done: dict[tuple[str, int], Score] = {}
@@ -112,12 +117,16 @@ def study(cases: list[str], seeds: int, twins: int, jobs: int, store: Path, fres
             if kept.pop("code") == code:
                 done[kept["case"], kept["seed"]] = Score(**kept)
     wanted = [(case, seed) for case in cases for seed in range(seeds)]
-    tasks = [
-        (c, s, s < twins, s == 0 and k % COMMAND_LINE_EVERY == 0)
-        for s in range(seeds)
-        for k, c in enumerate(cases)
-        if (c, s) not in done
-    ]
+    tasks = (
+        []
+        if judged_only
+        else [
+            (c, s, s < twins, s == 0 and k % COMMAND_LINE_EVERY == 0)
+            for s in range(seeds)
+            for k, c in enumerate(cases)
+            if (c, s) not in done
+        ]
+    )
     with store.open("w" if fresh else "a") as kept_file, multiprocessing.get_context("spawn").Pool(jobs) as pool:
         for score in pool.imap_unordered(_task, tasks):
             done[score.case, score.seed] = score
@@ -129,7 +138,7 @@ def study(cases: list[str], seeds: int, twins: int, jobs: int, store: Path, fres
                     f"said: {score.said} {score.note}",
                     flush=True,
                 )
-    return [done[key] for key in wanted]
+    return [done[key] for key in wanted if key in done]
 
 
 def document(scores: list[Score], command: str) -> str:
@@ -173,6 +182,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--store", type=Path, default=STORE)
     parser.add_argument("--fresh", action="store_true")
+    parser.add_argument("--judged-only", action="store_true", help="tables of what a study that was stopped has judged")
     parser.add_argument("--quiet", action="store_true")
     parser.add_argument("--table", type=Path, metavar="FILE.md")
     options = parser.parse_args()
@@ -184,7 +194,16 @@ def main() -> None:
         return
     asked = [word for word in options.only.split(",") if word]
     cases = [name for name, case in CASES.items() if not asked or name in asked or case.group in asked]
-    scores = study(cases, options.seeds, options.twins, options.jobs, options.store, options.fresh, options.quiet)
+    scores = study(
+        cases,
+        options.seeds,
+        options.twins,
+        options.jobs,
+        options.store,
+        options.fresh,
+        options.quiet,
+        options.judged_only,
+    )
     only = f" --only {options.only}" if options.only else ""
     text = document(scores, f"python tests/confusion.py{only} --seeds {options.seeds} --twins {options.twins}")
     if options.table:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import t as t_distribution
 
+from mbcdm_cad.loop.decoys import MISTAKEN, decoys
 from mbcdm_cad.loop.effects.base import Effect, Figure
 from mbcdm_cad.loop.effects.registry import library
 from mbcdm_cad.loop.fit import Fit, Fitter
@@ -91,6 +92,7 @@ class _Loop:
         unknown = self._left(fit)
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)
+        fit, groups, unknown = self._undecoyed(fit, groups, unknown)
         whole = self.fitter.fit(fit.effects, fit.values, fit.offsets, mask=self.fitter.used)
         named, sets = [], []
         for group in groups:
@@ -214,6 +216,24 @@ class _Loop:
         effects = [group.effect for group in kept]
         fit = self.fitter.fit(effects, [fit.values_of(e) for e in effects], fit.offsets)
         return fit, tuple(kept), self._left(fit) or unknown
+
+    def _undecoyed(
+        self, fit: Fit, groups: tuple[_Group, ...], unknown: Unknown | None
+    ) -> tuple[Fit, tuple[_Group, ...], Unknown | None]:
+        """Take back names of load and speed that one shape without a name does better, or several that it equals."""
+        mistaken = [group for group in groups if group.effect.name in MISTAKEN]
+        if not mistaken:
+            return fit, groups, unknown
+        kept = tuple(group for group in groups if group not in mistaken)
+        effects = [group.effect for group in kept]
+        values = [fit.values_of(effect) for effect in effects]
+        for decoy in decoys(all(p.load_Nm is not None for p in self.prepared)):
+            trial = self.fitter.fit((*effects, decoy), (*values, [0.0]), fit.offsets)
+            better = trial.square < fit.square and not self._alike(fit, trial)
+            if better or (len(mistaken) > 1 and self._alike(trial, fit)):
+                less = self.fitter.fit(effects, values, fit.offsets)
+                return less, kept, self._left(less) or unknown
+        return fit, groups, unknown
 
     # --- figures ---------------------------------------------------------------------------------------------------
     def _estimate(self, fit: Fit) -> Estimate:

@@ -126,7 +126,7 @@ _OUTSIDE = {
     "out_hardening": Case(LOADED, size("hardening", "hardening", "compliance_rad_Nm2", 3e-5, 8e-5)),
     "out_square": Case(LOADED, size("bending frame", "one_sided_square", "compliance_rad_Nm2", 3e-5, 8e-5)),
     "out_speed": Case(
-        motion((0.45, 0.6), ("steps", "bias"), ("sine",)),
+        motion((0.45, 0.6), ("steps", "bias"), ("paced",)),
         size("speed squared", "speed_squared", "coefficient_rad_s2", 2e-3, 6e-3),
     ),
     "out_stick_slip": Case(

@@ -47,7 +47,10 @@ def bench_run(plan: Plan, ratio: float, inputs: int, rng: np.random.Generator) -
     n = round(plan.duration_s * RATE_HZ)
     t = np.arange(n) / RATE_HZ
     phase = 2.0 * np.pi * plan.frequency_hz * t
-    shape = np.sin(phase) if plan.wave == "sine" else 2.0 / np.pi * np.arcsin(np.sin(phase))
+    if plan.wave == "paced":
+        # Twice as fast in the second half: on one sine, speed is a function of angle.
+        phase = phase + np.maximum(phase - 0.5 * phase[-1], 0.0)
+    shape = np.sin(phase) if plan.wave in ("sine", "paced") else 2.0 / np.pi * np.arcsin(np.sin(phase))
     drum = plan.amplitude_rad * (_soft(shape, 0.1) - _soft(shape, 0.1)[0])
     common = ratio * drum
     pairs = []
