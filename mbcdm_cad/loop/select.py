@@ -22,6 +22,8 @@ LEAST_FALL = 0.45
 # Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
 CLOSE_SHARE = 0.3
 MOST_REFITS = 7
+# A candidate is taken in place of a better one that was refused only if it falls by this share of it.
+RUNNER_UP = 0.8
 MOST_EFFECTS = 6
 
 
@@ -151,10 +153,34 @@ class Search:
         return self._without[key]
 
     def forward(self) -> Fit:
-        """Take effects while the held-out RMS falls by enough, and give back those that are no longer needed."""
-        now = self.bare
+        """Take effects while the held-out RMS falls by enough, and give back those that are no longer needed.
+
+        The form of an effect is settled by the first step, when its companions are not yet there; where more than the
+        floor is left, its other forms are given the same chance.
+        """
+        now = self._grown(self.bare)
+        for effect in now.effects:
+            if self.held_rms(now) ** 2 <= (1.0 + LEAST_FALL**2) * self.floor_rad**2:
+                break
+            for sibling in self.library:
+                if key_of(sibling) != key_of(effect) or sibling.form == effect.form or effect.name == "ripple":
+                    continue
+                less = self.without(now, effect)
+                start = sibling.first_guesses(self.fitter.base[0], less.residual[self.fitter.parts[0]])[0]
+                begun = self.fitter.fit((*less.effects, sibling), (*less.values, start), less.offsets)
+                other = self._grown(begun)
+                if other.square < now.square and self.enough(now, other):
+                    self._note("in another form", sibling, now, other)
+                    now = other
+        return now
+
+    def _grown(self, now: Fit) -> Fit:
+        """``now`` with all effects that can be taken."""
         while len(now.effects) < MOST_EFFECTS:
-            better = next((one for one in self.refits(now) if self.acceptable(now, one)), None)
+            tried = self.refits(now)
+            # What does far less than a best one that was refused only picks up its crumbs.
+            near = [one for one in tried if now.square - one.square >= RUNNER_UP * (now.square - tried[0].square)]
+            better = next((one for one in near if self.acceptable(now, one)), None)
             if better is None:
                 break
             self._note("taken", better.effects[-1], now, better)
@@ -162,8 +188,13 @@ class Search:
         return now
 
     def acceptable(self, now: Fit, better: Fit) -> bool:
-        """Is the last effect of ``better`` large enough, and borne out by all sweeps and sectors?"""
+        """Is the last effect of ``better`` large enough, within its bounds, and borne out by all sweeps and sectors?"""
         if not self.enough(now, better):
+            return False
+        effect, values = better.effects[-1], better.values[-1]
+        at_bound = [p.name for p, v in zip(effect.parameters, values, strict=True) if v in (p.low, p.high)]
+        if at_bound:
+            self._note(f"{at_bound[0]} runs out of its bounds", effect, now, better)
             return False
         if supported(self.fitter, now, better, len(self.library)):
             return True
