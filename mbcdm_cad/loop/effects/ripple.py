@@ -14,7 +14,9 @@ from mbcdm_cad.model.si import DriveSI
 
 
 def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    angle = values[2] * setup.drum_rad
+    # The output's own encoder has the finest phase; a fast order would be blurred by a smoothed angle.
+    reading = setup.p.output_rad
+    angle = values[2] * (reading - np.mean(reading - setup.drum_rad))
     return setup.with_added(values[0] * np.cos(angle) - values[1] * np.sin(angle))
 
 

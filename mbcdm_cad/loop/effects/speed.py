@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from mbcdm_cad.loop.effects.base import Effect, Parameter, sign_of_speed
 from mbcdm_cad.loop.prepared import Prepared
 from mbcdm_cad.loop.run import Floats
@@ -20,7 +22,8 @@ def _hysteresis(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(-values[0] * setup.p.speed_rad_s)
+    t, drum = setup.p.time_s, setup.drum_rad
+    return setup.with_added(np.interp(t - values[0], t, drum) - drum)
 
 
 def _viscous(setup: Setup, values: Floats, _: Simulator) -> Setup:
