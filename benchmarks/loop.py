@@ -67,10 +67,9 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
 
 def loop_once(path: Path) -> dict[str, Any]:
     """Read and close the loop, timed apart."""
+    from mbcdm_cad.design import load_design
     from mbcdm_cad.loop.engine import close_loop
     from mbcdm_cad.loop.measurement import load_measurement
-
-    from mbcdm_cad.design import load_design
 
     drive = load_design(DESIGN).drive
     if os.environ.get("BENCH_WARM"):
@@ -91,10 +90,10 @@ def loop_once(path: Path) -> dict[str, Any]:
 def plain_once(path: Path, effects: str) -> dict[str, Any]:
     """The same effects fitted by scipy.optimize.least_squares on the model's series."""
     from bench_geometry import chain_of, path_of_eccentric
-    from mbcdm_cad.loop.measurement import load_measurement
     from scipy.optimize import least_squares
 
     from mbcdm_cad.design import load_design
+    from mbcdm_cad.loop.measurement import load_measurement
     from mbcdm_cad.model.hysteresis import simulate
     from mbcdm_cad.model.si import to_si
 

@@ -203,19 +203,20 @@ class _Loop:
     def _unblamed(
         self, fit: Fit, groups: tuple[_Group, ...], unknown: Unknown
     ) -> tuple[Fit, tuple[_Group, ...], Unknown]:
-        """Take back names that something unknown may only resemble."""
-        left = self._excess(fit)
-        kept = []
-        for group in groups:
-            less = self.search.without(fit, group.effect)
-            explains = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
-            if left < BLAME_SHARE * explains:
-                kept.append(group)
-        if len(kept) == len(groups):
-            return fit, groups, unknown
-        effects = [group.effect for group in kept]
-        fit = self.fitter.fit(effects, [fit.values_of(e) for e in effects], fit.offsets)
-        return fit, tuple(kept), self._left(fit) or unknown
+        """Take back names that something unknown may only resemble, the one that explains least first."""
+        while groups:
+            rms = self.search.held_rms(fit)
+            falls = [self.search.held_rms(self.search.without(fit, g.effect)) ** 2 - rms**2 for g in groups]
+            least = int(np.argmin(falls))
+            if self._excess(fit) < BLAME_SHARE * np.sqrt(max(0.0, falls[least])):
+                break
+            fit = self.search.without(fit, groups[least].effect)
+            groups = (*groups[:least], *groups[least + 1 :])
+            left = self._left(fit)
+            if left is None:
+                return fit, groups, unknown
+            unknown = left
+        return fit, groups, unknown
 
     def _undecoyed(
         self, fit: Fit, groups: tuple[_Group, ...], unknown: Unknown | None

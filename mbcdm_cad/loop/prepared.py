@@ -30,7 +30,7 @@ LOAD_ERRORS = 2.5
 # A reversal counts where the output has come back by this share of its travel.
 REVERSAL_SHARE = 0.1
 SECTORS = 8
-# Longer runs are averaged in blocks down to this many samples before anything is fitted.
+# Of longer runs every so many samples are kept, down to this number, before anything is fitted.
 MOST_SAMPLES = 20_000
 
 
@@ -78,7 +78,7 @@ class Prepared:
 
     def rewindowed(self, factor: float) -> Prepared:
         """The same run with other windows on the difference of the inputs and on the load."""
-        load = None if self.raw_load_Nm is None else quiet_load(self.raw_load_Nm, factor)
+        load = self.load_Nm if self.raw_load_Nm is None else quiet_load(self.raw_load_Nm, factor)
         return replace(self, difference_window_s=factor * self.difference_window_s, load_Nm=load)
 
 
@@ -142,25 +142,29 @@ def half_sweeps(output_rad: Floats) -> NDArray[np.int64]:
 
 
 def prepare(run: Run, ratio: float, most: int = MOST_SAMPLES) -> Prepared:
-    """Make a run ready for a drive of total ratio ``ratio``; runs of more than ``most`` samples are averaged in blocks.
+    """Make a run ready for a drive of total ratio ``ratio``.
+
+    Of runs of more than ``most`` samples every so many are kept, after the smoothing: the model needs the turning
+    points of load and motion, not each sample between them, and a mean over a block would blunt them.
 
     The first half sweep is discarded, and some are held back before any residual is looked at (see ``holdout``).
     """
     stride = max(1, run.time_s.size // most)
-    whole = run.time_s.size // stride * stride
-
-    def thinned(values: Floats) -> Floats:
-        if stride == 1:
-            return values
-        return np.asarray(values[..., :whole].reshape(*values.shape[:-1], -1, stride).mean(axis=-1))
-
-    time, angle, output = thinned(run.time_s), thinned(run.input_rad), thinned(run.output_rad)
-    step = float(np.median(np.diff(time)))
-    raw_load = None if run.load_Nm is None else thinned(run.load_Nm)
-    load = None if raw_load is None else quiet_load(raw_load)
-    temperature = (
-        None if run.temperature_C is None else smoothed(thinned(run.temperature_C), TEMPERATURE_WINDOW_S, step)
-    )
+    full_step = float(np.median(np.diff(run.time_s)))
+    quiet = smoothed(run.input_rad.mean(axis=0) / ratio, SPEED_WINDOW_S, full_step)
+    speed = smoothed(np.gradient(quiet, run.time_s), SPEED_WINDOW_S, full_step)[::stride]
+    angle, raw_load = run.input_rad, run.load_Nm
+    load = None if raw_load is None else quiet_load(raw_load)[::stride]
+    if stride > 1:
+        mean = angle.mean(axis=0)
+        # Too few samples are left to smooth the difference afterwards.
+        angle = mean + smoothed(angle - mean, DIFFERENCE_WINDOW_S, full_step)
+        raw_load = None
+    time, angle, output = run.time_s[::stride], angle[:, ::stride], run.output_rad[::stride]
+    step = stride * full_step
+    temperature = None
+    if run.temperature_C is not None:
+        temperature = smoothed(run.temperature_C, TEMPERATURE_WINDOW_S, full_step)[::stride]
     sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
     if sweep.max() < 3:
         # Too few reversals to spare one: a quarter of the time is a sweep.
@@ -170,8 +174,6 @@ def prepare(run: Run, ratio: float, most: int = MOST_SAMPLES) -> Prepared:
     used = sweep >= 0
     numbers = held_sweeps(sweep, output, load)
     held = np.isin(sweep, numbers)
-    quiet = smoothed(angle.mean(axis=0) / ratio, SPEED_WINDOW_S, step)
-    speed = smoothed(np.gradient(quiet, time), SPEED_WINDOW_S, step)
     return Prepared(
         time, angle, output, load, raw_load, speed, temperature, sweep, sector, used, held, step,
         sensor_floor_rad(run, ratio), input_step_rad(run), held_words(numbers, sweep, load),
