@@ -7,6 +7,7 @@ where its input encoders count from against each other (at most a step or two).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -80,6 +81,13 @@ class Fitter:
         self.free = np.array([strained and p.load_Nm is not None for p in self.runs])
         self.limit = np.array([APART_COUNTS * p.input_step_rad for p in self.runs])
         self._shifted: dict[tuple[int, float], Setup] = {}
+
+    def twin(self) -> Fitter:
+        """The same fitter with memories of its own, for another thread."""
+        other = copy(self)
+        other.simulate = [Simulator() for _ in self.runs]
+        other._shifted = {}
+        return other
 
     def setup(self, run: int, offset_rad: float) -> Setup:
         """The declared model of a run with its input encoders put apart; the same object for the same offset."""

@@ -6,8 +6,12 @@ only if the RMS on held-out samples falls by a stated share of the noise floor, 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from queue import Queue
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +29,7 @@ MOST_REFITS = 7
 # A candidate is taken in place of a better one that was refused only if it falls by this share of it.
 RUNNER_UP = 0.8
 MOST_EFFECTS = 6
+MOST_THREADS = 4
 
 
 def key_of(effect: Effect) -> tuple[str, str | None, tuple[str, ...]]:
@@ -59,6 +64,7 @@ class Search:
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect], floor_rad: float, bare: Fit) -> None:
         self.fitter, self.library, self.floor_rad, self.bare = fitter, tuple(library), floor_rad, bare
+        self.twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
         self.steps: list[Step] = []
         self._screened: tuple[Fit, list[Screened]] | None = None
         self._without: dict[tuple[Fit, Effect], Fit] = {}
@@ -135,14 +141,32 @@ class Search:
         sure = counterparts_of.name if counterparts_of else None
         chosen = [c for c in screened[:MOST_REFITS] if c.fall >= share * screened[0].fall]
         chosen += [c for c in screened if c.effect.name == sure and c not in chosen]
-        begun = [
-            self.fitter.fit((*fit.effects, c.effect), (*fit.values, c.start), fit.offsets, iterations=3) for c in chosen
-        ]
+        begun = self._each(
+            [((*fit.effects, c.effect), (*fit.values, c.start)) for c in chosen], fit.offsets, iterations=3
+        )
         # Those that a few steps leave far behind do not win; the others go on to the end.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
-        ended = [self.fitter.fit(one.effects, one.values, one.offsets, settled=1e-5) for one in near]
+        ended = self._each([(one.effects, one.values) for one in near], fit.offsets, settled=1e-5)
         return sorted(ended, key=lambda one: one.square)
+
+    def _each(
+        self, starts: Sequence[tuple[Sequence[Effect], Sequence[Floats]]], offsets: Floats, **settings: Any
+    ) -> list[Fit]:
+        """Fits from several starts, side by side: the simulation runs outside the interpreter's lock."""
+        twins = Queue[Fitter]()
+        for twin in self.twins:
+            twins.put(twin)
+
+        def one(start: tuple[Sequence[Effect], Sequence[Floats]]) -> Fit:
+            twin = twins.get()
+            try:
+                return twin.fit(start[0], start[1], offsets, **settings)
+            finally:
+                twins.put(twin)
+
+        with ThreadPoolExecutor(len(self.twins)) as pool:
+            return list(pool.map(one, starts))
 
     def without(self, fit: Fit, effect: Effect) -> Fit:
         """Refit with one effect left out."""

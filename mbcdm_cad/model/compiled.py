@@ -1,22 +1,11 @@
-"""Compile scalar loops with numba where it is installed; the same functions run as plain Python where it is not.
-
-Only the time-series modules import this: numba takes longer to import than the whole of `check`.
-"""
+"""Compiler of the model's scalar loops; importing it drops what was compiled from older sources of this room."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from importlib.util import find_spec
-from typing import Any, TypeVar, cast
+from pathlib import Path
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-COMPILED = find_spec("numba") is not None
+from mbcdm_cad.compiled import COMPILED, compiled, drop_stale
 
+__all__ = ["COMPILED", "compiled"]
 
-def compiled(function: Function) -> Function:
-    """The function compiled to machine code and cached on disk, or itself (then some 40 times slower)."""
-    if not COMPILED:
-        return function
-    import numba
-
-    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+drop_stale(Path(__file__).parent)

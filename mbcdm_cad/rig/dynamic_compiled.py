@@ -1,49 +1,16 @@
-"""Array type and compiler of the rig's scalar loops.
-
-numba keeps compiled code beside the sources and drops it when the file of the function itself changes, but not when a
-function that it calls from another file does. So all of it is dropped here once any source of the room has changed.
-"""
+"""Array type and compiler of the rig's loops; importing it drops what was compiled from older sources of this room."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
-from typing import Any, TypeVar, cast
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.compiled import compiled, drop_stale
+
+__all__ = ["Floats", "compiled"]
+
 Floats = NDArray[np.float64]
-Function = TypeVar("Function", bound=Callable[..., Any])
-_STAMP = "sources.stamp"
-
-
-def compiled(function: Function) -> Function:
-    """The function compiled to machine code, cached on disk."""
-    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
-
-
-def drop_stale(folder: Path) -> bool:
-    """Drop compiled code in ``folder`` if its sources are not those of the last time; whether that was so.
-
-    Where the folder cannot be written nothing is dropped; numba keeps its code elsewhere then.
-    """
-    stats = [(path.name, path.stat()) for path in sorted(folder.glob("*.py"))]
-    now = hashlib.sha256(repr([(name, s.st_size, s.st_mtime_ns) for name, s in stats]).encode()).hexdigest()
-    cache = folder / "__pycache__"
-    stamp = cache / _STAMP
-    with suppress(OSError):
-        if stamp.is_file() and stamp.read_text() == now:
-            return False
-        cache.mkdir(exist_ok=True)
-        for path in [*cache.glob("*.nbi"), *cache.glob("*.nbc")]:
-            path.unlink(missing_ok=True)
-        stamp.write_text(now)
-        return True
-    return False
-
 
 drop_stale(Path(__file__).parent)
