@@ -21,9 +21,11 @@ def order_spectrum(angle_rad: Floats, residual: Any) -> tuple[Floats, Floats]:
 
     Shapes (m,). The bins are a quarter of the shortest wave looked for, or wider where the samples are too few. Bins
     hold means, since samples lie unevenly (sweeps dwell at some angles, and meet the same ones again), and a window of
-    Hann's keeps a slow trend from leaking into every order.
+    Hann's keeps a slow trend from leaking into every order. Empty where the angle stands still.
     """
     low, span = float(angle_rad.min()), float(np.ptp(angle_rad))
+    if span == 0.0:
+        return np.empty(0), np.empty(0)
     bins = int(min(4.0 * MOST_ORDER * span / (2.0 * np.pi), angle_rad.size / 4.0)) + 8
     index = np.minimum(((angle_rad - low) / span * bins).astype(np.int64), bins - 1)
     count = np.bincount(index, minlength=bins)
