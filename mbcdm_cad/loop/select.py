@@ -32,11 +32,6 @@ MOST_EFFECTS = 6
 MOST_THREADS = 4
 
 
-def key_of(effect: Effect) -> tuple[str, str | None, tuple[str, ...]]:
-    """What two forms of one effect share."""
-    return effect.key
-
-
 @dataclass(frozen=True, eq=False)
 class Screened:
     """A candidate, where to start it, and the fall of the training mean square that a linear step promises."""
@@ -84,13 +79,13 @@ class Search:
             return self._screened[1]
         f = self.fitter
         mask = f.train
-        taken = {key_of(e) for e in fit.effects}
+        taken = {e.key for e in fit.effects}
         known = f.centred(fit.jacobian, mask)[mask]
         basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
         base = f.predict(fit.effects, fit.values, fit.offsets)
         found = []
         for effect in self.library:
-            if key_of(effect) in taken and effect.name != "ripple":
+            if effect.key in taken and effect.name != "ripple":
                 continue
             for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
                 # There may be several ripples: each is an effect of its own.
@@ -187,7 +182,7 @@ class Search:
             if self.held_rms(now) ** 2 <= (1.0 + LEAST_FALL**2) * self.floor_rad**2:
                 break
             for sibling in self.library:
-                if key_of(sibling) != key_of(effect) or sibling.form == effect.form or effect.name == "ripple":
+                if sibling.key != effect.key or sibling.form == effect.form or effect.name == "ripple":
                     continue
                 less = self.without(now, effect)
                 start = sibling.first_guesses(self.fitter.base[0], less.residual[self.fitter.parts[0]])[0]
@@ -241,4 +236,4 @@ class Search:
         """Fits in which something of another name stands in for ``effect``, best first."""
         less = self.without(fit, effect)
         found = self.refits(less, share=0.5, counterparts_of=effect)
-        return [one for one in found if key_of(one.effects[-1]) != key_of(effect)]
+        return [one for one in found if one.effects[-1].key != effect.key]

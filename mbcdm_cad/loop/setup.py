@@ -136,7 +136,6 @@ class Simulator:
 
     def __init__(self) -> None:
         self._known: list[tuple[Setup, bool, Floats]] = []
-        self.count = 0
 
     def __call__(self, s: Setup) -> Floats:
         """Reading of the output encoder, rad, shape (n,)."""
@@ -152,7 +151,6 @@ class Simulator:
                 return drum
         rigid = s.d is None or s.load_Nm is None
         drum = rigid_drum_rad(s) if rigid else respond(s, winding).drum_rad
-        self.count += 1
         self._known.append((s, winding, drum))
         del self._known[:-REMEMBERED]
         return drum
