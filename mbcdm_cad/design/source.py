@@ -19,7 +19,7 @@ def read_text(path: Path, kind: str = "design file", hint: str = NEW_DESIGN) -> 
     """
     try:
         if path.exists() and not path.is_file():
-            raise _file_error(path, "not a regular file", remedy=f"give the path of a {kind}")
+            raise _file_error(path, "not a regular file", remedy=f"give the path of the {kind}")
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
@@ -36,7 +36,7 @@ def read_text(path: Path, kind: str = "design file", hint: str = NEW_DESIGN) -> 
             "too big",
             value=f"over {MAX_BYTES} bytes",
             limit=f"{MAX_BYTES} bytes",
-            remedy=f"a {kind} is about 10 kB at most; check that this is one",
+            remedy=f"{kind}s are about 10 kB at most; check that this is one",
         )
     try:
         return content.decode("utf-8-sig")

@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 
 from mbcdm_cad.design.loaded import FieldPath, nearest_line
+from mbcdm_cad.design.source import NEW_DESIGN
 from mbcdm_cad.errors import InputError, Problem, shortened
 
 MAX_DEPTH = 16
@@ -55,8 +56,11 @@ class _Open:
     key: str | None = None
 
 
-def parse(text: str, file: str) -> Tree:
-    """The one YAML document in ``text``; ``file`` names it in errors. Raises InputError."""
+def parse(text: str, file: str, kind: str = "design file", hint: str = NEW_DESIGN) -> Tree:
+    """The one YAML document in ``text``; ``file`` names it in errors. Raises InputError.
+
+    ``kind`` and ``hint`` say in errors what the file should be, and what helps where there is nothing in it.
+    """
     bad = _UNPRINTABLE.search(text)
     if bad:
         line = text.count("\n", 0, bad.start()) + 1
@@ -69,7 +73,7 @@ def parse(text: str, file: str) -> Tree:
             remedy="remove it, or save the file as plain UTF-8 text",
         )
     try:
-        return _Builder(file).build(yaml.parse(text, Loader=_LOADER))
+        return _Builder(file, kind, hint).build(yaml.parse(text, Loader=_LOADER))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         what = " ".join(word for word in (error.context, error.problem) if word) or "unreadable"
@@ -78,18 +82,19 @@ def parse(text: str, file: str) -> Tree:
             file,
             line,
             "",
-            f"not valid YAML: {what}",
+            f"the {kind} is not valid YAML: {what}",
             remedy="check indentation, colons, brackets and quotes on this line and the one above",
         ) from None
     except yaml.YAMLError as error:
-        raise _error(file, 1, "", f"not valid YAML: {shortened(str(error))}", remedy="check the file's text") from None
+        what = f"the {kind} is not valid YAML: {shortened(str(error))}"
+        raise _error(file, 1, "", what, remedy="check the file's text") from None
 
 
 class _Builder:
     """Builds the tree from parse events, holding open blocks on a stack of its own."""
 
-    def __init__(self, file: str) -> None:
-        self.file = file
+    def __init__(self, file: str, kind: str, hint: str) -> None:
+        self.file, self.kind, self.hint = file, kind, hint
         self.lines: dict[FieldPath, int] = {}
         self.nodes = 0
         self.stack: list[_Open] = []
@@ -100,7 +105,7 @@ class _Builder:
         for event in events:
             line = event.start_mark.line + 1 if event.start_mark else 1
             if isinstance(event, yaml.DocumentStartEvent) and self.roots:
-                raise self._error(line, "a second document", remedy="keep one design in a file: remove the '---'")
+                raise self._error(line, "a second document", remedy="keep one document in a file: remove the '---'")
             if isinstance(event, yaml.AliasEvent):
                 self._alias(event, line)
             elif isinstance(event, yaml.ScalarEvent):
@@ -110,7 +115,7 @@ class _Builder:
             elif isinstance(event, yaml.MappingEndEvent | yaml.SequenceEndEvent):
                 self._close()
         if not self.roots or self.roots[0] is None:
-            raise self._error(1, "the file is empty", remedy="'mbcdm init NEW.yaml' writes a file to start from")
+            raise self._error(1, f"the {self.kind} is empty", remedy=f"fill it{self.hint}")
         return Tree(self.roots[0], self.lines)
 
     def _open(self, event: yaml.CollectionStartEvent, line: int) -> None:
@@ -151,7 +156,7 @@ class _Builder:
     def _key(self, block: _Open, key: str, line: int) -> None:
         path = (*block.path, key)
         if key == "<<":
-            raise self._error(line, "merge keys are not part of a design file", path, remedy="write the fields out")
+            raise self._error(line, f"merge keys are not part of {self.kind}s", path, remedy="write the fields out")
         if key in block.value:
             raise self._error(
                 line, "given twice", path, value=f"first on line {self.lines[path]}", remedy="keep one of the two"
@@ -232,7 +237,7 @@ class _Builder:
     def _refuse_tag(self, event: yaml.ScalarEvent | yaml.CollectionStartEvent, line: int) -> None:
         if event.tag is not None:
             raise self._error(
-                line, "tags are not part of a design file", value=shortened(event.tag), remedy="remove the tag"
+                line, f"tags are not part of {self.kind}s", value=shortened(event.tag), remedy="remove the tag"
             )
 
     def _count(self, nodes: int, line: int) -> None:
@@ -242,7 +247,7 @@ class _Builder:
                 line,
                 "too many values, aliases counted as often as they are used",
                 limit=str(MAX_NODES),
-                remedy="a design needs about 150; write only what it needs",
+                remedy=f"{self.kind}s need some hundred at most; write only what is needed",
             )
 
     def _error(self, line: int, what: str, path: FieldPath | None = None, **more: str) -> InputError:

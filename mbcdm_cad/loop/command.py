@@ -23,6 +23,7 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.wholefile import write_whole
 
 SIDES = {"left": -1, "right": 1}
+REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +47,8 @@ class Outputs:
 
 def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
     """Judge the runs together. 0 when they could be judged; bad input raises InputError with all that is wrong."""
-    _refuse_outputs(loaded, measurements, wanted)
     files = [load_file(path) for path in measurements]
+    _refuse_outputs(loaded, files, wanted)
     if any(file.content.published is not None for file in files):
         return _published(loaded, files, wanted)
     drive = _drive_of(loaded, files)
@@ -78,7 +79,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         from mbcdm_cad.loop.report import report_page
 
         page = report_page(result, _design(loaded, drive), [(one.run, one.findings, one.notes) for one in vetted])
-        outputs |= {wanted.report / "report.html": page, wanted.report / "result.json": json_bytes(content)}
+        outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: json_bytes(content)}
     write_whole(outputs)
     for path in outputs:
         click.echo(f"{path} written")
@@ -159,27 +160,46 @@ def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: O
         from mbcdm_cad.loop.published_page import published_page
 
         page = published_page(result, loaded.drive.name)
-        outputs |= {wanted.report / "report.html": page, wanted.report / "result.json": content}
+        outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: content}
     write_whole(outputs)
     for path in outputs:
         click.echo(f"{path} written")
     return 0
 
 
-def _refuse_outputs(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> None:
+def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> None:
     """An output must not take the place of an input or of another output, and needs a folder to be in."""
-    taken = {path.resolve() for path in (loaded.path, *measurements)}
-    for output in (wanted.json, wanted.as_built):
-        if output is None:
-            continue
-        if output.resolve() in taken:
-            problem = Problem(str(output), 1, "", "this is an input or another output", remedy="give it another name")
-            raise InputError([problem])
-        if not output.parent.is_dir():
-            raise MbcdmError(f"{output}: there is no folder {output.parent}; make it, or choose another path")
-        taken.add(output.resolve())
-    if wanted.report is not None and wanted.report.exists() and not wanted.report.is_dir():
-        raise MbcdmError(f"{wanted.report}: a file, and the report needs a folder; give another name")
+    taken = [("design file", loaded.path), *(("measurement file", file.path) for file in files)]
+    data = [(file.path, file.content.data) for file in files if file.content.data]
+    taken += [("data of " + path.name, path.parent / name) for path, name in data]
+    outputs = [] if wanted.json is None else [("--json", wanted.json)]
+    outputs += [] if wanted.as_built is None else [("--apply", wanted.as_built)]
+    if wanted.report is not None:
+        if wanted.report.exists() and not wanted.report.is_dir():
+            remedy = "the report needs a folder; give another name"
+            raise InputError([Problem(str(wanted.report), 1, "--report", "a file", remedy=remedy)])
+        outputs += [("--report", wanted.report / name) for name in REPORT_FILES]
+    problems = []
+    for option, output in outputs:
+        where = (str(output), 1, option)
+        for word, path in taken:
+            if _same_file(output, path):
+                what = f"would overwrite the {word}, {path}"
+                problems.append(Problem(*where, what, remedy="nothing was done; give another name"))
+        if option != "--report" and not output.parent.is_dir():
+            what = f"there is no folder {output.parent}"
+            problems.append(Problem(*where, what, remedy="make it, or choose another path"))
+        taken.append((f"output of {option}", output))
+    if problems:
+        raise InputError(problems)
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    """Whether two paths lead to one file, however they are spelt and linked, and whether or not it is there yet."""
+    try:
+        return one.resolve() == other.resolve() or (one.exists() and other.exists() and one.samefile(other))
+    except (OSError, ValueError, RuntimeError):  # a path that leads nowhere, or round in a circle
+        return False
 
 
 def _design(loaded: LoadedDesign, drive: Drive | None) -> dict[str, str] | None:

@@ -26,6 +26,7 @@ FEWEST_SAMPLES = 100
 # An output that turns by less than this many of its steps, or than this angle where the step is not known, stands.
 FEWEST_STEPS = 20
 LEAST_TRAVEL_RAD = 1e-6
+_KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
 
 @dataclass(frozen=True)
@@ -57,8 +58,10 @@ def load_measurement(path: str | Path) -> Run:
 def load_file(path: str | Path) -> MeasurementFile:
     """The measurement file alone, its data not yet read. Raises InputError."""
     path = Path(path)
-    text = read_text(path, "measurement file", "; docs/measurement-file.md shows how one is written")
-    tree = yamltree.parse(text, str(path))
+    tree = yamltree.parse(read_text(path, *_KIND), str(path), *_KIND)
+    if not isinstance(tree.data, dict):
+        remedy = "give the YAML file that says which column of the data is what" + _KIND[1]
+        raise InputError([Problem(str(path), 1, "", "no measurement file: it has no fields", remedy=remedy)])
     try:
         content = Measurement.model_validate(tree.data)
     except ValidationError as error:

@@ -13,6 +13,7 @@ from mbcdm_cad.errors import InputError, Problem, shortened
 from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
 from mbcdm_cad.rig.experiment import MAX_SAMPLES, Experiment
 
+_KIND = ("experiment file", "; docs/experiments.md shows examples")
 _BOUNDS = {"gt": "over", "ge": "at least", "lt": "under", "le": "at most", "min_length": "at least",
            "max_length": "at most", "pattern": "signs", "expected": "one of", "expected_tags": "one of"}  # fmt: skip
 
@@ -20,8 +21,7 @@ _BOUNDS = {"gt": "over", "ge": "at least", "lt": "under", "le": "at most", "min_
 def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
     """The experiment in a YAML file, on the dynamic rig if it has a field ``rig``. InputError tells all problems."""
     path = Path(path)
-    text = read_text(path, "file of an experiment", "; docs/experiments.md shows examples")
-    tree = yamltree.parse(text, str(path))
+    tree = yamltree.parse(read_text(path, *_KIND), str(path), *_KIND)
     dynamic = isinstance(tree.data, dict) and "rig" in tree.data
     try:
         experiment = (DynamicExperiment if dynamic else Experiment).model_validate(tree.data)

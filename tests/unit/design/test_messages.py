@@ -171,7 +171,7 @@ class TestFiles:
     def test_empty(self, tmp_path: Path) -> None:
         path = tmp_path / "f.yaml"
         path.write_bytes(b"")
-        assert self.refused(path).startswith(f"{path}:1: the file is empty"), self.refused(path)
+        assert self.refused(path).startswith(f"{path}:1: the design file is empty"), self.refused(path)
 
     def test_byte_order_mark_and_windows_line_ends_are_read(self, tmp_path: Path) -> None:
         path = tmp_path / "f.yaml"

@@ -84,18 +84,62 @@ def test_refusals_name_file_line_and_remedy_and_write_nothing(write: Write, caps
     assert not target.exists()
 
 
-@pytest.mark.parametrize("which", ["design", "measurement", "no folder"])
+CLASHES = {
+    "design": (["--json", "design.yaml"], "would overwrite the design file, "),
+    "design applied to itself": (["--apply", "design.yaml"], "would overwrite the design file, "),
+    "measurement": (["--json", "run.yaml"], "would overwrite the measurement file, "),
+    "data": (["--json", "run.csv"], "would overwrite the data of run.yaml, "),
+    "data by --apply": (["--apply", "run.csv"], "would overwrite the data of run.yaml, "),
+    "another spelling": (["--json", "page/../run.csv"], "would overwrite the data of run.yaml, "),
+    "link to a file": (["--json", "link.csv"], "would overwrite the data of run.yaml, "),
+    "through a linked folder": (["--apply", "linked/run.yaml"], "would overwrite the measurement file, "),
+    "hard link": (["--json", "hard.csv"], "would overwrite the data of run.yaml, "),
+    "report over the data": (
+        ["--report", "page"],
+        "page/result.json:1: --report: would overwrite the data of run.yaml",
+    ),
+    "report is a file": (["--report", "run.csv"], "--report: a file; the report needs a folder"),
+    "two outputs": (["--json", "new.yaml", "--apply", "page/../new.yaml"], "would overwrite the output of --json, "),
+    "json of the report": (["--json", "page/report.html", "--report", "page"], "the output of --json, "),
+    "no folder": (["--json", "none/x.json"], "there is no folder "),
+}
+
+
+@pytest.mark.parametrize("which", CLASHES)
 def test_an_output_that_cannot_be_is_refused_before_any_work(
-    which: str, bare: Path, capsys: pytest.CaptureFixture[str]
+    which: str, bare: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    design = bare.with_name("design.yaml")
-    design.write_text(DESIGN.read_text())
-    target = {"design": design, "measurement": bare, "no folder": bare.with_name("none") / "x.json"}[which]
-    before = [path.read_bytes() for path in (design, bare)]
-    assert mbcdm(["loop", str(design), str(bare), "--json", str(target)]) == 2
+    folder = bare.parent
+    (folder / "design.yaml").write_text(DESIGN.read_text())
+    (folder / "page").mkdir()
+    (folder / "link.csv").symlink_to("run.csv")
+    (folder / "hard.csv").hardlink_to(folder / "run.csv")
+    (folder / "linked").symlink_to(folder)
+    if which == "report over the data":
+        (folder / "page" / "result.json").symlink_to(folder / "run.csv")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+    def never(*_: object) -> None:
+        raise AssertionError("the data were read although an output cannot be written")
+
+    monkeypatch.setattr("mbcdm_cad.loop.command.read_run", never)
+    options, words = CLASHES[which]
+    paths = [part if part.startswith("--") else str(folder / part) for part in options]
+    assert mbcdm(["loop", str(folder / "design.yaml"), str(bare), *paths]) == 2
     said = capsys.readouterr()
-    assert ("no folder" if which == "no folder" else "this is an input") in said.err and not said.out, said
-    assert [path.read_bytes() for path in (design, bare)] == before
+    assert words in said.err and "; " in said.err and not said.out, said
+    assert all(line.count(f":1: {options[-2]}: ") for line in said.err.splitlines()), said.err
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_inputs_given_through_links_are_kept(bare: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = bare.parent / "given"
+    given.mkdir()
+    for name in ("run.yaml", "run.csv"):
+        (given / name).symlink_to(bare.parent / name)
+    for name in ("run.yaml", "run.csv"):
+        assert mbcdm(["loop", str(DESIGN), str(given / "run.yaml"), "--json", str(bare.parent / name)]) == 2
+        assert "would overwrite the " in capsys.readouterr().err
 
 
 def test_runs_of_different_drives_are_not_judged_together(

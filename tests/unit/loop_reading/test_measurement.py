@@ -12,6 +12,7 @@ from logger_samples import RATIO, Write, mapping, signals, table
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop import datafile
 from mbcdm_cad.loop.measurement import load_file, load_measurement, read_run
+from mbcdm_cad.rig.reading import read_experiment
 
 
 def with_column(name: str, **fields: Any) -> dict[str, Any]:
@@ -185,6 +186,33 @@ def test_refusals_of_the_mapping(write: Write) -> None:
     content = mapping()
     content["columns"]["input"] = {"column": "left", "unit": "rad"}
     assert "given beside input_left" in refused(write(text, content))
+
+
+FOREIGN = {
+    "nothing": ("", "is empty"),
+    "two documents": ("data: x\n---\ndata: y\n", "one document in a file"),
+    "a tag": ("data: !!float 3\n", "tags are not part of"),
+    "a merge key": ("<<: {data: x}\n", "merge keys are not part of"),
+    "no YAML": ("data: [1\n", "is not valid YAML"),
+    "too much": ("data: [" + "1," * 6000 + "1]\n", "need some hundred at most"),
+    "far too much": ("a" * 2_000_000, "about 10 kB at most"),
+    "the CSV itself": (table(signals()), "no measurement file: it has no fields"),
+}
+
+
+@pytest.mark.parametrize("which", FOREIGN)
+def test_what_is_no_measurement_file_is_called_by_its_kind(which: str, tmp_path: Path) -> None:
+    text, words = FOREIGN[which]
+    path = tmp_path / "run.yaml"
+    path.write_text(text)
+    said = refused(path)
+    assert words in said and "design" not in said and "mbcdm init" not in said, said
+    experiment = ""
+    try:
+        read_experiment(path)
+    except InputError as error:
+        experiment = str(error).replace(str(path), "")
+    assert experiment and not any(word in experiment for word in ("design", "mbcdm init", "measurement")), experiment
 
 
 def test_refusals_of_the_data(write: Write) -> None:
