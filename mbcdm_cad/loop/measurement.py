@@ -58,10 +58,11 @@ def load_measurement(path: str | Path) -> Run:
 def load_file(path: str | Path) -> MeasurementFile:
     """The measurement file alone, its data not yet read. Raises InputError."""
     path = Path(path)
-    tree = yamltree.parse(read_text(path, *_KIND), str(path), *_KIND)
-    if not isinstance(tree.data, dict):
+    text = read_text(path, *_KIND)
+    if not _has_fields(text):
         remedy = "give the YAML file that says which column of the data is what" + _KIND[1]
         raise InputError([Problem(str(path), 1, "", "no measurement file: it has no fields", remedy=remedy)])
+    tree = yamltree.parse(text, str(path), *_KIND)
     try:
         content = Measurement.model_validate(tree.data)
     except ValidationError as error:
@@ -100,6 +101,13 @@ def read_run(file: MeasurementFile) -> Reading:
         more = ", ..." if table.broken > len(table.broken_lines) else ""
         notes.append(f"{table.broken} broken rows of {data.name} left out (lines {lines}{more})")
     return Reading(run, tuple(notes))
+
+
+def _has_fields(text: str) -> bool:
+    """False for a logger's file given in place of the one that describes it: it begins with names or figures."""
+    signs = ("#", "%", "---")
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(signs)), "")
+    return ":" in first or first.lstrip().startswith("{") or not first
 
 
 def _broken_rules(file: MeasurementFile) -> list[Problem]:
