@@ -30,7 +30,7 @@ def load_design(path: str | Path) -> LoadedDesign:
 
 def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
     """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
-    tree, sigmas = split_sigmas(yamltree.parse(text, str(path)), str(path))
+    tree, sigmas = _read(text, str(path))
     # A plain block has the fields of the schema's model, by the same names.
     design = cast("Design", read_plainly(tree.data)) or _validated(tree, path)
     _refuse_broken_rules(design, tree, path)
@@ -40,10 +40,18 @@ def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
 
 def validated(text: str, path: str | Path) -> tuple[Design, yamltree.Tree, dict[FieldPath, float]]:
     """The design as its schema's model, the tree it was read from, and sigmas, once schema and rules are satisfied."""
-    tree, sigmas = split_sigmas(yamltree.parse(text, str(path)), str(path))
+    tree, sigmas = _read(text, str(path))
     design = _validated(tree, path)
     _refuse_broken_rules(design, tree, path)
     return design, tree, sigmas
+
+
+def _read(text: str, file: str) -> tuple[yamltree.Tree, dict[FieldPath, float]]:
+    """The tree with plain values, and the sigmas."""
+    tree = yamltree.parse(text, file)
+    if isinstance(tree.data, dict) and tree.data.get("as_built", ()) is None:
+        tree.data["as_built"] = []  # all entries are comments still, as 'mbcdm loop --apply' writes what is undecided
+    return split_sigmas(tree, file)
 
 
 def _validated(tree: yamltree.Tree, path: str | Path) -> Design:

@@ -55,24 +55,47 @@ def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tup
 def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") -> str:
     """The design file with what ``result`` named added to its list ``as_built``; all else stays as it is written.
 
-    Members of a set stand there as comments. ``source`` names the run.
+    Members of a set stand there as comments, each ready to be put in force by taking the marks off its lines. What an
+    earlier run left as comments goes: this run has judged it anew. ``source`` names the run.
     """
     lines = loaded.text.split("\n")
     start, end = _block(loaded.text, lines)
     before = yamltree.parse(loaded.text, str(loaded.path)).data.get(KEY) or []
     entries = before + [_entry(named, source) for named in result.effects]
-    block = [f"{KEY}:" if entries else f"{KEY}: []"]
+    block = [f"{KEY}:" if entries or result.one_of else f"{KEY}: []"]
     for entry in entries:
         block += _written(entry)
-    for group in result.one_of:
-        block.append("  # one of these, the runs cannot tell which; take the mark away from the one that it is:")
-        for named in group:
-            block += ["  #" + line[1:] for line in _written(_entry(named, source))]
+    for number, group in enumerate(result.one_of, 1):
+        block += _undecided(group, number, len(result.one_of), source)
     if start == end:
         while lines and not lines[-1].strip():
             lines.pop()
         return "\n".join([*lines, "", _HEADING, *block, ""])
     return "\n".join([*lines[:start], *block, *lines[end:]])
+
+
+def applied_words(result: LoopResult) -> str:
+    """What :func:`as_built_text` wrote, for the terminal."""
+    words = [f"{', '.join(named.words for named in result.effects)} in force"] if result.effects else []
+    words += [
+        f"undecided, as comments: {' or '.join(named.words for named in group)} "
+        "(take the marks off the one that the bench confirms)"
+        for group in result.one_of
+    ]
+    return "; ".join(words) or "nothing was named, so it is the design as it was"
+
+
+def _undecided(group: Sequence[Named], number: int, count: int, source: str) -> list[str]:
+    """Members of a set as comments. A line of words has two marks, so that it stays one when one mark is taken off."""
+    which = f"set {number} of {count}: " if count > 1 else ""
+    lines = [
+        f"  ## UNDECIDED, {which}the runs cannot tell which one of these {len(group)} it is. None is in force.",
+        "  ## Put the one in force that the bench confirms: take '# ', the mark and one blank, off each of its lines.",
+    ]
+    for k, named in enumerate(group, 1):
+        lines.append(f"  ## {k}. {named.words} ({named.form}); look at: {named.where_to_look}".rstrip())
+        lines += [f"  # {line[2:]}" for line in _written(_entry(named, source))]
+    return lines
 
 
 def _block(text: str, lines: list[str]) -> tuple[int, int]:
@@ -82,9 +105,13 @@ def _block(text: str, lines: list[str]) -> tuple[int, int]:
     for key, value in root.value:
         if key.value == KEY:
             start, end = key.start_mark.line, value.end_mark.line + (value.end_mark.column > 0)
+            end = max(end, start + 1)
             # A block list ends where the next field begins: blank lines and comments between belong to that.
             while end > start + 1 and (not lines[end - 1].strip() or lines[end - 1].startswith("#")):
                 end -= 1
+            # Comments that are indented belong to the list, also where all of it is comments.
+            while end < len(lines) and lines[end].startswith(" ") and lines[end].lstrip().startswith("#"):
+                end += 1
             return start, end
     return 0, 0
 

@@ -69,12 +69,13 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         click.echo("")
         click.echo("\n".join(vetting_lines(one)))
     content = {**result.to_json(), "design": _design(loaded, drive), "runs": [_run_json(one) for one in vetted]}
-    outputs = {} if wanted.json is None else {wanted.json: json_bytes(content)}
+    outputs, applied = {} if wanted.json is None else {wanted.json: json_bytes(content)}, ""
     if wanted.as_built is not None:
-        from mbcdm_cad.loop.as_built import as_built_text
+        from mbcdm_cad.loop.as_built import applied_words, as_built_text
 
         text = as_built_text(loaded, result, ", ".join(one.run.source for one in vetted))
         outputs[wanted.as_built] = text.encode()
+        applied = applied_words(result)
     if wanted.report is not None:
         from mbcdm_cad.loop.report import report_page
 
@@ -82,7 +83,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: json_bytes(content)}
     write_whole(outputs)
     for path in outputs:
-        click.echo(f"{path} written")
+        click.echo(f"{path} written" + (f": {applied}" if path == wanted.as_built else ""))
     return 0
 
 

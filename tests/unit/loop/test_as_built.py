@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.loader import load_text
-from mbcdm_cad.loop.as_built import as_built_text, known_effects
+from mbcdm_cad.loop.as_built import applied_words, as_built_text, known_effects
 from mbcdm_cad.loop.prepared import Prepared, prepare
 from mbcdm_cad.loop.result import Errors, LoopResult, Named, Value
 from mbcdm_cad.loop.run import Run
@@ -18,6 +18,7 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import to_si
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+WITHOUT = "\n".join(line for line in REFERENCE.read_text("utf-8").split("\n") if not line.startswith("as_built"))
 
 
 def named(name: str, form: str, stage: str | None = None, cables: tuple[str, ...] = (), **fitted: float) -> Named:
@@ -31,6 +32,7 @@ MODULUS = named("stiffness_error", "modulus of the rope", share=0.1)
 GUIDE = named("once_per_rev", "eccentric pulley", "guide", cosine_m=1e-05, sine_m=-2e-06)
 LEFT = named("once_per_rev", "eccentric encoder", "input_left", cosine_rad=1e-4, sine_rad=0.0)
 RIGHT = named("once_per_rev", "eccentric encoder", "input_right", cosine_rad=1e-4, sine_rad=0.0)
+SERIES = named("stiffness_error", "compliance in series", compliance_rad_Nm=1e-5)
 
 
 def result(effects: tuple[Named, ...], one_of: tuple[tuple[Named, ...], ...] = ()) -> LoopResult:
@@ -68,19 +70,67 @@ def test_all_else_stays_as_written_and_a_second_time_adds() -> None:
 
 
 def test_a_file_without_the_list_gets_one() -> None:
-    text = "\n".join(line for line in REFERENCE.read_text("utf-8").split("\n") if not line.startswith("as_built"))
-    drive = load_text(as_built_text(load_text(text, REFERENCE), result((GUIDE,))), REFERENCE).drive
+    drive = load_text(as_built_text(load_text(WITHOUT, REFERENCE), result((GUIDE,))), REFERENCE).drive
     assert len(drive.as_built) == 1
 
 
-def test_sets_are_comments() -> None:
+SETS = ((LEFT, RIGHT), (MODULUS, SERIES))
+
+
+def uncommented(text: str, chosen: Named) -> str:
+    """The text with the marks taken off one member, as an editor does it: mark and one blank, on each of its lines."""
+    lines = text.split("\n")
+    first = next(k for k, line in enumerate(lines) if line.startswith("  ## ") and f". {chosen.words} (" in line) + 1
+    last = first
+    while lines[last].startswith("  # "):
+        lines[last] = lines[last].replace("# ", "", 1)
+        last += 1
+    assert last > first, text
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("effects", [(), (GUIDE,)], ids=["nothing else", "beside a named one"])
+@pytest.mark.parametrize("before", [REFERENCE.read_text("utf-8"), WITHOUT], ids=["empty list", "no list"])
+def test_a_set_is_undecided_until_one_member_is_uncommented(before: str, effects: tuple[Named, ...]) -> None:
+    text = as_built_text(load_text(before, REFERENCE), result(effects, (SETS[0],)), source="run.csv")
+    assert "UNDECIDED, the runs cannot tell which one of these 2 it is. None is in force." in text, text[-1500:]
+    undecided = load_text(text, REFERENCE).drive
+    assert [e.stage for e in undecided.as_built] == [e.stage for e in effects]
+    for chosen in SETS[0]:
+        decided = load_text(uncommented(text, chosen), REFERENCE).drive
+        assert [e.stage for e in decided.as_built] == [*(e.stage for e in effects), chosen.stage]
+        ((effect, values),) = known_effects(to_si(decided), run(), decided.as_built[-1:])
+        assert (effect.name, effect.stage, list(values)) == (chosen.name, chosen.stage, [1e-4, 0.0])
+
+
+def test_each_of_two_sets_is_decided_by_itself() -> None:
+    text = as_built_text(load_design(REFERENCE), result((), SETS))
+    assert "set 1 of 2" in text and "set 2 of 2" in text
+    modulus = load_design(REFERENCE).drive.cable.modulus_GPa
+    second = load_text(uncommented(text, MODULUS), REFERENCE).drive
+    assert second.as_built == () and second.cable.modulus_GPa == pytest.approx(1.1 * modulus)
+    both = load_text(uncommented(uncommented(text, MODULUS), RIGHT), REFERENCE).drive
+    assert [e.stage for e in both.as_built] == ["input_right"] and both.cable.modulus_GPa == pytest.approx(
+        1.1 * modulus
+    )
+
+
+@pytest.mark.parametrize("effects", [(), (GUIDE,)], ids=["nothing else", "beside a named one"])
+def test_what_was_undecided_is_written_anew_by_the_next_run(effects: tuple[Named, ...]) -> None:
     loaded = load_design(REFERENCE)
-    text = as_built_text(loaded, result((GUIDE,), ((LEFT, RIGHT),)))
-    assert "  #  - name: once_per_rev" in text or "  # - name: once_per_rev" in text, text[-900:]
-    again = load_text(text, REFERENCE)
-    assert [e.stage for e in again.drive.as_built] == ["guide"]
-    third = load_text(as_built_text(again, result(())), REFERENCE)
-    assert [e.stage for e in third.drive.as_built] == ["guide"]
+    undecided = load_text(as_built_text(loaded, result(effects, SETS)), REFERENCE)
+    plain = as_built_text(loaded, result(effects)).split("\n")
+    assert as_built_text(undecided, result(())).split("\n") == plain
+    decided = load_text(as_built_text(undecided, result((LEFT,))), REFERENCE)
+    assert "UNDECIDED" not in decided.text and decided.drive.as_built[-1].stage == "input_left"
+
+
+def test_the_terminal_is_told_what_is_in_force() -> None:
+    assert applied_words(result((GUIDE,), (SETS[0],))) == (
+        "once_per_rev guide in force; undecided, as comments: once_per_rev input_left or once_per_rev input_right "
+        "(take the marks off the one that the bench confirms)"
+    )
+    assert "nothing was named" in applied_words(result(()))
 
 
 def test_known_effects_change_the_prediction_as_the_effect_does() -> None:
