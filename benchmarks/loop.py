@@ -27,7 +27,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 DESIGN = ROOT / "params" / "mbcdm.yaml"
-BLOCK = 64_000  # samples simulated; longer runs repeat them with fresh sensor noise
+BLOCK = 1_000_000  # samples simulated; longer runs repeat them with fresh sensor noise
 LIMIT_S, LIMIT_ADDITIVE_S, LIMIT_BYTES = 20.0, 3.0, 2 * 2**30
 
 

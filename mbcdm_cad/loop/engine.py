@@ -14,13 +14,13 @@ from mbcdm_cad.loop.effects.base import Effect, Figure
 from mbcdm_cad.loop.effects.registry import library
 from mbcdm_cad.loop.fit import Fit, Fitter
 from mbcdm_cad.loop.orders import order_spectrum
-from mbcdm_cad.loop.prepared import Prepared, prepare, smoothed
+from mbcdm_cad.loop.prepared import Prepared, prepare_both, smoothed
 from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value
 from mbcdm_cad.loop.run import Floats, Run
 from mbcdm_cad.loop.select import LEAST_FALL, Search
 from mbcdm_cad.loop.separable import Separation, separation
 from mbcdm_cad.loop.unknown import Unknown, describe_unknown
-from mbcdm_cad.loop.wald import Estimate, cluster_estimate
+from mbcdm_cad.loop.wald import cluster_estimate
 from mbcdm_cad.model.si import DriveSI, to_si
 
 if TYPE_CHECKING:
@@ -48,8 +48,7 @@ def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
     """
     d = None if drive is None else to_si(drive)
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
-    prepared = [prepare(run, ratio) for run in runs]
-    return _Loop(d, ratio, prepared, () if drive is None else drive.as_built).result()
+    return _Loop(d, ratio, [prepare_both(run, ratio) for run in runs], () if drive is None else drive.as_built).result()
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,19 +60,23 @@ class _Group:
 
 
 class _Loop:
-    """One pass of the loop."""
+    """One pass of the loop: searched on the part of each run that ``prepare_both`` gives first, judged on the whole."""
 
-    def __init__(self, d: DriveSI | None, ratio: float, prepared: Sequence[Prepared], known: Sequence[AsBuilt]) -> None:
-        self.d, self.ratio, self.prepared = d, ratio, tuple(prepared)
+    def __init__(
+        self, d: DriveSI | None, ratio: float, prepared: Sequence[tuple[Prepared, Prepared]], known: Sequence[AsBuilt]
+    ) -> None:
+        self.d, self.ratio = d, ratio
+        self.prepared = tuple(part for part, _ in prepared)
         self.known = tuple(known)
         self.fitter = Fitter(d, ratio, self.prepared, self.known)
+        cut = any(part is not whole for part, whole in prepared)
+        self.whole = Fitter(d, ratio, [whole for _, whole in prepared], self.known) if cut else self.fitter
         offered = [library(d, p) for p in self.prepared]
         labels = [{e.label for e in one} for one in offered]
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
         self.bare = self.fitter.fit()
         self.floor_rad = self._floor()
         self.search = Search(self.fitter, self.library, self.floor_rad, self.bare)
-        self.cells = self.fitter.sweep, self.fitter.sector
 
     def _floor(self) -> float:
         """Noise floor: what the sensors are declared to do, else what the residual has beyond slow change."""
@@ -93,7 +96,14 @@ class _Loop:
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)
         fit, groups, unknown = self._undecoyed(fit, groups, unknown)
-        whole = self.fitter.fit(fit.effects, fit.values, fit.offsets, mask=self.fitter.used)
+        judged, bare = fit, self.bare
+        if self.whole is not self.fitter:
+            bare = self.whole.fit(offsets=self.bare.offsets)
+            judged = self._located(fit)
+            unknown = unknown or self._left(judged, self.whole)
+        whole = self.whole.fit(
+            judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
+        )
         named, sets = [], []
         for group in groups:
             first = self._named(group.effect, fit, whole)
@@ -108,10 +118,22 @@ class _Loop:
             verdict = "explained" if groups else "none"
         not_testable = self._not_testable()
         return LoopResult(
-            verdict, tuple(named), tuple(sets), unknown, self._errors(fit), self._evidence(groups, fit),
+            verdict, tuple(named), tuple(sets), unknown, self._errors(bare, judged), self._evidence(groups, fit),
             self._small(fit), not_testable, self._next_steps(named, sets, unknown, not_testable), self._chain_orders(),
-            self._traces(fit),
+            self._traces(bare, judged),
         )  # fmt: skip
+
+    def _located(self, fit: Fit) -> Fit:
+        """The search's fit on the whole of the runs; what happened once may lie where the search saw nothing."""
+        values = list(fit.values)
+        for k, effect in enumerate(fit.effects):
+            if effect.starts is None or all(parameter.name != "at_s" for parameter in effect.parameters):
+                continue
+            rest = [j for j in range(len(values)) if j != k]
+            less = self.whole.fit([fit.effects[j] for j in rest], [values[j] for j in rest], fit.offsets, fresh=False)
+            guess = np.array(effect.first_guesses(self.whole.base[0], less.residual[self.whole.parts[0]])[0])
+            values[k] = np.where(guess != 0.0, guess, values[k])
+        return self.whole.fit(fit.effects, values, fit.offsets)
 
     # --- selection -------------------------------------------------------------------------------------------------
     def _settled(self) -> tuple[Fit, tuple[_Group, ...]]:
@@ -124,7 +146,11 @@ class _Loop:
                 if others and others[0].square < fit.square and not self._alike(fit, others[0]):
                     better = others[0]
                     break
-                alike = [o for o in others if self._alike(o, fit) and not self._coincidence(effect, o)]
+                alike = [o for o in others if self._alike(o, fit)]
+                better = next((o for o in alike if self._coincidence(o.effects[-1], effect, fit)), None)
+                if better is not None:
+                    break
+                alike = [o for o in alike if not self._coincidence(effect, o.effects[-1], o)]
                 groups.append(_Group(effect, self._by_name(alike, effect)))
             if better is None:
                 return fit, tuple(groups)
@@ -141,17 +167,16 @@ class _Loop:
                 best[key] = one
         return tuple(best.values())
 
-    def _coincidence(self, effect: Effect, other: Fit) -> bool:
-        """Would ``other`` need its figures to fall by chance where they look like the simpler ``effect``?
+    def _coincidence(self, simple: Effect, two: Effect, fit: Fit) -> bool:
+        """Would ``two`` of ``fit`` need its figures to fall by chance where they look like the simpler effect?
 
         A wave of two coordinates that are both known to a few per cent of its size could have had any phase; that it
         has the one phase of the simpler effect is not believed.
         """
-        two = other.effects[-1]
-        if len(two.parameters) <= len(effect.parameters):
+        if len(two.parameters) <= len(simple.parameters):
             return False
-        values = other.values[-1]
-        spread = np.sqrt(np.diag(self._spread(other, two)))
+        values = fit.values_of(two)
+        spread = np.sqrt(np.diag(self._spread(fit, two, self.fitter)))
         return bool(np.max(spread[:2]) < COINCIDENCE * np.hypot(values[0], values[1]))
 
     def _alike(self, worse: Fit, better: Fit) -> bool:
@@ -163,7 +188,7 @@ class _Loop:
             return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.floor_rad) ** 2:
             return True
-        sweep, sector = self.cells
+        sweep, sector = self.fitter.sweep, self.fitter.sector
         cell = np.unique((sweep * (int(sector.max()) + 1) + sector)[used], return_inverse=True)[1]
         sums = np.bincount(cell, excess)
         return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
@@ -172,15 +197,16 @@ class _Loop:
         """How well ``effect`` of ``fit`` is told from what stands in for it in ``other``."""
         used = self.fitter.used
         less = self.search.without(fit, effect).residual[used]
-        sweep, sector = self.cells
+        sweep, sector = self.fitter.sweep, self.fitter.sector
         here = fit.residual[used]
         return separation(less - here, less - other.residual[used], here, sweep[used], sector[used])
 
     # --- what is left ----------------------------------------------------------------------------------------------
-    def _left(self, fit: Fit) -> Unknown | None:
-        """What stays unexplained, where it is more than the floor allows."""
+    def _left(self, fit: Fit, fitter: Fitter | None = None) -> Unknown | None:
+        """What stays unexplained, where it is more than the floor allows; ``fitter`` is the search's by default."""
+        fitter = fitter or self.fitter
         worst: Unknown | None = None
-        for part, p in zip(self.fitter.parts, self.prepared, strict=True):
+        for part, p in zip(fitter.parts, fitter.runs, strict=True):
             r = fit.residual[part]
             slow = smoothed(r, SLOW_S, p.step_s)
             quiet = float(np.mean((r - slow)[p.used] ** 2))
@@ -237,45 +263,41 @@ class _Loop:
         return fit, groups, unknown
 
     # --- figures ---------------------------------------------------------------------------------------------------
-    def _estimate(self, fit: Fit) -> Estimate:
-        """Covariance of the parameters of a fit, clustered by sweep and sector, on all samples in use."""
-        used = self.fitter.used
-        sweep, sector = self.cells
-        columns = self.fitter.centred(fit.jacobian, used)[used]
-        return cluster_estimate(columns, fit.residual[used], sweep[used], sector[used])
+    def _spread(self, fit: Fit, effect: Effect, fitter: Fitter) -> Floats:
+        """Covariance of one effect's parameters, scaled so that 1.96 standard deviations make a 95 % interval.
 
-    def _spread(self, fit: Fit, effect: Effect) -> Floats:
-        """Covariance of one effect's parameters, scaled so that 1.96 standard deviations make a 95 % interval."""
-        k = fit.effects.index(effect)
-        start, size = sum(v.size for v in fit.values[:k]), fit.values[k].size
-        estimate = self._estimate(fit)
+        Clustered by sweep and sector, on all samples in use.
+        """
+        used, k = fitter.used, fit.effects.index(effect)
+        columns = fitter.centred(fit.jacobian, used)[used]
+        estimate = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
         wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2
-        block = estimate.covariance[start : start + size, start : start + size]
+        block = estimate.covariance[fit.columns_of(effect), fit.columns_of(effect)]
         # What the data do not move at all has no interval by linear theory; it is as unknown as it is large.
         return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values[k])) ** 2))
 
     def _shift_by_window(self, fit: Fit) -> list[Floats]:
-        """Change of every parameter with the smoothing windows; as many arrays as effects."""
+        """Change of every parameter of the search's fit with the smoothing windows; as many arrays as effects."""
         most = [np.zeros_like(v) for v in fit.values]
         for factor in WINDOWS:
             other = Fitter(self.d, self.ratio, [p.rewindowed(factor) for p in self.prepared], self.known)
-            again = other.fit(fit.effects, fit.values, fit.offsets, mask=other.used, iterations=2)
+            again = other.fit(fit.effects, fit.values, fit.offsets, iterations=2, slopes=fit.jacobian, fresh=False)
             most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
         return most
 
     def _named(self, effect: Effect, fit: Fit, whole: Fit) -> Named:
         """An effect with its figures from all data and the held-out fall that it is worth."""
         if not hasattr(self, "_windows"):
-            self._windows = self._shift_by_window(whole)
+            self._windows = self._shift_by_window(fit)
         k = whole.effects.index(effect)
-        block = self._spread(whole, effect) + np.diag((self._windows[k] / INTERVAL) ** 2)
+        block = self._spread(whole, effect, self.whole) + np.diag((self._windows[k] / INTERVAL) ** 2)
         less = self.search.without(fit, effect)
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
         return self._as_named(effect, whole.values[k], block, float(fall))
 
     def _other(self, fit: Fit) -> Named:
         """Another that would do as well, from the training samples."""
-        return self._as_named(fit.effects[-1], fit.values[-1], self._spread(fit, fit.effects[-1]), 0.0)
+        return self._as_named(fit.effects[-1], fit.values[-1], self._spread(fit, fit.effects[-1], self.fitter), 0.0)
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
         figures = {figure.name: _interval(figure, values, block, effect) for figure in effect.reported()}
@@ -287,25 +309,26 @@ class _Loop:
             {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
         )  # fmt: skip
 
-    def _errors(self, fit: Fit) -> Errors:
+    def _errors(self, bare: Fit, fit: Fit) -> Errors:
         """Held-out error before and after; intervals from the scatter between held-out sweeps."""
-        before, after = self._rms_interval(self.bare), self._rms_interval(fit)
-        test = self.fitter.test
+        before, after = self._rms_interval(bare), self._rms_interval(fit)
+        test = self.whole.test
         could = before.value**2 - self.floor_rad**2
         did = before.value**2 - after.value**2
         share = float(np.clip(did / could, 0.0, 1.0)) if could > 0.0 else 1.0
         return Errors(
-            before, after, float(np.abs(self.bare.residual[test]).max()), float(np.abs(fit.residual[test]).max()),
+            before, after, float(np.abs(bare.residual[test]).max()), float(np.abs(fit.residual[test]).max()),
             self.floor_rad, share, "; ".join(p.held_words for p in self.prepared),
         )  # fmt: skip
 
     def _rms_interval(self, fit: Fit) -> Value:
-        test = self.fitter.test
-        sweep = np.unique(self.cells[0][test], return_inverse=True)[1]
+        test = self.whole.test
+        sweep = np.unique(self.whole.sweep[test], return_inverse=True)[1]
         squares = np.bincount(sweep, fit.residual[test] ** 2) / np.bincount(sweep)
-        rms = self.search.held_rms(fit)
-        spread = INTERVAL * float(np.std(squares, ddof=1)) / np.sqrt(squares.size) if squares.size > 1 else rms**2
-        return Value(rms, float(np.sqrt(max(0.0, rms**2 - spread))), float(np.sqrt(rms**2 + spread)))
+        square = float(np.mean(fit.residual[test] ** 2))
+        spread = INTERVAL * float(np.std(squares, ddof=1)) / np.sqrt(squares.size) if squares.size > 1 else square
+        low, high = max(0.0, square - spread), square + spread
+        return Value(float(np.sqrt(square)), float(np.sqrt(low)), float(np.sqrt(high)))
 
     # --- words -----------------------------------------------------------------------------------------------------
     def _evidence(self, groups: Sequence[_Group], fit: Fit) -> tuple[Evidence, ...]:
@@ -358,16 +381,16 @@ class _Loop:
             orders["guide"] = float(np.mean(self.d.drum_radius_m / self.d.guide_radius_m))
         return orders
 
-    def _traces(self, fit: Fit) -> tuple[Traces, ...]:
+    def _traces(self, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
         traces = []
-        for part, p in zip(self.fitter.parts, self.prepared, strict=True):
+        for part, p in zip(self.whole.parts, self.whole.runs, strict=True):
             every = max(1, p.time_s.size // TRACE_POINTS)
             used = p.used
-            orders, before = order_spectrum(p.output_rad[used], self.bare.residual[part][used])
+            orders, before = order_spectrum(p.output_rad[used], bare.residual[part][used])
             _, after = order_spectrum(p.output_rad[used], fit.residual[part][used])
             load = None if p.load_Nm is None else p.load_Nm[::every]
             traces.append(Traces(
-                p.time_s[::every], p.output_rad[::every], load, self.bare.residual[part][::every],
+                p.time_s[::every], p.output_rad[::every], load, bare.residual[part][::every],
                 fit.residual[part][::every], p.held[::every].astype(float), orders, before, after,
             ))  # fmt: skip
         return tuple(traces)

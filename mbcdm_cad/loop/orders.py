@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,7 @@ def order_spectrum(angle_rad: Floats, residual: Any) -> tuple[Floats, Floats]:
     return orders[keep], amplitude[keep]
 
 
+@lru_cache(maxsize=4)
 def step_lines(setup: Setup) -> Floats:
     """Amplitude (rad) that the inputs' encoder steps can put at each order of the spectrum; shape of its orders.
 
@@ -58,10 +60,10 @@ def step_lines(setup: Setup) -> Floats:
     """
     p, used = setup.p, setup.p.used
     total: Floats | float = 0.0
-    for index in range(setup.angle_rad.shape[0]):
+    for index in range(setup.p.angle_rad.shape[0]):
         turns = 2.0 * np.pi * setup.input_shaft_rad(index)[used] / p.input_step_rad
         for harmonic in (1, 2, 3):
-            height = p.input_step_rad / (np.pi * harmonic) / setup.ratio / setup.angle_rad.shape[0]
+            height = p.input_step_rad / (np.pi * harmonic) / setup.ratio / setup.p.angle_rad.shape[0]
             total = total + height * order_spectrum(setup.drum_rad[used], np.exp(1j * harmonic * turns))[1]
     return np.asarray(total)
 

@@ -3,6 +3,8 @@
 The friction of the model has memory, so noise in its inputs would move the slip fronts and fake a residual. What works
 the friction is the difference between the inputs, and the load; both are smoothed, and the input noise taken out so is
 added back linearly (see :mod:`mbcdm_cad.loop.setup`).
+
+A long run is looked at twice: the search works on stretches of it, the figures and errors are those of the whole.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.loop.holdout import held_sweeps, held_words
 from mbcdm_cad.loop.run import Floats, Run
+from mbcdm_cad.loop.stretches import Cut, half_sweeps, search_cut, whole_cut
 
 # Windows of the smoothing in s: left minus right, and the inputs' mean (estimates, varied for the intervals).
 DIFFERENCE_WINDOW_S = 2.0
@@ -27,27 +30,26 @@ COARSE_STEP_S = 0.04
 # Means over so many samples of the load are tried, and how many standard errors count as apart.
 LOAD_WIDTHS = (5, 9, 17, 33, 65, 129)
 LOAD_ERRORS = 2.5
-# A reversal counts where the output has come back by this share of its travel.
-REVERSAL_SHARE = 0.1
 SECTORS = 8
-# Of longer runs every so many samples are kept, down to this number, before anything is fitted.
-MOST_SAMPLES = 20_000
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
     """Signals of one run on the samples that the fits use; shapes (n,) or (n_inputs, n).
 
-    ``sweep`` numbers the half sweeps, -1 for the first, whose friction history nobody knows; ``sector`` is the angle
-    sector; ``used`` marks samples of known history, ``held`` those held back. ``floor_rad`` is the RMS that the sensors
-    alone put into the residual, 0 where the measurement file does not say; ``input_step_rad`` one step of the inputs.
+    ``angle_rad`` is as measured, ``shaft_rad`` freed of the encoders' steps, ``apart_rad`` how far each input slowly
+    stands from their mean. ``sweep`` numbers the half sweeps, -1 for the first, whose friction history nobody knows;
+    ``sector`` is the angle sector; ``used`` marks samples of known history, ``held`` those held back. ``floor_rad`` is
+    the RMS that the sensors alone put into the residual, 0 where the measurement file does not say; ``input_step_rad``
+    one step of the inputs. ``cut`` says which samples of the run these are.
     """
 
     time_s: Floats
     angle_rad: Floats
+    shaft_rad: Floats
+    apart_rad: Floats
     output_rad: Floats
     load_Nm: Floats | None
-    raw_load_Nm: Floats | None
     speed_rad_s: Floats
     temperature_C: Floats | None
     sweep: NDArray[np.int64]
@@ -58,7 +60,8 @@ class Prepared:
     floor_rad: float
     input_step_rad: float
     held_words: str
-    difference_window_s: float = DIFFERENCE_WINDOW_S
+    run: Run
+    cut: Cut
 
     @property
     def train(self) -> NDArray[np.bool_]:
@@ -71,15 +74,24 @@ class Prepared:
         return self.used & self.held
 
     @cached_property
+    def mean_rad(self) -> Floats:
+        """Mean of the inputs as measured, (n,)."""
+        return np.asarray(self.angle_rad.mean(axis=0))
+
+    @cached_property
     def coarse(self) -> NDArray[np.int64]:
-        """Samples on which the cables are simulated, the first and the last among them."""
+        """Samples on which the cables are simulated, the ends of each stretch among them."""
         every = max(1, int(COARSE_STEP_S / self.step_s))
-        return np.union1d(np.arange(0, self.time_s.size, every), [self.time_s.size - 1])
+        starts = self.cut.starts
+        ends = np.append(starts[1:], self.time_s.size) - 1
+        few = np.flatnonzero(self.cut.lead)
+        return np.unique(np.concatenate([np.arange(0, self.time_s.size, every), few, few[few > 0] - 1, starts, ends]))
 
     def rewindowed(self, factor: float) -> Prepared:
-        """The same run with other windows on the difference of the inputs and on the load."""
-        load = self.load_Nm if self.raw_load_Nm is None else quiet_load(self.raw_load_Nm, factor)
-        return replace(self, difference_window_s=factor * self.difference_window_s, load_Nm=load)
+        """The same samples with other windows on the difference of the inputs and on the load."""
+        at = self.cut.index
+        load = None if self.run.load_Nm is None else quiet_load(self.run.load_Nm, factor)[at]
+        return replace(self, apart_rad=slow_difference(self.run, factor)[:, at], load_Nm=load)
 
 
 def smoothed(values: Floats, window_s: float, step_s: float) -> Floats:
@@ -89,6 +101,12 @@ def smoothed(values: Floats, window_s: float, step_s: float) -> Floats:
         return values
     once = uniform_filter1d(values, width, axis=-1, mode="nearest")
     return np.asarray(uniform_filter1d(once, width, axis=-1, mode="nearest"))
+
+
+def slow_difference(run: Run, factor: float = 1.0) -> Floats:
+    """How far each input slowly stands from their mean, (n_inputs, n); ``factor`` scales the window."""
+    apart = run.input_rad - run.input_rad.mean(axis=0)
+    return smoothed(apart, factor * DIFFERENCE_WINDOW_S, run.step_s)
 
 
 def quiet_load(load_Nm: Floats, factor: float = 1.0) -> Floats:
@@ -115,69 +133,47 @@ def quiet_load(load_Nm: Floats, factor: float = 1.0) -> Floats:
     return np.asarray(uniform_filter1d(chosen, LOAD_WIDTHS[0], mode="nearest"))
 
 
-def half_sweeps(output_rad: Floats) -> NDArray[np.int64]:
-    """Number of the half sweep at each sample, from 0; shape (n,). A turn counts after a tenth of the travel."""
-    reach = REVERSAL_SHARE * float(np.ptp(output_rad))
-    turns: list[int] = []
-    rising = 0
-    low = high = float(output_rad[0])
-    low_at = high_at = 0
-    for k, value in enumerate(output_rad.tolist()):
-        if rising >= 0 and value > high:
-            high, high_at = value, k
-        if rising <= 0 and value < low:
-            low, low_at = value, k
-        if rising >= 0 and high - value > reach:
-            turns.append(high_at)
-            rising, low, low_at = -1, value, k
-        elif rising <= 0 and value - low > reach:
-            turns.append(low_at)
-            rising, high, high_at = 1, value, k
-    sweep = np.zeros(output_rad.size, dtype=np.int64)
-    for turn in turns:
-        # A start at rest is no sweep of its own.
-        if turn > 0.01 * output_rad.size:
-            sweep[turn:] += 1
-    return sweep
+def prepare(run: Run, ratio: float) -> Prepared:
+    """Make the whole of a run ready for a drive of total ratio ``ratio``, thinned where it is very long."""
+    return prepare_both(run, ratio)[1]
 
 
-def prepare(run: Run, ratio: float, most: int = MOST_SAMPLES) -> Prepared:
-    """Make a run ready for a drive of total ratio ``ratio``.
+def prepare_both(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
+    """The part of a run that the search works on, and the whole of it; the same object for a short run.
 
-    Of runs of more than ``most`` samples every so many are kept, after the smoothing: the model needs the turning
-    points of load and motion, not each sample between them, and a mean over a block would blunt them.
-
-    The first half sweep is discarded, and some are held back before any residual is looked at (see ``holdout``).
+    The first half sweep, of the run and of every stretch, is discarded, and some half sweeps are held back before any
+    residual is looked at (see ``holdout``): the same ones in both.
     """
-    stride = max(1, run.time_s.size // most)
-    full_step = float(np.median(np.diff(run.time_s)))
-    quiet = smoothed(run.input_rad.mean(axis=0) / ratio, SPEED_WINDOW_S, full_step)
-    speed = smoothed(np.gradient(quiet, run.time_s), SPEED_WINDOW_S, full_step)[::stride]
-    angle, raw_load = run.input_rad, run.load_Nm
-    load = None if raw_load is None else quiet_load(raw_load)[::stride]
-    if stride > 1:
-        mean = angle.mean(axis=0)
-        # Too few samples are left to smooth the difference afterwards.
-        angle = mean + smoothed(angle - mean, DIFFERENCE_WINDOW_S, full_step)
-        raw_load = None
-    time, angle, output = run.time_s[::stride], angle[:, ::stride], run.output_rad[::stride]
-    step = stride * full_step
-    temperature = None
-    if run.temperature_C is not None:
-        temperature = smoothed(run.temperature_C, TEMPERATURE_WINDOW_S, full_step)[::stride]
+    step, time, output = run.step_s, run.time_s, run.output_rad
+    shaft = smoothed(run.input_rad, COMMON_WINDOW_S, step)
+    quiet = smoothed(run.input_rad.mean(axis=0) / ratio, SPEED_WINDOW_S, step)
+    speed = smoothed(np.gradient(quiet, time), SPEED_WINDOW_S, step)
+    apart = slow_difference(run)
+    load = None if run.load_Nm is None else quiet_load(run.load_Nm)
+    temperature = None if run.temperature_C is None else smoothed(run.temperature_C, TEMPERATURE_WINDOW_S, step)
     sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
     if sweep.max() < 3:
         # Too few reversals to spare one: a quarter of the time is a sweep.
         sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
     low, span = float(output.min()), float(np.ptp(output))
     sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
-    used = sweep >= 0
-    numbers = held_sweeps(sweep, output, load)
-    held = np.isin(sweep, numbers)
-    return Prepared(
-        time, angle, output, load, raw_load, speed, temperature, sweep, sector, used, held, step,
-        sensor_floor_rad(run, ratio), input_step_rad(run), held_words(numbers, sweep, load),
-    )  # fmt: skip
+    held = held_sweeps(sweep, output, load)
+    words = held_words(held, sweep, load)
+    floor, input_step = sensor_floor_rad(run, ratio), input_step_rad(run)
+
+    def taken(cut: Cut) -> Prepared:
+        at = cut.index
+        here = sweep[at]
+        used = (here >= 0) & ~cut.unknown
+        return Prepared(
+            time[at], run.input_rad[:, at], shaft[:, at], apart[:, at], output[at], None if load is None else load[at],
+            speed[at], None if temperature is None else temperature[at], here, sector[at], used, np.isin(here, held),
+            cut.stride * step, floor, input_step, words, run, cut,
+        )  # fmt: skip
+
+    whole = taken(whole_cut(sweep, load, step))
+    part = search_cut(sweep, load)
+    return (whole if part is None else taken(part)), whole
 
 
 def sensor_floor_rad(run: Run, ratio: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,3 +39,8 @@ class Run:
     source: str = ""
     sha256: str = ""
     ratio: float | None = None
+
+    @cached_property
+    def step_s(self) -> float:
+        """Time between samples, s: the median."""
+        return float(np.median(np.diff(self.time_s)))

@@ -7,17 +7,17 @@ only if the RMS on held-out samples falls by a stated share of the noise floor, 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from queue import Queue
-from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.loop.effects.base import Effect
 from mbcdm_cad.loop.evidence import supported
-from mbcdm_cad.loop.fit import Fit, Fitter
+from mbcdm_cad.loop.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.loop.run import Floats
 from mbcdm_cad.model.errors import ModelError
 
@@ -34,11 +34,12 @@ MOST_THREADS = 4
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """A candidate, where to start it, and the fall of the training mean square that a linear step promises."""
+    """A candidate, where to start it, the fall of the training mean square that a linear step promises, its columns."""
 
     effect: Effect
     start: Floats
     fall: float
+    columns: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +64,7 @@ class Search:
         self.steps: list[Step] = []
         self._screened: tuple[Fit, list[Screened]] | None = None
         self._without: dict[tuple[Fit, Effect], Fit] = {}
+        self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
 
     def held_rms(self, fit: Fit) -> float:
         """RMS on the held-out samples, rad, each run's mean taken off by the training samples."""
@@ -82,7 +84,6 @@ class Search:
         taken = {e.key for e in fit.effects}
         known = f.centred(fit.jacobian, mask)[mask]
         basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
-        base = f.predict(fit.effects, fit.values, fit.offsets)
         found = []
         for effect in self.library:
             if effect.key in taken and effect.name != "ripple":
@@ -91,7 +92,7 @@ class Search:
                 # There may be several ripples: each is an effect of its own.
                 one = replace(effect) if effect.name == "ripple" else effect
                 try:
-                    promise = self._promise(fit, one, np.array(start), base, basis)
+                    promise = self._promise(fit, one, np.array(start), basis)
                 except ModelError:
                     continue
                 found.append(promise)
@@ -99,17 +100,34 @@ class Search:
         self._screened = fit, found
         return found
 
-    def _promise(self, fit: Fit, effect: Effect, start: Floats, base: Floats, basis: Floats) -> Screened:
-        f, mask = self.fitter, self.fitter.train
-        effects, values = (*fit.effects, effect), fit.values
-        at_start = base if not start.any() else f.predict(effects, (*values, start), fit.offsets)
+    def _slopes(self, fit: Fit, effect: Effect, start: Floats) -> tuple[Floats, Floats]:
+        """What an effect at ``start`` changes, (n,), and its derivatives there, (n, k), beside those of ``fit``.
+
+        What strains the cables is only looked at once: how it ranks hardly hangs on what stands beside it.
+        """
+        f = self.fitter
+        key = effect, start.tobytes()
+        if key in self._columns:
+            return self._columns[key]
+        effects = (*fit.effects, effect)
+        before = f.predict(fit.effects, fit.values, fit.offsets)
+        at_start = f.predict(effects, (*fit.values, start), fit.offsets) if start.any() else before
         columns = []
         for i, parameter in enumerate(effect.parameters):
             trial = start.copy()
-            trial[i] += 0.1 * parameter.size
-            columns.append((f.predict(effects, (*values, trial), fit.offsets) - at_start) / (0.1 * parameter.size))
-        new = f.centred(np.stack(columns, axis=1), mask)[mask]
-        r = f.centred(fit.residual - (at_start - base), mask)[mask]
+            trial[i] += DIFFERENCE * parameter.size
+            moved = f.predict(effects, (*fit.values, trial), fit.offsets)
+            columns.append((moved - at_start) / (DIFFERENCE * parameter.size))
+        found = at_start - before, np.stack(columns, axis=1)
+        if f.kind(effect) < 2:
+            self._columns[key] = found
+        return found
+
+    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats) -> Screened:
+        f, mask = self.fitter, self.fitter.train
+        change, columns = self._slopes(fit, effect, start)
+        new = f.centred(columns, mask)[mask]
+        r = f.centred(fit.residual - change, mask)[mask]
         new = new - basis @ (basis.T @ new)
         r = r - basis @ (basis.T @ r)
         size = np.linalg.norm(new, axis=0)
@@ -124,7 +142,7 @@ class Search:
         # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
         held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
         first = np.clip(np.where(held, start, start + step), low, high)
-        return Screened(effect, first, fit.square - float(np.mean(r**2)))
+        return Screened(effect, first, fit.square - float(np.mean(r**2)), columns)
 
     def refits(self, fit: Fit, share: float = CLOSE_SHARE, counterparts_of: Effect | None = None) -> list[Fit]:
         """``fit`` with one effect more, for each close candidate; best training mean square first.
@@ -136,39 +154,49 @@ class Search:
         sure = counterparts_of.name if counterparts_of else None
         chosen = [c for c in screened[:MOST_REFITS] if c.fall >= share * screened[0].fall]
         chosen += [c for c in screened if c.effect.name == sure and c not in chosen]
-        begun = self._each(
-            [((*fit.effects, c.effect), (*fit.values, c.start)) for c in chosen], fit.offsets, iterations=3
-        )
+        own = sum(v.size for v in fit.values)
+        begun = self._each([
+            partial(
+                Fitter.fit, effects=(*fit.effects, c.effect), values=(*fit.values, c.start), offsets=fit.offsets,
+                iterations=4, settled=1e-3, fresh=False,
+                slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]),
+            )
+            for c in chosen
+        ])  # fmt: skip
         # Those that a few steps leave far behind do not win; the others go on to the end.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
-        ended = self._each([(one.effects, one.values) for one in near], fit.offsets, settled=1e-5)
+        ended = self._each([
+            partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
+            for one in near
+        ])  # fmt: skip
         return sorted(ended, key=lambda one: one.square)
 
-    def _each(
-        self, starts: Sequence[tuple[Sequence[Effect], Sequence[Floats]]], offsets: Floats, **settings: Any
-    ) -> list[Fit]:
-        """Fits from several starts, side by side: the simulation runs outside the interpreter's lock."""
+    def _each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
+        """Fits side by side: the simulation runs outside the interpreter's lock."""
         twins = Queue[Fitter]()
         for twin in self.twins:
             twins.put(twin)
 
-        def one(start: tuple[Sequence[Effect], Sequence[Floats]]) -> Fit:
+        def one(fit: Callable[[Fitter], Fit]) -> Fit:
             twin = twins.get()
             try:
-                return twin.fit(start[0], start[1], offsets, **settings)
+                return fit(twin)
             finally:
                 twins.put(twin)
 
         with ThreadPoolExecutor(len(self.twins)) as pool:
-            return list(pool.map(one, starts))
+            return list(pool.map(one, fits))
 
     def without(self, fit: Fit, effect: Effect) -> Fit:
         """Refit with one effect left out."""
         key = fit, effect
         if key not in self._without:
             rest = [e for e in fit.effects if e is not effect]
-            self._without[key] = self.fitter.fit(rest, [fit.values_of(e) for e in rest], fit.offsets)
+            slopes = np.delete(fit.jacobian, fit.columns_of(effect), axis=1)
+            self._without[key] = self.fitter.fit(
+                rest, [fit.values_of(e) for e in rest], fit.offsets, slopes=slopes, fresh=False
+            )
         return self._without[key]
 
     def forward(self) -> Fit:

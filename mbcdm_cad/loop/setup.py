@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mbcdm_cad.loop.prepared import COMMON_WINDOW_S, Prepared, smoothed
+from mbcdm_cad.loop.prepared import Prepared
 from mbcdm_cad.loop.run import Floats
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.profiles import simulate_profiles
+from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
 
 # Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
@@ -29,7 +29,6 @@ class Setup:
     d: DriveSI | None
     ratio: float
     p: Prepared
-    angle_rad: Floats
     load_Nm: Floats | None
     path_m: Floats | None
     shift_rad: Floats | None
@@ -54,7 +53,7 @@ class Setup:
 
     def with_shift(self, index: int, shift_rad: Floats) -> Setup:
         """Move one input pulley from where its encoder says."""
-        shift = np.zeros_like(self.angle_rad) if self.shift_rad is None else self.shift_rad.copy()
+        shift = np.zeros_like(self.p.angle_rad) if self.shift_rad is None else self.shift_rad.copy()
         shift[index] += shift_rad
         return replace(self, shift_rad=shift)
 
@@ -64,17 +63,17 @@ class Setup:
 
     def input_shaft_rad(self, index: int) -> Floats:
         """Angle of one input pulley, freed of the encoder's steps."""
-        return smoothed(self.angle_rad[index], COMMON_WINDOW_S, self.p.step_s)
+        return np.asarray(self.p.shaft_rad[index])
 
     @property
     def drum_rad(self) -> Floats:
         """Drum angle as the ratio alone has it."""
-        return smoothed(self.angle_rad.mean(axis=0), COMMON_WINDOW_S, self.p.step_s) / self.ratio
+        return np.asarray(self.p.shaft_rad.mean(axis=0) / self.ratio)
 
 
 def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
     """The declared model of a run."""
-    return Setup(d, ratio, p, p.angle_rad, p.load_Nm, None, None, np.zeros_like(p.time_s))
+    return Setup(d, ratio, p, p.load_Nm, None, None, np.zeros_like(p.time_s))
 
 
 def input_shares(d: DriveSI) -> Floats:
@@ -85,7 +84,7 @@ def input_shares(d: DriveSI) -> Floats:
 
 def rigid_drum_rad(s: Setup) -> Floats:
     """Drum angle with the elastic part off: the cables as springs that balance no load."""
-    angle = s.angle_rad if s.shift_rad is None else s.angle_rad + s.shift_rad
+    angle = s.p.angle_rad if s.shift_rad is None else s.p.angle_rad + s.shift_rad
     if s.d is None:
         return np.asarray(angle.mean(axis=0) / s.ratio)
     d = s.d
@@ -96,39 +95,37 @@ def rigid_drum_rad(s: Setup) -> Floats:
     return np.asarray(((weight * d.sigma)[:, None] * wound).sum(axis=0) / (weight * d.drum_radius_m).sum())
 
 
-@dataclass(frozen=True, eq=False)
-class Response:
-    """Drum angle and what each input carries, on all samples: rad (n,), N m (n_inputs, n)."""
-
-    drum_rad: Floats
-    input_torque_Nm: Floats
-
-
-def respond(s: Setup, winding: bool = False) -> Response:
-    """The cables' answer to the quiet inputs, the inputs' noise added back linearly.
-
-    The cables are simulated on every few samples and the elastic part, which changes slowly, is interpolated: the
-    common motion of the inputs carries the drum along on every sample.
-    """
-    d, p = s.drive, s.p
-    mean = s.angle_rad.mean(axis=0)
-    apart = s.angle_rad - mean
-    slow = smoothed(apart, p.difference_window_s, p.step_s)
-    quiet = smoothed(mean, COMMON_WINDOW_S, p.step_s)
+def _simulated(s: Setup, winding: bool) -> Response:
+    """The cables' answer to the quiet inputs, on every few samples (``Prepared.coarse``)."""
+    p = s.p
     at = p.coarse
-    angle = (quiet + slow)[:, at]
+    angle = p.shaft_rad[:, at].mean(axis=0) + p.apart_rad[:, at]
     if s.shift_rad is not None:
         angle = angle + s.shift_rad[:, at]
     path = None if s.path_m is None else s.path_m[:, at]
-    if winding:
-        found = simulate_profiles(d, angle, s.load[at], path, winding=True)
-    else:
-        found = simulate(d, angle, s.load[at], path)
-    everywhere = np.arange(mean.size)
-    elastic = np.interp(everywhere, at, found.drum_angle_rad - quiet[at] / s.ratio)
-    noise = (input_shares(d)[:, None] * (apart - slow)).sum(axis=0)
-    torque = np.stack([np.interp(everywhere, at, row) for row in found.input_torque_Nm(d)])
-    return Response((mean + noise) / s.ratio + elastic, torque)
+    return simulate(s.drive, angle, s.load[at], path, winding)
+
+
+def _between(p: Prepared, values: Floats) -> Floats:
+    """Values on ``Prepared.coarse`` carried over to all samples."""
+    return np.interp(np.arange(p.time_s.size), p.coarse, values)
+
+
+def respond(s: Setup, winding: bool = False) -> Floats:
+    """Drum angle on all samples, rad, (n,).
+
+    The elastic part changes slowly and is interpolated; the common motion of the inputs carries the drum along on every
+    sample, and the noise kept from the cables is added back linearly.
+    """
+    p = s.p
+    elastic = _simulated(s, winding).drum_angle_rad - p.shaft_rad[:, p.coarse].mean(axis=0) / s.ratio
+    noise = input_shares(s.drive) @ (p.angle_rad - p.mean_rad - p.apart_rad)
+    return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
+
+
+def input_torque_Nm(s: Setup, index: int) -> Floats:
+    """What one input carries, on all samples, N m (n,)."""
+    return _between(s.p, _simulated(s, False).input_torque_Nm(s.drive)[index])
 
 
 class Simulator:
@@ -146,11 +143,11 @@ class Simulator:
 
     def _drum(self, s: Setup, winding: bool) -> Floats:
         for known, flag, drum in self._known:
-            same = known.d is s.d and known.angle_rad is s.angle_rad and known.load_Nm is s.load_Nm
+            same = known.d is s.d and known.p is s.p and known.load_Nm is s.load_Nm
             if same and known.path_m is s.path_m and known.shift_rad is s.shift_rad and flag == winding:
                 return drum
         rigid = s.d is None or s.load_Nm is None
-        drum = rigid_drum_rad(s) if rigid else respond(s, winding).drum_rad
+        drum = rigid_drum_rad(s) if rigid else respond(s, winding)
         self._known.append((s, winding, drum))
         del self._known[:-REMEMBERED]
         return drum

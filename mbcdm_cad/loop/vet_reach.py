@@ -6,8 +6,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, eigh
 
 from mbcdm_cad.loop.finding import Finding
-from mbcdm_cad.loop.prepared import SPEED_WINDOW_S, half_sweeps, smoothed
+from mbcdm_cad.loop.prepared import SPEED_WINDOW_S, smoothed
 from mbcdm_cad.loop.run import Floats, Run
+from mbcdm_cad.loop.stretches import half_sweeps
 from mbcdm_cad.model.si import DriveSI
 
 # Half sweeps below which nothing can be both fitted and held back: the first is discarded, one is held.

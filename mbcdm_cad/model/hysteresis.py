@@ -177,7 +177,7 @@ def _run(table: Floats, offsets: Floats, load: Floats, drum: Floats, tension: Fl
                 found[j] = pulled
                 miss += lever * pulled
                 slope += lever * lever * rate
-            if abs(miss) <= 1e-14 * scale:
+            if abs(miss) <= 1e-13 * scale:
                 break
             if miss > 0.0:
                 low = theta

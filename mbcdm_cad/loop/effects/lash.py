@@ -9,7 +9,7 @@ import numpy as np
 from mbcdm_cad.loop.effects.base import Effect, Parameter
 from mbcdm_cad.loop.prepared import Prepared
 from mbcdm_cad.loop.run import Floats
-from mbcdm_cad.loop.setup import Setup, Simulator, respond
+from mbcdm_cad.loop.setup import Setup, Simulator, input_torque_Nm
 from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.si import DriveSI
 
@@ -36,7 +36,7 @@ def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     stiffness = _stiffness_Nm_rad(d, index)
     lag = np.full(setup.p.time_s.size, start)
     for _round in range(ROUNDS):
-        carried = respond(setup.with_shift(index, start - lag)).input_torque_Nm[index]
+        carried = input_torque_Nm(setup.with_shift(index, start - lag), index)
         lag = np.clip(lag + carried / stiffness, -half, half)
     return setup.with_shift(index, start - lag)
 

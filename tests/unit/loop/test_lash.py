@@ -12,7 +12,7 @@ from mbcdm_cad.loop.effects.base import Effect
 from mbcdm_cad.loop.effects.lash import offer
 from mbcdm_cad.loop.prepared import Prepared, prepare
 from mbcdm_cad.loop.run import Run
-from mbcdm_cad.loop.setup import Setup, Simulator, declared, respond
+from mbcdm_cad.loop.setup import Setup, Simulator, declared, input_torque_Nm
 from mbcdm_cad.model.si import DriveSI, to_si
 
 D: DriveSI = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
@@ -41,7 +41,7 @@ def test_on_a_face_or_without_torque(index: int) -> None:
     p = run(0.9)
     setup = declared(D, 9.0, p)
     changed = at_input(D.input_names[index], p).apply(setup, np.array([PLAY]), Simulator())
-    torque = respond(changed).input_torque_Nm[index]
+    torque = input_torque_Nm(changed, index)
     bias = float(np.sum(D.sigma * D.input_radius_m * D.preload_N * D.of_input(index)))
     start = PLAY / 2.0 * np.sign(bias)
     lag = lag_of(setup, changed, index) + start
