@@ -60,6 +60,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
     known = list(known)
     near = difflib.get_close_matches(name[:80], known, n=1, cutoff=0.6)
+    near = [other for other in known if other.casefold() == name.casefold()] or near
     if near:
         return f"did you mean {near[0]}?"
     listed = ", ".join(known[:30]) + (", ..." if len(known) > 30 else "")

@@ -6,6 +6,7 @@ gone through line by line, so that every complaint has its line.
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -22,6 +23,11 @@ BLOCK_BYTES = 8 << 20
 # Share of rows that may be left out as broken; more than that is another format.
 MOST_BROKEN = 0.02
 LISTED_LINES = 5
+# No sensor reads this; instruments write such figures (9.9e37) for an overload.
+OVERLOAD = 1e30
+_DATE = re.compile(r"\d{1,4}[-/:.]\d{1,2}[-/:.]\d{1,4}|\d{1,2}:\d\d")
+DECIMALS = "decimal commas between commas cannot be told apart: export with semicolons or tabs, and set decimal: comma"
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?\Z")
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +129,7 @@ class _Reader:
                 rows = np.loadtxt(lines, delimiter=sign, comments=None, ndmin=2, usecols=self.columns)
         except ValueError:
             return None
-        return rows if rows.shape[0] == len(lines) and bool(np.isfinite(rows).all()) else None
+        return rows if rows.shape[0] == len(lines) and bool((np.abs(rows) < OVERLOAD).all()) else None
 
     def _by_line(self, first_line: int, lines: list[str]) -> Floats:
         rows: list[list[float]] = []
@@ -146,7 +152,9 @@ class _Reader:
     def _row(self, number: int, line: str) -> list[float]:
         cells = split(line, self.layout.sign)
         if len(cells) != self.layout.fields:
-            raise self._fault(number, "a row of another length", f"{len(cells)} columns", f"{self.layout.fields}")
+            remedy = DECIMALS if self.layout.unnamed and self.layout.sign == "," else ""
+            found = f"{len(cells)} columns"
+            raise self._fault(number, "a row of another length", found, f"{self.layout.fields}", remedy)
         return [self._figure(number, index, cells[index]) for index in self.columns]
 
     def _figure(self, number: int, index: int, cell: str) -> float:
@@ -157,11 +165,18 @@ class _Reader:
         except ValueError:
             value = None
         if value is None:
-            raise self._fault(number, f"no number in {name}", shortened(cell), "")
+            remedy = ""
+            if _DATE.match(cell):
+                remedy = "export the time as a number, in seconds from the start or any other unit of time"
+            elif _DECIMAL_COMMA.match(cell):
+                remedy = "set decimal: comma in the measurement file"
+            raise self._fault(number, f"no number in {name}", shortened(cell), "", remedy)
         if not np.isfinite(value):
             raise self._fault(number, f"no finite number in {name}", shortened(cell), "")
+        if abs(value) >= OVERLOAD:
+            raise self._fault(number, f"an overload in {name}", shortened(cell), "")
         return value
 
-    def _fault(self, number: int, what: str, value: str, limit: str) -> InputError:
-        remedy = "mend or remove the row, or set broken_rows: skip in the measurement file"
+    def _fault(self, number: int, what: str, value: str, limit: str, remedy: str = "") -> InputError:
+        remedy = remedy or "mend or remove the row, or set broken_rows: skip in the measurement file"
         return InputError([Problem(str(self.path), number, "", what, value, limit, remedy)])

@@ -21,7 +21,9 @@ Lines = list[tuple[int, str]]
 class Format:
     """Layout of the file. ``sign`` is None for runs of blanks; ``names`` is empty without a header.
 
-    ``begin_line`` is the first line (from 1) that may hold figures, ``fields`` the number of columns.
+    ``begin_line`` is the first line (from 1) that may hold figures, ``fields`` the number of columns. ``units`` are the
+    cells of a row without a figure below the names, on ``units_line``; empty and 0 where there is none. ``unnamed``
+    says that rows hold more than the header names.
     """
 
     sign: str | None
@@ -31,11 +33,14 @@ class Format:
     header_line: int
     begin_line: int
     fields: int
+    units: tuple[str, ...] = ()
+    units_line: int = 0
+    unnamed: bool = False
 
 
 def too_long(path: Path, number: int) -> InputError:
     """What has no line end is no table."""
-    remedy = "give a text file with one row a line"
+    remedy = "give a text file with one row a line, ended by LF or CR LF"
     return InputError([
         Problem(str(path), number, "", "a line too long", f"over {LONGEST_LINE} bytes", f"{LONGEST_LINE} bytes", remedy)
     ])  # fmt: skip
@@ -58,12 +63,39 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
     names, names_line = _names(path, comments, rows, sign, comma, header)
     begin = rows[0][0] + 1 if names_line == rows[0][0] else rows[0][0]
     body = [line for number, line in rows if number >= begin]
+    units, units_line = _units_row(rows, begin, sign, comma) if names else ((), 0)
+    if units:
+        begin, body = units_line + 1, body[1:]
     if not body:
         raise InputError([
             Problem(str(path), begin, "", "no rows below the header", remedy="check the file and header")
         ])  # fmt: skip
     fields = Counter(len(split(line, sign)) for line in body).most_common(1)[0][0]
-    return Format(sign, comma, comment, names, names_line, begin, fields)
+    # Rows with quotes may have the delimiter within a cell.
+    full = [cells for cells in (split(line, sign) for line in body if '"' not in line) if len(cells) == fields]
+    unnamed = bool(names) and any(any(cells[len(names) :]) for cells in full)
+    return Format(sign, comma, comment, names, names_line, begin, fields, units, units_line, unnamed)
+
+
+def _units_row(rows: Lines, begin: int, sign: str | None, comma: bool) -> tuple[tuple[str, ...], int]:
+    """Cells of the first row below the names if there is no figure in it but in the next; its line."""
+    below = [(number, split(line, sign)) for number, line in rows if number >= begin][:2]
+    if len(below) < 2 or any(_is_figure(cell, comma) for cell in below[0][1]):
+        return (), 0
+    # A row of text where figures should be, dates for one, is no row of units.
+    if not any(_is_figure(cell, comma) for cell in below[1][1]) or any(len(cell) > 12 for cell in below[0][1]):
+        return (), 0
+    return tuple(below[0][1]), below[0][0]
+
+
+def line_with(path: Path, name: str) -> int:
+    """The first line, from 1, that has ``name`` as a cell, whatever stands between the cells; 0 if none has."""
+    with open(path, "rb") as file:
+        for number in range(1, FIRST_ROWS + 1):
+            line = _decoded(file.readline(LONGEST_LINE + 1))
+            if any(name in split(line, sign) for sign in SIGNS.values()):
+                return number
+    return 0
 
 
 def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines]:
@@ -77,10 +109,8 @@ def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines
             if not raw:
                 break
             number += 1
-            if number == 1 and raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
-                raise InputError([
-                    Problem(str(path), 1, "", "UTF-16 text", remedy="save the file as UTF-8 or plain text")
-                ])  # fmt: skip
+            if number == 1:
+                _refuse_no_text(path, raw)
             if len(raw) > LONGEST_LINE:
                 raise too_long(path, number)
             line = _decoded(raw.removeprefix(b"\xef\xbb\xbf") if number == 1 else raw)
@@ -92,6 +122,23 @@ def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines
             else:
                 rows.append((number, line))
     return comments, rows
+
+
+def _refuse_no_text(path: Path, raw: bytes) -> None:
+    """What a spreadsheet, a binary logger or an editor of another system writes; ``raw`` is the first line."""
+    what, remedy = "", "export the data as text, one row a line (CSV)"
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff") or (
+        raw[1::2].count(0) > 0.4 * len(raw) or raw[::2].count(0) > 0.4 * len(raw)
+    ):
+        what, remedy = "UTF-16 text", "save the file as UTF-8 or plain text"
+    elif raw.startswith(b"PK\x03\x04"):
+        what = "a spreadsheet or another zipped file"
+    elif raw.count(0) or sum(byte < 32 and byte not in b"\t\r\n\f\x1a" for byte in raw[:1000]) > 20:
+        what = "not a text file"
+    elif raw.count(b"\r") > 1 + raw.count(b"\n"):
+        what, remedy = "line ends of CR alone", "save the file with line ends of LF or CR LF"
+    if what:
+        raise InputError([Problem(str(path), 1, "", what, remedy=remedy)])
 
 
 def _decoded(raw: bytes) -> str:

@@ -7,7 +7,6 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
@@ -15,17 +14,13 @@ from mbcdm_cad.design.loaded import FieldPath
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
-from mbcdm_cad.loop.datafile import Table, read_table
-from mbcdm_cad.loop.logformat import Format, find_format
+from mbcdm_cad.loop.datafile import DECIMALS, Table, read_table
+from mbcdm_cad.loop.hopeless import refuse_hopeless
+from mbcdm_cad.loop.logformat import Format, find_format, line_with
 from mbcdm_cad.loop.run import Floats, Run, Sensors
 from mbcdm_cad.loop.schema import Column, Measurement, node_at
 from mbcdm_cad.loop.units import COUNTS, ENCODERS, Unit, known_units, unit_of
 
-# Fewer samples than this cannot hold the few sweeps that any statement needs.
-FEWEST_SAMPLES = 100
-# An output that turns by less than this many of its steps, or than this angle where the step is not known, stands.
-FEWEST_STEPS = 20
-LEAST_TRAVEL_RAD = 1e-6
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
 
@@ -94,8 +89,8 @@ def read_run(file: MeasurementFile) -> Reading:
         )
         raise InputError([problem]) from None
     run = _in_si(file, asked, table, data.name, sha256)
-    _refuse_hopeless(file, run, table, data)
-    notes = []
+    refuse_hopeless(file, run, table, data)
+    notes = _notes_on_columns(asked, layout, indices, data)
     if table.broken:
         lines = ", ".join(str(line) for line in table.broken_lines)
         more = ", ..." if table.broken > len(table.broken_lines) else ""
@@ -144,6 +139,10 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
             remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
             what = "counts without counts_per_turn" if counts else f"no unit of {quantity}"
             problems.append(file.problem((*where, "unit"), what, shortened(column.unit), remedy=remedy))
+        elif column.counts_per_turn is not None and column.unit.strip() not in (COUNTS, "count"):
+            remedy = "set unit: counts if the figures are counts, else leave counts_per_turn out"
+            what = "given beside another unit"
+            problems.append(file.problem((*where, "counts_per_turn"), what, column.unit, COUNTS, remedy=remedy))
         if column.scale == 0.0:
             problems.append(file.problem((*where, "scale"), "nothing is left", "0", remedy="give the factor"))
         if isinstance(column.column, int) and column.column < 1:
@@ -151,7 +150,38 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
             problems.append(
                 file.problem((*where, "column"), "no column", str(column.column), "1 or more", remedy=remedy)
             )
+    return problems + _asked_twice(file, asked)
+
+
+def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
+    """One column for two quantities. Both inputs may be one, where only one was logged; that is told, not refused."""
+    problems, first = [], dict[str | int, str]()
+    for quantity, column in asked.items():
+        other = first.setdefault(column.column, quantity)
+        if other != quantity and not (other.startswith("input") and quantity.startswith("input")):
+            where: FieldPath = ("columns", quantity, "column")
+            what, remedy = f"the column of {other} too", "give each quantity its own column"
+            problems.append(file.problem(where, what, shortened(column.column), remedy=remedy))
     return problems
+
+
+def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[int], data: Path) -> list[str]:
+    """What the layout of the data gives rise to doubt."""
+    notes = []
+    inputs = [index for name, index in zip(asked, indices, strict=True) if name.startswith("input")]
+    if len(set(inputs)) < len(inputs):
+        notes.append("both inputs are one column: what differs between them is not seen")
+    if layout.units:
+        notes.append(f"line {layout.units_line} of {data.name} has no figures, it is taken for units and left out")
+    for (quantity, column), index in zip(asked.items(), indices, strict=True):
+        told = layout.units[index].strip("[]() ") if index < len(layout.units) else ""
+        logged = unit_of(quantity, told)
+        if logged is not None and logged != unit_of(quantity, column.unit, column.counts_per_turn):
+            notes.append(
+                f"{data.name} has {quantity} in {told} by its line {layout.units_line}, the measurement file says "
+                f"{column.unit}: which is true?"
+            )
+    return notes
 
 
 def _columns_asked(file: MeasurementFile) -> dict[str, Column]:
@@ -185,21 +215,26 @@ def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format,
         problem = file.problem(where, f"not a column of {data.name}", str(asked), limit, remedy="count from 1")
         raise InputError([problem])
     found = [index for index, name in enumerate(layout.names[: layout.fields]) if name == asked.strip()]
-    if len(found) == 1:
+    if len(found) == 1 and not layout.unnamed:
         return found[0]
+    line = f"line {layout.header_line} of {data.name}"
     if not layout.names:
-        remedy = "give its number, counted from 1"
-        problem = file.problem(where, f"{data.name} has no header with names", shortened(asked), remedy=remedy)
+        what, remedy = f"{data.name} has no header with names", "give its number, counted from 1"
+    elif len(found) > 1:
+        what, remedy = f"{len(found)} columns of that name on {line}", "give its number, counted from 1"
     elif found:
-        line = f"line {layout.header_line}"
-        remedy = "give its number, counted from 1"
-        problem = file.problem(where, f"{len(found)} columns of that name on {line} of {data.name}", shortened(asked),
-                               remedy=remedy)  # fmt: skip
+        what = f"{layout.fields} cells a row under the {len(layout.names)} names on {line}"
+        remedy = DECIMALS if layout.sign == "," else "give its number, counted from 1"
     else:
-        what = f"no such column on line {layout.header_line} of {data.name}"
-        remedy = shortened(did_you_mean(asked, [name for name in layout.names if name.isprintable()]), 300).strip("'\"")
-        problem = file.problem(where, what, shortened(asked), remedy=remedy)
-    raise InputError([problem])
+        what, elsewhere = f"no such column on {line}", line_with(data, asked.strip())
+        if elsewhere == layout.header_line:
+            remedy = "names there are not told apart: check delimiter"
+        elif elsewhere:
+            remedy = f"the name is on line {elsewhere}: set skip_rows: {elsewhere - 1}"
+        else:
+            known = [name for name in layout.names if name.isprintable()]
+            remedy = shortened(did_you_mean(asked, known), 300).strip("'\"")
+    raise InputError([file.problem(where, what, shortened(asked), remedy=remedy)])
 
 
 def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source: str, sha256: str) -> Run:
@@ -233,41 +268,6 @@ def _step_of_counts(asked: dict[str, Column], names: list[str]) -> float | None:
         if column.counts_per_turn is not None
     ]
     return max(steps, default=None)
-
-
-def _refuse_hopeless(file: MeasurementFile, run: Run, table: Table, data: Path) -> None:
-    """Too few samples, time that runs backwards, figures out of all bounds, nothing that moved."""
-    count = run.time_s.size
-    if count < FEWEST_SAMPLES:
-        remedy = "record a few sweeps of the drive; check comment, skip_rows and broken_rows"
-        raise InputError([Problem(str(data), 1, "", "too few samples", str(count), f"{FEWEST_SAMPLES}", remedy)])
-    if not np.isfinite(table.values).all() or float(np.abs(table.values).max()) > 1e12:
-        remedy = "check unit, scale and counts_per_turn of every column"
-        raise InputError([file.problem(("columns",), "figures out of all bounds", limit="1e12 in SI", remedy=remedy)])
-    back = np.flatnonzero(np.diff(run.time_s) <= 0.0)
-    if back.size:
-        row = int(back[0]) + 1
-        step = float(run.time_s[row] - run.time_s[row - 1])
-        what = "time runs backwards" if step < 0.0 else "time stands still"
-        remedy = (
-            "sort the rows, or cut the file where a new run begins"
-            if step < 0.0
-            else "log the time with more digits, or leave out doubled rows"
-        )
-        raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
-    for name, values, resolution in (
-        *((f"input {n}".removesuffix(" input"), row, run.sensors.input_resolution_rad)
-          for n, row in zip(run.input_names, run.input_rad, strict=True)),
-        ("output", run.output_rad, run.sensors.output_resolution_rad),
-    ):  # fmt: skip
-        travel, least = float(np.ptp(values)), max(FEWEST_STEPS * (resolution or 0.0), LEAST_TRAVEL_RAD)
-        if travel < least:
-            field = ("columns", "input" if name == "input" else name.replace(" ", "_"))
-            remedy = "check that the drive was moved, and column, unit and scale"
-            problem = file.problem(
-                field, f"no motion of the {name}", f"{travel:.3g} rad", f"{least:.3g} rad", remedy=remedy
-            )
-            raise InputError([problem])
 
 
 def _sha256(path: Path) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from mbcdm_cad.design.describe import Node, flow, limit_text
 from mbcdm_cad.loop.datafile import MOST_BROKEN
-from mbcdm_cad.loop.measurement import FEWEST_SAMPLES, FEWEST_STEPS
+from mbcdm_cad.loop.hopeless import FEWEST_SAMPLES, FEWEST_STEPS
 from mbcdm_cad.loop.schema import json_schema
 from mbcdm_cad.loop.units import known_units
 
@@ -49,12 +49,14 @@ ratio: 35                     # only the ratio of this drive is known
 
 A figure becomes `(figure - zero) * scale` in the column's unit. Inputs are positive when they drive the drum positive.
 Rows are told from their file: comments and blank lines may stand anywhere, cells may be in quotes, line ends may be of
-any system, bytes beyond ASCII matter only in names.
+any system, bytes beyond ASCII matter only in names. A row of units below the names is left out; where it says another
+unit than this file, that is told as a doubt.
 
-Refused, with file, line and remedy: a column that is not there or is there twice, an unknown unit, a row of another
-length, text or NaN in a cell that is used, time that runs backwards or stands still, fewer than {FEWEST_SAMPLES}
-samples, an input or output that turns by less than {FEWEST_STEPS} of its steps. With `broken_rows: skip` broken rows
-are left out and counted; more than {MOST_BROKEN:.0%} of them is taken for another format and refused.
+Refused, with file, line and remedy: a file that is no text, a column that is not there or is there twice or serves for
+two quantities, an unknown unit, a row of another length, text, NaN, a date or an overload (9.9e37) in a cell that is
+used, decimal commas not declared, time that runs backwards or stands still, fewer than {FEWEST_SAMPLES} samples, single
+figures far from all others, an input or output that turns by less than {FEWEST_STEPS} of its steps. With `broken_rows:
+skip` broken rows are left out and counted; more than {MOST_BROKEN:.0%} of them is taken for another format and refused.
 """
 
 

@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.loop.measurement import FEWEST_SAMPLES, load_file, load_measurement
+from mbcdm_cad.loop.hopeless import FEWEST_SAMPLES
+from mbcdm_cad.loop.measurement import load_file, load_measurement
 from mbcdm_cad.loop.vet import vet
 
 PAPER = Path(__file__).parents[2] / "params" / "measurements" / "paper.yaml"
