@@ -26,10 +26,11 @@ from mbcdm_cad.model.si import DriveSI, to_si
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import AsBuilt, Drive
 
-# Two candidates are alike where their errors differ by less than this many standard errors over the cells of sweep and
-# sector, or by less than this share of the floor in quadrature.
-ALIKE_ERRORS = 3.0
-ALIKE_SHARE = 0.15
+# Two candidates are alike where the one that does better could be the wrong one (see ``separable``), where their errors
+# differ by less than this many standard errors over the cells of sweep and sector, or by less than this share of the
+# floor in quadrature: so small a difference may be the model's own.
+ALIKE_ERRORS = 2.0
+ALIKE_SHARE = 0.05
 # A name is not given where what stays unexplained is as large as this share of what the name explains.
 BLAME_SHARE = 0.35
 # Windows that the intervals are told over: the difference's smoothing, halved and doubled.
@@ -188,8 +189,11 @@ class _Loop:
             return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.floor_rad) ** 2:
             return True
-        sweep, sector = self.fitter.sweep, self.fitter.sector
-        cell = np.unique((sweep * (int(sector.max()) + 1) + sector)[used], return_inverse=True)[1]
+        sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
+        here = better.residual[used]
+        if not separation(-here, -worse.residual[used], here, sweep, sector).told:
+            return True
+        cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
         sums = np.bincount(cell, excess)
         return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
 

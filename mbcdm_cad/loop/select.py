@@ -144,15 +144,18 @@ class Search:
         first = np.clip(np.where(held, start, start + step), low, high)
         return Screened(effect, first, fit.square - float(np.mean(r**2)), columns)
 
-    def refits(self, fit: Fit, share: float = CLOSE_SHARE, counterparts_of: Effect | None = None) -> list[Fit]:
+    def refits(
+        self, fit: Fit, share: float = CLOSE_SHARE, counterparts_of: Effect | None = None, first: int = 0
+    ) -> list[Fit]:
         """``fit`` with one effect more, for each close candidate; best training mean square first.
 
         ``counterparts_of``: candidates of that effect's name (another stage, another cable) are refitted however little
-        the linear screening promises of them.
+        the linear screening promises of them. ``first``: those that rank from there on are, close or not.
         """
         screened = self.screen(fit)
         sure = counterparts_of.name if counterparts_of else None
-        chosen = [c for c in screened[:MOST_REFITS] if c.fall >= share * screened[0].fall]
+        least = 0.0 if first else share * screened[0].fall
+        chosen = [c for c in screened[first : first + MOST_REFITS] if c.fall >= least]
         chosen += [c for c in screened if c.effect.name == sure and c not in chosen]
         own = sum(v.size for v in fit.values)
         begun = self._each([
@@ -207,7 +210,7 @@ class Search:
         """
         now = self._grown(self.bare)
         for effect in now.effects:
-            if self.held_rms(now) ** 2 <= (1.0 + LEAST_FALL**2) * self.floor_rad**2:
+            if not self.too_much(now):
                 break
             for sibling in self.library:
                 if sibling.key != effect.key or sibling.form == effect.form or effect.name == "ripple":
@@ -224,15 +227,35 @@ class Search:
     def _grown(self, now: Fit) -> Fit:
         """``now`` with all effects that can be taken."""
         while len(now.effects) < MOST_EFFECTS:
-            tried = self.refits(now)
-            # What does far less than a best one that was refused only picks up its crumbs.
-            near = [one for one in tried if now.square - one.square >= RUNNER_UP * (now.square - tried[0].square)]
-            better = next((one for one in near if self.acceptable(now, one)), None)
+            better = self._best(now)
             if better is None:
                 break
             self._note("taken", better.effects[-1], now, better)
             now = self.backward(better)
         return now
+
+    def _best(self, now: Fit) -> Fit | None:
+        """``now`` with the best effect that can be taken; None if there is none.
+
+        Where all close candidates are refused, those that promised less are refitted too: a strong preload error
+        promises little by a linear step, and may do it all.
+        """
+        least = now.square
+        for first in range(0, len(self.screen(now)), MOST_REFITS):
+            tried = self.refits(now, first=first)
+            least = min([least, *(one.square for one in tried)])
+            for one in tried:
+                # What does far less than a best one that was refused only picks up its crumbs.
+                crumbs = now.square - one.square < RUNNER_UP * (now.square - least)
+                if not crumbs and self.acceptable(now, one):
+                    return one
+            if not self.too_much(now):
+                break
+        return None
+
+    def too_much(self, fit: Fit) -> bool:
+        """Is more left on held-out samples than the floor?"""
+        return self.held_rms(fit) ** 2 > (1.0 + LEAST_FALL**2) * self.floor_rad**2
 
     def acceptable(self, now: Fit, better: Fit) -> bool:
         """Is the last effect of ``better`` large enough, within its bounds, and borne out by all sweeps and sectors?"""
