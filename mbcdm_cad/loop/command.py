@@ -35,6 +35,11 @@ class Vetted:
     notes: tuple[str, ...]
     findings: tuple[Finding, ...]
 
+    @property
+    def doubts(self) -> list[str]:
+        """What speaks against taking the finding at its word."""
+        return [*self.notes, *(str(finding) for finding in self.findings if finding.level == "doubt")]
+
 
 @dataclass(frozen=True)
 class Outputs:
@@ -64,7 +69,8 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     except ModelError as error:
         names = ", ".join(str(file.path) for file in files)
         raise MbcdmError(f"{names}: the declared model cannot follow the run: {error}") from None
-    click.echo(result_text(result))
+    doubts = [f"doubt: {words}" for one in vetted for words in one.doubts]
+    click.echo(result_text(result, doubts))
     for one in vetted:
         click.echo("")
         click.echo("\n".join(vetting_lines(one)))
@@ -89,10 +95,9 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
 
 def vetting_lines(one: Vetted) -> list[str]:
     """What the run is and what it can tell, one sentence a line, doubts first."""
-    words = {"doubt": "doubt", "fact": "run"}
     lines = [f"{one.file.path}: {one.run.time_s.size} samples of {one.run.source}"]
-    lines += [f"  doubt: {note}" for note in one.notes]
-    return lines + [f"  {words[finding.level]}: {finding}" for finding in one.findings]
+    lines += [f"  doubt: {words}" for words in one.doubts]
+    return lines + [f"  run: {finding}" for finding in one.findings if finding.level == "fact"]
 
 
 def json_bytes(content: dict[str, Any]) -> bytes:
@@ -124,12 +129,17 @@ def _drive_of(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> Drive |
 
 def _vetted(files: Sequence[MeasurementFile], drive: Drive | None) -> list[Vetted]:
     """All runs, read and vetted. Raises InputError with the refusals of all of them."""
-    vetted, problems = [], []
+    vetted: list[Vetted] = []
+    problems = []
     for file in files:
         reading = read_run(file)
         run = reading.run if drive is None else arranged(reading.run, drive)
         findings = vet(run, drive)
         problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
+        for one in vetted:
+            if one.run.sha256 == run.sha256:
+                what, remedy = f"the same data as {one.file.path}", "give each run once: twice the same proves nothing"
+                problems.append(file.problem(("data",), what, run.source, remedy=remedy))
         vetted.append(Vetted(file, run, reading.notes, tuple(findings)))
     if problems:
         raise InputError(problems)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mbcdm_cad.loop.readable import readable, size_of
 from mbcdm_cad.loop.result import LoopResult, Named
 
 
-def result_text(result: LoopResult) -> str:
-    """The finding in one sentence, then the tables, angles in the unit that suits the error of the declared model."""
+def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
+    """The finding in one sentence, doubts of the runs right below, then the tables.
+
+    Angles are in the unit that suits the error of the declared model.
+    """
     e = result.errors
     size, unit = size_of("_rad", [e.before.value])
-    lines = [result.sentence, ""]
+    lines = [result.sentence, *doubts, ""]
     lines += [
         f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
         _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),

@@ -45,7 +45,9 @@ def vet(run: Run, drive: Drive | None) -> list[Finding]:
     if wrong:
         return wrong
     thin = _thinned(run)
-    found = [*signal_findings(run, known.ratio), *column_findings(thin, known.ratio, known.travel_rad, known.d)]
+    found = signal_findings(run, known.ratio)
+    if not refusals(found):  # an angle that jumps has no slope to speak of
+        found += column_findings(thin, known.ratio, known.travel_rad, known.d)
     if not any(finding.level == "refused" for finding in found):
         found += reach_findings(thin, known.ratio, known.d)
     order = ("refused", "doubt", "fact")

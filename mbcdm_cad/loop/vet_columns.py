@@ -16,10 +16,14 @@ NEAR = 0.1
 FARTHEST = 1.5
 # Share of the samples' pairs that must agree on the sense of motion, for a slope to mean anything.
 LEAST_AGREEMENT = 0.8
+# No encoder has fewer counts a turn than this.
+LEAST_COUNTS = 90.0
 # Pairs of samples this share of the record apart give the slopes.
 LAGS = (0.005, 0.02, 0.08)
 # A load of this many times what slackens the cables is no load but a wrong unit.
 MOST_LOAD = 3.0
+# Shares of the least compliance by which a drum may give way: 1.3 to 3 in simulated runs of every effect.
+LEAST_GIVE, MOST_GIVE, FARTHEST_GIVE = 0.25, 25.0, 250.0
 # Known slips, as the factor by which an angle comes out too large, and how they are told.
 SLIPS = (
     (180.0 / math.pi, "degrees called radians"),
@@ -55,7 +59,9 @@ def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI
     """Refusals and doubts about what the columns are."""
     factors = [_factor(run.output_rad, row, ratio) for row in run.input_rad]
     if all(factor is not None and abs(factor - 1.0) <= NEAR for factor in factors):
-        return _travel(run, travel_rad) or _load_size(run, d) or _load_sign(run, ratio, d)
+        size = _load_size(run, d)
+        too_large = any(finding.level == "refused" for finding in size)
+        return _travel(run, travel_rad) or (size if too_large else [*size, *_load_sign(run, ratio, d)])
     swapped = _swapped(run, ratio)
     if swapped:
         return [swapped]
@@ -132,8 +138,15 @@ def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: 
                 slip = f"the reverse of {slip}"
             field = ("columns", "output") if at_output else fields
             text = f"{figures}: {where} too {'small' if not large and not at_output else 'large'} by {size:.4g}, {slip}"
-            return Finding("unit", "refused", text, "mend unit, scale or counts_per_turn of that column", field)
+            remedy = "mend unit, scale or counts_per_turn of that column"
+            if run.ratio is not None:
+                remedy += ", or ratio in this file"
+            return Finding("unit", "refused", text, remedy, field)
     remedy = "check counts_per_turn, scale and unit, and that this is the drive of the design"
+    turn = 2.0 * math.pi * max(factor, 1.0 / factor)
+    if turn > LEAST_COUNTS:
+        fields = fields if factor > 1.0 else ("columns", "output")
+        remedy = f"are these counts, some {turn:.5g} a turn? Give unit: counts with counts_per_turn; or " + remedy
     if 1.0 / FARTHEST < factor < FARTHEST:
         return Finding("ratio", "doubt", figures, remedy, fields)
     return Finding("ratio", "refused", figures, remedy, fields)
@@ -159,9 +172,12 @@ def _load_size(run: Run, d: DriveSI | None) -> list[Finding]:
     most = float(np.abs(run.load_Nm).max())
     # Both cables of one sense at twice their preload, the others slack.
     holds = float(np.sum(d.preload_N * d.drum_radius_m))
-    if most <= MOST_LOAD * holds:
+    if most <= holds:
         return []
     text = f"loads up to {most:.4g} N m, where the preload of the cables holds some {holds:.3g} N m"
+    if most <= MOST_LOAD * holds:
+        remedy = "cables go slack, or load_torque is in another unit or another column"
+        return [Finding("load", "doubt", text, remedy, ("columns", "load_torque"))]
     remedy = "check the unit of load_torque (mN*m called N*m?) and its scale"
     return [Finding("load", "refused", text, remedy, ("columns", "load_torque"))]
 
@@ -178,6 +194,8 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
     give, load = away - basis @ (basis.T @ away), run.load_Nm - basis @ (basis.T @ run.load_Nm)
     together = float(np.corrcoef(give, load)[0, 1]) if np.ptp(give) > 0.0 else 0.0
     share = float(give @ load / (load @ load)) / compliance
+    if together < -0.7 and not LEAST_GIVE < -share < MOST_GIVE:
+        return [_wrong_give(-share)]
     if together < 0.7 or share < 0.5:
         return []
     text = (
@@ -185,6 +203,18 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
     )
     remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
     return [Finding("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
+
+
+def _wrong_give(share: float) -> Finding:
+    """The drum gives way to its load by ``share`` of what it should: all angles, or the load, in another unit."""
+    text = f"the drum gives way to its load {share:.2g} times as far as its cables must"
+    if share > 1.0:
+        remedy = "check the unit of load_torque (N*m called mN*m?); or a coupling is very soft"
+        return Finding(
+            "load", "doubt" if share < FARTHEST_GIVE else "refused", text, remedy, ("columns", "load_torque")
+        )
+    remedy = "check the units of all angles (radians called degrees?), of load_torque, and modulus_GPa of the design"
+    return Finding("unit", "refused", text, remedy, ("columns", "output"))
 
 
 def _shaft(name: str) -> str:

@@ -1,4 +1,4 @@
-"""Faults of a record that show in its signals alone: gaps in time, a sensor at its end, an angle that jumps a turn."""
+"""Faults of a record that show in its signals alone: gaps and pace in time, a sensor at its end, an angle jumping."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from mbcdm_cad.loop.run import Floats, Run
 GAP_STEPS = 5.0
 # A sensor that stands at its end while the drive goes on by this share of the travel is at its limit.
 LOST_TRAVEL = 0.15
+# Sampling and half sweeps outside these are odd for a bench: estimates.
+SLOW_STEP_S, SLOW_SWEEP_S, FAST_SWEEP_S = 1.0, 600.0, 0.1
+COLDEST_C, HOTTEST_C = -60.0, 120.0
 # Share of the samples that a noisy torque may spend exactly at its end.
 LEVEL_SHARE = 0.005
 
@@ -22,9 +25,9 @@ def signal_findings(run: Run, ratio: float) -> list[Finding]:
     """Doubts and refusals."""
     inputs = [(column_of(name), row) for name, row in zip(run.input_names, run.input_rad, strict=True)]
     angles = [*inputs, (("columns", "output"), run.output_rad)]
-    found = _gaps(run.time_s)
+    found = [*_gaps(run.time_s), *_pace(run), *_temperature(run)]
     for field, values in angles:
-        found += _jumps(str(field[1]), field, values)
+        found += _jumps(str(field[1]), field, values, run.time_s)
     for field, values in inputs:
         found += _stands(str(field[1]), field, values, run.output_rad)
     found += _stands("output", ("columns", "output"), run.output_rad, run.input_rad.mean(axis=0) / ratio)
@@ -47,15 +50,52 @@ def _gaps(time_s: Floats) -> list[Finding]:
     return [Finding("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
 
 
-def _jumps(name: str, field: FieldPath, values: Floats) -> list[Finding]:
-    """An encoder that starts again after a turn."""
-    steps = np.diff(values)
-    jumps = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
-    usual = float(np.median(np.abs(steps)))
-    if jumps.size == 0 or usual > 0.2:
+def _pace(run: Run) -> list[Finding]:
+    """Sweeps too fast or too slow for a bench: time may be in another unit."""
+    step = float(np.median(np.diff(run.time_s)))
+    thin = run.output_rad[:: max(1, run.time_s.size // 1000)]
+    sweeps = max(float(np.abs(np.diff(thin)).sum()) / max(float(np.ptp(thin)), 1e-300), 1.0)
+    half_s = float(run.time_s[-1] - run.time_s[0]) / sweeps
+    text = f"a half sweep takes some {half_s:.3g} s, a sample {step:.3g} s"
+    field = ("columns", "time")
+    if step >= SLOW_STEP_S or half_s > SLOW_SWEEP_S:
+        return [Finding("pace", "doubt", text, "is the time in ms or in sample numbers, called s?", field)]
+    if half_s < FAST_SWEEP_S:
+        remedy = "is the time in s, called ms? If not, move slower: the model knows no inertia"
+        return [Finding("pace", "doubt", text, remedy, field)]
+    return []
+
+
+def _temperature(run: Run) -> list[Finding]:
+    if run.temperature_C is None:
         return []
-    text = f"{name} jumps by a full turn {jumps.size} time(s), first after sample {int(jumps[0]) + 1}"
-    return [Finding("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
+    low, high = float(run.temperature_C.min()), float(run.temperature_C.max())
+    if low >= COLDEST_C and high <= HOTTEST_C:
+        return []
+    text = f"temperatures of {low:.4g} to {high:.4g} degC"
+    return [
+        Finding("temperature", "doubt", text, "check its unit (K or degF called degC?)", ("columns", "temperature"))
+    ]
+
+
+def _jumps(name: str, field: FieldPath, values: Floats, time_s: Floats) -> list[Finding]:
+    """An encoder that starts again after a turn, or a counter that runs over."""
+    steps, usual_s = np.diff(values), float(np.median(np.diff(time_s)))
+    usual = float(np.median(np.abs(steps)))
+    turns = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
+    if turns.size and usual <= 0.2:
+        text = f"{name} jumps by a full turn {turns.size} time(s), first after sample {int(turns[0]) + 1}"
+        return [Finding("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
+    size = float(np.abs(steps).max())
+    # All of one size, far from all other steps, and most of the range; a pause in logging is no jump.
+    at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(time_s) < GAP_STEPS * usual_s))
+    others = float(np.quantile(np.abs(steps), 1.0 - min(2.0 * at.size / steps.size, 0.5))) if at.size else size
+    if at.size < 2 or size < 0.5 * float(np.ptp(values)) or others > 0.05 * size:
+        return []
+    if float(np.ptp(np.abs(steps[at]))) > 0.1 * size:
+        return []
+    text = f"{name} jumps by {size:.4g} rad {at.size} time(s), first after sample {int(at[0]) + 1}: a counter runs over"
+    return [Finding("wrapped", "refused", text, "log more bits, or unwrap it", field)]
 
 
 def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[Finding]:
