@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from mbcdm_cad.record import record
 
 
 class MbcdmError(Exception):
     """Base of every error whose text is meant for the user; anything else is a fault of the program."""
 
 
-@dataclass(frozen=True)
+@record
 class Problem:
     """One thing wrong with an input file: where, what, which value against which limit, and what to do about it.
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
+
+from mbcdm_cad.record import record
 
 Status = Literal["pass", "warn", "fail"]
 
 
-@dataclass(frozen=True)
+@record
 class CheckResult:
     """Outcome of one check; plain data, no number is ever infinite or NaN.
 

@@ -6,11 +6,12 @@ Units are those of the file: mm, degrees, N, grams, GPa. The model converts to S
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+from mbcdm_cad.record import record
 
-@dataclass(frozen=True)
+
+@record
 class Material:
     """A material of the catalogue. ``colour`` is linear RGB in 0..1."""
 
@@ -26,7 +27,7 @@ class Material:
     source: str
 
 
-@dataclass(frozen=True)
+@record
 class CableSpec:
     """The rope. E is never given without the area it refers to (``area_mm2``)."""
 
@@ -56,7 +57,7 @@ class CableSpec:
         return self.modulus_GPa * self.area_mm2 * 1e3
 
 
-@dataclass(frozen=True)
+@record
 class Bearing:
     """Deep-groove bearing: bore d, outside D, width B; shoulder limits d_a (inner ring) and D_a (outer ring)."""
 
@@ -71,7 +72,7 @@ class Bearing:
     source: str
 
 
-@dataclass(frozen=True)
+@record
 class Motor:
     """Motor body, the shaft hidden in the gearhead."""
 
@@ -84,7 +85,7 @@ class Motor:
     source: str
 
 
-@dataclass(frozen=True)
+@record
 class Gearhead:
     """Gearhead on the motor: body, output shaft, face pattern."""
 
@@ -107,7 +108,7 @@ class Gearhead:
     source: str
 
 
-@dataclass(frozen=True)
+@record
 class Encoder:
     """Encoder housing on a shaft, fixed by axial screws on a bolt circle."""
 
@@ -123,7 +124,7 @@ class Encoder:
     source: str
 
 
-@dataclass(frozen=True)
+@record
 class Screw:
     """Socket-head cap screw or set screw (``head_diameter_mm`` 0). ``key_mm`` is across flats of the socket."""
 
@@ -139,7 +140,7 @@ class Screw:
     source: str
 
 
-@dataclass(frozen=True)
+@record
 class TensionerSpec:
     """Threaded terminal swaged on the cable, nut and lock nut against a lug of the drum."""
 
@@ -157,7 +158,7 @@ class TensionerSpec:
     source: str
 
 
-@dataclass(frozen=True)
+@record
 class CableRun:
     """One cable of the drive and the three pitch radii it runs on (to the cable's centre line)."""
 
@@ -177,7 +178,7 @@ class CableRun:
         return -self.drum_side
 
 
-@dataclass(frozen=True)
+@record
 class Clearances:
     """Gaps the geometry must keep, all in mm between finished surfaces."""
 
@@ -186,7 +187,7 @@ class Clearances:
     running_mm: float  # any moving solid to any fixed one, elsewhere
 
 
-@dataclass(frozen=True)
+@record
 class Bearings:
     """The bearing chosen for each role."""
 
@@ -200,7 +201,7 @@ class Bearings:
         return (self.drum, self.guide, self.input_lower, self.input_upper)
 
 
-@dataclass(frozen=True)
+@record
 class DrumSpec:
     """Drum sector and its shaft; y is measured along the drum axis from the guide's axis."""
 
@@ -215,7 +216,7 @@ class DrumSpec:
     shaft_material: Material
 
 
-@dataclass(frozen=True)
+@record
 class GuideSpec:
     """Guide pulley and its fixed axle."""
 
@@ -223,14 +224,14 @@ class GuideSpec:
     axle_material: Material
 
 
-@dataclass(frozen=True)
+@record
 class InputPulleySpec:
     """Input pulleys, both alike but for their radii."""
 
     material: Material
 
 
-@dataclass(frozen=True)
+@record
 class SupportSpec:
     """Frame: back plate, side walls, shelves, ribs and the separate top plate."""
 
@@ -245,7 +246,7 @@ class SupportSpec:
     rib_mm: float
 
 
-@dataclass(frozen=True)
+@record
 class Loads:
     """External torques on the drum that the design is judged at."""
 
@@ -253,7 +254,7 @@ class Loads:
     peak_torque_Nm: float
 
 
-@dataclass(frozen=True)
+@record
 class Limits:
     """Limits of this design that the checks hold it against."""
 
@@ -264,7 +265,7 @@ class Limits:
     frame_windup_max_mrad: float
 
 
-@dataclass(frozen=True)
+@record
 class Targets:
     """What mass and box should come to, and by how much they may differ. The box is (X, Z, Y)."""
 
@@ -275,14 +276,14 @@ class Targets:
     envelope_tolerance_mm: float
 
 
-@dataclass(frozen=True)
+@record
 class ExportSettings:
     """Settings of the files written."""
 
     mesh_tolerance_mm: float
 
 
-@dataclass(frozen=True)
+@record
 class Sigmas:
     """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable."""
 
@@ -298,7 +299,7 @@ class Sigmas:
     motor_torque_mNm: float
 
 
-@dataclass(frozen=True)
+@record
 class Waiver:
     """A check that may fail, and why."""
 
@@ -306,7 +307,7 @@ class Waiver:
     reason: str
 
 
-@dataclass(frozen=True)
+@record
 class AsBuiltValue:
     """One figure of an effect, SI; ``low`` and ``high``: its 95 % interval where it is known."""
 
@@ -316,7 +317,7 @@ class AsBuiltValue:
     high: float | None
 
 
-@dataclass(frozen=True)
+@record
 class AsBuilt:
     """An effect that the built drive was found to have; no cables: all."""
 
@@ -328,7 +329,7 @@ class AsBuilt:
     source: str | None
 
 
-@dataclass(frozen=True)
+@record
 class Drive:
     """All that the model, the checks and the parts need to know of one design.
 

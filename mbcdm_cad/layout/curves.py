@@ -7,11 +7,12 @@ Every piece is parametrised by a fraction 0..1, knows its exact length and its e
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+
+from mbcdm_cad.record import record
 
 Vector = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -21,7 +22,7 @@ def _v(a: Sequence[float]) -> Vector:
     return np.asarray(a, dtype=np.float64)
 
 
-@dataclass(frozen=True)
+@record
 class Line:
     """Straight piece from ``start`` to ``end``."""
 
@@ -42,7 +43,7 @@ class Line:
         return d / np.linalg.norm(d)
 
 
-@dataclass(frozen=True)
+@record
 class Arc:
     """Circular piece: centre + r (cos a e1 + sin a e2), ``a`` running from ``angle_start`` to ``angle_end`` (rad)."""
 
@@ -70,7 +71,7 @@ class Arc:
         return np.asarray(sign * (-np.sin(a) * _v(self.e1) + np.cos(a) * _v(self.e2)))
 
 
-@dataclass(frozen=True)
+@record
 class Helix:
     """Turns about a line parallel to Z: angle and height run linearly together.
 
@@ -113,7 +114,7 @@ def _gauss() -> tuple[Vector, Vector]:
     return (nodes + 1) / 2, weights
 
 
-@dataclass(frozen=True)
+@record
 class Parabola:
     """Quadratic Bezier: tangent to ``start -> middle`` at its start and to ``middle -> end`` at its end."""
 

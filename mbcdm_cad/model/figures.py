@@ -6,13 +6,14 @@ Units are in the names. Angles of backlash are in mrad, torques on inputs in mN 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 from mbcdm_cad.model.capability import TorqueLimit
+from mbcdm_cad.record import record
 
 
-@dataclass(frozen=True)
+@record
 class CableFigures:
     """One cable at the test torque. ``*_simplified`` are the paper's (16) to (20), the others use Eq. (14) exactly."""
 
@@ -31,7 +32,7 @@ class CableFigures:
     backlash_simplified_mrad: float
 
 
-@dataclass(frozen=True)
+@record
 class LoadCase:
     """All cables at once, inputs locked, first loading to ``load_Nm`` (> 0 opposes positive rotation).
 
@@ -50,7 +51,7 @@ class LoadCase:
     secant_stiffness_Nm_rad: float
 
 
-@dataclass(frozen=True)
+@record
 class BearingFigures:
     """Radial loads (N) and guide moment (N m) at one load; the drum's is the pull across its axis."""
 
@@ -61,7 +62,7 @@ class BearingFigures:
     drum_radial_N: float
 
 
-@dataclass(frozen=True)
+@record
 class ModulusReading:
     """E that the paper's measured backlash implies under one reading of it and one route of the model."""
 
@@ -70,7 +71,7 @@ class ModulusReading:
     modulus_GPa: float
 
 
-@dataclass(frozen=True)
+@record
 class ShaftTurns:
     """How far each shaft of one cable's chain turns when the drum turns by ``drum_deg``, with its sense."""
 
@@ -81,7 +82,7 @@ class ShaftTurns:
     motor_deg: float
 
 
-@dataclass(frozen=True)
+@record
 class UncertainFigure:
     """A figure with its 95 % interval, from the sigmas that the design file gives."""
 
@@ -93,7 +94,7 @@ class UncertainFigure:
     sigma: float
 
 
-@dataclass(frozen=True)
+@record
 class Analysis:
     """Everything the model says about one design, for the report and for ``mbcdm analyse``.
 
