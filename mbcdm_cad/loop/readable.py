@@ -38,3 +38,8 @@ def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
     ending = next(ending for ending, _ in _SIZES if name.endswith(ending))
     word = name if ending == "share" else name.removesuffix(ending)
     return word.replace("_", " ").strip(), [f"{v / factor:.4g} {unit}" for v in values]
+
+
+def share_text(share: float) -> str:
+    """A share in per cent; what is not quite the whole is not called so."""
+    return "over 99%" if 0.99 < share < 0.9999 else f"{share:.0%}"

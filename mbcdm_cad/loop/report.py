@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.loop.finding import Finding
-from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.readable import readable, share_text
 from mbcdm_cad.loop.report_figures import loop_png, orders_png, scatter_png, time_png
 from mbcdm_cad.loop.result import Evidence, LoopResult, Named, Traces
 from mbcdm_cad.loop.run import Run
@@ -24,6 +24,34 @@ VERDICTS = {
 # Pages of more runs than this show the plots of the first ones.
 MOST_PLOTTED = 6
 
+# What the phase of a once-per-turn error means on the bench.
+PHASES = {
+    "eccentric pulley": "where its high side points at zero travel, from +x",
+    "eccentric encoder": "minus the shaft angle at which it reads highest",
+}
+# Title of each plot, and what to look for.
+TIME = (
+    "Measured against predicted, over time",
+    "Above: the output as measured and as the declared model predicts it. Below: what is left of it before, and after "
+    "what was found was put into the model. Grey was held out before anything was chosen. The hatched first half sweep "
+    "is left out, since nobody knows what the friction remembers from before.",
+)
+LOOP = (
+    "Transmission error over output angle",
+    "Output less inputs through the ratio. Where the blue line runs through the dots the model follows the drive.",
+)
+SCATTER = (
+    "What is left over output angle and load",
+    "Lines and large dots are means; over angle solid where it rises and dashed where it falls. Flat at zero is right. "
+    "A wave in angle looks like something that turns; two levels by direction like friction, lash or delay; a slope "
+    "over load like stiffness.",
+)
+ORDERS = (
+    "Orders of what is left",
+    "Amplitude by cycles a turn of the output. Dotted lines mark what turns once in the chain; a peak on one of them, "
+    "or on a multiple, points at that shaft.",
+)
+
 Told = tuple[Run, Sequence[Finding], Sequence[str]]
 
 
@@ -37,13 +65,15 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
     page = environment.get_template("report.html.j2").render(
         verdict=VERDICTS[result.verdict],
         sentence=_micro(result.sentence),
+        doubts=[f"{told[0].source}: {words}" for told in runs for words in _doubts(told)],
         errors=_errors(result),
         effects=[_effect(named) for named in result.effects],
         sets=[[_effect(named) for named in group] for group in result.one_of],
         unknown=_micro(result.unknown.sentence()) if result.unknown else "",
-        candidates=[_candidate(one) for one in (*result.evidence, *result.small)],
+        candidates=[_candidate(one, result.small) for one in (*result.evidence, *result.small)],
         not_testable=result.not_testable,
         next_steps=result.next_steps,
+        nothing_lacks=result.verdict == "none",
         design=design,
         runs=[_run(told) for told in runs],
         plots=[
@@ -66,7 +96,7 @@ def _errors(result: LoopResult) -> dict[str, Any]:
             ("With what was found", *shown[4:8], 100.0 * e.after.value / most),
             ("Noise floor of the sensors", shown[8], "", "", "", 100.0 * e.floor_rad / most),
         ],
-        "share": f"{e.explained_share:.0%}",
+        "share": share_text(e.explained_share),
         "held_out": e.held_out,
     }
 
@@ -75,6 +105,8 @@ def _effect(named: Named) -> dict[str, Any]:
     figures = []
     for name, value in named.parameters.items():
         word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        if name == "phase_rad" and named.form in PHASES:
+            word = f"{word}, {PHASES[named.form]}"
         figures.append((word, _micro(middle), _micro(f"{low} to {high}")))
     for name, figure in named.physical.items():
         if name not in named.parameters:
@@ -83,37 +115,40 @@ def _effect(named: Named) -> dict[str, Any]:
     return {"named": named, "figures": figures, "takes_off": _micro(readable("_rad", [named.fall_rad])[1][0])}
 
 
-def _candidate(one: Evidence) -> dict[str, str]:
+def _candidate(one: Evidence, small: Sequence[Evidence]) -> dict[str, str]:
     _, (held, fall) = readable("_rad", [one.held_out_rad, one.fall_rad])
     return {
         "label": one.label,
-        "held": _micro(held),
+        # A candidate that was left out was not fitted on what is held out.
+        "held": "" if one in small else _micro(held),
         "fall": _micro(fall) if one.fall_rad else "",
         "outcome": one.outcome,
     }
 
 
 def _run(told: Told) -> dict[str, Any]:
-    run, findings, notes = told
-    doubts = [*notes, *(str(f) for f in findings if f.level == "doubt")]
+    run, findings, _ = told
     return {
         "source": run.source,
         "samples": f"{run.time_s.size:,}".replace(",", " "),
         "sha256": run.sha256,
-        "doubts": doubts,
+        "doubts": _doubts(told),
         "facts": [str(f) for f in findings if f.level == "fact"],
     }
+
+
+def _doubts(told: Told) -> list[str]:
+    _, findings, notes = told
+    return [*notes, *(str(finding) for finding in findings if finding.level == "doubt")]
 
 
 def _images(trace: Traces, chain_orders: dict[str, float], run: Run) -> list[dict[str, str]]:
     ideal = np.interp(trace.time_s, run.time_s, run.input_rad.mean(axis=0) / chain_orders["input"])
     drawn = (
-        ("Measured and predicted angle, and their difference, over time", time_png(trace)),
-        ("Transmission error over output angle, measured and predicted", loop_png(trace, ideal)),
-        ("Difference over output angle (means: solid rising, dashed falling) and load", scatter_png(trace)),
-        ("Orders of the difference, with what turns once in the chain", orders_png(trace, chain_orders)),
-    )
-    return [{"alt": alt, "data": b64encode(png).decode()} for alt, png in drawn]
+        (TIME, time_png(trace)), (LOOP, loop_png(trace, ideal)),
+        (SCATTER, scatter_png(trace)), (ORDERS, orders_png(trace, chain_orders)),
+    )  # fmt: skip
+    return [{"title": title, "text": text, "data": b64encode(png).decode()} for (title, text), png in drawn]
 
 
 def _micro(text: str) -> str:

@@ -14,6 +14,7 @@ from scipy.ndimage import uniform_filter1d
 from mbcdm_cad.loop.readable import size_of
 from mbcdm_cad.loop.result import Traces
 from mbcdm_cad.loop.run import Floats
+from mbcdm_cad.loop.stretches import half_sweeps
 
 MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
 HELD = "#DDDDDD"
@@ -41,6 +42,10 @@ def time_png(t: Traces) -> bytes:
             for begin, end in _spans(t.held):
                 axes.axvspan(t.time_s[begin], t.time_s[end], color=HELD, zorder=0, label=label)
                 label = ""
+            end = _first_used(t)
+            if end:
+                axes.axvspan(t.time_s[0], t.time_s[end], fill=False, hatch="//", ec="#BBBBBB", lw=0.0, zorder=0,
+                             label="left out")  # fmt: skip
             axes.set_xlim(t.time_s[0], t.time_s[-1])
             _legend(axes)
         return _png(figure)
@@ -53,13 +58,16 @@ def loop_png(t: Traces, ideal_rad: Floats) -> bytes:
         error = t.output_rad - ideal_rad
         error = error - np.median(error)
         factor, unit = size_of("_rad", [float(np.abs(error).max())])
-        angle = 1e3 * t.output_rad
-        axes.plot(angle, error / factor, ls="", marker=".", ms=2.0, alpha=0.5, color=MEASURED, label="measured")
+        from_here = slice(_first_used(t), None)
+        angle = 1e3 * t.output_rad[from_here]
+        axes.plot(
+            angle, error[from_here] / factor, ls="", marker=".", ms=2.0, alpha=0.5, color=MEASURED, label="measured"
+        )
         for residual, colour, word in (
             (t.residual_before_rad, BEFORE, "declared model"),
             (t.residual_after_rad, AFTER, "with what was found"),
         ):
-            axes.plot(angle, (error - residual) / factor, lw=0.8, color=colour, label=word)
+            axes.plot(angle, (error - residual)[from_here] / factor, lw=0.8, color=colour, label=word)
         axes.set(xlabel="output (mrad)", ylabel=f"output - inputs/ratio ({unit})")
         _legend(axes)
         return _png(figure)
@@ -71,20 +79,21 @@ def scatter_png(t: Traces) -> bytes:
     Means over bins: against angle for each sense of motion, solid with rising and dashed with falling angle.
     """
     with mpl.rc_context(STYLE):
-        variables = [("output (mrad)", 1e3 * t.output_rad)]
+        from_here = slice(_first_used(t), None)
+        variables = [("output (mrad)", 1e3 * t.output_rad[from_here])]
         if t.load_Nm is not None:
-            variables.append(("load torque (N m)", t.load_Nm))
+            variables.append(("load torque (N m)", t.load_Nm[from_here]))
+        rising = np.gradient(uniform_filter1d(t.output_rad[from_here], SENSE_POINTS)) >= 0.0
         figure, panels = _panels(3.4, columns=len(variables))
         factor, unit = _size(t)
         first = np.atleast_1d(panels)[0]
         for axes, (label, values) in zip(np.atleast_1d(panels), variables, strict=True):
             for residual, colour, word in (
-                (t.residual_before_rad, BEFORE, "before"),
-                (t.residual_after_rad, AFTER, "after"),
+                (t.residual_before_rad[from_here], BEFORE, "before"),
+                (t.residual_after_rad[from_here], AFTER, "after"),
             ):
                 axes.plot(values, residual / factor, ls="", marker=".", ms=1.5, alpha=0.25, color=colour)
                 if axes is first:
-                    rising = np.gradient(uniform_filter1d(t.output_rad, SENSE_POINTS)) >= 0.0
                     axes.plot(*_means(values[rising], residual[rising] / factor), color=colour, lw=1.6, label=word)
                     axes.plot(*_means(values[~rising], residual[~rising] / factor), color=colour, lw=1.6, ls="--")
                 else:
@@ -97,7 +106,7 @@ def scatter_png(t: Traces) -> bytes:
 def orders_png(t: Traces, chain_orders: dict[str, float]) -> bytes:
     """Amplitude of the residual over cycles a turn of the output, with what turns once in the chain marked."""
     with mpl.rc_context(STYLE):
-        figure, axes = _panels(3.0)
+        figure, axes = _panels(3.2)
         factor, unit = _size(t)
         axes.loglog(t.orders, t.amplitude_before_rad / factor, color=BEFORE, lw=0.8, label="before")
         axes.loglog(t.orders, t.amplitude_after_rad / factor, color=AFTER, lw=0.8, label="after")
@@ -116,7 +125,7 @@ def orders_png(t: Traces, chain_orders: dict[str, float]) -> bytes:
 
 def _legend(axes: Any) -> None:
     """Above the axes, where it hides nothing."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
 
 
 def _panels(height_in: float, rows: int = 1, columns: int = 1, shared: bool = False) -> tuple[Figure, Any]:
@@ -137,6 +146,11 @@ def _means(values: Floats, residual: Floats) -> tuple[Floats, Floats]:
     busy = count >= 5
     means = np.bincount(index, residual, BINS)[busy] / count[busy]
     return (0.5 * (edges[1:] + edges[:-1]))[busy], means
+
+
+def _first_used(t: Traces) -> int:
+    """First index beyond the first half sweep; 0 where there is no other."""
+    return int(np.argmax(half_sweeps(t.output_rad) > 0))
 
 
 def _spans(held: Floats) -> list[tuple[int, int]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mbcdm_cad.loop.readable import readable, size_of
+from mbcdm_cad.loop.readable import readable, share_text, size_of
 from mbcdm_cad.loop.result import LoopResult, Named
 
 
@@ -21,7 +21,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
         _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),
         _error_line("with what was found", size, e.after.value, e.after.low, e.after.high, e.peak_after_rad),
         f"{'noise floor':<24}{e.floor_rad / size:>10.3g}",
-        f"explained: {e.explained_share:.0%} of what lies above the floor; held out: {e.held_out}",
+        f"explained: {share_text(e.explained_share)} of what lies above the floor; held out: {e.held_out}",
     ]
     for named in result.effects:
         lines += ["", *named_lines(named)]
@@ -33,9 +33,11 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
     if candidates:
         width = max(len(c.label) for c in candidates)
         lines += ["", f"{'candidate':<{width}}{'held out':>12}{'takes off':>12}  {unit}"]
+        # A candidate that was left out was not fitted on what is held out.
+        held = [f"{c.held_out_rad / size:.3g}" for c in result.evidence] + [""] * len(result.small)
         lines += [
-            f"{c.label:<{width}}{c.held_out_rad / size:>12.3g}{c.fall_rad / size:>12.3g}  {c.outcome}"
-            for c in candidates
+            f"{c.label:<{width}}{rms:>12}{c.fall_rad / size:>12.3g}  {c.outcome}"
+            for c, rms in zip(candidates, held, strict=True)
         ]
     lines += [f"not testable: {words}" for words in result.not_testable]
     lines += [f"next: {words}" for words in result.next_steps]

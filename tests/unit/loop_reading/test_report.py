@@ -14,12 +14,13 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.loop.finding import Finding
-from mbcdm_cad.loop.readable import readable
+from mbcdm_cad.loop.readable import readable, share_text
 from mbcdm_cad.loop.report import report_page
-from mbcdm_cad.loop.report_figures import AFTER, BEFORE, scatter_png
+from mbcdm_cad.loop.report_figures import AFTER, BEFORE, scatter_png, time_png
 from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value
 from mbcdm_cad.loop.result_text import result_text
 from mbcdm_cad.loop.run import Run
+from mbcdm_cad.loop.stretches import half_sweeps
 
 TIME = np.linspace(0.0, 60.0, 3000)
 DRUM = 0.4 * np.sin(TIME)
@@ -79,7 +80,8 @@ def test_the_page_needs_no_other_file_and_holds_what_the_result_holds() -> None:
     for words in (
         "8.6 µm", "8.4 µm to 8.8 µm", "140 µrad", "96.5 µrad", "99%", "ripple (line in angle)", "given back",
         "no temperature", "dial gauge", "2 gaps", "12 half sweeps", "3 broken rows", "half sweep 3", "5" * 64,
-        "6" * 64, "Looks the same: eccentric encoder",
+        "6" * 64, "Looks the same: eccentric encoder", "Measured against predicted, over time",
+        "Transmission error over output angle", "What is left over output angle and load", "Orders of what is left",
     ):  # fmt: skip
         assert words in page, words
 
@@ -104,6 +106,43 @@ def test_a_set_says_that_the_data_cannot_tell() -> None:
     page = words_of(result)
     assert "One of these 2; the data cannot tell which" in page and "once_per_rev drum" in page
     assert "one of these, the data cannot tell which" in result_text(result)
+
+
+def test_doubts_stand_right_below_the_finding() -> None:
+    page = whole_page()
+    places = [page.index(words) for words in ("The model lacks", "a&lt;b&gt;.csv: 2 gaps", "What to do next")]
+    assert places == sorted(places), places
+    lines = result_text(RESULT, ["doubt: 2 gaps"]).splitlines()
+    assert lines[0] == RESULT.sentence and lines[1] == "doubt: 2 gaps", lines[:3]
+    assert "Doubts" not in words_of(RESULT)
+
+
+def test_a_run_that_lacks_nothing_asks_for_nothing() -> None:
+    page = words_of(replace(RESULT, verdict="none", effects=(), next_steps=()))
+    assert "Nothing: the drive does what its design file says" in page
+
+
+def test_what_was_left_out_gets_no_error_that_nobody_took() -> None:
+    left_out = Evidence("lash (play at the output)", 4.9e-6, 2e-7, "too small to name")
+    result = replace(RESULT, small=(left_out,))
+    (line,) = (line for line in result_text(result).splitlines() if line.startswith("lash"))
+    assert line.split("(play at the output)")[1].split() == ["0.2", "too", "small", "to", "name"], line
+    row = words_of(result).split("lash (play at the output)")[1].split("</tr>")[0]
+    assert "4.9" not in row and "0.2 µrad" in row, row
+
+
+def test_the_first_half_sweep_is_left_out_of_the_plots_over_angle() -> None:
+    trace = RESULT.traces[0]
+    first = np.flatnonzero(half_sweeps(trace.output_rad) == 0)
+    changed = trace.residual_before_rad.copy()
+    changed[first] += 5e-5
+    assert scatter_png(replace(trace, residual_before_rad=changed)) == scatter_png(trace)
+    assert time_png(replace(trace, residual_before_rad=changed)) != time_png(trace)
+
+
+@pytest.mark.parametrize(("share", "said"), [(1.0, "100%"), (0.9965, "over 99%"), (0.9899, "99%"), (0.0, "0%")])
+def test_what_is_not_quite_the_whole_is_not_called_so(share: float, said: str) -> None:
+    assert share_text(share) == said
 
 
 def test_pictures_are_the_same_every_time_and_show_before_and_after() -> None:
