@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 import re
-import secrets
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -64,7 +63,7 @@ class Cache:
         if self._folder is None:
             return
         path = self._path(key)
-        aside = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
+        aside = path.with_name(f".{path.name}.{os.urandom(8).hex()}")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             aside.write_bytes(_packed(blobs))
