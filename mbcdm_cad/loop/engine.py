@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import t as t_distribution
+from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.loop.decoys import MISTAKEN, decoys
 from mbcdm_cad.loop.effects.base import Effect, Figure
@@ -18,7 +19,7 @@ from mbcdm_cad.loop.prepared import Prepared, prepare_both, smoothed
 from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value
 from mbcdm_cad.loop.run import Floats, Run
 from mbcdm_cad.loop.select import LEAST_FALL, Search
-from mbcdm_cad.loop.separable import Separation, separation
+from mbcdm_cad.loop.separable import TOLD_APART, Separation, separation
 from mbcdm_cad.loop.unknown import Unknown, describe_unknown
 from mbcdm_cad.loop.wald import cluster_estimate
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -35,8 +36,6 @@ ALIKE_SHARE = 0.05
 BLAME_SHARE = 0.35
 # Windows that the intervals are told over: the difference's smoothing, halved and doubled.
 WINDOWS = (0.5, 2.0)
-# A phase known to this share of a radian is too much of a coincidence.
-COINCIDENCE = 0.05
 SLOW_S = 0.3
 INTERVAL = 1.96
 TRACE_POINTS = 4000
@@ -49,7 +48,9 @@ def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
     """
     d = None if drive is None else to_si(drive)
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
-    return _Loop(d, ratio, [prepare_both(run, ratio) for run in runs], () if drive is None else drive.as_built).result()
+    with threadpool_limits(1, "blas"):
+        prepared = [prepare_both(run, ratio) for run in runs]
+        return _Loop(d, ratio, prepared, () if drive is None else drive.as_built).result()
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +149,10 @@ class _Loop:
                     better = others[0]
                     break
                 alike = [o for o in others if self._alike(o, fit)]
-                better = next((o for o in alike if self._coincidence(o.effects[-1], effect, fit)), None)
+                better = next((o for o in alike if self._coincidence(o, o.effects[-1], fit, effect)), None)
                 if better is not None:
                     break
-                alike = [o for o in alike if not self._coincidence(effect, o.effects[-1], o)]
+                alike = [o for o in alike if not self._coincidence(fit, effect, o, o.effects[-1])]
                 groups.append(_Group(effect, self._by_name(alike, effect)))
             if better is None:
                 return fit, tuple(groups)
@@ -168,17 +169,26 @@ class _Loop:
                 best[key] = one
         return tuple(best.values())
 
-    def _coincidence(self, simple: Effect, two: Effect, fit: Fit) -> bool:
-        """Would ``two`` of ``fit`` need its figures to fall by chance where they look like the simpler effect?
+    def _coincidence(self, simpler: Fit, simple: Effect, fit: Fit, two: Effect) -> bool:
+        """Would ``two`` of ``fit`` need its phase to fall by chance where it looks like ``simple`` of ``simpler``?
 
-        A wave of two coordinates that are both known to a few per cent of its size could have had any phase; that it
-        has the one phase of the simpler effect is not believed.
+        A wave could have had any phase, alike likely. That it has that of the simpler effect to within its deviation s
+        is s / sqrt(2 pi) as likely as the simpler effect itself, times the odds of the two fits (Bayes' factor).
         """
         if len(two.parameters) <= len(simple.parameters):
             return False
         values = fit.values_of(two)
-        spread = np.sqrt(np.diag(self._spread(fit, two, self.fitter)))
-        return bool(np.max(spread[:2]) < COINCIDENCE * np.hypot(values[0], values[1]))
+        deviation = float(np.sqrt(np.diag(self._spread(fit, two, self.fitter))[:2].max()) / np.hypot(*values[:2]))
+        worse, better = (simpler, fit) if fit.square < simpler.square else (fit, simpler)
+        wrong = self._apart(worse, better).probability
+        odds = (1.0 - wrong) / max(wrong, 1e-300) if better is fit else wrong / (1.0 - wrong)
+        return bool(deviation / np.sqrt(2.0 * np.pi) * odds < TOLD_APART)
+
+    def _apart(self, worse: Fit, better: Fit) -> Separation:
+        """How well two fits are told apart."""
+        used, f = self.fitter.used, self.fitter
+        here = better.residual[used]
+        return separation(-here, -worse.residual[used], here, f.sweep[used], f.sector[used])
 
     def _alike(self, worse: Fit, better: Fit) -> bool:
         """Is the first no worse than the second, as far as sweeps and sectors can tell?"""
@@ -189,10 +199,9 @@ class _Loop:
             return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.floor_rad) ** 2:
             return True
-        sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
-        here = better.residual[used]
-        if not separation(-here, -worse.residual[used], here, sweep, sector).told:
+        if not self._apart(worse, better).told:
             return True
+        sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
         cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
         sums = np.bincount(cell, excess)
         return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
