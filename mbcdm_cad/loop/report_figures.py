@@ -15,6 +15,7 @@ from mbcdm_cad.loop.readable import size_of
 from mbcdm_cad.loop.result import Traces
 from mbcdm_cad.loop.run import Floats
 from mbcdm_cad.loop.stretches import half_sweeps
+from mbcdm_cad.loop.vet_signals import GAP_STEPS
 
 MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
 HELD = "#DDDDDD"
@@ -29,13 +30,14 @@ def time_png(t: Traces) -> bytes:
     """Drum angle measured and predicted, and the residual before and after, over time; held-out time is grey."""
     with mpl.rc_context(STYLE):
         figure, (above, below) = _panels(4.6, rows=2, shared=True)
-        above.plot(t.time_s, 1e3 * t.output_rad, color=MEASURED, lw=1.6, label="measured")
-        above.plot(t.time_s, 1e3 * (t.output_rad - t.residual_before_rad), color=BEFORE, lw=0.8, ls="--",
+        whole = _without_gaps(t.time_s)
+        above.plot(t.time_s, 1e3 * t.output_rad * whole, color=MEASURED, lw=1.6, label="measured")
+        above.plot(t.time_s, 1e3 * (t.output_rad - t.residual_before_rad) * whole, color=BEFORE, lw=0.8, ls="--",
                    label="predicted by the declared model")  # fmt: skip
         above.set_ylabel("output (mrad)")
         factor, unit = _size(t)
-        below.plot(t.time_s, t.residual_before_rad / factor, color=BEFORE, lw=0.8, label="before")
-        below.plot(t.time_s, t.residual_after_rad / factor, color=AFTER, lw=0.8, label="after")
+        below.plot(t.time_s, t.residual_before_rad / factor * whole, color=BEFORE, lw=0.8, label="before")
+        below.plot(t.time_s, t.residual_after_rad / factor * whole, color=AFTER, lw=0.8, label="after")
         below.set(xlabel="time (s)", ylabel=f"measured - predicted ({unit})")
         for axes in (above, below):
             label = "held out"
@@ -146,6 +148,12 @@ def _means(values: Floats, residual: Floats) -> tuple[Floats, Floats]:
     busy = count >= 5
     means = np.bincount(index, residual, BINS)[busy] / count[busy]
     return (0.5 * (edges[1:] + edges[:-1]))[busy], means
+
+
+def _without_gaps(time_s: Floats) -> Floats:
+    """1 at each point, NaN at the first after a pause in logging, so that no line is drawn over it."""
+    steps = np.diff(time_s, prepend=time_s[0])
+    return np.where(steps > GAP_STEPS * np.median(steps), np.nan, 1.0)
 
 
 def _first_used(t: Traces) -> int:

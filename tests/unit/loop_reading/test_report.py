@@ -101,10 +101,11 @@ def test_every_verdict_has_a_page_and_a_text(verdict: str) -> None:
 
 
 def test_a_set_says_that_the_data_cannot_tell() -> None:
-    other = replace(NAMED, stage="drum")
+    other = replace(NAMED, stage="drum", separate_by="a longer travel")
     result = replace(RESULT, effects=(), one_of=((NAMED, other),))
     page = words_of(result)
     assert "One of these 2; the data cannot tell which" in page and "once_per_rev drum" in page
+    assert "To tell them apart: turn the encoder by 90 degrees; or: a longer travel." in page
     assert "one of these, the data cannot tell which" in result_text(result)
 
 
@@ -138,6 +139,14 @@ def test_the_first_half_sweep_is_left_out_of_the_plots_over_angle() -> None:
     changed[first] += 5e-5
     assert scatter_png(replace(trace, residual_before_rad=changed)) == scatter_png(trace)
     assert time_png(replace(trace, residual_before_rad=changed)) != time_png(trace)
+
+
+def test_no_line_is_drawn_over_a_pause_in_logging() -> None:
+    trace = RESULT.traces[0]
+    time = trace.time_s + 20.0 * (np.arange(trace.time_s.size) >= 1500)
+    wild = trace.residual_after_rad.copy()
+    wild[1500] = 1e-4  # the first point after the pause carries the line there
+    assert time_png(replace(trace, time_s=time, residual_after_rad=wild)) == time_png(replace(trace, time_s=time))
 
 
 @pytest.mark.parametrize(("share", "said"), [(1.0, "100%"), (0.9965, "over 99%"), (0.9899, "99%"), (0.0, "0%")])
