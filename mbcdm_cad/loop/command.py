@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -197,9 +198,14 @@ def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], want
             if _same_file(output, path):
                 what = f"would overwrite the {word}, {path}"
                 problems.append(Problem(*where, what, remedy="nothing was done; give another name"))
-        if option != "--report" and not output.parent.is_dir():
-            what = f"there is no folder {output.parent}"
+        if output.is_dir():
+            problems.append(Problem(*where, "a folder, and a file is to be written", remedy="give another name"))
+        there = next((folder for folder in output.parents if folder.exists()), Path())
+        if not there.is_dir() or (option != "--report" and there != output.parent):
+            what = f"there is no folder {output.parent}" if there.is_dir() else f"{there} is no folder"
             problems.append(Problem(*where, what, remedy="make it, or choose another path"))
+        elif not os.access(there, os.W_OK):
+            problems.append(Problem(*where, f"nothing may be written in {there}", remedy="choose another path"))
         taken.append((f"output of {option}", output))
     if problems:
         raise InputError(problems)
