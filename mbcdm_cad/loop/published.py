@@ -15,9 +15,13 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.measurement import MeasurementFile
+from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.schema import Published
 from mbcdm_cad.loop.units import Unit, unit_of
 from mbcdm_cad.model.si import DriveSI, to_si
+
+# Ending that tells `readable` the unit of a figure.
+ENDINGS = {"rad": "_rad", "N m": "_Nm"}
 
 
 @dataclass(frozen=True)
@@ -113,17 +117,27 @@ def _once(named: list[dict[str, str]]) -> list[dict[str, str]]:
     return list({item["name"]: item for item in named}.values())
 
 
+def shown(figure: Judged, value: float | None) -> str:
+    """A value in the unit that suits it; empty for none."""
+    if value is None:
+        return ""
+    if figure.unit in ENDINGS:
+        return readable(figure.quantity + ENDINGS[figure.unit], [value])[1][0]
+    return f"{value:.4g} {figure.unit}"
+
+
 def _lines(figure: Judged) -> list[str]:
-    predicted = "says nothing" if figure.predicted is None else f"{figure.predicted:.5g} {figure.unit}"
-    residual = "" if figure.residual is None else f", residual {figure.residual:+.3g} {figure.unit}"
-    stated = "" if figure.stated_theory is None else f", authors' own expectation {figure.stated_theory:.5g}"
+    predicted = shown(figure, figure.predicted) or "says nothing"
+    residual = shown(figure, figure.residual)
+    stated = shown(figure, figure.stated_theory)
     lines = [
-        f"{figure.quantity} ({figure.where}): measured {figure.measured:.5g} {figure.unit}, model {predicted}"
-        f"{residual}{stated}"
+        f"{figure.quantity} ({figure.where}): measured {shown(figure, figure.measured)}, model {predicted}"
+        + (f", residual {residual}" if residual else "")
+        + (f", authors' own expectation {stated}" if stated else "")
     ]
     lines += [f"  {figure.remark}"] if figure.remark else []
     for candidate in figure.candidates:
-        gives = "" if candidate.predicted is None else f"gives {candidate.predicted:.5g} {figure.unit}; "
+        gives = "" if candidate.predicted is None else f"gives {shown(figure, candidate.predicted)}; "
         sign = "+" if candidate.plausible else "-"
         name = f" [{candidate.effect}]" if candidate.effect else ""
         lines.append(f"  {sign} {candidate.cause}{name}: {gives}{candidate.needed}")

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.loop.published import Judged, PublishedResult
-from mbcdm_cad.loop.readable import readable
-
-# Ending that tells `readable` the unit of a figure.
-ENDINGS = {"rad": "_rad", "N m": "_Nm"}
+from mbcdm_cad.loop.published import PublishedResult, shown
 
 
 def published_page(result: PublishedResult, design: str) -> bytes:
@@ -34,12 +30,3 @@ def published_page(result: PublishedResult, design: str) -> bytes:
         source=result.source, design=design, figures=figures, together=result.together
     )
     return page.encode()
-
-
-def shown(figure: Judged, value: float | None) -> str:
-    """A value in the unit that suits it; empty for none."""
-    if value is None:
-        return ""
-    if figure.unit in ENDINGS:
-        return readable(figure.quantity + ENDINGS[figure.unit], [value])[1][0]
-    return f"{value:.4g} {figure.unit}"
