@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -59,6 +59,14 @@ class Fit:
         k = self.effects.index(effect)
         start = sum(v.size for v in self.values[:k])
         return slice(start, start + self.values[k].size)
+
+    def with_last(self, effect: Effect) -> Fit:
+        """The same fit with one of its effects put last."""
+        order = [k for k, e in enumerate(self.effects) if e is not effect] + [self.effects.index(effect)]
+        own = [self.jacobian[:, self.columns_of(self.effects[k])] for k in order]
+        offsets = self.jacobian[:, sum(v.size for v in self.values) :]
+        effects, values = tuple(self.effects[k] for k in order), tuple(self.values[k] for k in order)
+        return replace(self, effects=effects, values=values, jacobian=np.hstack([*own, offsets]))
 
 
 @dataclass(frozen=True, eq=False)

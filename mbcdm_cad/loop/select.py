@@ -29,6 +29,8 @@ MOST_REFITS = 7
 # A candidate is taken in place of a better one that was refused only if it falls by this share of it.
 RUNNER_UP = 0.8
 MOST_EFFECTS = 6
+# Effects refused for leaning on one place that the search goes on with all the same.
+MOST_LEANING = 3
 MOST_THREADS = 4
 
 
@@ -64,6 +66,7 @@ class Search:
         self.steps: list[Step] = []
         self._screened: tuple[Fit, list[Screened]] | None = None
         self._without: dict[tuple[Fit, Effect], Fit] = {}
+        self._leaning: dict[Fit, list[Fit]] = {}
         self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
 
     def held_rms(self, fit: Fit) -> float:
@@ -209,6 +212,8 @@ class Search:
         floor is left, its other forms are given the same chance.
         """
         now = self._grown(self.bare)
+        if self.too_much(now):
+            now = self._gone_on(now)
         for effect in now.effects:
             if not self.too_much(now):
                 break
@@ -233,6 +238,26 @@ class Search:
             self._note("taken", better.effects[-1], now, better)
             now = self.backward(better)
         return now
+
+    def _gone_on(self, now: Fit) -> Fit:
+        """``now``, or what it comes to with an effect that leans on one place as long as its companion is not there.
+
+        That is only believed if the two, fitted jointly, are both borne out and leave no more than the floor.
+        """
+        leaning: dict[object, Fit] = {}
+        for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
+            leaning.setdefault(one.effects[-1].key, one)
+        for one in list(leaning.values())[:MOST_LEANING]:
+            grown = self._grown(one)
+            if self.too_much(grown):
+                continue
+            if all(self._borne_out(grown, effect) for effect in grown.effects):
+                self._note("borne out beside the others", one.effects[-1], now, grown)
+                return grown
+        return now
+
+    def _borne_out(self, fit: Fit, effect: Effect) -> bool:
+        return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
 
     def _best(self, now: Fit) -> Fit | None:
         """``now`` with the best effect that can be taken; None if there is none.
@@ -269,6 +294,7 @@ class Search:
         if supported(self.fitter, now, better, len(self.library)):
             return True
         self._note("leans on one place", better.effects[-1], now, better)
+        self._leaning.setdefault(now, []).append(better)
         return False
 
     def backward(self, fit: Fit) -> Fit:
