@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import fields
 from typing import Any
 
 from mbcdm_cad.checks.finding import shown
@@ -30,11 +30,12 @@ def outputs(loaded: LoadedDesign) -> dict[str, bytes]:
 
 def as_data(loaded: LoadedDesign, results: Sequence[CheckResult]) -> dict[str, Any]:
     """All fields of all results, with a summary, ready for JSON."""
+    names = [field.name for field in fields(CheckResult)]
     return {
         "design": loaded.drive.name,
         "design_sha256": loaded.sha256,
         "summary": counts(results),
-        "checks": [asdict(result) for result in results],
+        "checks": [{name: getattr(result, name) for name in names} for result in results],
     }
 
 

@@ -17,6 +17,25 @@ from mbcdm_cad.record import record
 Vector = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
+# The positive half of the 12 nodes on -1..1 of Gauss and Legendre, and their weights: numpy's function for them lies in
+# numpy.polynomial, whose import every start would wait for.
+_GAUSS_NODES = (
+    0.1252334085114689,
+    0.3678314989981802,
+    0.5873179542866175,
+    0.7699026741943047,
+    0.9041172563704748,
+    0.9815606342467192,
+)
+_GAUSS_WEIGHTS = (
+    0.2491470458134027,
+    0.2334925365383546,
+    0.20316742672306573,
+    0.16007832854334642,
+    0.10693932599531907,
+    0.04717533638651141,
+)
+
 
 def _v(a: Sequence[float]) -> Vector:
     return np.asarray(a, dtype=np.float64)
@@ -110,8 +129,8 @@ class Helix:
 @cache
 def _gauss() -> tuple[Vector, Vector]:
     """Nodes on 0..1 and weights (sum 2) of a quadrature that is exact here to rounding."""
-    nodes, weights = np.polynomial.legendre.leggauss(12)
-    return (nodes + 1) / 2, weights
+    nodes, weights = np.array(_GAUSS_NODES), np.array(_GAUSS_WEIGHTS)
+    return (np.concatenate([-nodes[::-1], nodes]) + 1) / 2, np.concatenate([weights[::-1], weights])
 
 
 @record

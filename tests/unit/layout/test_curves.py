@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.layout.curves import Arc, Helix, Line, Parabola, Piece
+from mbcdm_cad.layout.curves import Arc, Helix, Line, Parabola, Piece, _gauss
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 PIECES: dict[str, Piece] = {
@@ -67,3 +67,10 @@ def test_a_helix_stays_on_its_cylinder_and_climbs_evenly(a0: float, a1: float, r
 def test_a_parabola_joins_two_slopes() -> None:
     p = Parabola((0, 0, 0), (1, 0, 0), (1, 2, 0))
     assert p.tangent(0.0) == pytest.approx((1, 0, 0)) and p.tangent(1.0) == pytest.approx((0, 1, 0))
+
+
+def test_the_table_of_the_quadrature_is_that_of_numpy() -> None:
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    found, found_weights = _gauss()
+    assert np.abs(2 * found - 1 - nodes).max() < 1e-15
+    assert np.abs(found_weights - weights).max() < 1e-15
