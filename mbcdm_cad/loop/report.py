@@ -33,8 +33,8 @@ PHASES = {
 TIME = (
     "Measured against predicted, over time",
     "Above: the output as measured and as the declared model predicts it. Below: what is left of it before, and after "
-    "what was found was put into the model. Grey was held out before anything was chosen. The hatched first half sweep "
-    "is left out, since nobody knows what the friction remembers from before.",
+    "what was found was put into the model. Grey was held out before anything was chosen. What is hatched is left out: "
+    "in the first half sweep nobody knows what the friction remembers from before.",
 )
 LOOP = (
     "Transmission error over output angle",

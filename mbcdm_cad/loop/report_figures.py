@@ -22,6 +22,8 @@ HELD = "#DDDDDD"
 STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False}
 WIDTH_IN = 9.6
 BINS = 60
+# Half sweeps that must follow the first for it to be left out.
+FEWEST_TO_LEAVE_OUT = 4
 # Points over which the sense of motion is told, more than an encoder's step lasts.
 SENSE_POINTS = 25
 
@@ -157,8 +159,9 @@ def _without_gaps(time_s: Floats) -> Floats:
 
 
 def _first_used(t: Traces) -> int:
-    """First index beyond the first half sweep; 0 where there is no other."""
-    return int(np.argmax(half_sweeps(t.output_rad) > 0))
+    """First index beyond the first half sweep; 0 where there are too few to leave one out, as in ``prepared``."""
+    sweep = half_sweeps(t.output_rad)
+    return int(np.argmax(sweep > 0)) if sweep[-1] >= FEWEST_TO_LEAVE_OUT else 0
 
 
 def _spans(held: Floats) -> list[tuple[int, int]]:

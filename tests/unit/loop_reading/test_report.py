@@ -141,6 +141,18 @@ def test_the_first_half_sweep_is_left_out_of_the_plots_over_angle() -> None:
     assert time_png(replace(trace, residual_before_rad=changed)) != time_png(trace)
 
 
+def test_of_a_run_too_short_to_spare_one_no_half_sweep_is_left_out() -> None:
+    trace = RESULT.traces[0]
+    short = TIME < 11.0  # half sweeps 0 to 3
+    few = replace(trace, **{
+        name: getattr(trace, name)[short]
+        for name in ("time_s", "output_rad", "load_Nm", "residual_before_rad", "residual_after_rad", "held")
+    })  # fmt: skip
+    changed = few.residual_before_rad.copy()
+    changed[half_sweeps(few.output_rad) == 0] += 5e-5
+    assert scatter_png(replace(few, residual_before_rad=changed)) != scatter_png(few)
+
+
 def test_no_line_is_drawn_over_a_pause_in_logging() -> None:
     trace = RESULT.traces[0]
     time = trace.time_s + 20.0 * (np.arange(trace.time_s.size) >= 1500)
