@@ -3,10 +3,10 @@
     python benchmarks/loop.py [--most 1e6] [--plain-most 1e5] [--effects worked|additive] [--json FILE]
 
 Each figure is taken in a process of its own: reading the CSV and closing the loop, peak memory of that process. The
-plain fit is scipy.optimize.least_squares on the model's whole series with the effects that are in the data (worked: E,
-guide pulley as sine and cosine in the cables' paths, ratio, offset; additive: ratio, delay, offset), finite differences
-and all. The figures that travel between machines are the ratios: plain over loop, and time per sample over that at the
-size before.
+plain fit is scipy.optimize.least_squares with the effects that are in the data, finite differences and all. worked: E,
+guide pulley as sine and cosine in the cables' paths, ratio, offset, on the model's whole series. additive: ratio, delay,
+offset, on a run without a torque column, on which all effects only add to the reading. The figures that travel between
+machines are the ratios: plain over loop, and time per sample over that at the size before.
 """
 
 from __future__ import annotations
@@ -44,7 +44,8 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
     chain = chain_of(drive)
     rng = np.random.default_rng(7)
     length = min(samples, BLOCK)
-    plan = Plan(amplitude_rad=0.45, frequency_hz=0.0625, load="bias", duration_s=length / RATE_HZ)
+    load = "bias" if effects == "worked" else "bare"
+    plan = Plan(amplitude_rad=0.45, frequency_hz=0.0625, load=load, duration_s=length / RATE_HZ)
     bench = bench_run(plan, float(np.mean(chain.r_drum / chain.r_in)), len(drive.input_names), rng)
     present = [Effect("ratio_error", "output_scale", {"share": 2e-4})]
     if effects == "worked":
@@ -54,13 +55,14 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
         present.append(Effect("delay", "latency", {"delay_s": 1e-3}))
     drum = drum_angle(chain, drive.input_names, bench, tuple(present), rng)
     times = -(-samples // length)
+    columns = ("torque",) if effects == "worked" else ()
     t = np.arange(samples) / RATE_HZ
 
     def tiled(values: np.ndarray) -> np.ndarray:
         return np.tile(values, times)[..., :samples]
 
     whole = Bench(t, tiled(bench.input_rad), tiled(bench.load_Nm), tiled(bench.speed_rad_s), tiled(bench.air_degC))
-    run = Simulated(plan, whole, tiled(drum), read_sensors(whole, tiled(drum), rng), tuple(present), ("torque",))
+    run = Simulated(plan, whole, tiled(drum), read_sensors(whole, tiled(drum), rng), tuple(present), columns)
     write_run(folder, f"run-{samples}", run, drive.input_names)
     return folder / f"run-{samples}.yaml"
 
@@ -101,7 +103,6 @@ def plain_once(path: Path, effects: str) -> dict[str, Any]:
     run = load_measurement(path)
     start = time.perf_counter()
     declared, chain = to_si(drive), chain_of(drive)
-    assert run.load_Nm is not None
     drum = run.input_rad.mean(axis=0) / float(np.mean(chain.r_drum / chain.r_in))
     shaft = -drum * float(np.mean(chain.r_drum / chain.r_guide))
     paths = [path_of_eccentric(chain, "guide", 1e-6, phase, shaft) for phase in (0.0, 0.5 * np.pi)]
@@ -111,14 +112,13 @@ def plain_once(path: Path, effects: str) -> dict[str, Any]:
     def miss(p: np.ndarray) -> np.ndarray:
         nonlocal calls
         calls += 1
-        if effects == "worked":
+        if run.load_Nm is not None:
             stiffer = declared.with_(modulus_Pa=declared.modulus_Pa * (1.0 + 0.1 * p[2]))
             predicted = simulate(stiffer, run.input_rad, run.load_Nm, p[3] * paths[0] + p[4] * paths[1]).drum_angle_rad
         else:
-            predicted = fixed - 1e-3 * p[2] * speed
+            predicted = drum - 1e-3 * p[2] * speed
         return np.asarray((predicted * (1.0 + 1e-4 * p[0]) + 1e-5 * p[1] - run.output_rad) * 1e6)
 
-    fixed = simulate(declared, run.input_rad, run.load_Nm).drum_angle_rad if effects == "additive" else drum
     found = least_squares(miss, np.zeros(5 if effects == "worked" else 3))
     end = time.perf_counter()
     return {"plain_s": end - start, "calls": calls, "rms_rad": float(np.sqrt(np.mean(found.fun**2)) * 1e-6)}
