@@ -18,6 +18,9 @@ MAX_LISTED = 50
 _WANTED = {"number": "a number", "integer": "a whole number", "string": "text", "array": "a list", "object": "a block"}
 
 
+# What pydantic puts in a path beside fields: keys, and the branches of "a name or a number".
+_NO_FIELDS = ("[key]", "constrained-str", "int")
+
 NodeAt = Callable[[FieldPath], Node | None]
 
 
@@ -26,10 +29,10 @@ def schema_problems(error: ValidationError, tree: Tree, file: str, node_at: Node
 
     ``node_at`` looks up what the file's schema says of a field, that of the design file by default.
     """
-    found = sorted(
-        (_problem(item, tree, file, node_at) for item in error.errors(include_url=False) if not _follows(item)),
-        key=lambda problem: problem.line,
-    )
+    items = [item for item in error.errors(include_url=False) if not _follows(item)]
+    # Every branch of "a name or a number" complains alike.
+    alike = dict.fromkeys(_problem(item, tree, file, node_at) for item in items)
+    found = sorted(alike, key=lambda problem: problem.line)
     if len(found) > MAX_LISTED:
         rest = len(found) - MAX_LISTED
         last = Problem(
@@ -45,7 +48,7 @@ def _follows(item: Any) -> bool:
 
 
 def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
-    path: FieldPath = tuple(part for part in item["loc"] if part != "[key]")
+    path: FieldPath = tuple(part for part in item["loc"] if part not in _NO_FIELDS)
     kind, value = item["type"], item["input"]
     node = node_at(path) or {}
     line, where, limit = tree.line_of(path), dotted(path), limit_text(node)

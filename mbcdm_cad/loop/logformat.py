@@ -13,6 +13,9 @@ LONGEST_LINE = 1 << 16
 # Rows looked at to find delimiter, number of columns and header, and lines that a preamble may be long.
 FIRST_ROWS = 50
 LONGEST_PREAMBLE = 100_000
+# Rows of units, channels and the like below the names, and what one of their cells may be long.
+MOST_UNITS = 3
+LONGEST_UNIT = 12
 SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
 Lines = list[tuple[int, str]]
 
@@ -22,8 +25,8 @@ class Format:
     """Layout of the file. ``sign`` is None for runs of blanks; ``names`` is empty without a header.
 
     ``begin_line`` is the first line (from 1) that may hold figures, ``fields`` the number of columns. ``units`` are the
-    cells of a row without a figure below the names, on ``units_line``; empty and 0 where there is none. ``unnamed``
-    says that rows hold more than the header names.
+    cells of the first row below the names where no row down to ``units_line`` has a figure; empty and 0 without one.
+    ``unnamed`` says that rows hold more than the header names.
     """
 
     sign: str | None
@@ -65,7 +68,8 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
     body = [line for number, line in rows if number >= begin]
     units, units_line = _units_row(rows, begin, sign, comma) if names else ((), 0)
     if units:
-        begin, body = units_line + 1, body[1:]
+        begin = units_line + 1
+        body = [line for number, line in rows if number >= begin]
     if not body:
         raise InputError([
             Problem(str(path), begin, "", "no rows below the header", remedy="check the file and header")
@@ -78,14 +82,21 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
 
 
 def _units_row(rows: Lines, begin: int, sign: str | None, comma: bool) -> tuple[tuple[str, ...], int]:
-    """Cells of the first row below the names if there is no figure in it but in the next; its line."""
-    below = [(number, split(line, sign)) for number, line in rows if number >= begin][:2]
-    if len(below) < 2 or any(_is_figure(cell, comma) for cell in below[0][1]):
-        return (), 0
-    # A row of text where figures should be, dates for one, is no row of units.
-    if not any(_is_figure(cell, comma) for cell in below[1][1]) or any(len(cell) > 12 for cell in below[0][1]):
-        return (), 0
-    return tuple(below[0][1]), below[0][0]
+    """Cells of the first of up to MOST_UNITS rows without a figure between the names and the figures; the last's line.
+
+    A row of text where figures should be, dates for one, is no row of units: another such row follows.
+    """
+    found: list[tuple[int, list[str]]] = []
+    for number, line in rows:
+        cells = split(line, sign)
+        if number < begin:
+            continue
+        if any(_is_figure(cell, comma) for cell in cells):
+            return (tuple(found[0][1]), found[-1][0]) if found else ((), 0)
+        if len(found) == MOST_UNITS or any(len(cell) > LONGEST_UNIT for cell in cells):
+            break
+        found.append((number, cells))
+    return (), 0
 
 
 def line_with(path: Path, name: str) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from mbcdm_cad.loop.run import Floats, Run, Sensors
 from mbcdm_cad.loop.schema import Column, Measurement, node_at
 from mbcdm_cad.loop.units import COUNTS, ENCODERS, Unit, known_units, unit_of
 
+_IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
 
@@ -172,14 +174,20 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
     if len(set(inputs)) < len(inputs):
         notes.append("both inputs are one column: what differs between them is not seen")
     if layout.units:
-        notes.append(f"line {layout.units_line} of {data.name} has no figures, it is taken for units and left out")
+        first, last = layout.header_line + 1, layout.units_line
+        lines = f"line {last}" if first >= last else f"lines {first} to {last}"
+        notes.append(f"no figures on {lines} of {data.name}: taken for units and left out")
     for (quantity, column), index in zip(asked.items(), indices, strict=True):
-        told = layout.units[index].strip("[]() ") if index < len(layout.units) else ""
+        told = layout.units[index] if index < len(layout.units) else ""
+        name = layout.names[index] if index < len(layout.names) else ""
+        told = told.strip("[]() ") or (brackets[1] if (brackets := _IN_BRACKETS.search(name)) else "")
         logged = unit_of(quantity, told)
-        if logged is not None and logged != unit_of(quantity, column.unit, column.counts_per_turn):
+        # A scale may be there to turn one unit into the other.
+        differ = logged is not None and logged != unit_of(quantity, column.unit, column.counts_per_turn)
+        if differ and abs(column.scale) == 1.0:
             notes.append(
-                f"{data.name} has {quantity} in {told} by its line {layout.units_line}, the measurement file says "
-                f"{column.unit}: which is true?"
+                f"{data.name} has {quantity} in {told} by its own header, the measurement file says {column.unit}: "
+                "which is true?"
             )
     return notes
 
@@ -227,12 +235,15 @@ def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format,
         remedy = DECIMALS if layout.sign == "," else "give its number, counted from 1"
     else:
         what, elsewhere = f"no such column on {line}", line_with(data, asked.strip())
-        if elsewhere == layout.header_line:
+        known = [name for name in layout.names if name.isprintable()]
+        longer = [name for name in known if re.match(re.escape(asked.strip()) + r"\W", name, re.IGNORECASE)]
+        if longer and len(known) > 1:
+            remedy = f"did you mean {shortened(longer[0])}?"
+        elif elsewhere == layout.header_line and len(known) == 1:
             remedy = "names there are not told apart: check delimiter"
-        elif elsewhere:
+        elif elsewhere > layout.header_line:
             remedy = f"the name is on line {elsewhere}: set skip_rows: {elsewhere - 1}"
         else:
-            known = [name for name in layout.names if name.isprintable()]
             remedy = shortened(did_you_mean(asked, known), 300).strip("'\"")
     raise InputError([file.problem(where, what, shortened(asked), remedy=remedy)])
 

@@ -49,8 +49,8 @@ ratio: 35                     # only the ratio of this drive is known
 
 A figure becomes `(figure - zero) * scale` in the column's unit. Inputs are positive when they drive the drum positive.
 Rows are told from their file: comments and blank lines may stand anywhere, cells may be in quotes, line ends may be of
-any system, bytes beyond ASCII matter only in names. A row of units below the names is left out; where it says another
-unit than this file, that is told as a doubt.
+any system, bytes beyond ASCII matter only in names. Rows of units below the names are left out; where they, or
+brackets in a name, say another unit than this file, that is told as a doubt.
 
 Refused, with file, line and remedy: a file that is no text, a column that is not there or is there twice or serves for
 two quantities, an unknown unit, a row of another length, text, NaN, a date or an overload (9.9e37) in a cell that is

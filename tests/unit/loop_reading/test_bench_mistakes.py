@@ -132,6 +132,9 @@ START = datetime.datetime(2026, 3, 1, 9, 0, 0)
 REFUSED = {
     "column not there": Mistake("did you mean q_out?", content=lambda: mapping(output={"column": "q_outt"})),
     "column in capitals": Mistake("did you mean q_out?", content=lambda: mapping(output={"column": "Q_OUT"})),
+    "name without its unit": Mistake("did you mean 'q_out [rad]'?", lambda: csv().replace("q_out", "q_out [rad]", 1)),
+    "a column that is no name": Mistake("columns.output.column: not of the right kind",
+                                        content=lambda: mapping(output={"column": True})),
     "unknown unit": Mistake("did you mean rad?", content=lambda: in_unit("radian", "output")),
     "unit in small letters": Mistake("did you mean Nm?", content=lambda: in_unit("nm", "load_torque")),
     "a length": Mistake("known here: rad, mrad", content=lambda: in_unit("mm", "output")),
@@ -217,14 +220,21 @@ SAID = {
                                          lambda: mapping(output={"unit": "counts", "counts_per_turn": 10000})),
     "one column for both inputs": Mistake("both inputs are one column",
                                           content=lambda: mapping(input_right={"column": "q_left"})),
-    "row of units": Mistake("line 2 of run.csv has no figures", lambda: under_header("[s],[rad],[rad],[rad],[Nm]")),
-    "row of other units": Mistake("run.csv has output in deg by its line 2, the measurement file says rad",
+    "row of units": Mistake("no figures on line 2 of run.csv", lambda: under_header("[s],[rad],[rad],[rad],[Nm]")),
+    "rows of units and channels": Mistake("no figures on lines 2 to 3 of run.csv",
+                                          lambda: under_header("s,rad,rad,rad,N m\nch1,ch2,ch3,ch4,ch5")),
+    "other units in the names": Mistake("run.csv has output in deg by its own header",
+                                        lambda: csv().replace("q_out", "q_out [deg]", 1),
+                                        lambda: mapping(output={"column": "q_out [deg]"})),
+    "row of other units": Mistake("run.csv has output in deg by its own header, the measurement file says rad",
                                   lambda: under_header("s,rad,rad,deg,N m")),
     "some broken rows": Mistake("50 broken rows of run.csv left out (lines 3, 5, 7, 9, 11, ...)", lambda: broken(50),
                                 lambda: mapping(broken_rows="skip")),
 }  # fmt: skip
 
 PLAIN = {
+    "another unit by a scale": Mistake("", lambda: scaled(DEG, "q_out").replace("q_out", "q_out (deg)", 1),
+                                       lambda: mapping(output={"column": "q_out (deg)", "scale": 1.0 / DEG})),
     "byte order mark": Mistake("", lambda: b"\xef\xbb\xbf" + csv().encode()),
     "semicolons": Mistake("", lambda: table(_columns(), ";")),
     "decimal comma as told": Mistake("", lambda: table(_columns(), ";").replace(".", ","),
