@@ -4,9 +4,9 @@
 
 Each figure is taken in a process of its own: reading the CSV and closing the loop, peak memory of that process. The
 plain fit is scipy.optimize.least_squares with the effects that are in the data, finite differences and all. worked: E,
-guide pulley as sine and cosine in the cables' paths, ratio, offset, on the model's whole series. additive: ratio, delay,
-offset, on a run without a torque column, on which all effects only add to the reading. The figures that travel between
-machines are the ratios: plain over loop, and time per sample over that at the size before.
+guide pulley as sine and cosine in the cables' paths, ratio, offset, on the model's whole series. additive: ratio,
+delay, offset, on a run without a torque column, on which all effects only add to the reading. The figures that travel
+between machines are the ratios: plain over loop, and time per sample over that at the size before.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from mbcdm_cad.loop.run import Floats, Run
 from mbcdm_cad.loop.select import LEAST_FALL, Search
 from mbcdm_cad.loop.separable import TOLD_APART, Separation, separation
 from mbcdm_cad.loop.unknown import Unknown, describe_unknown
-from mbcdm_cad.loop.wald import cluster_estimate
+from mbcdm_cad.loop.wald import Estimate, cluster_estimate
 from mbcdm_cad.model.si import DriveSI, to_si
 
 if TYPE_CHECKING:
@@ -77,6 +77,7 @@ class _Loop:
         labels = [{e.label for e in one} for one in offered]
         self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
         self.bare = self.fitter.fit()
+        self._estimates: dict[Fit, Estimate] = {}
         self.floor_rad = self._floor()
         self.search = Search(self.fitter, self.library, self.floor_rad, self.bare)
 
@@ -281,13 +282,16 @@ class _Loop:
 
         Clustered by sweep and sector, on all samples in use.
         """
-        used, k = fitter.used, fit.effects.index(effect)
-        columns = fitter.centred(fit.jacobian, used)[used]
-        estimate = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
+        if fit not in self._estimates:
+            used = fitter.used
+            columns = fitter.centred(fit.jacobian, used)[used]
+            found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
+            self._estimates[fit] = found
+        estimate = self._estimates[fit]
         wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2
         block = estimate.covariance[fit.columns_of(effect), fit.columns_of(effect)]
         # What the data do not move at all has no interval by linear theory; it is as unknown as it is large.
-        return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values[k])) ** 2))
+        return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values_of(effect))) ** 2))
 
     def _shift_by_window(self, fit: Fit) -> list[Floats]:
         """Change of every parameter of the search's fit with the smoothing windows; as many arrays as effects."""

@@ -79,6 +79,11 @@ class Prepared:
         return np.asarray(self.angle_rad.mean(axis=0))
 
     @cached_property
+    def common_rad(self) -> Floats:
+        """The same freed of the encoders' steps."""
+        return np.asarray(self.shaft_rad.mean(axis=0))
+
+    @cached_property
     def coarse(self) -> NDArray[np.int64]:
         """Samples on which the cables are simulated, the ends of each stretch among them."""
         every = max(1, int(COARSE_STEP_S / self.step_s))

@@ -68,7 +68,7 @@ class Setup:
     @property
     def drum_rad(self) -> Floats:
         """Drum angle as the ratio alone has it."""
-        return np.asarray(self.p.shaft_rad.mean(axis=0) / self.ratio)
+        return np.asarray(self.p.common_rad / self.ratio)
 
 
 def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
@@ -99,7 +99,7 @@ def _simulated(s: Setup, winding: bool) -> Response:
     """The cables' answer to the quiet inputs, on every few samples (``Prepared.coarse``)."""
     p = s.p
     at = p.coarse
-    angle = p.shaft_rad[:, at].mean(axis=0) + p.apart_rad[:, at]
+    angle = p.common_rad[at] + p.apart_rad[:, at]
     if s.shift_rad is not None:
         angle = angle + s.shift_rad[:, at]
     path = None if s.path_m is None else s.path_m[:, at]
@@ -118,7 +118,7 @@ def respond(s: Setup, winding: bool = False) -> Floats:
     sample, and the noise kept from the cables is added back linearly.
     """
     p = s.p
-    elastic = _simulated(s, winding).drum_angle_rad - p.shaft_rad[:, p.coarse].mean(axis=0) / s.ratio
+    elastic = _simulated(s, winding).drum_angle_rad - p.common_rad[p.coarse] / s.ratio
     noise = input_shares(s.drive) @ (p.angle_rad - p.mean_rad - p.apart_rad)
     return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
 
