@@ -118,10 +118,10 @@ class _Reader:
         if self.layout.comment in text or '"' in text or "_" in text:
             return None
         if sign is None:
-            even = all(len(line.split()) == fields for line in lines)
+            widths = {len(line.split()) for line in lines}
         else:
-            even = all(line.count(sign) == fields - 1 for line in lines)
-        if not even:
+            widths = {line.count(sign) + 1 for line in lines}
+        if widths != {fields}:
             return None
         try:
             with warnings.catch_warnings():
