@@ -117,10 +117,7 @@ class _Reader:
         sign, fields = self.layout.sign, self.layout.fields
         if self.layout.comment in text or '"' in text or "_" in text:
             return None
-        if sign is None:
-            widths = {len(line.split()) for line in lines}
-        else:
-            widths = {line.count(sign) + 1 for line in lines}
+        widths = {len(line.split()) for line in lines} if sign is None else {line.count(sign) + 1 for line in lines}
         if widths != {fields}:
             return None
         try:
