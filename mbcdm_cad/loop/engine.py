@@ -118,7 +118,7 @@ class _Loop:
         if unknown is not None:
             verdict = "partly_explained" if groups else "unknown"
         else:
-            verdict = "explained" if groups else "none"
+            verdict = "explained" if groups else "not_testable" if all(p.few for p in self.prepared) else "none"
         not_testable = self._not_testable()
         return LoopResult(
             verdict, tuple(named), tuple(sets), unknown, self._errors(bare, judged), self._evidence(groups, fit),
@@ -222,7 +222,8 @@ class _Loop:
         worst: Unknown | None = None
         for part, p in zip(fitter.parts, fitter.runs, strict=True):
             r = fit.residual[part]
-            slow = smoothed(r, SLOW_S, p.step_s)
+            at = np.flatnonzero(p.used)
+            slow = smoothed(np.interp(np.arange(r.size), at, r[at]), SLOW_S, p.step_s)
             quiet = float(np.mean((r - slow)[p.used] ** 2))
             # White noise leaves this share of its square in the smoothed residual.
             kept = 2.0 / 3.0 * p.step_s / (0.5 * SLOW_S)
@@ -376,6 +377,8 @@ class _Loop:
             words.append("no torque column: stiffness, preload, friction of the cables, lash and winding history")
         if self.d is None:
             words.append("only the ratio is known: pulleys, preload and ropes")
+        if all(p.few for p in self.prepared):
+            words.append("too few half sweeps: nothing can be fitted on some and judged on others")
         if all(p.temperature_C is None for p in self.prepared):
             words.append("no temperature: warming and settling look alike")
         return tuple(words)
@@ -386,7 +389,8 @@ class _Loop:
     ) -> tuple[str, ...]:
         steps = [f"{one.words}: look at {one.where_to_look}" for one in named]
         for group in sets:
-            steps.append(f"to tell {' from '.join(one.words for one in group)}: {group[0].separate_by}")
+            ways = "; or ".join(dict.fromkeys(one.separate_by for one in group))
+            steps.append(f"to tell {' from '.join(one.words for one in group)}: {ways}")
         if unknown is not None:
             steps.append("something unknown: repeat the run at another load and speed, and see whether it comes back")
         return tuple(steps)
@@ -408,7 +412,8 @@ class _Loop:
             load = None if p.load_Nm is None else p.load_Nm[::every]
             traces.append(Traces(
                 p.time_s[::every], p.output_rad[::every], load, bare.residual[part][::every],
-                fit.residual[part][::every], p.held[::every].astype(float), orders, before, after,
+                fit.residual[part][::every], p.held[::every].astype(float), p.used[::every].astype(float),
+                orders, before, after,
             ))  # fmt: skip
         return tuple(traces)
 

@@ -9,6 +9,7 @@ A long run is looked at twice: the search works on stretches of it, the figures 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -31,6 +32,12 @@ COARSE_STEP_S = 0.04
 LOAD_WIDTHS = (5, 9, 17, 33, 65, 129)
 LOAD_ERRORS = 2.5
 SECTORS = 8
+# Half sweeps that must follow the first for it to be left out.
+FEWEST_SWEEPS = 3
+# Where the mean misses the load by so many standard errors of one sample, it is on a flank and the sample is taken.
+FLANK_ERRORS = 5.0
+# Between samples on which the cables are simulated the load may leave a straight line by this share of its range.
+BENT_SHARE = 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +48,8 @@ class Prepared:
     stands from their mean. ``sweep`` numbers the half sweeps, -1 for the first, whose friction history nobody knows;
     ``sector`` is the angle sector; ``used`` marks samples of known history, ``held`` those held back. ``floor_rad`` is
     the RMS that the sensors alone put into the residual, 0 where the measurement file does not say; ``input_step_rad``
-    one step of the inputs. ``cut`` says which samples of the run these are.
+    one step of the inputs; ``few``: too few half sweeps to leave the first one out. ``cut`` says which samples of the
+    run these are.
     """
 
     time_s: Floats
@@ -60,6 +68,7 @@ class Prepared:
     floor_rad: float
     input_step_rad: float
     held_words: str
+    few: bool
     run: Run
     cut: Cut
 
@@ -85,12 +94,17 @@ class Prepared:
 
     @cached_property
     def coarse(self) -> NDArray[np.int64]:
-        """Samples on which the cables are simulated, the ends of each stretch among them."""
+        """Samples on which the cables are simulated: the ends of each stretch and the load's flanks among them."""
         every = max(1, int(COARSE_STEP_S / self.step_s))
         starts = self.cut.starts
         ends = np.append(starts[1:], self.time_s.size) - 1
         few = np.flatnonzero(self.cut.lead)
-        return np.unique(np.concatenate([np.arange(0, self.time_s.size, every), few, few[few > 0] - 1, starts, ends]))
+        at = np.unique(np.concatenate([np.arange(0, self.time_s.size, every), few, few[few > 0] - 1, starts, ends]))
+        if self.load_Nm is None:
+            return at
+        straight = np.interp(np.arange(self.time_s.size), at, self.load_Nm[at])
+        bent = np.flatnonzero(np.abs(self.load_Nm - straight) > BENT_SHARE * np.ptp(self.load_Nm))
+        return np.union1d(at, bent)
 
     def rewindowed(self, factor: float) -> Prepared:
         """The same samples with other windows on the difference of the inputs and on the load."""
@@ -119,11 +133,11 @@ def quiet_load(load_Nm: Floats, factor: float = 1.0) -> Floats:
 
     Noise left in the load works the friction of the model and reads as too soft a drive; a mean longer than a flank
     misses the loads that were reached. At each sample the mean is widened as long as its interval still meets those of
-    all narrower ones (intersection of confidence intervals, after Lepski). ``factor`` scales the noise that is assumed.
+    all narrower ones (intersection of confidence intervals, after Lepski); a flank of a few samples is left as it was
+    measured. ``factor`` scales the noise that is assumed.
     """
     # Second differences see the noise and not the load; 1.4826 makes a median deviation a standard deviation.
-    bend = np.diff(load_Nm, 2)
-    noise = factor * 1.4826 * float(np.median(np.abs(bend))) / np.sqrt(6.0)
+    noise = factor * 1.4826 * float(np.median(np.abs(np.diff(load_Nm, 2)))) / math.sqrt(6.0)
     chosen = low = high = np.empty(0)
     alive = np.ones(load_Nm.size, dtype=np.bool_)
     for width in LOAD_WIDTHS:
@@ -135,7 +149,8 @@ def quiet_load(load_Nm: Floats, factor: float = 1.0) -> Floats:
         low, high = np.maximum(low, mean - reach), np.minimum(high, mean + reach)
         alive &= low <= high
         chosen = np.where(alive, mean, chosen)
-    return np.asarray(uniform_filter1d(chosen, LOAD_WIDTHS[0], mode="nearest"))
+    quiet = uniform_filter1d(chosen, LOAD_WIDTHS[0], mode="nearest")
+    return np.where(np.abs(load_Nm - quiet) > FLANK_ERRORS * noise, load_Nm, quiet)
 
 
 def prepare(run: Run, ratio: float) -> Prepared:
@@ -157,7 +172,8 @@ def prepare_both(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     load = None if run.load_Nm is None else quiet_load(run.load_Nm)
     temperature = None if run.temperature_C is None else smoothed(run.temperature_C, TEMPERATURE_WINDOW_S, step)
     sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
-    if sweep.max() < 3:
+    few = bool(sweep.max() < FEWEST_SWEEPS)
+    if few:
         # Too few reversals to spare one: a quarter of the time is a sweep.
         sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
     low, span = float(output.min()), float(np.ptp(output))
@@ -173,7 +189,7 @@ def prepare_both(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
         return Prepared(
             time[at], run.input_rad[:, at], shaft[:, at], apart[:, at], output[at], None if load is None else load[at],
             speed[at], None if temperature is None else temperature[at], here, sector[at], used, np.isin(here, held),
-            cut.stride * step, floor, input_step, words, run, cut,
+            cut.stride * step, floor, input_step, words, few, run, cut,
         )  # fmt: skip
 
     whole = taken(whole_cut(sweep, load, step))

@@ -14,7 +14,6 @@ from scipy.ndimage import uniform_filter1d
 from mbcdm_cad.loop.readable import size_of
 from mbcdm_cad.loop.result import Traces
 from mbcdm_cad.loop.run import Floats
-from mbcdm_cad.loop.stretches import half_sweeps
 from mbcdm_cad.loop.vet_signals import GAP_STEPS
 
 MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
@@ -22,8 +21,6 @@ HELD = "#DDDDDD"
 STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False}
 WIDTH_IN = 9.6
 BINS = 60
-# Half sweeps that must follow the first for it to be left out.
-FEWEST_TO_LEAVE_OUT = 4
 # Points over which the sense of motion is told, more than an encoder's step lasts.
 SENSE_POINTS = 25
 
@@ -159,9 +156,8 @@ def _without_gaps(time_s: Floats) -> Floats:
 
 
 def _first_used(t: Traces) -> int:
-    """First index beyond the first half sweep; 0 where there are too few to leave one out, as in ``prepared``."""
-    sweep = half_sweeps(t.output_rad)
-    return int(np.argmax(sweep > 0)) if sweep[-1] >= FEWEST_TO_LEAVE_OUT else 0
+    """First index beyond the half sweep that is left out."""
+    return int(np.argmax(t.used > 0.5))
 
 
 def _spans(held: Floats) -> list[tuple[int, int]]:

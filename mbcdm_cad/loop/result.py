@@ -118,6 +118,7 @@ class Traces:
     residual_before_rad: Floats
     residual_after_rad: Floats
     held: Floats
+    used: Floats
     orders: Floats
     amplitude_before_rad: Floats
     amplitude_after_rad: Floats

@@ -35,7 +35,8 @@ RESULT = LoopResult(
     (Evidence("ripple (line in angle)", 5e-6, 1e-7, "given back"),), (), ("no temperature",), ("dial gauge",),
     {"drum": 1.0, "guide": 6.0, "input": 9.0},
     (Traces(TIME, DRUM, np.sign(np.cos(TIME)), 1e-4 * np.cos(6 * DRUM), 4e-6 * np.sin(50.0 * TIME),
-            (TIME > 20.0) & (TIME < 30.0), np.linspace(20.0, 4000.0, 500), np.full(500, 1e-6), np.full(500, 1e-7)),),
+            (TIME > 20.0) & (TIME < 30.0), half_sweeps(DRUM) > 0, np.linspace(20.0, 4000.0, 500),
+            np.full(500, 1e-6), np.full(500, 1e-7)),),
 )  # fmt: skip
 RUN = Run(TIME, np.stack([9.0 * DRUM, 9.0 * DRUM]), DRUM, source="a<b>.csv", sha256="5" * 64)
 DESIGN = {"name": "mbcdm", "file": "mbcdm.yaml", "sha256": "6" * 64}
@@ -142,15 +143,10 @@ def test_the_first_half_sweep_is_left_out_of_the_plots_over_angle() -> None:
 
 
 def test_of_a_run_too_short_to_spare_one_no_half_sweep_is_left_out() -> None:
-    trace = RESULT.traces[0]
-    short = TIME < 11.0  # half sweeps 0 to 3
-    few = replace(trace, **{
-        name: getattr(trace, name)[short]
-        for name in ("time_s", "output_rad", "load_Nm", "residual_before_rad", "residual_after_rad", "held")
-    })  # fmt: skip
-    changed = few.residual_before_rad.copy()
-    changed[half_sweeps(few.output_rad) == 0] += 5e-5
-    assert scatter_png(replace(few, residual_before_rad=changed)) != scatter_png(few)
+    whole = replace(RESULT.traces[0], used=np.ones(TIME.size))
+    changed = whole.residual_before_rad.copy()
+    changed[half_sweeps(whole.output_rad) == 0] += 5e-5
+    assert scatter_png(replace(whole, residual_before_rad=changed)) != scatter_png(whole)
 
 
 def test_no_line_is_drawn_over_a_pause_in_logging() -> None:
