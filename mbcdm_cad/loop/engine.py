@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # differ by less than this many standard errors over the cells of sweep and sector, or by less than this share of the
 # floor in quadrature: so small a difference may be the model's own.
 ALIKE_ERRORS = 2.0
-ALIKE_SHARE = 0.05
+ALIKE_SHARE = 0.12
 # A name is not given where what stays unexplained is as large as this share of what the name explains.
 BLAME_SHARE = 0.35
 # Windows that the intervals are told over: the difference's smoothing, halved and doubled.

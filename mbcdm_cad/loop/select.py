@@ -31,6 +31,8 @@ RUNNER_UP = 0.8
 MOST_EFFECTS = 6
 # Effects refused for leaning on one place that the search goes on with all the same.
 MOST_LEANING = 3
+# What they then leave beyond the floor, over what they explain, at most.
+MOST_LEFT = 0.1
 MOST_THREADS = 4
 
 
@@ -152,11 +154,12 @@ class Search:
     ) -> list[Fit]:
         """``fit`` with one effect more, for each close candidate; best training mean square first.
 
-        ``counterparts_of``: candidates of that effect's name (another stage, another cable) are refitted however little
-        the linear screening promises of them. ``first``: those that rank from there on are, close or not.
+        Candidates of one name (another stage, another cable) are refitted however little the linear screening promises
+        of them: that name is the most promising one's, or that of ``counterparts_of``. ``first``: those that rank from
+        there on are refitted, close or not.
         """
         screened = self.screen(fit)
-        sure = counterparts_of.name if counterparts_of else None
+        sure = (counterparts_of or screened[first].effect).name
         least = 0.0 if first else share * screened[0].fall
         chosen = [c for c in screened[first : first + MOST_REFITS] if c.fall >= least]
         chosen += [c for c in screened if c.effect.name == sure and c not in chosen]
@@ -220,6 +223,8 @@ class Search:
             for sibling in self.library:
                 if sibling.key != effect.key or sibling.form == effect.form or effect.name == "ripple":
                     continue
+                if effect not in now.effects:  # another form has taken its place
+                    break
                 less = self.without(now, effect)
                 start = sibling.first_guesses(self.fitter.base[0], less.residual[self.fitter.parts[0]])[0]
                 begun = self.fitter.fit((*less.effects, sibling), (*less.values, start), less.offsets)
@@ -242,14 +247,15 @@ class Search:
     def _gone_on(self, now: Fit) -> Fit:
         """``now``, or what it comes to with an effect that leans on one place as long as its companion is not there.
 
-        That is only believed if the two, fitted jointly, are both borne out and leave no more than the floor.
+        That is only believed if the two, fitted jointly, are both borne out and leave little more than the floor.
         """
         leaning: dict[object, Fit] = {}
         for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
             leaning.setdefault(one.effects[-1].key, one)
         for one in list(leaning.values())[:MOST_LEANING]:
             grown = self._grown(one)
-            if self.too_much(grown):
+            explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
+            if self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained:
                 continue
             if all(self._borne_out(grown, effect) for effect in grown.effects):
                 self._note("borne out beside the others", one.effects[-1], now, grown)
