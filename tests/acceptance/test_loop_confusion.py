@@ -27,6 +27,12 @@ SLOW = [
     ("ratio_encoder", 0, "exact"),
     ("winding", 0, "exact"),
     ("friction", 0, "exact"),
+    # A strong preload error that a linear step promises nothing of.
+    ("preload_1", 1, "exact"),
+    # The linear screening ranks the wrong pulley first and the right one last.
+    ("pulley_input_left", 2, "exact"),
+    # Each of the two leans on one place while the other is not there.
+    ("thermal+right", 0, "exact"),
 ]
 
 
