@@ -10,13 +10,13 @@ import numpy as np
 from scipy.stats import t as t_distribution
 from threadpoolctl import threadpool_limits
 
+from mbcdm_cad.loop.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
 from mbcdm_cad.loop.decoys import MISTAKEN, decoys
-from mbcdm_cad.loop.effects.base import Effect, Figure
+from mbcdm_cad.loop.effects.base import Effect
 from mbcdm_cad.loop.effects.registry import library
 from mbcdm_cad.loop.fit import Fit, Fitter
-from mbcdm_cad.loop.orders import order_spectrum
 from mbcdm_cad.loop.prepared import Prepared, prepare_both, smoothed
-from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value
+from mbcdm_cad.loop.result import Evidence, LoopResult, Named
 from mbcdm_cad.loop.run import Floats, Run
 from mbcdm_cad.loop.select import LEAST_FALL, Search
 from mbcdm_cad.loop.separable import TOLD_APART, Separation, separation
@@ -37,8 +37,6 @@ BLAME_SHARE = 0.35
 # Windows that the intervals are told over: the difference's smoothing, halved and doubled.
 WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
-INTERVAL = 1.96
-TRACE_POINTS = 4000
 
 
 def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
@@ -119,11 +117,10 @@ class _Loop:
             verdict = "partly_explained" if groups else "unknown"
         else:
             verdict = "explained" if groups else "not_testable" if all(p.few for p in self.prepared) else "none"
-        not_testable = self._not_testable()
         return LoopResult(
-            verdict, tuple(named), tuple(sets), unknown, self._errors(bare, judged), self._evidence(groups, fit),
-            self._small(fit), not_testable, self._next_steps(named, sets, unknown, not_testable), self._chain_orders(),
-            self._traces(bare, judged),
+            verdict, tuple(named), tuple(sets), unknown, errors(self.whole, bare, judged, self.floor_rad),
+            self._evidence(groups, fit), self._small(fit), not_testable(self.d, self.prepared),
+            next_steps(named, sets, unknown), chain_orders(self.d, self.ratio), traces(self.whole, bare, judged),
         )  # fmt: skip
 
     def _located(self, fit: Fit) -> Fit:
@@ -318,7 +315,7 @@ class _Loop:
         return self._as_named(fit.effects[-1], fit.values[-1], self._spread(fit, fit.effects[-1], self.fitter), 0.0)
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
-        figures = {figure.name: _interval(figure, values, block, effect) for figure in effect.reported()}
+        figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
         others = [e.form for e in self.library if e.key == effect.key and e is not effect]
         return Named(
             effect.name, effect.form, effect.stage, effect.cables, figures,
@@ -326,27 +323,6 @@ class _Loop:
             effect.separate_by, effect.physics, fall,
             {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
         )  # fmt: skip
-
-    def _errors(self, bare: Fit, fit: Fit) -> Errors:
-        """Held-out error before and after; intervals from the scatter between held-out sweeps."""
-        before, after = self._rms_interval(bare), self._rms_interval(fit)
-        test = self.whole.test
-        could = before.value**2 - self.floor_rad**2
-        did = before.value**2 - after.value**2
-        share = float(np.clip(did / could, 0.0, 1.0)) if could > 0.0 else 1.0
-        return Errors(
-            before, after, float(np.abs(bare.residual[test]).max()), float(np.abs(fit.residual[test]).max()),
-            self.floor_rad, share, "; ".join(p.held_words for p in self.prepared),
-        )  # fmt: skip
-
-    def _rms_interval(self, fit: Fit) -> Value:
-        test = self.whole.test
-        sweep = np.unique(self.whole.sweep[test], return_inverse=True)[1]
-        squares = np.bincount(sweep, fit.residual[test] ** 2) / np.bincount(sweep)
-        square = float(np.mean(fit.residual[test] ** 2))
-        spread = INTERVAL * float(np.std(squares, ddof=1)) / np.sqrt(squares.size) if squares.size > 1 else square
-        low, high = max(0.0, square - spread), square + spread
-        return Value(float(np.sqrt(square)), float(np.sqrt(low)), float(np.sqrt(high)))
 
     # --- words -----------------------------------------------------------------------------------------------------
     def _evidence(self, groups: Sequence[_Group], fit: Fit) -> tuple[Evidence, ...]:
@@ -369,63 +345,3 @@ class _Loop:
             Evidence(s.effect.label, rms, float(np.sqrt(max(0.0, s.fall))), "too small to name")
             for s in self.search.screen(fit)[:most]
         )
-
-    def _not_testable(self) -> tuple[str, ...]:
-        """What these runs cannot tell."""
-        words = []
-        if any(p.load_Nm is None for p in self.prepared):
-            words.append("no torque column: stiffness, preload, friction of the cables, lash and winding history")
-        if self.d is None:
-            words.append("only the ratio is known: pulleys, preload and ropes")
-        if all(p.few for p in self.prepared):
-            words.append("too few half sweeps: nothing can be fitted on some and judged on others")
-        if all(p.temperature_C is None for p in self.prepared):
-            words.append("no temperature: warming and settling look alike")
-        return tuple(words)
-
-    @staticmethod
-    def _next_steps(
-        named: Sequence[Named], sets: Sequence[Sequence[Named]], unknown: Unknown | None, not_testable: Sequence[str]
-    ) -> tuple[str, ...]:
-        steps = [f"{one.words}: look at {one.where_to_look}" for one in named]
-        for group in sets:
-            ways = "; or ".join(dict.fromkeys(one.separate_by for one in group))
-            steps.append(f"to tell {' from '.join(one.words for one in group)}: {ways}")
-        if unknown is not None:
-            steps.append("something unknown: repeat the run at another load and speed, and see whether it comes back")
-        return tuple(steps)
-
-    def _chain_orders(self) -> dict[str, float]:
-        """Cycles a turn of the drum of everything that turns once."""
-        orders = {"drum": 1.0, "input": self.ratio}
-        if self.d is not None:
-            orders["guide"] = float(np.mean(self.d.drum_radius_m / self.d.guide_radius_m))
-        return orders
-
-    def _traces(self, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
-        traces = []
-        for part, p in zip(self.whole.parts, self.whole.runs, strict=True):
-            every = max(1, p.time_s.size // TRACE_POINTS)
-            used = p.used
-            orders, before = order_spectrum(p.output_rad[used], bare.residual[part][used])
-            _, after = order_spectrum(p.output_rad[used], fit.residual[part][used])
-            load = None if p.load_Nm is None else p.load_Nm[::every]
-            traces.append(Traces(
-                p.time_s[::every], p.output_rad[::every], load, bare.residual[part][::every],
-                fit.residual[part][::every], p.held[::every].astype(float), p.used[::every].astype(float),
-                orders, before, after,
-            ))  # fmt: skip
-        return tuple(traces)
-
-
-def _interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect) -> Value:
-    """A figure's value and interval, by linear propagation with differences of the parameters' own sizes."""
-    value = figure.of(values)
-    slope = np.zeros(values.size)
-    for i, parameter in enumerate(effect.parameters):
-        step = 1e-3 * max(abs(float(values[i])), parameter.size)
-        moved = values.copy()
-        moved[i] += step
-        slope[i] = (figure.of(moved) - value) / step
-    half = INTERVAL * float(np.sqrt(max(0.0, float(slope @ covariance @ slope))))
-    return Value(value, value - half, value + half)
