@@ -20,6 +20,7 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 from OCP.TopoDS import TopoDS_Shape
+from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.assembly.bill import CABLE, bill, cable_item
 from mbcdm_cad.assembly.clash import Clash, cable_clashes
@@ -108,7 +109,9 @@ def _pose_clashes(layout: Layout, solids: Mapping[str, Any], angle_deg: float) -
     bodies = _bodies(layout, solids, angle_deg)
     found = list(_solid_clashes(bodies, angle_deg, same_group=False))
     paths = layout.cable_paths(radians(angle_deg))
-    found += cable_clashes(paths, layout.drive.cable.diameter_mm, angle_deg)
+    # Poses run side by side: threads of the linear algebra besides wait for each other more than they work.
+    with threadpool_limits(1, "blas"):
+        found += cable_clashes(paths, layout.drive.cable.diameter_mm, angle_deg)
     for path in paths:
         own = f"input_{path.cable.input_name}"
         found += _rod_clashes(layout, path.only(WOUND), [b for b in bodies if b.group != own], angle_deg)
