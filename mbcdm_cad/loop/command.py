@@ -16,7 +16,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.loop.finding import Finding
+from mbcdm_cad.loop.finding import Finding, doubts
 from mbcdm_cad.loop.measurement import MeasurementFile, load_file, read_run
 from mbcdm_cad.loop.run import Run
 from mbcdm_cad.loop.vet import refusals, vet
@@ -39,7 +39,7 @@ class Vetted:
     @property
     def doubts(self) -> list[str]:
         """What speaks against taking the finding at its word."""
-        return [*self.notes, *(str(finding) for finding in self.findings if finding.level == "doubt")]
+        return doubts(self.notes, self.findings)
 
 
 @dataclass(frozen=True)
@@ -70,8 +70,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     except ModelError as error:
         names = ", ".join(str(file.path) for file in files)
         raise MbcdmError(f"{names}: the declared model cannot follow the run: {error}") from None
-    doubts = [f"doubt: {words}" for one in vetted for words in one.doubts]
-    click.echo(result_text(result, doubts))
+    click.echo(result_text(result, [f"doubt: {words}" for one in vetted for words in one.doubts]))
     for one in vetted:
         click.echo("")
         click.echo("\n".join(vetting_lines(one)))

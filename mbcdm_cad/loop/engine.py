@@ -106,8 +106,9 @@ class _Loop:
             judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
         )
         named, sets = [], []
+        windows = self._shift_by_window(fit) if groups else []
         for group in groups:
-            first = self._named(group.effect, fit, whole)
+            first = self._named(group.effect, fit, whole, windows)
             others = tuple(self._other(one) for one in group.alike)
             if others:
                 sets.append((first, *others))
@@ -204,14 +205,6 @@ class _Loop:
         sums = np.bincount(cell, excess)
         return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
 
-    def _separation(self, fit: Fit, effect: Effect, other: Fit) -> Separation:
-        """How well ``effect`` of ``fit`` is told from what stands in for it in ``other``."""
-        used = self.fitter.used
-        less = self.search.without(fit, effect).residual[used]
-        sweep, sector = self.fitter.sweep, self.fitter.sector
-        here = fit.residual[used]
-        return separation(less - here, less - other.residual[used], here, sweep[used], sector[used])
-
     # --- what is left ----------------------------------------------------------------------------------------------
     def _left(self, fit: Fit, fitter: Fitter | None = None) -> Unknown | None:
         """What stays unexplained, where it is more than the floor allows; ``fitter`` is the search's by default."""
@@ -300,12 +293,10 @@ class _Loop:
             most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
         return most
 
-    def _named(self, effect: Effect, fit: Fit, whole: Fit) -> Named:
+    def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
         """An effect with its figures from all data and the held-out fall that it is worth."""
-        if not hasattr(self, "_windows"):
-            self._windows = self._shift_by_window(fit)
         k = whole.effects.index(effect)
-        block = self._spread(whole, effect, self.whole) + np.diag((self._windows[k] / INTERVAL) ** 2)
+        block = self._spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
         less = self.search.without(fit, effect)
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
         return self._as_named(effect, whole.values[k], block, float(fall))
@@ -333,7 +324,7 @@ class _Loop:
         ]
         for group in groups:
             for one in group.alike:
-                apart = self._separation(fit, group.effect, one)
+                apart = self._apart(one, fit)
                 words = f"as good as {group.effect.label}" + ("" if apart.told else f": {apart.words}")
                 lines.append(Evidence(one.effects[-1].label, self.search.held_rms(one), 0.0, words))
         return tuple(lines)

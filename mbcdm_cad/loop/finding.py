@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -27,6 +28,11 @@ class Finding:
     def __str__(self) -> str:
         """Sentence and remedy on one line."""
         return self.text + (f"; {self.remedy}" if self.remedy else "")
+
+
+def doubts(notes: Sequence[str], findings: Sequence[Finding]) -> list[str]:
+    """What speaks against taking a result at its word: notes of the reading, doubts of the vetting."""
+    return [*notes, *(str(finding) for finding in findings if finding.level == "doubt")]
 
 
 def column_of(input_name: str) -> FieldPath:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.loop.finding import Finding
+from mbcdm_cad.loop.finding import Finding, doubts
 from mbcdm_cad.loop.readable import readable, share_text
 from mbcdm_cad.loop.report_figures import loop_png, orders_png, scatter_png, time_png
 from mbcdm_cad.loop.result import Evidence, LoopResult, Named, Traces
@@ -65,7 +65,7 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
     page = environment.get_template("report.html.j2").render(
         verdict=VERDICTS[result.verdict],
         sentence=_micro(result.sentence),
-        doubts=[f"{told[0].source}: {words}" for told in runs for words in _doubts(told)],
+        doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)],
         errors=_errors(result),
         effects=[_effect(named) for named in result.effects],
         sets=[[_effect(named) for named in group] for group in result.one_of],
@@ -127,19 +127,14 @@ def _candidate(one: Evidence, small: Sequence[Evidence]) -> dict[str, str]:
 
 
 def _run(told: Told) -> dict[str, Any]:
-    run, findings, _ = told
+    run, findings, notes = told
     return {
         "source": run.source,
         "samples": f"{run.time_s.size:,}".replace(",", " "),
         "sha256": run.sha256,
-        "doubts": _doubts(told),
+        "doubts": doubts(notes, findings),
         "facts": [str(f) for f in findings if f.level == "fact"],
     }
-
-
-def _doubts(told: Told) -> list[str]:
-    _, findings, notes = told
-    return [*notes, *(str(finding) for finding in findings if finding.level == "doubt")]
 
 
 def _images(trace: Traces, chain_orders: dict[str, float], run: Run) -> list[dict[str, str]]:

@@ -149,20 +149,20 @@ class Search:
         first = np.clip(np.where(held, start, start + step), low, high)
         return Screened(effect, first, fit.square - float(np.mean(r**2)), columns)
 
-    def refits(
-        self, fit: Fit, share: float = CLOSE_SHARE, counterparts_of: Effect | None = None, first: int = 0
-    ) -> list[Fit]:
-        """``fit`` with one effect more, for each close candidate; best training mean square first.
+    def close(self, fit: Fit, share: float = CLOSE_SHARE, name: str | None = None, first: int = 0) -> list[Screened]:
+        """Candidates that are worth a refit, best promise first.
 
-        Candidates of one name (another stage, another cable) are refitted however little the linear screening promises
-        of them: that name is the most promising one's, or that of ``counterparts_of``. ``first``: those that rank from
-        there on are refitted, close or not.
+        Those of one name (another stage, another cable) are, however little the linear screening promises of them: of
+        ``name``, by default of the most promising one's. ``first``: those that rank from there on are, close or not.
         """
         screened = self.screen(fit)
-        sure = (counterparts_of or screened[first].effect).name
+        name = name or screened[first].effect.name
         least = 0.0 if first else share * screened[0].fall
         chosen = [c for c in screened[first : first + MOST_REFITS] if c.fall >= least]
-        chosen += [c for c in screened if c.effect.name == sure and c not in chosen]
+        return chosen + [c for c in screened if c.effect.name == name and c not in chosen]
+
+    def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
+        """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
         own = sum(v.size for v in fit.values)
         begun = self._each([
             partial(
@@ -271,9 +271,11 @@ class Search:
         Where all close candidates are refused, those that promised less are refitted too: a strong preload error
         promises little by a linear step, and may do it all.
         """
-        least = now.square
+        least, done = now.square, list[Screened]()
         for first in range(0, len(self.screen(now)), MOST_REFITS):
-            tried = self.refits(now, first=first)
+            chosen = [c for c in self.close(now, first=first) if c not in done]
+            done += chosen
+            tried = self.refits(now, chosen)
             least = min([least, *(one.square for one in tried)])
             for one in tried:
                 # What does far less than a best one that was refused only picks up its crumbs.
@@ -318,5 +320,5 @@ class Search:
     def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
         """Fits in which something of another name stands in for ``effect``, best first."""
         less = self.without(fit, effect)
-        found = self.refits(less, share=0.5, counterparts_of=effect)
+        found = self.refits(less, self.close(less, 0.5, effect.name), 0.5)
         return [one for one in found if one.effects[-1].key != effect.key]

@@ -40,8 +40,7 @@ def order_left(angle_rad: Floats, order: float) -> float:
 
 def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
     """Facts and doubts about the experiment."""
-    step = float(np.median(np.diff(run.time_s)))
-    output = smoothed(run.output_rad, SPEED_WINDOW_S, step)
+    output = smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)
     sweeps = int(half_sweeps(output).max()) + 1
     travel = float(np.ptp(run.output_rad))
     rate = (run.time_s.size - 1) / float(run.time_s[-1] - run.time_s[0])

@@ -25,9 +25,9 @@ def signal_findings(run: Run, ratio: float) -> list[Finding]:
     """Doubts and refusals."""
     inputs = [(column_of(name), row) for name, row in zip(run.input_names, run.input_rad, strict=True)]
     angles = [*inputs, (("columns", "output"), run.output_rad)]
-    found = [*_gaps(run.time_s), *_pace(run), *_temperature(run)]
+    found = [*_gaps(run), *_pace(run), *_temperature(run)]
     for field, values in angles:
-        found += _jumps(str(field[1]), field, values, run.time_s)
+        found += _jumps(str(field[1]), field, values, run)
     for field, values in inputs:
         found += _stands(str(field[1]), field, values, run.output_rad)
     found += _stands("output", ("columns", "output"), run.output_rad, run.input_rad.mean(axis=0) / ratio)
@@ -36,29 +36,27 @@ def signal_findings(run: Run, ratio: float) -> list[Finding]:
     return found
 
 
-def _gaps(time_s: Floats) -> list[Finding]:
-    steps = np.diff(time_s)
-    usual = float(np.median(steps))
-    gaps = np.flatnonzero(steps > GAP_STEPS * usual)
+def _gaps(run: Run) -> list[Finding]:
+    steps = np.diff(run.time_s)
+    gaps = np.flatnonzero(steps > GAP_STEPS * run.step_s)
     if gaps.size == 0:
         return []
     longest = int(gaps[np.argmax(steps[gaps])])
     text = (
-        f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {time_s[longest]:.6g} s "
-        f"(usual step {usual:.4g} s); what the friction did in them nobody knows"
+        f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {run.time_s[longest]:.6g} s "
+        f"(usual step {run.step_s:.4g} s); what the friction did in them nobody knows"
     )
     return [Finding("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
 
 
 def _pace(run: Run) -> list[Finding]:
     """Sweeps too fast or too slow for a bench: time may be in another unit."""
-    step = float(np.median(np.diff(run.time_s)))
     thin = run.output_rad[:: max(1, run.time_s.size // 1000)]
     sweeps = max(float(np.abs(np.diff(thin)).sum()) / max(float(np.ptp(thin)), 1e-300), 1.0)
     half_s = float(run.time_s[-1] - run.time_s[0]) / sweeps
-    text = f"a half sweep takes some {half_s:.3g} s, a sample {step:.3g} s"
+    text = f"a half sweep takes some {half_s:.3g} s, a sample {run.step_s:.3g} s"
     field = ("columns", "time")
-    if step >= SLOW_STEP_S or half_s > SLOW_SWEEP_S:
+    if run.step_s >= SLOW_STEP_S or half_s > SLOW_SWEEP_S:
         return [Finding("pace", "doubt", text, "is the time in ms or in sample numbers, called s?", field)]
     if half_s < FAST_SWEEP_S:
         remedy = "is the time in s, called ms? If not, move slower: the model knows no inertia"
@@ -78,9 +76,9 @@ def _temperature(run: Run) -> list[Finding]:
     ]
 
 
-def _jumps(name: str, field: FieldPath, values: Floats, time_s: Floats) -> list[Finding]:
+def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Finding]:
     """An encoder that starts again after a turn, or a counter that runs over."""
-    steps, usual_s = np.diff(values), float(np.median(np.diff(time_s)))
+    steps = np.diff(values)
     usual = float(np.median(np.abs(steps)))
     turns = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
     if turns.size and usual <= 0.2:
@@ -88,7 +86,7 @@ def _jumps(name: str, field: FieldPath, values: Floats, time_s: Floats) -> list[
         return [Finding("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
     size = float(np.abs(steps).max())
     # All of one size, far from all other steps, and most of the range; a pause in logging is no jump.
-    at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(time_s) < GAP_STEPS * usual_s))
+    at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(run.time_s) < GAP_STEPS * run.step_s))
     others = float(np.quantile(np.abs(steps), 1.0 - min(2.0 * at.size / steps.size, 0.5))) if at.size else size
     if at.size < 2 or size < 0.5 * float(np.ptp(values)) or others > 0.05 * size:
         return []
