@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from mbcdm_cad.checks.finding import shown
 from mbcdm_cad.record import record
 
 Status = Literal["pass", "warn", "fail"]
@@ -29,3 +30,13 @@ class CheckResult:
     remedy: str
     source: str
     waived_reason: str | None = None
+
+
+def figures(r: CheckResult) -> str:
+    """``actual >= limit unit``, with the sign that the limit has."""
+    if r.actual is None:
+        return "not evaluated"
+    if r.limit is None or r.margin is None:
+        return f"{shown(r.actual)} {r.unit}"
+    least = (r.actual - r.limit) * r.margin > 0 or (r.margin == 0.0 and r.status == "pass")
+    return f"{shown(r.actual)} {'>=' if least else '<='} {shown(r.limit)} {r.unit}"

@@ -56,7 +56,7 @@ def check(design: Path, as_json: bool) -> int:
     loaded = _loaded(design)
 
     def make() -> dict[str, bytes]:
-        from mbcdm_cad.checks.terminal import outputs
+        from mbcdm_cad.report.check_text import outputs
 
         return outputs(loaded)
 
@@ -79,7 +79,7 @@ def check(design: Path, as_json: bool) -> int:
 def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool, jobs: int | None) -> int:
     """Build DESIGN: STEP, STL and GLB of parts and assembly, and the report. Exit 1 if a check fails."""
     loaded = _loaded(design, use_cache=not no_cache)
-    from mbcdm_cad.report.commands import build_command
+    from mbcdm_cad.cli.building import build_command
 
     return build_command(loaded, angle_deg=angle_deg, force=force, out=out, use_cache=not no_cache, jobs=jobs)
 
@@ -93,8 +93,8 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 @click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
 def picture(design: Path, png: Path, angle_deg: float, view: str, no_cache: bool) -> int:
     """Draw DESIGN into the picture PNG; needs no display."""
+    from mbcdm_cad.cli.building import picture_command
     from mbcdm_cad.design import load_design
-    from mbcdm_cad.report.commands import picture_command
 
     return picture_command(load_design(design), png, angle_deg=angle_deg, view=view, use_cache=not no_cache)
 
@@ -121,8 +121,8 @@ def analyse(design: Path, as_json: bool) -> int:
               help="Folder that the study's folder, NAME-sensitivity, is written into.")  # fmt: skip
 def sensitivity(design: Path, out: Path) -> int:
     """Fig. 5 of the paper for DESIGN as plots and CSV, global indices, tolerance stack, intervals."""
+    from mbcdm_cad.cli.studies import sensitivity_command
     from mbcdm_cad.design import load_design
-    from mbcdm_cad.report.commands import sensitivity_command
 
     return sensitivity_command(load_design(design), out=out)
 
@@ -131,7 +131,7 @@ def sensitivity(design: Path, out: Path) -> int:
 @click.argument("design", type=click.Path(path_type=Path), required=False)
 def reproduce(design: Path | None) -> int:
     """The paper's numbers beside the model's, for DESIGN or the reference. Exit 1 if one leaves its tolerance."""
-    from mbcdm_cad.report.commands import reproduce_command
+    from mbcdm_cad.cli.studies import reproduce_command
 
     return reproduce_command(design)
 

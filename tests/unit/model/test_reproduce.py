@@ -56,7 +56,7 @@ def test_page_is_up_to_date(drive: Drive) -> None:
 
 
 def test_the_command_ends_with_1_outside_a_tolerance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from mbcdm_cad.report.commands import reproduce_command
+    from mbcdm_cad.cli.studies import reproduce_command
 
     text = (ROOT / "params" / "mbcdm.yaml").read_text("utf-8")
     assert reproduce_command(None) == 0

@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import Any
 
-from mbcdm_cad.checks.finding import shown
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.result import CheckResult, figures
 from mbcdm_cad.checks.run import failed, run_checks
 from mbcdm_cad.design.loaded import LoadedDesign
 
@@ -60,13 +59,3 @@ def table(name: str, results: Sequence[CheckResult], colour: bool = False) -> It
                 yield f"{'':7}-> {r.remedy}"
     summary = counts(results)
     yield f"{name}: " + ", ".join(f"{n} {word}" for word, n in summary.items()) + f", of {len(results)} checks"
-
-
-def figures(r: CheckResult) -> str:
-    """``actual >= limit unit``, with the sign that the limit has."""
-    if r.actual is None:
-        return "not evaluated"
-    if r.limit is None or r.margin is None:
-        return f"{shown(r.actual)} {r.unit}"
-    least = (r.actual - r.limit) * r.margin > 0 or (r.margin == 0.0 and r.status == "pass")
-    return f"{shown(r.actual)} {'>=' if least else '<='} {shown(r.limit)} {r.unit}"

@@ -12,8 +12,8 @@ import pytest
 from mbcdm_cad import cli
 from mbcdm_cad.checks.registry import CHECKS
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.checks.terminal import counts, table
 from mbcdm_cad.design.template import new_design_text
+from mbcdm_cad.report.check_text import counts, table
 
 FIELDS = {
     "id", "title", "status", "actual", "limit", "unit", "margin", "message", "remedy", "source", "waived_reason",

@@ -1,4 +1,4 @@
-"""What the commands print, and the exit code they end with."""
+"""The commands that draw, ``build`` and ``picture``: what they print, and the exit code they end with."""
 
 from __future__ import annotations
 
@@ -75,41 +75,3 @@ def picture_command(loaded: LoadedDesign, png: Path, *, angle_deg: float, view: 
     aside.replace(png)
     click.echo(f"{png}: {view} view, drum at {angle_deg:g} deg")
     return 0
-
-
-def sensitivity_command(loaded: LoadedDesign, *, out: Path) -> int:
-    """Write the sensitivity study into a folder of its own."""
-    from mbcdm_cad.contentkey import content_key
-    from mbcdm_cad.export.manifest import Manifest, versions
-    from mbcdm_cad.export.outputfolder import output_folder
-    from mbcdm_cad.model.study import write_study
-    from mbcdm_cad.sourcehash import package_hash
-
-    target = out / f"{loaded.drive.name}-sensitivity"
-    inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
-    with output_folder(target, Manifest(loaded.sha256, inputs)) as folder:
-        summary = write_study(loaded.drive, folder.path)
-    click.echo(f"{target}: fig5_a to fig5_d, indices, tolerance, loop as plots; sensitivity.json")
-    for name, interval in summary["intervals"].items():
-        click.echo(f"  {name}: " + ", ".join(f"{k} {v:.4g}" for k, v in interval.items() if isinstance(v, float)))
-    return 0
-
-
-def reproduce_command(path: Path | None) -> int:
-    """Print the paper table; 1 if a figure leaves its tolerance."""
-    from mbcdm_cad.design import load_design
-    from mbcdm_cad.design.loader import load_text
-    from mbcdm_cad.design.template import new_design_text
-    from mbcdm_cad.model.reproduce import as_markdown, reproduce
-
-    loaded = load_text(new_design_text("mbcdm")) if path is None else load_design(path)
-    figures = reproduce(loaded.drive)
-    click.echo(as_markdown(figures, loaded.drive.name), nl=False)
-    outside = [f for f in figures if not f.within]
-    for figure in outside:
-        click.echo(
-            f"{figure.name}: {figure.computed:.5g} {figure.unit} is {figure.difference:+.2%} from the paper's "
-            f"{figure.paper:.5g} (tolerance {figure.tolerance:.2%})",
-            err=True,
-        )
-    return 1 if outside else 0
