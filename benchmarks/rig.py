@@ -17,13 +17,13 @@ from pathlib import Path
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.dynamic import run_dynamic
-from mbcdm_cad.rig.dynamic_motion import sine
-from mbcdm_cad.rig.dynamic_rig import LOOP_RATE_HZ, rig_of
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.load import Load
-from mbcdm_cad.rig.motion import Motion
-from mbcdm_cad.rig.simulate import simulate
+from mbcdm_cad.rig.dynamic.motion import sine
+from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, rig_of
+from mbcdm_cad.rig.dynamic.run import run_dynamic
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.load import Load
+from mbcdm_cad.rig.quasistatic.motion import Motion
+from mbcdm_cad.rig.quasistatic.simulate import simulate
 
 ROOT = Path(__file__).resolve().parents[1]
 SIMULATED_S = 160.0

@@ -20,9 +20,10 @@ from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import capability, hysteresis, stiffness
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig import chain, equilibrium
+from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.cables import cables_of
-from mbcdm_cad.rig.load import brake
+from mbcdm_cad.rig.quasistatic import equilibrium
+from mbcdm_cad.rig.quasistatic.load import brake
 
 ROOT = Path(__file__).resolve().parents[1]
 TORQUE_NM = 0.91

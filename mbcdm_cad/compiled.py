@@ -29,11 +29,11 @@ def compiled(function: Function) -> Function:
 
 
 def drop_stale(folder: Path) -> bool:
-    """Drop compiled code in ``folder`` if its sources are not those of the last time; whether that was so.
+    """Drop compiled code in and below ``folder`` if its sources are not those of the last time; whether that was so.
 
     Where the folder cannot be written nothing is dropped; numba keeps its code elsewhere then.
     """
-    stats = [(path.name, path.stat()) for path in sorted(folder.glob("*.py"))]
+    stats = [(str(path.relative_to(folder)), path.stat()) for path in sorted(folder.rglob("*.py"))]
     now = hashlib.sha256(repr([(name, s.st_size, s.st_mtime_ns) for name, s in stats]).encode()).hexdigest()
     cache = folder / "__pycache__"
     stamp = cache / _STAMP
@@ -41,7 +41,7 @@ def drop_stale(folder: Path) -> bool:
         if stamp.is_file() and stamp.read_text() == now:
             return False
         cache.mkdir(exist_ok=True)
-        for path in [*cache.glob("*.nbi"), *cache.glob("*.nbc")]:
+        for path in [*folder.rglob("__pycache__/*.nbi"), *folder.rglob("__pycache__/*.nbc")]:
             path.unlink(missing_ok=True)
         stamp.write_text(now)
         return True

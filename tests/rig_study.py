@@ -51,9 +51,9 @@ def judge(task: tuple[str, int]) -> Row:
     from mbcdm_cad.loop.engine import close_loop
     from mbcdm_cad.loop.measurement import load_measurement
     from mbcdm_cad.model.si import to_si
-    from mbcdm_cad.rig.experiment import Experiment
+    from mbcdm_cad.rig.quasistatic.experiment import Experiment
+    from mbcdm_cad.rig.quasistatic.simulate import simulate
     from mbcdm_cad.rig.reading import read_experiment
-    from mbcdm_cad.rig.simulate import simulate
     from mbcdm_cad.rig.writing import run_files, write_run
 
     name, noise = task

@@ -32,7 +32,7 @@ def reproduce_command(path: Path | None) -> int:
     from mbcdm_cad.design import load_design
     from mbcdm_cad.design.loader import load_text
     from mbcdm_cad.design.template import new_design_text
-    from mbcdm_cad.model.reproduce import as_markdown, reproduce
+    from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 
     loaded = load_text(new_design_text("mbcdm")) if path is None else load_design(path)
     figures = reproduce(loaded.drive)

@@ -15,8 +15,8 @@ from math import acos, atan2, ceil, cos, degrees, hypot, pi, radians, sin, sqrt,
 import numpy as np
 
 from mbcdm_cad.design.drive import CableRun, Drive
-from mbcdm_cad.layout.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 from mbcdm_cad.record import record
+from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 
 # The rope's bending stiffness rounds the change of slope where span meets pulley over a few sqrt(EI/T), about 0.7 mm
 # for 49 loose wires of 0.09 mm at 70 N; drawn 2.5 diameters long.

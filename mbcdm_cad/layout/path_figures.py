@@ -9,10 +9,10 @@ import numpy as np
 
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layout.cable_path import CablePath, axial_walk_mm, fleet_angle_at_deg, winding
-from mbcdm_cad.layout.curves import Arc, Helix, Piece, Triple
 from mbcdm_cad.layout.drum import Tensioner
 from mbcdm_cad.layout.layout import Layout
 from mbcdm_cad.record import record
+from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
 
 STATIONS = 9
 

@@ -12,8 +12,8 @@ from OCP.Geom import Geom_CylindricalSurface
 from OCP.Geom2d import Geom2d_Line
 from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 
-from mbcdm_cad.layout.curves import Helix, Line, Parabola, Piece
 from mbcdm_cad.parts.shapes import one_solid
+from mbcdm_cad.routes.curves import Helix, Line, Parabola, Piece
 
 
 def _helix_edge(piece: Helix) -> cq.Edge:

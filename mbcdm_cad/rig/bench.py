@@ -10,7 +10,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.cables import RigCable, cables_of
-from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.compiled import Floats
 
 # Extra path of every cable in m, (n_cables, n), for pulley angles (n_inputs, n) and drum angles (n,) in rad.
 PathOf = Callable[[Floats, Floats], Floats]

@@ -8,17 +8,17 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import bench_of
-from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
-from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.plot import run_picture, transmission_error_urad
-from mbcdm_cad.rig.simulate import simulate
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.writing import run_files, write_run
 
 
 def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, out: Path) -> str:
     """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
     if isinstance(experiment, DynamicExperiment):
-        from mbcdm_cad.rig.dynamic_command import dynamic_command  # the quasi-static rig needs none of it
+        from mbcdm_cad.rig.dynamic.simulate import dynamic_command  # the quasi-static rig needs none of it
 
         return dynamic_command(drive, experiment, out)
     run = simulate(drive, experiment)

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mbcdm_cad.rig.dynamic_compiled import Floats
-from mbcdm_cad.rig.simulate import SimulatedRun
+from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.rig.quasistatic.simulate import SimulatedRun
 
 
 def transmission_error_urad(run: SimulatedRun, turns: list[float]) -> Floats:

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
-from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
-from mbcdm_cad.rig.experiment import MAX_SAMPLES, Experiment
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.quasistatic.experiment import MAX_SAMPLES, Experiment
 
 _KIND = ("experiment file", "; docs/experiments.md shows examples")
 _BOUNDS = {"gt": "over", "ge": "at least", "lt": "under", "le": "at most", "min_length": "at least",

@@ -12,9 +12,9 @@ import numpy as np
 import yaml
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.simulate import SimulatedRun
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import SimulatedRun
 
 
 class RunOutputError(MbcdmError):

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
 from mbcdm_cad.rig.effects.base import Effect
-from mbcdm_cad.rig.load import brake
+from mbcdm_cad.rig.quasistatic.load import brake
 
 
 class BearingFriction(Effect):

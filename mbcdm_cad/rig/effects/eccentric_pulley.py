@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.dynamic_compiled import Floats
+from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.effects.base import Effect, Phase
 
 

@@ -20,9 +20,9 @@ from mbcdm_cad.layout.cable_path import (
     stop_geometry,
     winding,
 )
-from mbcdm_cad.layout.curves import Arc, Helix, Line
 from mbcdm_cad.layout.layout import Layout
 from mbcdm_cad.layout.stack import band, outward_of
+from mbcdm_cad.routes.curves import Arc, Helix, Line
 
 # name, landing on the guide, wrap on the guide, sense there, free span, fleet angle: derived from Table 2, p = 0.87.
 ROUTING = [

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.layout.cable_path import axial_walk_mm, cable_path, fleet_angle_deg, winding
-from mbcdm_cad.layout.curves import Arc, Helix
+from mbcdm_cad.routes.curves import Arc, Helix
 
 from .designs import drives, mirrored
 from .test_cable_path import crossing_tangent, span_length

@@ -1,5 +1,6 @@
-"""Makes ``paper_case`` importable (the suite's importlib mode leaves test folders off the path) and lifts the deadline:
-the first example of a series test compiles its loops, which takes seconds once and then a millisecond."""
+"""Makes ``paper_case`` and the support modules importable (the suite's importlib mode leaves folders off the path) and
+lifts the deadline: the first example of a series test compiles its loops, which takes seconds once and then a
+millisecond."""
 
 from __future__ import annotations
 
@@ -9,5 +10,6 @@ from pathlib import Path
 from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 settings.register_profile("model", deadline=None)
 settings.load_profile("model")

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from clip_grid import simulate_on_grid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
 from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.clip_grid import simulate_on_grid
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate

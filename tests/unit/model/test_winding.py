@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from clip_grid import simulate_on_grid
 from paper_case import paper_drive
 
-from mbcdm_cad.model.clip_grid import simulate_on_grid
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
 

@@ -9,8 +9,8 @@ import pytest
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.rig.effects import registry
-from mbcdm_cad.rig.experiment import Experiment
-from mbcdm_cad.rig.simulate import simulate
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import simulate
 
 PERFECT = {
     "input_resolution_rad": 0.0,

@@ -13,9 +13,9 @@ import mbcdm_cad.rig
 from mbcdm_cad.cli import run as cli
 from mbcdm_cad.design import load_design
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.rig.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import RigError, simulate
 from mbcdm_cad.rig.reading import read_experiment
-from mbcdm_cad.rig.simulate import RigError, simulate
 
 SHORT = """\
 name: short

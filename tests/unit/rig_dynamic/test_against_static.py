@@ -12,12 +12,12 @@ from mbcdm_cad.design import load_design
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig import equilibrium
+from mbcdm_cad.paper.experiments_analysis import first_saturated_Nm, given_way_Nm
 from mbcdm_cad.rig.chain import chains
-from mbcdm_cad.rig.dynamic import run_dynamic
-from mbcdm_cad.rig.dynamic_motion import sine, standstill
-from mbcdm_cad.rig.dynamic_rig import DynamicRig, EncoderSpec, rig_of
-from mbcdm_cad.rig.experiments_paper_analysis import first_saturated_Nm, given_way_Nm
+from mbcdm_cad.rig.dynamic.motion import sine, standstill
+from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
+from mbcdm_cad.rig.dynamic.run import run_dynamic
+from mbcdm_cad.rig.quasistatic import equilibrium
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

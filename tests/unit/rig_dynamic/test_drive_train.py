@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design import load_design
-from mbcdm_cad.rig.controller import LAST, SPEED, STATES, SUM, ControllerSpec, control
-from mbcdm_cad.rig.gearhead import GearheadSpec, gearhead_of, shaft_torque
-from mbcdm_cad.rig.inertias import disc_kg_m2, inertias, sector_kg_m2
-from mbcdm_cad.rig.motor import MotorSpec, motor_of
+from mbcdm_cad.rig.dynamic.controller import LAST, SPEED, STATES, SUM, ControllerSpec, control
+from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of, shaft_torque
+from mbcdm_cad.rig.dynamic.inertias import disc_kg_m2, inertias, sector_kg_m2
+from mbcdm_cad.rig.dynamic.motor import MotorSpec, motor_of
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design import load_design
-from mbcdm_cad.rig.dynamic import DynamicRun, run_dynamic
-from mbcdm_cad.rig.dynamic_load import LoadSpec
-from mbcdm_cad.rig.dynamic_motion import sine, standstill
-from mbcdm_cad.rig.dynamic_rig import DynamicRig, EncoderSpec, rig_of
-from mbcdm_cad.rig.experiments_paper_analysis import reversal_swings_rad
+from mbcdm_cad.paper.experiments_analysis import reversal_swings_rad
+from mbcdm_cad.rig.dynamic.load import LoadSpec
+from mbcdm_cad.rig.dynamic.motion import sine, standstill
+from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of
+from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

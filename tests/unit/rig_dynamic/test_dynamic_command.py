@@ -12,13 +12,13 @@ import yaml
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.paper.experiments import Compared, PaperResult
+from mbcdm_cad.paper.experiments_files import result_json, result_text
 from mbcdm_cad.rig.command import simulate_command
-from mbcdm_cad.rig.dynamic_command import simulate_dynamic, truth_of
-from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
-from mbcdm_cad.rig.experiments_paper import Compared, PaperResult
-from mbcdm_cad.rig.experiments_paper_files import result_json, result_text
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
+from mbcdm_cad.rig.quasistatic.simulate import RigError
 from mbcdm_cad.rig.reading import read_experiment
-from mbcdm_cad.rig.simulate import RigError
 
 ROOT = Path(__file__).parents[3]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive

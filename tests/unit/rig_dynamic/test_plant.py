@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from mbcdm_cad.rig import dynamic_plant as plant
+from mbcdm_cad.rig.dynamic import plant
 
 SPRING_N_M = 5.5e5
 RADII = ((6.0e-3, 54.0e-3, -1.0), (6.4e-3, 57.6e-3, 1.0))

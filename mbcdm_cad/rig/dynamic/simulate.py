@@ -10,11 +10,11 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import Bench, bench_of
-from mbcdm_cad.rig.dynamic import DynamicRun, run_dynamic
-from mbcdm_cad.rig.dynamic_experiment import DynamicExperiment
-from mbcdm_cad.rig.dynamic_load import LoadSpec
-from mbcdm_cad.rig.dynamic_rig import LOOP_RATE_HZ, DynamicRig, EncoderSpec, rig_of
-from mbcdm_cad.rig.simulate import RigError, SimulatedRun
+from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
+from mbcdm_cad.rig.dynamic.load import LoadSpec
+from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, DynamicRig, EncoderSpec, rig_of
+from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
+from mbcdm_cad.rig.quasistatic.simulate import RigError, SimulatedRun
 from mbcdm_cad.rig.writing import run_files, write_run
 
 
@@ -43,8 +43,8 @@ def dynamic_command(drive: Drive, experiment: DynamicExperiment, out: Path) -> s
 
 
 def _paper(drive: Drive, experiment: DynamicExperiment, folder: Path) -> str:
-    from mbcdm_cad.rig.experiments_paper import EXPERIMENTS
-    from mbcdm_cad.rig.experiments_paper_files import result_files, result_text
+    from mbcdm_cad.paper.experiments import EXPERIMENTS
+    from mbcdm_cad.paper.experiments_files import result_files, result_text
 
     try:
         result = EXPERIMENTS[str(experiment.paper)](drive, experiment.seed)

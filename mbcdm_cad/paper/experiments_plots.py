@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.experiments_paper import PaperResult, RAMP_Nm_s
-from mbcdm_cad.rig.experiments_paper_analysis import (
+from mbcdm_cad.paper.experiments import PaperResult, RAMP_Nm_s
+from mbcdm_cad.paper.experiments_analysis import (
     LOWEST_ORDER,
     angle_spectrum,
     given_way_index,

@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.reproduce import as_markdown, reproduce
+from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 
 ROOT = Path(__file__).parents[3]
 
@@ -51,7 +51,7 @@ def test_a_wrong_design_leaves_its_tolerance(drive: Drive, change: dict[str, dic
 def test_page_is_up_to_date(drive: Drive) -> None:
     page = ROOT / "docs" / "paper-figures.md"
     assert page.read_text() == as_markdown(reproduce(drive), drive.name), (
-        f"rewrite {page} from mbcdm_cad.model.reproduce"
+        f"rewrite {page} from mbcdm_cad.paper.reproduce"
     )
 
 

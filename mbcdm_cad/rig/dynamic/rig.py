@@ -11,11 +11,11 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.bench import PathOf
 from mbcdm_cad.rig.cables import RigCable, cables_of
 from mbcdm_cad.rig.chain import PIECE_RAD
-from mbcdm_cad.rig.controller import ControllerSpec
-from mbcdm_cad.rig.dynamic_load import LoadSpec
-from mbcdm_cad.rig.gearhead import GearheadSpec, gearhead_of
-from mbcdm_cad.rig.inertias import guide_turns, inertias
-from mbcdm_cad.rig.motor import MotorSpec, motor_of
+from mbcdm_cad.rig.dynamic.controller import ControllerSpec
+from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of
+from mbcdm_cad.rig.dynamic.inertias import guide_turns, inertias
+from mbcdm_cad.rig.dynamic.load import LoadSpec
+from mbcdm_cad.rig.dynamic.motor import MotorSpec, motor_of
 
 STEP_S = 1e-4
 BANDWIDTH_HZ = 5.0

@@ -7,11 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.rig import chain, controller, dynamic_plant
+from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.chain import Chains
-from mbcdm_cad.rig.controller import control
-from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
-from mbcdm_cad.rig.dynamic_plant import advance, stored
+from mbcdm_cad.rig.compiled import Floats, compiled
+from mbcdm_cad.rig.dynamic import controller, plant
+from mbcdm_cad.rig.dynamic.controller import control
+from mbcdm_cad.rig.dynamic.plant import advance, stored
 
 # Entries of the load's row.
 LOAD_INERTIA, STATIC_RATIO, STATIC_SPEED, UNBALANCE, UNBALANCE_ANGLE = range(5)
@@ -123,12 +124,12 @@ def run(
                     extra = paths[k, j, 0] + paths[k, j, 1] * ahead
                     extra += paths[k, j, 2] * (q[p] - turns[input_of[j]] * reference[k, 0])
                 tension[j] = chain.advance(chains, j, q[p], q[last], extra)
-                inner = now[j, dynamic_plant.INPUT_RADIUS] * (q[p] - before[p])
-                rest = now[j, dynamic_plant.DRUM_RADIUS] * (q[last] - before[last])
-                stretch = cables[j, dynamic_plant.SIGMA] * (inner - rest)
-                account[dynamic_plant.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
+                inner = now[j, plant.INPUT_RADIUS] * (q[p] - before[p])
+                rest = now[j, plant.DRUM_RADIUS] * (q[last] - before[last])
+                stretch = cables[j, plant.SIGMA] * (inner - rest)
+                account[plant.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
             # The sensor sits between drum and load: bearings' share of the friction is not in it.
-            share = capacity / max(capacity + drum[dynamic_plant.DRUM_DRAG], 1e-300)
+            share = capacity / max(capacity + drum[plant.DRUM_DRAG], 1e-300)
             felt += (outer - push[last] * share / h + load[LOAD_INERTIA] * (v[last] - speed) / h) / steps
         if abs(q[last] - reference[k, 0]) > give_up_rad:
             return stored(inputs, drum, q, v) - energy, k + 1
@@ -139,9 +140,9 @@ def run(
 def _bend(cables: Floats, path: Floats, now: Floats) -> None:
     """Lever arms that an extra path gives each cable: its slopes, by virtual work."""
     for j in range(cables.shape[0]):
-        sense = cables[j, dynamic_plant.SIGMA]
-        now[j, dynamic_plant.DRUM_RADIUS] = cables[j, dynamic_plant.DRUM_RADIUS] - sense * path[j, 1]
-        now[j, dynamic_plant.INPUT_RADIUS] = cables[j, dynamic_plant.INPUT_RADIUS] + sense * path[j, 2]
+        sense = cables[j, plant.SIGMA]
+        now[j, plant.DRUM_RADIUS] = cables[j, plant.DRUM_RADIUS] - sense * path[j, 1]
+        now[j, plant.INPUT_RADIUS] = cables[j, plant.INPUT_RADIUS] + sense * path[j, 2]
 
 
 @compiled
@@ -159,9 +160,9 @@ def _hold(
         bias = 0.0
         for j in range(cables.shape[0]):
             if input_of[j] == i:
-                bias += cables[j, dynamic_plant.SIGMA] * cables[j, dynamic_plant.INPUT_RADIUS] * tension[j]
+                bias += cables[j, plant.SIGMA] * cables[j, plant.INPUT_RADIUS] * tension[j]
         motor[i] = bias
         state[i, controller.SUM] = bias
-        q[i] = bias / inputs[i, dynamic_plant.STIFFNESS]
-        if inputs[i, dynamic_plant.LASH] > 0.0:
-            q[i] += 0.5 * inputs[i, dynamic_plant.LASH] * np.sign(bias)
+        q[i] = bias / inputs[i, plant.STIFFNESS]
+        if inputs[i, plant.LASH] > 0.0:
+            q[i] += 0.5 * inputs[i, plant.LASH] * np.sign(bias)

@@ -8,8 +8,8 @@ from pydantic import Field
 
 from mbcdm_cad.rig.block import Block
 from mbcdm_cad.rig.effects.registry import AnyEffect
-from mbcdm_cad.rig.load import Load
-from mbcdm_cad.rig.motion import Motion
+from mbcdm_cad.rig.quasistatic.load import Load
+from mbcdm_cad.rig.quasistatic.motion import Motion
 from mbcdm_cad.rig.sensors import Sensors
 
 MAX_SAMPLES = 2_000_000

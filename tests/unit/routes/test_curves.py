@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.layout.curves import Arc, Helix, Line, Parabola, Piece, _gauss
+from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, _gauss
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 PIECES: dict[str, Piece] = {

@@ -1,6 +1,6 @@
 """A run of the dynamic rig: two motors under position loops drive the cables, the drum turns a load, sensors look on.
 
-Equations are in :mod:`mbcdm_cad.rig.dynamic_plant`, the loop over time in :mod:`mbcdm_cad.rig.dynamic_kernel`.
+Equations are in :mod:`mbcdm_cad.rig.dynamic.plant`, the loop over time in :mod:`mbcdm_cad.rig.dynamic.kernel`.
 """
 
 from __future__ import annotations
@@ -9,12 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbcdm_cad.rig import dynamic_kernel as kernel
-from mbcdm_cad.rig import dynamic_plant as plant
-from mbcdm_cad.rig import dynamic_tables as tables
 from mbcdm_cad.rig.chain import chains
-from mbcdm_cad.rig.dynamic_compiled import Floats
-from mbcdm_cad.rig.dynamic_rig import DynamicRig, EncoderSpec
+from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.rig.dynamic import kernel, plant, tables
+from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec
 
 LOG_RATE_HZ = 100.0
 # Far more than elasticity accounts for: the loops have lost the drum.

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.chain import Chains, carry, look, settle, strain
-from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+from mbcdm_cad.rig.compiled import Floats, compiled
 
 _STEPS = 80
 _HALVINGS = 12

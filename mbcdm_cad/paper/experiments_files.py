@@ -6,7 +6,7 @@ import json
 import math
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.experiments_paper import Compared, PaperResult
+from mbcdm_cad.paper.experiments import Compared, PaperResult
 
 
 def result_json(result: PaperResult, drive: Drive) -> bytes:
@@ -50,7 +50,7 @@ def _line(c: Compared, width: int) -> str:
 
 def result_files(result: PaperResult, drive: Drive) -> dict[str, bytes]:
     """Contents by file name: ``NAME.png``, ``NAME.result.json``, ``NAME.txt``."""
-    from mbcdm_cad.rig.experiments_paper_plots import plot_png  # matplotlib is slow to import
+    from mbcdm_cad.paper.experiments_plots import plot_png  # matplotlib is slow to import
 
     return {
         f"{result.name}.png": plot_png(result, drive),

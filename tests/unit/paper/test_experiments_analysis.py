@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design import load_design
-from mbcdm_cad.rig.dynamic import DynamicRun
-from mbcdm_cad.rig.experiments_paper_analysis import (
+from mbcdm_cad.paper.experiments_analysis import (
     angle_spectrum,
     first_saturated_Nm,
     given_way_Nm,
     highest_peak,
     reversal_swings_rad,
 )
+from mbcdm_cad.rig.dynamic.run import DynamicRun
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 

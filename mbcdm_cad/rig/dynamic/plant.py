@@ -7,10 +7,10 @@ and the pulley; last the drum, with the load's inertia and the guide, which the 
     pulley   J_p p''   = s - sum_j sigma_j r_ij T_j - friction
     drum     J_o o''   = sum_j sigma_j r_oj T_j - M - b o' - friction
 
-s is the gearhead's torque (:mod:`mbcdm_cad.rig.gearhead`), T_j what the cables pull, M the torque motor's torque (> 0
-opposes positive rotation). The step is linearly implicit (:mod:`mbcdm_cad.rig.dynamic_friction`): cables enter its
-matrix with the stiffness of their free span, the most they have, so that no step is too long to be stable; a longer one
-only damps the fast modes more.
+s is the gearhead's torque (:mod:`mbcdm_cad.rig.dynamic.gearhead`), T_j what the cables pull, M the torque motor's
+torque (> 0 opposes positive rotation). The step is linearly implicit (:mod:`mbcdm_cad.rig.dynamic.friction`): cables
+enter its matrix with the stiffness of their free span, the most they have, so that no step is too long to be stable; a
+longer one only damps the fast modes more.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
-from mbcdm_cad.rig.dynamic_friction import solve_friction
-from mbcdm_cad.rig.gearhead import shaft_torque
+from mbcdm_cad.rig.compiled import Floats, compiled
+from mbcdm_cad.rig.dynamic.friction import solve_friction
+from mbcdm_cad.rig.dynamic.gearhead import shaft_torque
 
 # Columns of the table of inputs; all seen at the gearhead's output, orders in periods per radian there.
 (ROTOR, DRAG, LOSS, VISCOUS, STIFFNESS, LASH, MESH, MESH_ORDER, COGGING, COGGING_ORDER, COGGING_PHASE, PULLEY,

@@ -7,10 +7,10 @@ from math import exp, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.rig import dynamic_plant as plant
-from mbcdm_cad.rig.dynamic_compiled import Floats
-from mbcdm_cad.rig.dynamic_rig import DynamicRig, input_turns
-from mbcdm_cad.rig.inertias import guide_turns, inertias
+from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.rig.dynamic import plant
+from mbcdm_cad.rig.dynamic.inertias import guide_turns, inertias
+from mbcdm_cad.rig.dynamic.rig import DynamicRig, input_turns
 
 # Half the span of angle over which an extra path's slope is taken.
 SLOPE_RAD = 1e-5
@@ -22,7 +22,7 @@ def input_of(rig: DynamicRig) -> NDArray[np.int64]:
 
 
 def load_row(rig: DynamicRig) -> Floats:
-    """What the load adds, in the order of :mod:`mbcdm_cad.rig.dynamic_kernel`."""
+    """What the load adds, in the order of :mod:`mbcdm_cad.rig.dynamic.kernel`."""
     load = rig.load
     return np.array([
         load.inertia_kg_m2, load.static_ratio, load.static_speed_rad_s, load.unbalance_Nm, load.unbalance_angle_rad,
@@ -51,7 +51,7 @@ def encoder_table(rig: DynamicRig) -> Floats:
 
 
 def input_table(rig: DynamicRig) -> Floats:
-    """Rotor, gearhead and pulley of each input, in the order of :mod:`mbcdm_cad.rig.dynamic_plant`."""
+    """Rotor, gearhead and pulley of each input, in the order of :mod:`mbcdm_cad.rig.dynamic.plant`."""
     moved = inertias(rig.drive)
     table = np.zeros((len(rig.motors), plant.INPUT_COLUMNS))
     for i, (motor, gear) in enumerate(zip(rig.motors, rig.gearheads, strict=True)):

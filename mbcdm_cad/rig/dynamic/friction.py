@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+from mbcdm_cad.rig.compiled import Floats, compiled
 
 CORRECTIONS = 40
 SWEEPS = 20000

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbcdm_cad.rig.block import Block
-from mbcdm_cad.rig.dynamic_compiled import Floats
-from mbcdm_cad.rig.dynamic_motion import sine, standstill
+from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.rig.dynamic.motion import sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
 

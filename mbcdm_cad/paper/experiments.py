@@ -16,11 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.dynamic import DynamicRun, run_dynamic
-from mbcdm_cad.rig.dynamic_load import LoadSpec
-from mbcdm_cad.rig.dynamic_motion import sine, standstill
-from mbcdm_cad.rig.dynamic_rig import DynamicRig, rig_of
-from mbcdm_cad.rig.experiments_paper_analysis import (
+from mbcdm_cad.paper.experiments_analysis import (
     angle_spectrum,
     first_saturated_Nm,
     given_way_Nm,
@@ -28,6 +24,10 @@ from mbcdm_cad.rig.experiments_paper_analysis import (
     left_angle_Nm,
     reversal_swings_rad,
 )
+from mbcdm_cad.rig.dynamic.load import LoadSpec
+from mbcdm_cad.rig.dynamic.motion import sine, standstill
+from mbcdm_cad.rig.dynamic.rig import DynamicRig, rig_of
+from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
 
 RAMP_Nm_s = 0.2
 RAMP_TO_Nm = 9.0

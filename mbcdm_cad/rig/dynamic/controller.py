@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import exp, pi
 
-from mbcdm_cad.rig.dynamic_compiled import Floats, compiled
+from mbcdm_cad.rig.compiled import Floats, compiled
 
 # Columns of a row of gains.
 POSITION, VELOCITY, INTEGRAL, ACCELERATION, FILTER, PERIOD, LIMIT = range(7)

@@ -1,0 +1,1 @@
+"""The quasi-static rig: every torque balances at each sample."""

@@ -1,0 +1,1 @@
+"""The way of each cable through the drive: its pieces and what follows from them."""
