@@ -123,8 +123,8 @@ def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
     import cadquery as cq
 
     from mbcdm_cad.assembly.bill import bill
+    from mbcdm_cad.build.meshing import kernel_tolerances
     from mbcdm_cad.design import load_design
-    from mbcdm_cad.export.meshing import kernel_tolerances
     from mbcdm_cad.layout.layout import layout
 
     drive = load_design(design).drive

@@ -16,8 +16,8 @@ def build_command(
     loaded: LoadedDesign, *, angle_deg: float, force: bool, out: Path, use_cache: bool, jobs: int | None
 ) -> int:
     """Build and say what came of it. 0 built, 1 refused or forced against a failing check."""
-    from mbcdm_cad.report.build import build
-    from mbcdm_cad.report.progress import progress
+    from mbcdm_cad.build.progress import progress
+    from mbcdm_cad.build.run import build
 
     cache = Cache(cache_folder() if use_cache else None)
     with progress() as tell:
@@ -63,9 +63,9 @@ def _summary(folder: Path, data: dict[str, Any], unchanged: bool, made: tuple[st
 
 def picture_command(loaded: LoadedDesign, png: Path, *, angle_deg: float, view: str, use_cache: bool) -> int:
     """Draw the assembly into one PNG, without a display."""
-    from mbcdm_cad.export.picture import picture_png
-    from mbcdm_cad.report.build import drawn
-    from mbcdm_cad.report.progress import progress
+    from mbcdm_cad.build.export.picture import picture_png
+    from mbcdm_cad.build.progress import progress
+    from mbcdm_cad.build.run import drawn
 
     with progress() as tell:
         items, parts = drawn(loaded.drive, angle_deg, Cache(cache_folder() if use_cache else None), tell)

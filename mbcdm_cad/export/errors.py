@@ -7,7 +7,3 @@ from mbcdm_cad.errors import MbcdmError
 
 class OutputError(MbcdmError):
     """The output folder cannot be written, or must not be: says which folder, why, and what to do."""
-
-
-class GeometryError(MbcdmError):
-    """A solid that is not one sound body, or that cannot be meshed within its tolerance: says which and why."""

@@ -14,9 +14,9 @@ import pytest
 from numpy.typing import NDArray
 
 from mbcdm_cad.assembly.bill import CABLE, bill, cable_item
+from mbcdm_cad.build.kernel import kernel_shape, location
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Screw
-from mbcdm_cad.export.kernel import kernel_shape, location
 from mbcdm_cad.layout.cable_path import FREE
 from mbcdm_cad.layout.layout import Layout, layout
 from mbcdm_cad.layout.support import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM

@@ -242,7 +242,7 @@ def test_windup_limit_is_held_against_the_windup() -> None:
 
 
 def test_mesh_tolerance_changes_the_mesh() -> None:
-    from mbcdm_cad.export.drawn import drawn_part
+    from mbcdm_cad.build.drawn import drawn_part
 
     counts = []
     for tolerance in (0.01, 0.04):
@@ -265,10 +265,10 @@ def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
 
 
 def test_prototype_mass_stands_in_the_report() -> None:
+    from mbcdm_cad.build.store import Store
     from mbcdm_cad.cachedir import Cache
     from mbcdm_cad.layout.frame_stiffness import frame_compliance
     from mbcdm_cad.report.data import report_data
-    from mbcdm_cad.report.store import Store
 
     drive = load_text(edited({("targets", "prototype_mass_g"): 341.0})).drive
     dims = layout(drive)

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from mbcdm_cad.export.errors import GeometryError
+from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.forkpool import fork_map
 
 

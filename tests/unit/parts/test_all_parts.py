@@ -10,8 +10,8 @@ import pytest
 import trimesh
 
 from mbcdm_cad.assembly.bill import Bill
-from mbcdm_cad.export.measure import bounding_box
-from mbcdm_cad.export.validate import validate_solid
+from mbcdm_cad.build.measure import bounding_box
+from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.layout.layout import Layout
 
 from .golden import golden_volumes

@@ -8,7 +8,7 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.export.measure import bounding_box
+from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.layout.layout import Layout
 from mbcdm_cad.parts.cable import create_cable
 

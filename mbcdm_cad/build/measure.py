@@ -8,8 +8,8 @@ from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 
 from mbcdm_cad.assembly.placement import Placement, Vector
-from mbcdm_cad.export.kernel import Shape, kernel_shape, location
-from mbcdm_cad.export.mass import Matrix, ShapeProperties
+from mbcdm_cad.build.kernel import Shape, kernel_shape, location
+from mbcdm_cad.build.mass import Matrix, ShapeProperties
 
 
 def measure(solid: Shape) -> ShapeProperties:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from mbcdm_cad.build.export.step import part_step
+from mbcdm_cad.build.kernel import Shape, brep_bytes
+from mbcdm_cad.build.measure import measure
+from mbcdm_cad.build.meshing import mesh_solid
+from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.design.drive import Material
-from mbcdm_cad.export.kernel import Shape, brep_bytes
-from mbcdm_cad.export.measure import measure
-from mbcdm_cad.export.meshing import mesh_solid
-from mbcdm_cad.export.partfiles import PartFiles
-from mbcdm_cad.export.step import part_step
-from mbcdm_cad.export.validate import validate_solid
 
 
 def make_part_files(

@@ -14,13 +14,13 @@ from math import radians
 from typing import Any
 
 from mbcdm_cad.assembly.bill import CABLE, PartSpec, bill
-from mbcdm_cad.assembly.clash import Clash
 from mbcdm_cad.assembly.item import Item
+from mbcdm_cad.build.clash import Clash
+from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.cachedir import Cache
 from mbcdm_cad.contentkey import content_key
 from mbcdm_cad.design.drive import Material
 from mbcdm_cad.export.manifest import versions
-from mbcdm_cad.export.partfiles import PartFiles
 from mbcdm_cad.forkpool import fork_map
 from mbcdm_cad.layout import frame_stiffness
 from mbcdm_cad.layout.frame_stiffness import FrameCompliance
@@ -39,7 +39,7 @@ class MadePart:
 
     def solid(self) -> Any:
         """The kernel's shape."""
-        from mbcdm_cad.export.kernel import shape_from_brep
+        from mbcdm_cad.build.kernel import shape_from_brep
 
         return shape_from_brep(self.files.brep)
 
@@ -60,7 +60,7 @@ class Store:
         missing: dict[str, str] = {}
         for name, spec in specs.items():
             module = spec.maker.partition(":")[0]
-            source = source_hash(f"mbcdm_cad.parts.{module}", "mbcdm_cad.export.drawn")
+            source = source_hash(f"mbcdm_cad.parts.{module}", "mbcdm_cad.build.drawn")
             key = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
             blobs = self._cache.get(key)
             if blobs is None:
@@ -68,7 +68,7 @@ class Store:
             else:
                 made[name] = MadePart(key, PartFiles.from_blobs(name, blobs))
         if missing:
-            from mbcdm_cad.export.drawn import drawn_part
+            from mbcdm_cad.build.drawn import drawn_part
 
             self._note(*missing)
             drawn = fork_map(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), list(missing), jobs)
@@ -81,13 +81,13 @@ class Store:
         self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str = ""
     ) -> dict[str, bytes]:
         """STEP and GLB of the assembly, by these names; both carry ``note``."""
-        source = source_hash("mbcdm_cad.export.step", "mbcdm_cad.export.glb")
+        source = source_hash("mbcdm_cad.build.export.step", "mbcdm_cad.build.export.glb")
         key = content_key("assembly", (name, note, items, _keys(parts)), source, versions())
 
         def make() -> dict[str, bytes]:
             self._note("assembly")
-            from mbcdm_cad.export.glb import glb_bytes
-            from mbcdm_cad.export.step import assembly_step
+            from mbcdm_cad.build.export.glb import glb_bytes
+            from mbcdm_cad.build.export.step import assembly_step
 
             return {
                 "step": assembly_step(name, items, self.solids(parts), note),
@@ -106,7 +106,7 @@ class Store:
         """
         rigid = {n: p for n, p in parts.items() if not n.startswith(CABLE)}
         shapes = {n: hashlib.sha256(p.files.brep).hexdigest() for n, p in rigid.items()}
-        source = source_hash("mbcdm_cad.assembly.interference")
+        source = source_hash("mbcdm_cad.build.interference")
         moving = [
             (
                 [(i.name, i.part, i.group, i.location) for i in bill(layout, a).items],
@@ -122,7 +122,7 @@ class Store:
             tasks.append(partial(_frame_compliance, layout))
             self._note("stiffness of the frame")
         if run is None:
-            from mbcdm_cad.assembly.interference import interference_tasks
+            from mbcdm_cad.build.interference import interference_tasks
 
             self._note(f"interference at {len(poses_deg)} poses")
             tasks += interference_tasks(layout, self.solids(rigid), poses_deg)

@@ -10,13 +10,13 @@ import cadquery as cq
 import pytest
 from export_samples import STEEL
 
+from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.build.export.step import part_step
+from mbcdm_cad.build.kernel import shape_from_brep
+from mbcdm_cad.build.makefiles import make_part_files
+from mbcdm_cad.build.measure import measure
+from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.cachedir import Cache
-from mbcdm_cad.export.errors import GeometryError
-from mbcdm_cad.export.kernel import shape_from_brep
-from mbcdm_cad.export.makefiles import make_part_files
-from mbcdm_cad.export.measure import measure
-from mbcdm_cad.export.partfiles import PartFiles
-from mbcdm_cad.export.step import part_step
 
 KEY = "5" * 64
 
@@ -40,13 +40,13 @@ def test_stored_part_is_read_without_the_kernel(solids: dict[str, cq.Solid], tmp
 import sys
 from pathlib import Path
 from mbcdm_cad.cachedir import Cache
-from mbcdm_cad.export.glb import glb_bytes
-from mbcdm_cad.export.mass import item_mass
-from mbcdm_cad.export.partfiles import PartFiles
+from mbcdm_cad.build.export.glb import glb_bytes
+from mbcdm_cad.build.mass import item_mass
+from mbcdm_cad.build.partfiles import PartFiles
 part = PartFiles.from_blobs("disc", Cache(Path({str(tmp_path)!r})).get({KEY!r}))
 print(len(part.stl), round(part.shape.volume_mm3), [n for n in ("cadquery", "OCP", "vtkmodules") if n in sys.modules])
 """
-    root = Path(__file__).parents[3]
+    root = Path(__file__).parents[4]
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
     size, volume, imported = done.stdout.split(maxsplit=2)
     assert int(size) > 84

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.assembly.placement import Placement
-from mbcdm_cad.export.mass import MassProperties, ShapeProperties, assembly_mass, combined, item_mass
-from mbcdm_cad.export.measure import bounding_box, measure
-from mbcdm_cad.export.meshing import mesh_solid
+from mbcdm_cad.build.mass import MassProperties, ShapeProperties, assembly_mass, combined, item_mass
+from mbcdm_cad.build.measure import bounding_box, measure
+from mbcdm_cad.build.meshing import mesh_solid
 
 PI = math.pi
 finite = st.floats(-100.0, 100.0)
@@ -139,7 +139,7 @@ def test_two_halves_are_the_whole(outer: Placement, inner: Placement) -> None:
 @given(placements)
 def test_moving_numbers_is_moving_the_solid(place: Placement) -> None:
     """Placed properties of a lopsided body agree with the kernel's for the moved solid."""
-    from mbcdm_cad.export.kernel import location
+    from mbcdm_cad.build.kernel import location
 
     solid = cq.Workplane().box(3, 4, 5).union(cq.Workplane().box(2, 2, 9, centered=False)).val().Solids()[0]
     moved = measure(solid.wrapped.Moved(location(place)))

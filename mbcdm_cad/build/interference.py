@@ -23,8 +23,8 @@ from OCP.TopoDS import TopoDS_Shape
 from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.assembly.bill import CABLE, bill, cable_item
-from mbcdm_cad.assembly.clash import Clash, cable_clashes
-from mbcdm_cad.export.kernel import kernel_shape, location
+from mbcdm_cad.build.clash import Clash, cable_clashes
+from mbcdm_cad.build.kernel import kernel_shape, location
 from mbcdm_cad.forkpool import fork_map
 from mbcdm_cad.layout.cable_path import FREE, ON_DRUM, WOUND, CablePath, winding
 from mbcdm_cad.layout.layout import Layout

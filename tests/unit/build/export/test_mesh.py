@@ -19,12 +19,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.assembly.item import Item
-from mbcdm_cad.export.errors import GeometryError
-from mbcdm_cad.export.glb import glb_bytes
-from mbcdm_cad.export.kernel import brep_bytes, shape_from_brep
-from mbcdm_cad.export.meshing import angular_tolerance, mesh_solid
-from mbcdm_cad.export.stl import stl_bytes, with_note
-from mbcdm_cad.export.trianglemesh import TriangleMesh
+from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.build.export.glb import glb_bytes
+from mbcdm_cad.build.export.stl import stl_bytes, with_note
+from mbcdm_cad.build.kernel import brep_bytes, shape_from_brep
+from mbcdm_cad.build.meshing import angular_tolerance, mesh_solid
+from mbcdm_cad.build.trianglemesh import TriangleMesh
 
 PARTS = sorted(make_solids())
 TOLERANCE_MM = 0.02
@@ -158,9 +158,9 @@ _ELSEWHERE = f"""
 import hashlib, random, sys
 sys.path[:0] = sys.argv[1:]
 from export_samples import make_items, make_solids
-from mbcdm_cad.export.glb import glb_bytes
-from mbcdm_cad.export.meshing import mesh_solid
-from mbcdm_cad.export.stl import stl_bytes
+from mbcdm_cad.build.export.glb import glb_bytes
+from mbcdm_cad.build.meshing import mesh_solid
+from mbcdm_cad.build.export.stl import stl_bytes
 items = make_items()[::-1]
 meshes = {{part: mesh_solid(part, solid, {TOLERANCE_MM}) for part, solid in reversed(make_solids().items())}}
 digest = hashlib.sha256(glb_bytes("model", items, meshes))
@@ -174,7 +174,7 @@ def test_same_bytes_in_another_process(items: list[Item], meshes: dict[str, Tria
     digest = hashlib.sha256(glb_bytes("model", items, meshes))
     for part in PARTS:
         digest.update(stl_bytes(part, meshes[part]))
-    paths = [str(Path(__file__).parents[3]), str(Path(__file__).parent)]
+    paths = [str(Path(__file__).parents[4]), str(Path(__file__).parent)]
     done = subprocess.run([sys.executable, "-c", _ELSEWHERE, *paths], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == digest.hexdigest()
 

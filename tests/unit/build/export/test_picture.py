@@ -15,11 +15,11 @@ from matplotlib import image
 
 from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.assembly.placement import Placement
-from mbcdm_cad.export import picture
+from mbcdm_cad.build.export import picture
+from mbcdm_cad.build.export.picture import VIEWS, picture_png
+from mbcdm_cad.build.meshing import mesh_solid
+from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.export.errors import OutputError
-from mbcdm_cad.export.meshing import mesh_solid
-from mbcdm_cad.export.picture import VIEWS, picture_png
-from mbcdm_cad.export.trianglemesh import TriangleMesh
 
 RED, BLUE = material("red", 1.0, (1.0, 0.0, 0.0)), material("blue", 1.0, (0.0, 0.0, 1.0))
 SIZE = (320, 240)
@@ -127,7 +127,7 @@ import sys
 sys.path[:0] = sys.argv[1:]
 import test_picture as t
 import cadquery as cq
-from mbcdm_cad.export.meshing import mesh_solid
+from mbcdm_cad.build.meshing import mesh_solid
 cube = cq.Solid.makeBox(10, 10, 10, cq.Vector(-5, -5, -5))
 meshes = {name: mesh_solid(name, cube, 0.1) for name in ("red", "blue")}
 items = [
@@ -136,7 +136,7 @@ items = [
 ]
 sys.stdout.buffer.write(t.picture_png(items, meshes, "iso", t.SIZE))
 """
-    paths = [str(Path(__file__).parents[3]), str(Path(__file__).parent)]
+    paths = [str(Path(__file__).parents[4]), str(Path(__file__).parent)]
     done = subprocess.run([sys.executable, "-c", code, *paths], capture_output=True, check=True, env={"DISPLAY": ""})
     there = image.imread(io.BytesIO(done.stdout), format="png")
     worst = float(np.abs(here - there).max())

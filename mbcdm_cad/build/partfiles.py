@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mbcdm_cad.export.mass import ShapeProperties
-from mbcdm_cad.export.stl import stl_bytes
-from mbcdm_cad.export.trianglemesh import TriangleMesh
+from mbcdm_cad.build.export.stl import stl_bytes
+from mbcdm_cad.build.mass import ShapeProperties
+from mbcdm_cad.build.trianglemesh import TriangleMesh
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.assembly import interference
 from mbcdm_cad.assembly.bill import CABLE, Bill, bill
-from mbcdm_cad.assembly.clash import Clash
-from mbcdm_cad.assembly.interference import interferences
 from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.assembly.placement import Placement
-from mbcdm_cad.assembly.poses import travel_poses
+from mbcdm_cad.build import interference
+from mbcdm_cad.build.clash import Clash
+from mbcdm_cad.build.interference import interferences
+from mbcdm_cad.build.poses import travel_poses
 from mbcdm_cad.layout.layout import Layout, layout
 from mbcdm_cad.parts.make import make
 

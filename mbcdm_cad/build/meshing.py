@@ -18,10 +18,10 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
-from mbcdm_cad.export.deviation import edge_deviation, face_deviation
-from mbcdm_cad.export.errors import GeometryError
-from mbcdm_cad.export.kernel import Shape, kernel_shape
-from mbcdm_cad.export.trianglemesh import FloatArray, IntArray, TriangleMesh, without_collapsed
+from mbcdm_cad.build.deviation import edge_deviation, face_deviation
+from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.build.kernel import Shape, kernel_shape
+from mbcdm_cad.build.trianglemesh import FloatArray, IntArray, TriangleMesh, without_collapsed
 
 _ATTEMPTS = 6
 # What the kernel is asked for, as a share of the tolerance: on swept surfaces its error comes out up to 1.1 times that.

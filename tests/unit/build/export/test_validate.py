@@ -5,8 +5,8 @@ from __future__ import annotations
 import cadquery as cq
 import pytest
 
-from mbcdm_cad.export.errors import GeometryError
-from mbcdm_cad.export.validate import validate_solid
+from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.build.validate import validate_solid
 
 
 def test_sound_solids_pass(solids: dict[str, cq.Solid]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbcdm_cad.export.trianglemesh import TriangleMesh, single
+from mbcdm_cad.build.trianglemesh import TriangleMesh, single
 
 _HEADER = 80
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

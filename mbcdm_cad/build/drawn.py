@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from mbcdm_cad.assembly.bill import PartSpec
+from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.build.makefiles import make_part_files
+from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.design.drive import Material
-from mbcdm_cad.export.errors import GeometryError
-from mbcdm_cad.export.makefiles import make_part_files
-from mbcdm_cad.export.partfiles import PartFiles
 from mbcdm_cad.parts.make import make
 
 

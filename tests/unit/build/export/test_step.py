@@ -15,16 +15,16 @@ from export_samples import STEEL
 from OCP.Quantity import Quantity_TypeOfColor
 
 from mbcdm_cad.assembly.item import Item
-from mbcdm_cad.export.kernel import brep_bytes, shape_from_brep
-from mbcdm_cad.export.step import assembly_step, part_step
-from mbcdm_cad.export.step_text import canonical_step, with_description
+from mbcdm_cad.build.export.step import assembly_step, part_step
+from mbcdm_cad.build.export.step_text import canonical_step, with_description
+from mbcdm_cad.build.kernel import brep_bytes, shape_from_brep
 
 # Another process: other addresses, another order of items, other exports before.
 _ELSEWHERE = """
 import hashlib, random, sys
 sys.path[:0] = sys.argv[2:]
 from export_samples import STEEL, make_items, make_solids
-from mbcdm_cad.export.step import assembly_step, part_step
+from mbcdm_cad.build.export.step import assembly_step, part_step
 chance = random.Random(int(sys.argv[1]))
 waste = [bytearray(chance.randrange(10, 5000)) for _ in range(chance.randrange(3000))]
 solids, items = make_solids(), make_items()
@@ -42,7 +42,7 @@ def _digest(data: bytes) -> str:
 
 def test_same_bytes_in_other_processes(items: list[Item], solids: dict[str, cq.Solid]) -> None:
     here = [_digest(assembly_step("model", items, solids)), _digest(part_step("plate", solids["plate"], STEEL))]
-    paths = [str(Path(__file__).parents[3]), str(Path(__file__).parent)]
+    paths = [str(Path(__file__).parents[4]), str(Path(__file__).parent)]
     for seed in range(3):
         command = [sys.executable, "-c", _ELSEWHERE, str(seed), *paths]
         done = subprocess.run(command, capture_output=True, text=True, check=True)

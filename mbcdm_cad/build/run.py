@@ -12,6 +12,7 @@ from typing import Any
 
 from mbcdm_cad.assembly.bill import Bill, bill
 from mbcdm_cad.assembly.item import Item
+from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.cachedir import Cache
 from mbcdm_cad.checks import (
     CheckResult,
@@ -27,7 +28,6 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.export.manifest import Manifest, altered_files, read_manifest, versions
 from mbcdm_cad.layout.layout import Layout, layout
-from mbcdm_cad.report.store import MadePart, Progress, Store
 from mbcdm_cad.sourcehash import package_hash
 
 POSES = 9
@@ -80,7 +80,7 @@ def build(
     store = Store(cache, progress)
     posed, centred = bill(dims, angle_deg), bill(dims)
     parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes)
-    from mbcdm_cad.assembly.poses import travel_poses
+    from mbcdm_cad.build.poses import travel_poses
 
     poses = travel_poses(drive.half_travel_deg, POSES)
     clashes, frame = store.judged(dims, parts, poses, processes)
@@ -150,9 +150,9 @@ def _write(
     store: Store,
     data: dict[str, Any],
 ) -> None:
+    from mbcdm_cad.build.export.step_text import with_description
+    from mbcdm_cad.build.export.stl import with_note
     from mbcdm_cad.export.outputfolder import output_folder
-    from mbcdm_cad.export.step_text import with_description
-    from mbcdm_cad.export.stl import with_note
     from mbcdm_cad.report.markdown import report_markdown
 
     name = dims.drive.name

@@ -1,0 +1,1 @@
+"""Solids and meshes to files and pictures: STEP, STL, GLB, PNG. Knows nothing of any mechanism."""

@@ -1,0 +1,28 @@
+"""The reference design's layout and solids, drawn once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcdm_cad.assembly.bill import CABLE, bill
+from mbcdm_cad.design import load_design
+from mbcdm_cad.layout.layout import Layout, layout
+from mbcdm_cad.parts.make import make
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture(scope="session")
+def dims() -> Layout:
+    """Layout of params/mbcdm.yaml."""
+    return layout(load_design(ROOT / "params" / "mbcdm.yaml").drive)
+
+
+@pytest.fixture(scope="session")
+def solids(dims: Layout) -> dict[str, Any]:
+    """Part name to solid, the cables left out: the interference run draws them itself."""
+    parts = bill(dims).parts
+    return {name: make(spec.maker, spec.args) for name, spec in parts.items() if not name.startswith(CABLE)}
