@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-
-from mbcdm_cad.record import record
+from dataclasses import dataclass
 
 
 class MbcdmError(Exception):
     """Base of every error whose text is meant for the user; anything else is a fault of the program."""
 
 
-@record
+@dataclass(frozen=True)
 class Problem:
     """One thing wrong with an input file: where, what, which value against which limit, and what to do about it.
 

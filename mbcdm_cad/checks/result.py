@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 from mbcdm_cad.checks.finding import shown
-from mbcdm_cad.record import record
 
 Status = Literal["pass", "warn", "fail"]
 
 
-@record
+@dataclass(frozen=True)
 class CheckResult:
     """Outcome of one check; plain data, no number is ever infinite or NaN.
 

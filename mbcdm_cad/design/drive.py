@@ -6,12 +6,11 @@ Units are those of the file: mm, degrees, N, grams, GPa. The model converts to S
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from mbcdm_cad.record import record
 
-
-@record
+@dataclass(frozen=True)
 class Material:
     """A material of the catalogue. ``colour`` is linear RGB in 0..1."""
 
@@ -27,7 +26,7 @@ class Material:
     source: str
 
 
-@record
+@dataclass(frozen=True)
 class CableSpec:
     """The rope. E is never given without the area it refers to (``area_mm2``)."""
 
@@ -57,7 +56,7 @@ class CableSpec:
         return self.modulus_GPa * self.area_mm2 * 1e3
 
 
-@record
+@dataclass(frozen=True)
 class Bearing:
     """Deep-groove bearing: bore d, outside D, width B; shoulder limits d_a (inner ring) and D_a (outer ring)."""
 
@@ -72,7 +71,7 @@ class Bearing:
     source: str
 
 
-@record
+@dataclass(frozen=True)
 class Motor:
     """Motor body, the shaft hidden in the gearhead."""
 
@@ -85,7 +84,7 @@ class Motor:
     source: str
 
 
-@record
+@dataclass(frozen=True)
 class Gearhead:
     """Gearhead on the motor: body, output shaft, face pattern."""
 
@@ -108,7 +107,7 @@ class Gearhead:
     source: str
 
 
-@record
+@dataclass(frozen=True)
 class Encoder:
     """Encoder housing on a shaft, fixed by axial screws on a bolt circle."""
 
@@ -124,7 +123,7 @@ class Encoder:
     source: str
 
 
-@record
+@dataclass(frozen=True)
 class Screw:
     """Socket-head cap screw or set screw (``head_diameter_mm`` 0). ``key_mm`` is across flats of the socket."""
 
@@ -140,7 +139,7 @@ class Screw:
     source: str
 
 
-@record
+@dataclass(frozen=True)
 class TensionerSpec:
     """Threaded terminal swaged on the cable, nut and lock nut against a lug of the drum."""
 
@@ -158,7 +157,7 @@ class TensionerSpec:
     source: str
 
 
-@record
+@dataclass(frozen=True)
 class CableRun:
     """One cable of the drive and the three pitch radii it runs on (to the cable's centre line)."""
 
@@ -178,7 +177,7 @@ class CableRun:
         return -self.drum_side
 
 
-@record
+@dataclass(frozen=True)
 class Clearances:
     """Gaps the geometry must keep, all in mm between finished surfaces."""
 
@@ -187,7 +186,7 @@ class Clearances:
     running_mm: float  # any moving solid to any fixed one, elsewhere
 
 
-@record
+@dataclass(frozen=True)
 class Bearings:
     """The bearing chosen for each role."""
 
@@ -201,7 +200,7 @@ class Bearings:
         return (self.drum, self.guide, self.input_lower, self.input_upper)
 
 
-@record
+@dataclass(frozen=True)
 class DrumSpec:
     """Drum sector and its shaft; y is measured along the drum axis from the guide's axis."""
 
@@ -216,7 +215,7 @@ class DrumSpec:
     shaft_material: Material
 
 
-@record
+@dataclass(frozen=True)
 class GuideSpec:
     """Guide pulley and its fixed axle."""
 
@@ -224,14 +223,14 @@ class GuideSpec:
     axle_material: Material
 
 
-@record
+@dataclass(frozen=True)
 class InputPulleySpec:
     """Input pulleys, both alike but for their radii."""
 
     material: Material
 
 
-@record
+@dataclass(frozen=True)
 class SupportSpec:
     """Frame: back plate, side walls, shelves, ribs and the separate top plate."""
 
@@ -246,7 +245,7 @@ class SupportSpec:
     rib_mm: float
 
 
-@record
+@dataclass(frozen=True)
 class Loads:
     """External torques on the drum that the design is judged at."""
 
@@ -254,7 +253,7 @@ class Loads:
     peak_torque_Nm: float
 
 
-@record
+@dataclass(frozen=True)
 class Limits:
     """Limits of this design that the checks hold it against."""
 
@@ -265,7 +264,7 @@ class Limits:
     frame_windup_max_mrad: float
 
 
-@record
+@dataclass(frozen=True)
 class Targets:
     """What mass and box should come to, and by how much they may differ. The box is (X, Z, Y)."""
 
@@ -276,14 +275,14 @@ class Targets:
     envelope_tolerance_mm: float
 
 
-@record
+@dataclass(frozen=True)
 class ExportSettings:
     """Settings of the files written."""
 
     mesh_tolerance_mm: float
 
 
-@record
+@dataclass(frozen=True)
 class Sigmas:
     """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable."""
 
@@ -299,7 +298,7 @@ class Sigmas:
     motor_torque_mNm: float
 
 
-@record
+@dataclass(frozen=True)
 class Waiver:
     """A check that may fail, and why."""
 
@@ -307,7 +306,7 @@ class Waiver:
     reason: str
 
 
-@record
+@dataclass(frozen=True)
 class AsBuiltValue:
     """One figure of an effect, SI; ``low`` and ``high``: its 95 % interval where it is known."""
 
@@ -317,7 +316,7 @@ class AsBuiltValue:
     high: float | None
 
 
-@record
+@dataclass(frozen=True)
 class AsBuilt:
     """An effect that the built drive was found to have; no cables: all."""
 
@@ -329,7 +328,7 @@ class AsBuilt:
     source: str | None
 
 
-@record
+@dataclass(frozen=True)
 class Drive:
     """All that the model, the checks and the parts need to know of one design.
 

@@ -10,12 +10,12 @@ pulley; `guide_landing_walk_mm` gives how far it wanders in a full sweep.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import acos, atan2, ceil, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 
 import numpy as np
 
 from mbcdm_cad.design.drive import CableRun, Drive
-from mbcdm_cad.record import record
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 
 # The rope's bending stiffness rounds the change of slope where span meets pulley over a few sqrt(EI/T), about 0.7 mm
@@ -27,7 +27,7 @@ STOP_LENGTH_DIAMETERS = 2.5
 STOP_WALL_MM = 0.75
 
 
-@record
+@dataclass(frozen=True)
 class Winding:
     """Where a cable touches input pulley and guide; angles in rad about Z, seen from +z. Independent of drum angle."""
 
@@ -71,7 +71,7 @@ def winding(drive: Drive, cable: CableRun) -> Winding:
     )
 
 
-@record
+@dataclass(frozen=True)
 class StopGeometry:
     """End of a cable in its input pulley: bend inward, then a chord that carries the swaged stop.
 
@@ -117,7 +117,7 @@ FREE = ("span_in", "span", "span_out", "guide")
 ON_DRUM = ("drum", "tail")
 
 
-@record
+@dataclass(frozen=True)
 class CablePath:
     """Pieces of one cable's centre line from the swaged stop in the input pulley to the tensioner on the drum."""
 

@@ -5,11 +5,11 @@ Seen along the axis: the slit points to the right, the screw crosses it from top
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import hypot, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.record import record
 
 if TYPE_CHECKING:
     from mbcdm_cad.layout.stack import Stack
@@ -21,7 +21,7 @@ HEAD_PLAY_MM = 0.1
 HEAD_EDGE_MM = 0.2
 
 
-@record
+@dataclass(frozen=True)
 class CollarDims:
     """Clamp collar that squeezes the slit journal onto the gearhead's shaft; one tangential screw."""
 

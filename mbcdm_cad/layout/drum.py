@@ -8,11 +8,11 @@ hub      |==============================......|    hub face: the output
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, hypot, radians, sin, tan
 
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.layout.stack import Stack, nut_corner_radius_mm
-from mbcdm_cad.record import record
 
 # Cable left straight between the land's end and the swage.
 SWAGE_START_MM = 0.5
@@ -40,7 +40,7 @@ STOP_SLOT_PLAY_MM = 0.3
 STOP_PIN_WALL_MM = 1.5
 
 
-@record
+@dataclass(frozen=True)
 class Land:
     """Cylindrical land of one step: surface radius r_o - d/2, from ``y_start`` to ``y_end``."""
 
@@ -50,7 +50,7 @@ class Land:
     y_end: float
 
 
-@record
+@dataclass(frozen=True)
 class Tensioner:
     """Threaded terminal of one cable on the drum, drum centred.
 
@@ -81,7 +81,7 @@ class Tensioner:
         return self.side * x, (self.radius_mm + n) * cos(a) - s * sin(a)
 
 
-@record
+@dataclass(frozen=True)
 class Window:
     """Lightening window of the web: an annular sector, angles from +Z (deg)."""
 
@@ -91,7 +91,7 @@ class Window:
     end_deg: float
 
 
-@record
+@dataclass(frozen=True)
 class DrumDims:
     """All dimensions of the drum (mm, deg, rad as named)."""
 
@@ -125,7 +125,7 @@ class DrumDims:
     corner_radius: float
 
 
-@record
+@dataclass(frozen=True)
 class DrumShaftDims:
     """Hollow shaft: flange behind the rear bearing, hub clamped in front, encoder at the back."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layout.cable_path import CablePath, cable_path
 from mbcdm_cad.layout.collar import CollarDims, collar
@@ -9,10 +11,9 @@ from mbcdm_cad.layout.drum import DrumDims, DrumShaftDims, drum, drum_shaft
 from mbcdm_cad.layout.pulleys import AxleDims, GuideDims, InputPulleyDims, axle, guide, input_pulley
 from mbcdm_cad.layout.stack import Stack, stack
 from mbcdm_cad.layout.support import FrameDims, TopPlateDims, frame, top_plate
-from mbcdm_cad.record import record
 
 
-@record
+@dataclass(frozen=True)
 class Layout:
     """Dimensions of every part of one design, mm, drum centred."""
 

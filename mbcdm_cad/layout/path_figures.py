@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, hypot, pi, radians, sin, tan, tau
 
 import numpy as np
@@ -11,13 +12,12 @@ from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.layout.cable_path import CablePath, axial_walk_mm, fleet_angle_at_deg, winding
 from mbcdm_cad.layout.drum import Tensioner
 from mbcdm_cad.layout.layout import Layout
-from mbcdm_cad.record import record
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
 
 STATIONS = 9
 
 
-@record
+@dataclass(frozen=True)
 class CablePathFigures:
     """One cable. Points (x, y, z) in mm with the drum centred; tuples over the angles of :class:`PathFigures`.
 
@@ -40,7 +40,7 @@ class CablePathFigures:
     fleet_angle_deg: tuple[float, ...]
 
 
-@record
+@dataclass(frozen=True)
 class TravelLimit:
     """The drum angle (deg, of either sign) at which something ends the travel, and what."""
 
@@ -48,7 +48,7 @@ class TravelLimit:
     cause: str
 
 
-@record
+@dataclass(frozen=True)
 class PathFigures:
     """All cables over the travel. ``limits`` holds each direction's, the nearest first; it is the usable travel."""
 

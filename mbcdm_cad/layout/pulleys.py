@@ -10,6 +10,7 @@ inward round a radius and ends in a pocket that the stop cannot leave.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot, sqrt
 
@@ -17,7 +18,6 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layout.cable_path import stop_geometry
 from mbcdm_cad.layout.collar import collar_width_mm
 from mbcdm_cad.layout.stack import BAND_MARGIN_MM, END_PLAY_MM, Stack, band, outward_of
-from mbcdm_cad.record import record
 
 JOURNAL_SLIT_MM = 0.6
 ENCODER_INSERTION_MM = 10.0
@@ -27,7 +27,7 @@ STOP_PLAY_MM = 0.05
 STOP_CUTTER = 0.85
 
 
-@record
+@dataclass(frozen=True)
 class StopSlot:
     """Slot for one cable's stop, in the pulley's frame with the drum centred (angles rad, heights mm)."""
 
@@ -63,7 +63,7 @@ class StopSlot:
         return self.bend_radius - self.stop_radius - STOP_PLAY_MM - self.cutter_radius * (1 - 1 / sqrt(2))
 
 
-@record
+@dataclass(frozen=True)
 class InputPulleyDims:
     """One input pulley. Heights along Z from lower journal to encoder journal (mm)."""
 
@@ -89,7 +89,7 @@ class InputPulleyDims:
     slots: tuple[StopSlot, ...]
 
 
-@record
+@dataclass(frozen=True)
 class GuideDims:
     """Guide pulley: four smooth steps, a bearing in each end."""
 
@@ -102,7 +102,7 @@ class GuideDims:
     shoulder_radius: float
 
 
-@record
+@dataclass(frozen=True)
 class AxleDims:
     """Guide axle: held by a set screw in the bearing shelf, located in the top plate; collar below the bearing."""
 

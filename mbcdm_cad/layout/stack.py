@@ -11,12 +11,12 @@ the drives follow the shelves. All mm.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import radians
 
 from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.layout.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.layout.collar import collar_sweep_mm
-from mbcdm_cad.record import record
 
 # Land beyond the outermost turn: the wall of the slot that holds the swaged stop.
 BAND_MARGIN_MM = 0.8
@@ -28,7 +28,7 @@ END_PLAY_MM = 0.1
 GUIDE_MARGIN_MM = 0.8
 
 
-@record
+@dataclass(frozen=True)
 class Band:
     """Heights a cable covers on its input pulley: ``low`` and ``high`` to the flanks, ``dead_end`` at the last turn."""
 
@@ -46,7 +46,7 @@ def band(drive: Drive, cable: CableRun, outward: int) -> Band:
     return Band(min(dead_end, other) - flank, max(dead_end, other) + flank, dead_end)
 
 
-@record
+@dataclass(frozen=True)
 class Stack:
     """Levels along Z and Y, mm. Names say what lies just below (``_top``) or above (``_bottom``) the level."""
 

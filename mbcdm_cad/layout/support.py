@@ -13,10 +13,11 @@ Seen from the front (x across, z up):
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layout.drum import STOP_PIN_MM, drum_shaft, stop_pin_z
 from mbcdm_cad.layout.stack import Stack
-from mbcdm_cad.record import record
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
@@ -40,7 +41,7 @@ DOWEL_LENGTH_MM = 6.0
 RING_ENCODER_FLATS = 22.0 / 24.0
 
 
-@record
+@dataclass(frozen=True)
 class FrameDims:
     """Frame dimensions (mm)."""
 
@@ -90,7 +91,7 @@ class FrameDims:
     mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
 
 
-@record
+@dataclass(frozen=True)
 class TopPlateDims:
     """Top plate dimensions (mm)."""
 

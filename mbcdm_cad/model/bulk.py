@@ -16,13 +16,12 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.kinematics import guide_wraps_rad
 from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, Floats
 from mbcdm_cad.model.wrap import slip_angle_rad
-from mbcdm_cad.record import record
 
 # Designs worked on at a time: their arrays then stay in the processor's cache.
 BLOCK = 4096
 
 
-@record
+@dataclass(frozen=True)
 class Requirements:
     """What the designs are judged by; each a number or one value a design."""
 

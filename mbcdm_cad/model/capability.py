@@ -6,13 +6,14 @@ limit differs by direction; preloads with T ~ 1/r within a pair remove the bias.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.si import DriveSI, Floats
 from mbcdm_cad.model.solver import tension_of_stretch
 from mbcdm_cad.model.wrap import slack_stretch_m
-from mbcdm_cad.record import record
 
 
 def input_bias_Nm(d: DriveSI) -> Floats:
@@ -79,7 +80,7 @@ def torque_at_slack_Nm(d: DriveSI, direction: int) -> Floats:
     return np.stack(rows)
 
 
-@record
+@dataclass(frozen=True)
 class TorqueLimit:
     """One limit on the drum's torque in one direction: what reaches it first, at which load."""
 

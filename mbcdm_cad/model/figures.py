@@ -6,14 +6,13 @@ Units are in the names. Angles of backlash are in mrad, torques on inputs in mN 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from mbcdm_cad.model.capability import TorqueLimit
-from mbcdm_cad.record import record
 
 
-@record
+@dataclass(frozen=True)
 class CableFigures:
     """One cable at the test torque. ``*_simplified`` are the paper's (16) to (20), the others use Eq. (14) exactly."""
 
@@ -32,7 +31,7 @@ class CableFigures:
     backlash_simplified_mrad: float
 
 
-@record
+@dataclass(frozen=True)
 class LoadCase:
     """All cables at once, inputs locked, first loading to ``load_Nm`` (> 0 opposes positive rotation).
 
@@ -51,7 +50,7 @@ class LoadCase:
     secant_stiffness_Nm_rad: float
 
 
-@record
+@dataclass(frozen=True)
 class BearingFigures:
     """Radial loads (N) and guide moment (N m) at one load; the drum's is the pull across its axis."""
 
@@ -62,7 +61,7 @@ class BearingFigures:
     drum_radial_N: float
 
 
-@record
+@dataclass(frozen=True)
 class ModulusReading:
     """E that the paper's measured backlash implies under one reading of it and one route of the model."""
 
@@ -71,7 +70,7 @@ class ModulusReading:
     modulus_GPa: float
 
 
-@record
+@dataclass(frozen=True)
 class ShaftTurns:
     """How far each shaft of one cable's chain turns when the drum turns by ``drum_deg``, with its sense."""
 
@@ -82,7 +81,7 @@ class ShaftTurns:
     motor_deg: float
 
 
-@record
+@dataclass(frozen=True)
 class UncertainFigure:
     """A figure with its 95 % interval, from the sigmas that the design file gives."""
 
@@ -94,7 +93,7 @@ class UncertainFigure:
     sigma: float
 
 
-@record
+@dataclass(frozen=True)
 class Analysis:
     """Everything the model says about one design, for the report and for ``mbcdm analyse``.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ import numpy as np
 from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI, Floats
-from mbcdm_cad.record import record
 
 # What may carry a sigma, and which field of the drive or of the requirements it changes.
 BY_CABLE = ("preload_N", "input_radius_m", "guide_radius_m", "drum_radius_m")
@@ -20,7 +20,7 @@ PARAMETERS = (
 STEP_SIGMA = 0.1
 
 
-@record
+@dataclass(frozen=True)
 class Interval:
     """A figure, its 95 % interval by Monte Carlo, and the standard deviation by Monte Carlo and by linear theory."""
 

@@ -7,12 +7,11 @@ Every piece is parametrised by a fraction 0..1, knows its exact length and its e
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from mbcdm_cad.record import record
 
 Vector = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -41,7 +40,7 @@ def _v(a: Sequence[float]) -> Vector:
     return np.asarray(a, dtype=np.float64)
 
 
-@record
+@dataclass(frozen=True)
 class Line:
     """Straight piece from ``start`` to ``end``."""
 
@@ -62,7 +61,7 @@ class Line:
         return d / np.linalg.norm(d)
 
 
-@record
+@dataclass(frozen=True)
 class Arc:
     """Circular piece: centre + r (cos a e1 + sin a e2), ``a`` running from ``angle_start`` to ``angle_end`` (rad)."""
 
@@ -90,7 +89,7 @@ class Arc:
         return np.asarray(sign * (-np.sin(a) * _v(self.e1) + np.cos(a) * _v(self.e2)))
 
 
-@record
+@dataclass(frozen=True)
 class Helix:
     """Turns about a line parallel to Z: angle and height run linearly together.
 
@@ -133,7 +132,7 @@ def _gauss() -> tuple[Vector, Vector]:
     return (np.concatenate([-nodes[::-1], nodes]) + 1) / 2, np.concatenate([weights[::-1], weights])
 
 
-@record
+@dataclass(frozen=True)
 class Parabola:
     """Quadratic Bezier: tangent to ``start -> middle`` at its start and to ``middle -> end`` at its end."""
 
