@@ -43,6 +43,10 @@ class InputError(MbcdmError):
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
 
+class OutputError(MbcdmError):
+    """The output folder cannot be written, or must not be: says which folder, why, and what to do."""
+
+
 def shortened(value: object, limit: int = 60) -> str:
     """``repr`` of a value on one line, cut to ``limit`` characters, of any size and depth, without recursion limits."""
     if isinstance(value, dict):

@@ -25,10 +25,10 @@ from threadpoolctl import threadpool_limits
 from mbcdm_cad.assembly.bill import CABLE, bill, cable_item
 from mbcdm_cad.build.clash import Clash, cable_clashes
 from mbcdm_cad.build.kernel import kernel_shape, location
-from mbcdm_cad.forkpool import fork_map
 from mbcdm_cad.layout.cable_path import FREE, ON_DRUM, WOUND, CablePath, winding
 from mbcdm_cad.layout.layout import Layout
 from mbcdm_cad.parts.cable import create_cable
+from mbcdm_cad.storage.parallel import fork_map
 
 # Two bodies that share less than this touch; they do not overlap.
 VOLUME_LIMIT_MM3 = 0.01

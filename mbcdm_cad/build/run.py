@@ -13,7 +13,6 @@ from typing import Any
 from mbcdm_cad.assembly.bill import Bill, bill
 from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.build.store import MadePart, Progress, Store
-from mbcdm_cad.cachedir import Cache
 from mbcdm_cad.checks import (
     CheckResult,
     envelope_check,
@@ -22,13 +21,13 @@ from mbcdm_cad.checks import (
     mass_check,
     run_checks,
 )
-from mbcdm_cad.contentkey import content_key
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.export.manifest import Manifest, altered_files, read_manifest, versions
 from mbcdm_cad.layout.layout import Layout, layout
-from mbcdm_cad.sourcehash import package_hash
+from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.keys import content_key, package_hash
+from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
 
 POSES = 9
 
@@ -152,8 +151,8 @@ def _write(
 ) -> None:
     from mbcdm_cad.build.export.step_text import with_description
     from mbcdm_cad.build.export.stl import with_note
-    from mbcdm_cad.export.outputfolder import output_folder
     from mbcdm_cad.report.markdown import report_markdown
+    from mbcdm_cad.storage.folders import output_folder
 
     name = dims.drive.name
     note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""

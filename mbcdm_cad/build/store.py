@@ -17,15 +17,14 @@ from mbcdm_cad.assembly.bill import CABLE, PartSpec, bill
 from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.cachedir import Cache
-from mbcdm_cad.contentkey import content_key
 from mbcdm_cad.design.drive import Material
-from mbcdm_cad.export.manifest import versions
-from mbcdm_cad.forkpool import fork_map
 from mbcdm_cad.layout import frame_stiffness
 from mbcdm_cad.layout.frame_stiffness import FrameCompliance
 from mbcdm_cad.layout.layout import Layout
-from mbcdm_cad.sourcehash import source_hash
+from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.keys import content_key, source_hash
+from mbcdm_cad.storage.manifest import versions
+from mbcdm_cad.storage.parallel import fork_map
 
 Progress = Callable[[str], None]
 

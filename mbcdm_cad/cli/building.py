@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from mbcdm_cad.cachedir import Cache, cache_folder
 from mbcdm_cad.checks import CheckResult
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.storage.cache import Cache, cache_folder
 
 
 def build_command(

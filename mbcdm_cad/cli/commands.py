@@ -21,17 +21,16 @@ _DESIGN = click.argument("design", type=click.Path(path_type=Path))
 
 def _loaded(path: Path, use_cache: bool = True) -> LoadedDesign:
     """The design, read before anything else is imported, so that bad input is told at once."""
-    from mbcdm_cad.cachedir import Cache, cache_folder
     from mbcdm_cad.design import load_remembered
+    from mbcdm_cad.storage.cache import Cache, cache_folder
 
     return load_remembered(path, Cache(cache_folder() if use_cache else None))
 
 
 def _remembered(kind: str, loaded: LoadedDesign, make: Callable[[], dict[str, bytes]]) -> dict[str, bytes]:
     """The answer of one command on a design: a design asked about before is answered without loading the model."""
-    from mbcdm_cad.cachedir import Cache, cache_folder
-    from mbcdm_cad.contentkey import content_key
-    from mbcdm_cad.sourcehash import package_hash
+    from mbcdm_cad.storage.cache import Cache, cache_folder
+    from mbcdm_cad.storage.keys import content_key, package_hash
 
     return Cache(cache_folder()).get_or_make(content_key(kind, loaded.sha256, package_hash(), {}), make)
 

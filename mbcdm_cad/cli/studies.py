@@ -11,11 +11,10 @@ from mbcdm_cad.design.loaded import LoadedDesign
 
 def sensitivity_command(loaded: LoadedDesign, *, out: Path) -> int:
     """Write the sensitivity study into a folder of its own."""
-    from mbcdm_cad.contentkey import content_key
-    from mbcdm_cad.export.manifest import Manifest, versions
-    from mbcdm_cad.export.outputfolder import output_folder
     from mbcdm_cad.model.study import write_study
-    from mbcdm_cad.sourcehash import package_hash
+    from mbcdm_cad.storage.folders import output_folder
+    from mbcdm_cad.storage.keys import content_key, package_hash
+    from mbcdm_cad.storage.manifest import Manifest, versions
 
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())

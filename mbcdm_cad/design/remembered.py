@@ -12,11 +12,11 @@ import json
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.cachedir import Cache
 from mbcdm_cad.design import drive as drive_module
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.source import read_text
+from mbcdm_cad.storage.cache import Cache
 
 _FOLDER = Path(__file__).parent
 _BLOB = "design.json"

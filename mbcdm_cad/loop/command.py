@@ -21,7 +21,7 @@ from mbcdm_cad.loop.measurement import MeasurementFile, load_file, read_run
 from mbcdm_cad.loop.run import Run
 from mbcdm_cad.loop.vet import refusals, vet
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.wholefile import write_whole
+from mbcdm_cad.storage.files import write_whole
 
 SIDES = {"left": -1, "right": 1}
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")

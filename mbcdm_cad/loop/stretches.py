@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.compiled import compiled
 from mbcdm_cad.loop.run import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 # A reversal counts where the output has come back by this share of its travel.
 REVERSAL_SHARE = 0.1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mbcdm_cad.compiled import COMPILED, compiled, drop_stale
+from mbcdm_cad.storage.compiled import COMPILED, compiled, drop_stale
 
 __all__ = ["COMPILED", "compiled"]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.compiled import compiled, drop_stale
+from mbcdm_cad.storage.compiled import compiled, drop_stale
 
 __all__ = ["Floats", "compiled"]
 

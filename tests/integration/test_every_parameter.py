@@ -266,9 +266,9 @@ def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
 
 def test_prototype_mass_stands_in_the_report() -> None:
     from mbcdm_cad.build.store import Store
-    from mbcdm_cad.cachedir import Cache
     from mbcdm_cad.layout.frame_stiffness import frame_compliance
     from mbcdm_cad.report.data import report_data
+    from mbcdm_cad.storage.cache import Cache
 
     drive = load_text(edited({("targets", "prototype_mass_g"): 341.0})).drive
     dims = layout(drive)

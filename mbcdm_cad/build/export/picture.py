@@ -30,7 +30,7 @@ from vtkmodules.vtkRenderingCore import (
 from mbcdm_cad.assembly.item import Item, sorted_items
 from mbcdm_cad.assembly.placement import Placement, Vector
 from mbcdm_cad.build.trianglemesh import FloatArray, IntArray, TriangleMesh
-from mbcdm_cad.export.errors import OutputError
+from mbcdm_cad.errors import OutputError
 
 # Where the camera stands, seen from the model; z points up in the picture (in those from above and below, y does).
 VIEWS: dict[str, Vector] = {

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.cachedir import Cache
 from mbcdm_cad.design import load_design, load_remembered, remembered
 from mbcdm_cad.design.template import new_design_text
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.storage.cache import Cache
 
 PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
@@ -62,7 +62,7 @@ def test_another_text_or_another_catalogue_has_another_key(tmp_path: Path, monke
 
 def test_a_second_start_imports_neither_pydantic_nor_yaml(tmp_path: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from mbcdm_cad.cachedir import Cache;"
+        "import sys; from pathlib import Path; from mbcdm_cad.storage.cache import Cache;"
         "from mbcdm_cad.design import load_remembered;"
         f"load_remembered({str(PARAMS)!r}, Cache(Path({str(tmp_path)!r})));"
         "print(sorted({'pydantic', 'yaml', 'numpy'} & set(sys.modules)))"

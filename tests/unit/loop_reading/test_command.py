@@ -169,7 +169,7 @@ def test_inputs_come_in_the_order_of_the_design(bare: Path) -> None:
 
 
 def test_no_file_is_touched_unless_all_can_be_written(tmp_path: Path) -> None:
-    from mbcdm_cad.wholefile import write_whole
+    from mbcdm_cad.storage.files import write_whole
 
     kept = tmp_path / "kept.json"
     kept.write_text("before")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mbcdm_cad.compiled import drop_stale
+from mbcdm_cad.storage.compiled import drop_stale
 
 
 def test_a_changed_source_drops_all_compiled_code(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from mbcdm_cad.build.kernel import shape_from_brep
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import measure
 from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.cachedir import Cache
+from mbcdm_cad.storage.cache import Cache
 
 KEY = "5" * 64
 
@@ -39,7 +39,7 @@ def test_stored_part_is_read_without_the_kernel(solids: dict[str, cq.Solid], tmp
     code = f"""
 import sys
 from pathlib import Path
-from mbcdm_cad.cachedir import Cache
+from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.build.export.glb import glb_bytes
 from mbcdm_cad.build.mass import item_mass
 from mbcdm_cad.build.partfiles import PartFiles

@@ -19,7 +19,7 @@ from mbcdm_cad.build.export import picture
 from mbcdm_cad.build.export.picture import VIEWS, picture_png
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.trianglemesh import TriangleMesh
-from mbcdm_cad.export.errors import OutputError
+from mbcdm_cad.errors import OutputError
 
 RED, BLUE = material("red", 1.0, (1.0, 0.0, 0.0)), material("blue", 1.0, (0.0, 0.0, 1.0))
 SIZE = (320, 240)

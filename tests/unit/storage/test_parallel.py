@@ -8,7 +8,7 @@ import time
 import pytest
 
 from mbcdm_cad.build.errors import GeometryError
-from mbcdm_cad.forkpool import fork_map
+from mbcdm_cad.storage.parallel import fork_map
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 5])

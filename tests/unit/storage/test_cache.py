@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad import cachedir
-from mbcdm_cad.cachedir import Cache, cache_folder
+from mbcdm_cad.storage import cache
+from mbcdm_cad.storage.cache import Cache, cache_folder
 
 ROOT = Path(__file__).parents[3]
 
@@ -29,7 +29,7 @@ def entries(folder: Path) -> list[str]:
 
 @given(st.dictionaries(st.text(max_size=9), st.binary(max_size=200), max_size=4))
 def test_what_is_packed_comes_out(blobs: dict[str, bytes]) -> None:
-    assert cachedir._unpacked(cachedir._packed(blobs)) == blobs
+    assert cache._unpacked(cache._packed(blobs)) == blobs
 
 
 def test_put_and_get(tmp_path: Path) -> None:
@@ -146,7 +146,7 @@ def test_folder_from_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyP
 _WORKER = """
 import sys
 from pathlib import Path
-from mbcdm_cad.cachedir import Cache
+from mbcdm_cad.storage.cache import Cache
 cache = Cache(Path(sys.argv[1]), limit_bytes=400_000)
 print("ready", flush=True)
 for turn in range(int(sys.argv[2])):

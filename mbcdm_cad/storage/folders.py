@@ -11,10 +11,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
-from mbcdm_cad.export.errors import OutputError
-from mbcdm_cad.export.folderlock import folder_lock
-from mbcdm_cad.export.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
-from mbcdm_cad.export.swap import recover, replace_folder
+from mbcdm_cad.errors import OutputError
+from mbcdm_cad.storage.folderlock import folder_lock
+from mbcdm_cad.storage.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
+from mbcdm_cad.storage.swap import recover, replace_folder
 
 _LOCK_TIMEOUT_S = 600.0
 
