@@ -70,8 +70,8 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
 def loop_once(path: Path) -> dict[str, Any]:
     """Read and close the loop, timed apart."""
     from mbcdm_cad.design import load_design
-    from mbcdm_cad.loop.engine import close_loop
-    from mbcdm_cad.loop.measurement import load_measurement
+    from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.measurement.reading import load_measurement
 
     drive = load_design(DESIGN).drive
     if os.environ.get("BENCH_WARM"):
@@ -95,7 +95,7 @@ def plain_once(path: Path, effects: str) -> dict[str, Any]:
     from scipy.optimize import least_squares
 
     from mbcdm_cad.design import load_design
-    from mbcdm_cad.loop.measurement import load_measurement
+    from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.hysteresis import simulate
     from mbcdm_cad.model.si import to_si
 

@@ -39,8 +39,8 @@ COMMAND_LINE_EVERY = 8
 
 def judge(case: str, seed: int, twin: bool = False, command_line: bool = False) -> Score:
     """Make the run, give it to the loop, compare."""
-    from mbcdm_cad.loop.engine import close_loop
-    from mbcdm_cad.loop.measurement import load_measurement
+    from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.measurement.reading import load_measurement
 
     drive = load_design(DESIGN).drive
     run = simulate_case(drive, case, seed)

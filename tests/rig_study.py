@@ -48,8 +48,8 @@ def judge(task: tuple[str, int]) -> Row:
     import yaml
 
     from mbcdm_cad.design import load_design
-    from mbcdm_cad.loop.engine import close_loop
-    from mbcdm_cad.loop.measurement import load_measurement
+    from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.si import to_si
     from mbcdm_cad.rig.quasistatic.experiment import Experiment
     from mbcdm_cad.rig.quasistatic.simulate import simulate

@@ -147,7 +147,7 @@ def loop(
 ) -> int:
     """What does the model of DESIGN lack? Judge measured runs, described by MEASUREMENTS (YAML beside the CSV)."""
     loaded = _loaded(design)
-    from mbcdm_cad.loop.command import Outputs, loop_command
+    from mbcdm_cad.cli.loop import Outputs, loop_command
 
     return loop_command(loaded, measurements, Outputs(json_path, as_built, report))
 
@@ -159,14 +159,14 @@ def schema(reference: bool, measurement: bool) -> None:
     """Print the JSON Schema of design files, for completion in an editor."""
     if reference:
         from mbcdm_cad.design.reference import reference_page
-        from mbcdm_cad.loop.measurement_page import measurement_page
+        from mbcdm_cad.measurement.reference import measurement_page
 
         click.echo(measurement_page() if measurement else reference_page(), nl=False)
         return
     import json
 
     from mbcdm_cad.design.editor import editor_schema
-    from mbcdm_cad.loop.schema import json_schema
+    from mbcdm_cad.measurement.schema import json_schema
 
     click.echo(json.dumps(json_schema() if measurement else editor_schema(), indent=2, ensure_ascii=False))
 

@@ -12,10 +12,10 @@ import pytest
 
 from mbcdm_cad.cli import run
 from mbcdm_cad.design import load_design
-from mbcdm_cad.loop.effects import registry
-from mbcdm_cad.loop.engine import close_loop
-from mbcdm_cad.loop.measurement import load_measurement
-from mbcdm_cad.loop.result import LoopResult
+from mbcdm_cad.identification.effects import registry
+from mbcdm_cad.identification.engine import close_loop
+from mbcdm_cad.identification.result import LoopResult
+from mbcdm_cad.measurement.reading import load_measurement
 
 ROOT = Path(__file__).parents[2]
 DESIGN = ROOT / "params" / "mbcdm.yaml"

@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.loop.hopeless import FEWEST_SAMPLES
-from mbcdm_cad.loop.measurement import load_file, load_measurement
-from mbcdm_cad.loop.vet import vet
+from mbcdm_cad.measurement.reading import load_file, load_measurement
+from mbcdm_cad.measurement.unusable import FEWEST_SAMPLES
+from mbcdm_cad.measurement.vet import vet
 
 PAPER = Path(__file__).parents[2] / "params" / "measurements" / "paper.yaml"
 MAPPING = """\

@@ -1,0 +1,25 @@
+"""A pitch radius or an encoder's scale that is off: exactly alike, proportional to angle."""
+
+from __future__ import annotations
+
+from mbcdm_cad.identification.effects.base import Effect, Parameter
+from mbcdm_cad.identification.prepared import Prepared
+from mbcdm_cad.identification.setup import Setup, Simulator
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.model.si import DriveSI
+
+
+def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(values[0] * setup.drum_rad)
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """Always."""
+    return [
+        Effect(
+            "ratio_error", "pitch radius or encoder scale", "output over input differs from the declared ratio",
+            "pitch radii of drum and input pulleys with a micrometer over the cable; counts per turn of the encoders",
+            "a full turn of each encoder against a reference tells the scale from the radii",
+            (Parameter("share", 1e-5, -0.5, 0.5),), _apply,
+        )
+    ]  # fmt: skip

@@ -1,0 +1,57 @@
+"""What follows the speed: bearing friction by its sign, a late sensor or a viscous drag by its size."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mbcdm_cad.identification.effects.base import Effect, Parameter, sign_of_speed
+from mbcdm_cad.identification.prepared import Prepared
+from mbcdm_cad.identification.setup import Setup, Simulator
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.model.si import DriveSI
+
+
+def _bearing(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, load_Nm=setup.load + values[0] * sign_of_speed(setup))
+
+
+def _hysteresis(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(-values[0] * sign_of_speed(setup))
+
+
+def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    t, drum = setup.p.time_s, setup.drum_rad
+    return setup.with_added(np.interp(t - values[0], t, drum) - drum)
+
+
+def _viscous(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, load_Nm=setup.load + values[0] * setup.p.speed_rad_s)
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """Delay always; friction through the cables' stiffness where it is known, else as a shift with the sense."""
+    late = Effect(
+        "delay", "late sensor", "the output is read late: an error in proportion to speed",
+        "filters and time stamps of the logger", "an output sensor of known latency, or none of its filters",
+        (Parameter("delay_s", 1e-5),), _late,
+    )  # fmt: skip
+    bias = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
+    if d is None or p.load_Nm is None:
+        shift = Effect(
+            "friction", "shift with the sense of motion", "friction behind a stiffness that is not known",
+            "bearings and seals between input and output", bias, (Parameter("half_width_rad", 1e-5),), _hysteresis,
+        )  # fmt: skip
+        return [late, shift]
+    bearing = Effect(
+        "friction", "bearing torque", "a torque against the motion that the sensor does not see",
+        "drum bearings and seals: turn the drum by hand with the cables off", bias, (Parameter("torque_Nm", 0.01),),
+        _bearing,
+    )  # fmt: skip
+    viscous = Effect(
+        "delay", "viscous drag", "a torque in proportion to speed, through the stiffness",
+        "grease of the bearings", "the same motion with a filter-free sensor", (Parameter("drag_Nm_s", 0.05),),
+        _viscous,
+    )  # fmt: skip
+    return [late, viscous, bearing]

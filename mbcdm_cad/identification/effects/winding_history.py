@@ -1,0 +1,30 @@
+"""Cable wound on under load keeps its tension and brings it back when it is wound off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mbcdm_cad.identification.effects.base import Effect, Parameter
+from mbcdm_cad.identification.prepared import Prepared
+from mbcdm_cad.identification.setup import Setup, Simulator
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.model.si import DriveSI
+
+
+def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, winding=setup.winding + float(values[0]))
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """With torque, where the drive is known."""
+    if d is None or p.load_Nm is None:
+        return []
+    return [
+        Effect(
+            "winding_history", "profiles move with the pulleys",
+            "the tension profiles on the wraps travel with the pulleys; strength 1 is the whole of it",
+            "no part of the bench: the paper's model leaves it out",
+            "the same load at a shorter travel, or a bias load",
+            (Parameter("strength", 0.5, 0.0),), _apply,
+        )
+    ]  # fmt: skip

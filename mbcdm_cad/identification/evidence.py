@@ -1,0 +1,55 @@
+"""Is an effect borne out by all sweeps and sectors, or does it lean on one place?
+
+What is local in angle, or in one sweep, is fitted well by many an effect that is not there: a few ripples make a bump.
+Leaving out one sector, or one sweep, then changes what is fitted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.prepared import SECTORS
+from mbcdm_cad.identification.steady import line_of
+from mbcdm_cad.identification.wald import cluster_estimate
+from mbcdm_cad.measurement.run import Floats
+
+# Probability of a chance effect, over all candidates that were looked at.
+ALPHA = 0.05
+# Parameters that say where an effect lies, not how large it is.
+PLACES = ("cycles_per_output_rev", "time_constant_s", "t0_s", "at_s")
+
+
+def chance(fitter: Fitter, fit: Fit) -> float:
+    """Probability that the last effect of ``fit`` only looks as if it were there.
+
+    A Wald test of its sizes, all else fitted beside it, by leaving out sweeps and sectors; linear about the fit.
+    """
+    mask = fitter.train
+    columns = fitter.centred(fit.jacobian, mask)[mask]
+    sizes = [value.size for value in fit.values]
+    start = sum(sizes[:-1])
+    last = fit.effects[-1]
+    tested = [start + i for i, parameter in enumerate(last.parameters) if parameter.name not in PLACES]
+    theta = np.zeros(columns.shape[1])
+    theta[tested] = [fit.values[-1][i - start] for i in tested]
+    y = fit.residual[mask] + columns @ theta
+    found = cluster_estimate(columns, y, fitter.sweep[mask], fitter.sector[mask])
+    # With a handful of half sweeps nothing could ever be named; the size rule on held-out data stands guard there.
+    return replace(found, freedom=max(found.freedom, SECTORS - 1)).probability(tested)
+
+
+def supported(fitter: Fitter, less: Fit, fit: Fit, candidates: int) -> bool:
+    """Is the last effect of ``fit`` borne out, against ``less`` without it, one of so many ``candidates``?"""
+    if fit.effects[-1].name == "ripple" and not is_line(fitter, less, float(fit.values[-1][2])):
+        return False
+    return chance(fitter, fit) <= ALPHA / max(candidates, 1)
+
+
+def is_line(fitter: Fitter, less: Fit, order: float) -> bool:
+    """Is there a steady line of this order, in every sector, in what is left without it?"""
+    mask = fitter.train
+    angle: Floats = np.concatenate([setup.drum_rad for setup in fitter.base])
+    return line_of(order, angle[mask], less.residual[mask], fitter.sweep[mask]).is_line

@@ -1,0 +1,151 @@
+"""The loop's page for the bench: one file, no other file and no network needed."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.identification.readable import readable, share_text
+from mbcdm_cad.identification.report_figures import loop_png, orders_png, scatter_png, time_png
+from mbcdm_cad.identification.result import Evidence, LoopResult, Named, Traces
+from mbcdm_cad.measurement.finding import Finding, doubts
+from mbcdm_cad.measurement.run import Run
+
+VERDICTS = {
+    "none": "Nothing is missing",
+    "explained": "Explained",
+    "partly_explained": "Partly explained",
+    "unknown": "Unknown",
+    "not_testable": "Not testable",
+}
+# Pages of more runs than this show the plots of the first ones.
+MOST_PLOTTED = 6
+
+# What the phase of a once-per-turn error means on the bench.
+PHASES = {
+    "eccentric pulley": "where its high side points at zero travel, from +x",
+    "eccentric encoder": "minus the shaft angle at which it reads highest",
+}
+# Title of each plot, and what to look for.
+TIME = (
+    "Measured against predicted, over time",
+    "Above: the output as measured and as the declared model predicts it. Below: what is left of it before, and after "
+    "what was found was put into the model. Grey was held out before anything was chosen. What is hatched is left out: "
+    "in the first half sweep nobody knows what the friction remembers from before.",
+)
+LOOP = (
+    "Transmission error over output angle",
+    "Output less inputs through the ratio. Where the blue line runs through the dots the model follows the drive.",
+)
+SCATTER = (
+    "What is left over output angle and load",
+    "Lines and large dots are means; over angle solid where it rises and dashed where it falls. Flat at zero is right. "
+    "A wave in angle looks like something that turns; two levels by direction like friction, lash or delay; a slope "
+    "over load like stiffness.",
+)
+ORDERS = (
+    "Orders of what is left",
+    "Amplitude by cycles a turn of the output. Dotted lines mark what turns once in the chain; a peak on one of them, "
+    "or on a multiple, points at that shaft.",
+)
+
+Told = tuple[Run, Sequence[Finding], Sequence[str]]
+
+
+def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequence[Told]) -> bytes:
+    """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("mbcdm_cad.identification", "."), undefined=jinja2.StrictUndefined, autoescape=True
+    )
+    page = environment.get_template("report.html.j2").render(
+        verdict=VERDICTS[result.verdict],
+        sentence=_micro(result.sentence),
+        doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)],
+        errors=_errors(result),
+        effects=[_effect(named) for named in result.effects],
+        sets=[[_effect(named) for named in group] for group in result.one_of],
+        unknown=_micro(result.unknown.sentence()) if result.unknown else "",
+        candidates=[_candidate(one, result.small) for one in (*result.evidence, *result.small)],
+        not_testable=result.not_testable,
+        next_steps=result.next_steps,
+        nothing_lacks=result.verdict == "none",
+        design=design,
+        runs=[_run(told) for told in runs],
+        plots=[
+            {"source": told[0].source, "images": _images(trace, result.chain_orders, told[0])}
+            for told, trace in list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED]
+        ],
+    )
+    return page.encode()
+
+
+def _errors(result: LoopResult) -> dict[str, Any]:
+    e = result.errors
+    _, shown = readable("_rad", [e.before.value, e.before.low, e.before.high, e.peak_before_rad,
+                                 e.after.value, e.after.low, e.after.high, e.peak_after_rad, e.floor_rad])  # fmt: skip
+    shown = [_micro(text) for text in shown]
+    most = max(e.before.value, e.after.value, e.floor_rad, 1e-300)
+    return {
+        "rows": [
+            ("Declared model", *shown[0:4], 100.0 * e.before.value / most),
+            ("With what was found", *shown[4:8], 100.0 * e.after.value / most),
+            ("Noise floor of the sensors", shown[8], "", "", "", 100.0 * e.floor_rad / most),
+        ],
+        "share": share_text(e.explained_share),
+        "held_out": e.held_out,
+    }
+
+
+def _effect(named: Named) -> dict[str, Any]:
+    figures = []
+    for name, value in named.parameters.items():
+        word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        if name == "phase_rad" and named.form in PHASES:
+            word = f"{word}, {PHASES[named.form]}"
+        figures.append((word, _micro(middle), _micro(f"{low} to {high}")))
+    for name, figure in named.physical.items():
+        if name not in named.parameters:
+            word, (text,) = readable(name, [figure])
+            figures.append((word, _micro(text), ""))
+    return {"named": named, "figures": figures, "takes_off": _micro(readable("_rad", [named.fall_rad])[1][0])}
+
+
+def _candidate(one: Evidence, small: Sequence[Evidence]) -> dict[str, str]:
+    _, (held, fall) = readable("_rad", [one.held_out_rad, one.fall_rad])
+    return {
+        "label": one.label,
+        # A candidate that was left out was not fitted on what is held out.
+        "held": "" if one in small else _micro(held),
+        "fall": _micro(fall) if one.fall_rad else "",
+        "outcome": one.outcome,
+    }
+
+
+def _run(told: Told) -> dict[str, Any]:
+    run, findings, notes = told
+    return {
+        "source": run.source,
+        "samples": f"{run.time_s.size:,}".replace(",", " "),
+        "sha256": run.sha256,
+        "doubts": doubts(notes, findings),
+        "facts": [str(f) for f in findings if f.level == "fact"],
+    }
+
+
+def _images(trace: Traces, chain_orders: dict[str, float], run: Run) -> list[dict[str, str]]:
+    ideal = np.interp(trace.time_s, run.time_s, run.input_rad.mean(axis=0) / chain_orders["input"])
+    drawn = (
+        (TIME, time_png(trace)), (LOOP, loop_png(trace, ideal)),
+        (SCATTER, scatter_png(trace)), (ORDERS, orders_png(trace, chain_orders)),
+    )  # fmt: skip
+    return [{"title": title, "text": text, "data": b64encode(png).decode()} for (title, text), png in drawn]
+
+
+def _micro(text: str) -> str:
+    """The sign for micro, which a page can show and a terminal may not."""
+    return text.replace(" um", " \N{MICRO SIGN}m").replace(" urad", " \N{MICRO SIGN}rad")

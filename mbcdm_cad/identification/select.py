@@ -1,0 +1,324 @@
+"""Which effects: forward by nonlinear refits of the close candidates, backward removal, and who else would do.
+
+A linear screening only says which candidates are worth a refit; it may rank the wrong pulley first. An effect is taken
+only if the RMS on held-out samples falls by a stated share of the noise floor, in quadrature.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+from queue import Queue
+
+import numpy as np
+
+from mbcdm_cad.identification.effects.base import Effect
+from mbcdm_cad.identification.evidence import supported
+from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.model.errors import ModelError
+
+# Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
+LEAST_FALL = 0.45
+# Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
+CLOSE_SHARE = 0.3
+MOST_REFITS = 7
+# A candidate is taken in place of a better one that was refused only if it falls by this share of it.
+RUNNER_UP = 0.8
+MOST_EFFECTS = 6
+# Effects refused for leaning on one place that the search goes on with all the same.
+MOST_LEANING = 3
+# What they then leave beyond the floor, over what they explain, at most.
+MOST_LEFT = 0.1
+MOST_THREADS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """A candidate, where to start it, the fall of the training mean square that a linear step promises, its columns."""
+
+    effect: Effect
+    start: Floats
+    fall: float
+    columns: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One line of the search's record: what was tried and how the held-out RMS changed (rad)."""
+
+    action: str
+    effect: Effect
+    before_rad: float
+    after_rad: float
+
+
+class Search:
+    """The search over one set of runs; ``floor_rad`` is the noise floor that falls are measured by.
+
+    ``bare`` is the fit without effects.
+    """
+
+    def __init__(self, fitter: Fitter, library: Sequence[Effect], floor_rad: float, bare: Fit) -> None:
+        self.fitter, self.library, self.floor_rad, self.bare = fitter, tuple(library), floor_rad, bare
+        self.twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
+        self.steps: list[Step] = []
+        self._screened: tuple[Fit, list[Screened]] | None = None
+        self._without: dict[tuple[Fit, Effect], Fit] = {}
+        self._leaning: dict[Fit, list[Fit]] = {}
+        self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
+
+    def held_rms(self, fit: Fit) -> float:
+        """RMS on the held-out samples, rad, each run's mean taken off by the training samples."""
+        return float(np.sqrt(np.mean(fit.residual[self.fitter.test] ** 2)))
+
+    def enough(self, before: Fit, after: Fit) -> bool:
+        """Does the held-out RMS fall by enough?"""
+        fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
+        return bool(fall >= (LEAST_FALL * self.floor_rad) ** 2)
+
+    def screen(self, fit: Fit) -> list[Screened]:
+        """All candidates beside those of ``fit``, best promise first."""
+        if self._screened is not None and self._screened[0] is fit:
+            return self._screened[1]
+        f = self.fitter
+        mask = f.train
+        taken = {e.key for e in fit.effects}
+        known = f.centred(fit.jacobian, mask)[mask]
+        basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
+        found = []
+        for effect in self.library:
+            if effect.key in taken and effect.name != "ripple":
+                continue
+            for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                # There may be several ripples: each is an effect of its own.
+                one = replace(effect) if effect.name == "ripple" else effect
+                try:
+                    promise = self._promise(fit, one, np.array(start), basis)
+                except ModelError:
+                    continue
+                found.append(promise)
+        found.sort(key=lambda s: -s.fall)
+        self._screened = fit, found
+        return found
+
+    def _slopes(self, fit: Fit, effect: Effect, start: Floats) -> tuple[Floats, Floats]:
+        """What an effect at ``start`` changes, (n,), and its derivatives there, (n, k), beside those of ``fit``.
+
+        What strains the cables is only looked at once: how it ranks hardly hangs on what stands beside it.
+        """
+        f = self.fitter
+        key = effect, start.tobytes()
+        if key in self._columns:
+            return self._columns[key]
+        effects = (*fit.effects, effect)
+        before = f.predict(fit.effects, fit.values, fit.offsets)
+        at_start = f.predict(effects, (*fit.values, start), fit.offsets) if start.any() else before
+        columns = []
+        for i, parameter in enumerate(effect.parameters):
+            trial = start.copy()
+            trial[i] += DIFFERENCE * parameter.size
+            moved = f.predict(effects, (*fit.values, trial), fit.offsets)
+            columns.append((moved - at_start) / (DIFFERENCE * parameter.size))
+        found = at_start - before, np.stack(columns, axis=1)
+        if f.kind(effect) < 2:
+            self._columns[key] = found
+        return found
+
+    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats) -> Screened:
+        f, mask = self.fitter, self.fitter.train
+        change, columns = self._slopes(fit, effect, start)
+        new = f.centred(columns, mask)[mask]
+        r = f.centred(fit.residual - change, mask)[mask]
+        new = new - basis @ (basis.T @ new)
+        r = r - basis @ (basis.T @ r)
+        size = np.linalg.norm(new, axis=0)
+        new = new[:, size > 0.0] / size[size > 0.0]
+        step = np.zeros(size.size)
+        if new.shape[1]:
+            solved = np.linalg.lstsq(new, r, rcond=1e-8)[0]
+            r = r - new @ solved
+            step[size > 0.0] = solved / size[size > 0.0]
+        low = [p.low for p in effect.parameters]
+        high = [p.high for p in effect.parameters]
+        # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
+        held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
+        first = np.clip(np.where(held, start, start + step), low, high)
+        return Screened(effect, first, fit.square - float(np.mean(r**2)), columns)
+
+    def close(self, fit: Fit, share: float = CLOSE_SHARE, name: str | None = None, first: int = 0) -> list[Screened]:
+        """Candidates that are worth a refit, best promise first.
+
+        Those of one name (another stage, another cable) are, however little the linear screening promises of them: of
+        ``name``, by default of the most promising one's. ``first``: those that rank from there on are, close or not.
+        """
+        screened = self.screen(fit)
+        name = name or screened[first].effect.name
+        least = 0.0 if first else share * screened[0].fall
+        chosen = [c for c in screened[first : first + MOST_REFITS] if c.fall >= least]
+        return chosen + [c for c in screened if c.effect.name == name and c not in chosen]
+
+    def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
+        """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
+        own = sum(v.size for v in fit.values)
+        begun = self._each([
+            partial(
+                Fitter.fit, effects=(*fit.effects, c.effect), values=(*fit.values, c.start), offsets=fit.offsets,
+                iterations=4, settled=1e-3, fresh=False,
+                slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]),
+            )
+            for c in chosen
+        ])  # fmt: skip
+        # Those that a few steps leave far behind do not win; the others go on to the end.
+        least = min(one.square for one in begun) if begun else 0.0
+        near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
+        ended = self._each([
+            partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
+            for one in near
+        ])  # fmt: skip
+        return sorted(ended, key=lambda one: one.square)
+
+    def _each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
+        """Fits side by side: the simulation runs outside the interpreter's lock."""
+        twins = Queue[Fitter]()
+        for twin in self.twins:
+            twins.put(twin)
+
+        def one(fit: Callable[[Fitter], Fit]) -> Fit:
+            twin = twins.get()
+            try:
+                return fit(twin)
+            finally:
+                twins.put(twin)
+
+        with ThreadPoolExecutor(len(self.twins)) as pool:
+            return list(pool.map(one, fits))
+
+    def without(self, fit: Fit, effect: Effect) -> Fit:
+        """Refit with one effect left out."""
+        key = fit, effect
+        if key not in self._without:
+            rest = [e for e in fit.effects if e is not effect]
+            slopes = np.delete(fit.jacobian, fit.columns_of(effect), axis=1)
+            self._without[key] = self.fitter.fit(
+                rest, [fit.values_of(e) for e in rest], fit.offsets, slopes=slopes, fresh=False
+            )
+        return self._without[key]
+
+    def forward(self) -> Fit:
+        """Take effects while the held-out RMS falls by enough, and give back those that are no longer needed.
+
+        The form of an effect is settled by the first step, when its companions are not yet there; where more than the
+        floor is left, its other forms are given the same chance.
+        """
+        now = self._grown(self.bare)
+        if self.too_much(now):
+            now = self._gone_on(now)
+        for effect in now.effects:
+            if not self.too_much(now):
+                break
+            for sibling in self.library:
+                if sibling.key != effect.key or sibling.form == effect.form or effect.name == "ripple":
+                    continue
+                if effect not in now.effects:  # another form has taken its place
+                    break
+                less = self.without(now, effect)
+                start = sibling.first_guesses(self.fitter.base[0], less.residual[self.fitter.parts[0]])[0]
+                begun = self.fitter.fit((*less.effects, sibling), (*less.values, start), less.offsets)
+                other = self._grown(begun)
+                if other.square < now.square and self.enough(now, other):
+                    self._note("in another form", sibling, now, other)
+                    now = other
+        return now
+
+    def _grown(self, now: Fit) -> Fit:
+        """``now`` with all effects that can be taken."""
+        while len(now.effects) < MOST_EFFECTS:
+            better = self._best(now)
+            if better is None:
+                break
+            self._note("taken", better.effects[-1], now, better)
+            now = self.backward(better)
+        return now
+
+    def _gone_on(self, now: Fit) -> Fit:
+        """``now``, or what it comes to with an effect that leans on one place as long as its companion is not there.
+
+        That is only believed if the two, fitted jointly, are both borne out and leave little more than the floor.
+        """
+        leaning: dict[object, Fit] = {}
+        for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
+            leaning.setdefault(one.effects[-1].key, one)
+        for one in list(leaning.values())[:MOST_LEANING]:
+            grown = self._grown(one)
+            explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
+            if self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained:
+                continue
+            if all(self._borne_out(grown, effect) for effect in grown.effects):
+                self._note("borne out beside the others", one.effects[-1], now, grown)
+                return grown
+        return now
+
+    def _borne_out(self, fit: Fit, effect: Effect) -> bool:
+        return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
+
+    def _best(self, now: Fit) -> Fit | None:
+        """``now`` with the best effect that can be taken; None if there is none.
+
+        Where all close candidates are refused, those that promised less are refitted too: a strong preload error
+        promises little by a linear step, and may do it all.
+        """
+        least, done = now.square, list[Screened]()
+        for first in range(0, len(self.screen(now)), MOST_REFITS):
+            chosen = [c for c in self.close(now, first=first) if c not in done]
+            done += chosen
+            tried = self.refits(now, chosen)
+            least = min([least, *(one.square for one in tried)])
+            for one in tried:
+                # What does far less than a best one that was refused only picks up its crumbs.
+                crumbs = now.square - one.square < RUNNER_UP * (now.square - least)
+                if not crumbs and self.acceptable(now, one):
+                    return one
+            if not self.too_much(now):
+                break
+        return None
+
+    def too_much(self, fit: Fit) -> bool:
+        """Is more left on held-out samples than the floor?"""
+        return self.held_rms(fit) ** 2 > (1.0 + LEAST_FALL**2) * self.floor_rad**2
+
+    def acceptable(self, now: Fit, better: Fit) -> bool:
+        """Is the last effect of ``better`` large enough, within its bounds, and borne out by all sweeps and sectors?"""
+        if not self.enough(now, better):
+            return False
+        effect, values = better.effects[-1], better.values[-1]
+        at_bound = [p.name for p, v in zip(effect.parameters, values, strict=True) if v in (p.low, p.high)]
+        if at_bound:
+            self._note(f"{at_bound[0]} runs out of its bounds", effect, now, better)
+            return False
+        if supported(self.fitter, now, better, len(self.library)):
+            return True
+        self._note("leans on one place", better.effects[-1], now, better)
+        self._leaning.setdefault(now, []).append(better)
+        return False
+
+    def backward(self, fit: Fit) -> Fit:
+        """Drop what the others explain as well."""
+        for effect in fit.effects[:-1]:
+            less = self.without(fit, effect)
+            if not self.enough(less, fit):
+                self._note("given back", effect, fit, less)
+                return self.backward(less)
+        return fit
+
+    def _note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
+        self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))
+
+    def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
+        """Fits in which something of another name stands in for ``effect``, best first."""
+        less = self.without(fit, effect)
+        found = self.refits(less, self.close(less, 0.5, effect.name), 0.5)
+        return [one for one in found if one.effects[-1].key != effect.key]

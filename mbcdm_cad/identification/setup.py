@@ -1,0 +1,153 @@
+"""What is simulated: drive, inputs, load, paths of the cables, what adds to the reading; and the simulation itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mbcdm_cad.identification.prepared import Prepared
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.series import Response
+from mbcdm_cad.model.si import DriveSI
+
+# Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
+REMEMBERED = 24
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """One run as it is to be predicted: everything that an effect may change.
+
+    ``d`` is None for a drive of which only the ratio is known; ``load_Nm`` None without a torque column.
+    ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
+    stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
+    history is at work, 0 to 1.
+    """
+
+    d: DriveSI | None
+    ratio: float
+    p: Prepared
+    load_Nm: Floats | None
+    path_m: Floats | None
+    shift_rad: Floats | None
+    added_rad: Floats
+    winding: float = 0.0
+
+    @property
+    def drive(self) -> DriveSI:
+        """The drive, where there is one."""
+        assert self.d is not None, "an effect of the cables was offered where only the ratio is known"
+        return self.d
+
+    @property
+    def load(self) -> Floats:
+        """The load, where it was measured."""
+        assert self.load_Nm is not None, "an effect of the load was offered for a run without torque"
+        return self.load_Nm
+
+    def with_path(self, path_m: Floats) -> Setup:
+        """Lengthen the paths of the cables."""
+        return replace(self, path_m=path_m if self.path_m is None else self.path_m + path_m)
+
+    def with_shift(self, index: int, shift_rad: Floats) -> Setup:
+        """Move one input pulley from where its encoder says."""
+        shift = np.zeros_like(self.p.angle_rad) if self.shift_rad is None else self.shift_rad.copy()
+        shift[index] += shift_rad
+        return replace(self, shift_rad=shift)
+
+    def with_added(self, added_rad: Floats) -> Setup:
+        """Add to the reading."""
+        return replace(self, added_rad=self.added_rad + added_rad)
+
+    def input_shaft_rad(self, index: int) -> Floats:
+        """Angle of one input pulley, freed of the encoder's steps."""
+        return np.asarray(self.p.shaft_rad[index])
+
+    @property
+    def drum_rad(self) -> Floats:
+        """Drum angle as the ratio alone has it."""
+        return np.asarray(self.p.common_rad / self.ratio)
+
+
+def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
+    """The declared model of a run."""
+    return Setup(d, ratio, p, p.load_Nm, None, None, np.zeros_like(p.time_s))
+
+
+def input_shares(d: DriveSI) -> Floats:
+    """Share of each input in the stiffness at the drum, cables sticking; shape (n_inputs,)."""
+    stiffness = d.drum_radius_m**2 / d.free_span_m
+    return np.asarray([(stiffness * d.of_input(i)).sum() for i in range(d.n_inputs)] / stiffness.sum())
+
+
+def rigid_drum_rad(s: Setup) -> Floats:
+    """Drum angle with the elastic part off: the cables as springs that balance no load."""
+    angle = s.p.angle_rad if s.shift_rad is None else s.p.angle_rad + s.shift_rad
+    if s.d is None:
+        return np.asarray(angle.mean(axis=0) / s.ratio)
+    d = s.d
+    wound = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)]
+    if s.path_m is not None:
+        wound = wound + s.path_m
+    weight = d.drum_radius_m / d.free_span_m
+    return np.asarray(((weight * d.sigma)[:, None] * wound).sum(axis=0) / (weight * d.drum_radius_m).sum())
+
+
+def _simulated(s: Setup, winding: bool) -> Response:
+    """The cables' answer to the quiet inputs, on every few samples (``Prepared.coarse``)."""
+    p = s.p
+    at = p.coarse
+    angle = p.common_rad[at] + p.apart_rad[:, at]
+    if s.shift_rad is not None:
+        angle = angle + s.shift_rad[:, at]
+    path = None if s.path_m is None else s.path_m[:, at]
+    return simulate(s.drive, angle, s.load[at], path, winding)
+
+
+def _between(p: Prepared, values: Floats) -> Floats:
+    """Values on ``Prepared.coarse`` carried over to all samples."""
+    return np.interp(np.arange(p.time_s.size), p.coarse, values)
+
+
+def respond(s: Setup, winding: bool = False) -> Floats:
+    """Drum angle on all samples, rad, (n,).
+
+    The elastic part changes slowly and is interpolated; the common motion of the inputs carries the drum along on every
+    sample, and the noise kept from the cables is added back linearly.
+    """
+    p = s.p
+    elastic = _simulated(s, winding).drum_angle_rad - p.common_rad[p.coarse] / s.ratio
+    noise = input_shares(s.drive) @ (p.angle_rad - p.mean_rad - p.apart_rad)
+    return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
+
+
+def input_torque_Nm(s: Setup, index: int) -> Floats:
+    """What one input carries, on all samples, N m (n,)."""
+    return _between(s.p, _simulated(s, False).input_torque_Nm(s.drive)[index])
+
+
+class Simulator:
+    """Predicts setups and remembers the last simulations."""
+
+    def __init__(self) -> None:
+        self._known: list[tuple[Setup, bool, Floats]] = []
+
+    def __call__(self, s: Setup) -> Floats:
+        """Reading of the output encoder, rad, shape (n,)."""
+        drum = self._drum(s, False)
+        if s.winding != 0.0:
+            drum = drum + s.winding * (self._drum(s, True) - drum)
+        return drum + s.added_rad
+
+    def _drum(self, s: Setup, winding: bool) -> Floats:
+        for known, flag, drum in self._known:
+            same = known.d is s.d and known.p is s.p and known.load_Nm is s.load_Nm
+            if same and known.path_m is s.path_m and known.shift_rad is s.shift_rad and flag == winding:
+                return drum
+        rigid = s.d is None or s.load_Nm is None
+        drum = rigid_drum_rad(s) if rigid else respond(s, winding)
+        self._known.append((s, winding, drum))
+        del self._known[:-REMEMBERED]
+        return drum

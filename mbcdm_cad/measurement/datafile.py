@@ -1,0 +1,179 @@
+"""The logger's file as a table of floats: read in blocks, by NumPy's parser wherever a block is clean.
+
+Memory grows with the columns asked for and not with the file. A block with comments, blank lines or broken rows is
+gone through line by line, so that every complaint has its line.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.errors import InputError, Problem, shortened
+from mbcdm_cad.measurement.logformat import LONGEST_LINE, Format, split, too_long
+from mbcdm_cad.measurement.run import Floats
+
+BLOCK_BYTES = 8 << 20
+# Share of rows that may be left out as broken; more than that is another format.
+MOST_BROKEN = 0.02
+LISTED_LINES = 5
+# No sensor reads this; instruments write such figures (9.9e37) for an overload.
+OVERLOAD = 1e30
+_DATE = re.compile(r"\d{1,4}[-/:.]\d{1,2}[-/:.]\d{1,4}|\d{1,2}:\d\d")
+DECIMALS = "decimal commas between commas cannot be told apart: export with semicolons or tabs, and set decimal: comma"
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?\Z")
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """``values`` (columns asked for, n), broken rows left out: how many, and the lines of the first of them.
+
+    ``skipped_lines`` are all lines from ``begin_line`` on that are no row, in order.
+    """
+
+    values: Floats
+    broken: int
+    broken_lines: tuple[int, ...]
+    begin_line: int
+    skipped_lines: NDArray[np.int64]
+
+    def line_of(self, row: int) -> int:
+        """Line in the file of a row."""
+        line = self.begin_line + row
+        while True:
+            moved = self.begin_line + row + int(np.searchsorted(self.skipped_lines, line, side="right"))
+            if moved == line:
+                return line
+            line = moved
+
+
+def read_table(path: Path, layout: Format, columns: Sequence[int], skip_broken: bool) -> Table:
+    """The columns (from 0) of all rows. Raises InputError for a broken row unless they are to be skipped."""
+    reader = _Reader(path, layout, columns, skip_broken)
+    parts = [reader.block(first_line, text) for first_line, text in _blocks(path, layout.begin_line)]
+    kept = sum(part.shape[0] for part in parts)
+    if reader.broken > MOST_BROKEN * (kept + reader.broken):
+        raise InputError([
+            Problem(
+                str(path), reader.broken_lines[0], "", "too many broken rows",
+                f"{reader.broken} of {kept + reader.broken}", f"{MOST_BROKEN:.0%} of the rows",
+                f"the first has {reader.first_fault}; check delimiter, decimal, comment, skip_rows and columns",
+            )
+        ])  # fmt: skip
+    values = np.empty((len(columns), kept))
+    for part in reversed(parts):  # each part is let go once it is copied
+        values[:, kept - part.shape[0] : kept] = part.T
+        kept -= parts.pop().shape[0]
+    return Table(
+        values, reader.broken, tuple(reader.broken_lines), layout.begin_line, np.array(reader.skipped, dtype=np.int64)
+    )
+
+
+def _blocks(path: Path, begin_line: int) -> Iterator[tuple[int, str]]:
+    """Whole lines in blocks of about BLOCK_BYTES from ``begin_line`` on, each with the number of its first line."""
+    line, rest = begin_line, b""
+    with open(path, "rb") as file:
+        for _ in range(begin_line - 1):
+            file.readline()
+        while read := file.read(BLOCK_BYTES):
+            block = rest + read
+            end = block.rfind(b"\n") + 1
+            block, rest = block[:end], block[end:]
+            if len(rest) > LONGEST_LINE:
+                raise too_long(path, line + block.count(b"\n"))
+            if block:
+                yield line, block.decode("latin-1")
+                line += block.count(b"\n")
+        if rest:
+            yield line, rest.decode("latin-1")
+
+
+class _Reader:
+    """Goes through the blocks of one file and remembers what it left out."""
+
+    def __init__(self, path: Path, layout: Format, columns: Sequence[int], skip_broken: bool) -> None:
+        self.path, self.layout, self.columns, self.skip_broken = path, layout, list(columns), skip_broken
+        self.broken = 0
+        self.broken_lines: list[int] = []
+        self.first_fault = ""
+        self.skipped: list[int] = []
+
+    def block(self, first_line: int, text: str) -> Floats:
+        """Rows of one block, shape (rows, columns asked for)."""
+        if self.layout.decimal_comma:
+            text = text.replace(",", ".")
+        lines = text.removesuffix("\n").split("\n")
+        rows = self._at_once(text, lines)
+        return self._by_line(first_line, lines) if rows is None else rows
+
+    def _at_once(self, text: str, lines: list[str]) -> Floats | None:
+        """The whole block through NumPy's parser; None if any line is anything but a row of finite figures."""
+        sign, fields = self.layout.sign, self.layout.fields
+        if self.layout.comment in text or '"' in text or "_" in text:
+            return None
+        widths = {len(line.split()) for line in lines} if sign is None else {line.count(sign) + 1 for line in lines}
+        if widths != {fields}:
+            return None
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of a block without rows, which is none of its business
+                rows = np.loadtxt(lines, delimiter=sign, comments=None, ndmin=2, usecols=self.columns)
+        except ValueError:
+            return None
+        return rows if rows.shape[0] == len(lines) and bool((np.abs(rows) < OVERLOAD).all()) else None
+
+    def _by_line(self, first_line: int, lines: list[str]) -> Floats:
+        rows: list[list[float]] = []
+        for number, line in enumerate(lines, first_line):
+            if not line.strip() or line.lstrip().startswith(self.layout.comment):
+                self.skipped.append(number)
+                continue
+            try:
+                rows.append(self._row(number, line))
+            except InputError as error:
+                if not self.skip_broken:
+                    raise
+                self.broken += 1
+                self.skipped.append(number)
+                self.first_fault = self.first_fault or error.problems[0].what
+                if len(self.broken_lines) < LISTED_LINES:
+                    self.broken_lines.append(number)
+        return np.array(rows, dtype=float).reshape(-1, len(self.columns))
+
+    def _row(self, number: int, line: str) -> list[float]:
+        cells = split(line, self.layout.sign)
+        if len(cells) != self.layout.fields:
+            remedy = DECIMALS if self.layout.unnamed and self.layout.sign == "," else ""
+            found = f"{len(cells)} columns"
+            raise self._fault(number, "a row of another length", found, f"{self.layout.fields}", remedy)
+        return [self._figure(number, index, cells[index]) for index in self.columns]
+
+    def _figure(self, number: int, index: int, cell: str) -> float:
+        names = self.layout.names
+        name = shortened(names[index]) if index < len(names) else f"column {index + 1}"
+        try:
+            value = float(cell) if "_" not in cell else None  # Python's own habit of 1_000 is no logger's
+        except ValueError:
+            value = None
+        if value is None:
+            remedy = ""
+            if _DATE.match(cell):
+                remedy = "export the time as a number, in seconds from the start or any other unit of time"
+            elif _DECIMAL_COMMA.match(cell):
+                remedy = "set decimal: comma in the measurement file"
+            raise self._fault(number, f"no number in {name}", shortened(cell), "", remedy)
+        if not np.isfinite(value):
+            raise self._fault(number, f"no finite number in {name}", shortened(cell), "")
+        if abs(value) >= OVERLOAD:
+            raise self._fault(number, f"an overload in {name}", shortened(cell), "")
+        return value
+
+    def _fault(self, number: int, what: str, value: str, limit: str, remedy: str = "") -> InputError:
+        remedy = remedy or "mend or remove the row, or set broken_rows: skip in the measurement file"
+        return InputError([Problem(str(self.path), number, "", what, value, limit, remedy)])

@@ -1,0 +1,286 @@
+"""Reading a measurement file and the data it leads to: SI units, signs put right, refused where nothing can be told."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.design.problems import schema_problems
+from mbcdm_cad.design.source import read_text
+from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
+from mbcdm_cad.measurement.datafile import DECIMALS, Table, read_table
+from mbcdm_cad.measurement.logformat import Format, find_format, line_with
+from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.measurement.schema import Column, Measurement, node_at
+from mbcdm_cad.measurement.units import COUNTS, ENCODERS, Unit, known_units, unit_of
+from mbcdm_cad.measurement.unusable import refuse_unusable
+
+_IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
+_KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
+
+
+@dataclass(frozen=True)
+class MeasurementFile:
+    """A measurement file that fits its schema, and the lines of its fields."""
+
+    path: Path
+    content: Measurement
+    tree: yamltree.Tree
+
+    def problem(self, field: FieldPath, what: str, value: str = "", limit: str = "", *, remedy: str) -> Problem:
+        """A problem with one field."""
+        return Problem(str(self.path), self.tree.line_of(field), yamltree.dotted(field), what, value, limit, remedy)
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A run with what its reading met: ``notes`` are sentences for the user."""
+
+    run: Run
+    notes: tuple[str, ...]
+
+
+def load_measurement(path: str | Path) -> Run:
+    """The run of a measurement file. Raises InputError with file, line and remedy."""
+    return read_run(load_file(path)).run
+
+
+def load_file(path: str | Path) -> MeasurementFile:
+    """The measurement file alone, its data not yet read. Raises InputError."""
+    path = Path(path)
+    text = read_text(path, *_KIND)
+    if not _has_fields(text):
+        remedy = "give the YAML file that says which column of the data is what" + _KIND[1]
+        raise InputError([Problem(str(path), 1, "", "no measurement file: it has no fields", remedy=remedy)])
+    tree = yamltree.parse(text, str(path), *_KIND)
+    try:
+        content = Measurement.model_validate(tree.data)
+    except ValidationError as error:
+        raise InputError(schema_problems(error, tree, str(path), node_at)) from None
+    file = MeasurementFile(path, content, tree)
+    problems = _broken_rules(file)
+    if problems:
+        raise InputError(problems)
+    return file
+
+
+def read_run(file: MeasurementFile) -> Reading:
+    """The data of a measurement file as a run. Raises InputError, also where the file holds published figures."""
+    content = file.content
+    if content.data is None or content.columns is None:
+        raise InputError([file.problem(("published",), "no run in this file", remedy="give a file with data")])
+    data = _data_path(file, content.data)
+    try:
+        layout = find_format(
+            data, content.delimiter, content.decimal, content.comment, content.skip_rows, content.header
+        )
+        asked = _columns_asked(file)
+        indices = [_index(file, quantity, column, layout, data) for quantity, column in asked.items()]
+        table = read_table(data, layout, indices, content.broken_rows == "skip")
+        sha256 = _sha256(data)
+    except OSError as error:
+        problem = file.problem(
+            ("data",), f"cannot be read: {error.strerror or error}", shortened(content.data), remedy="check the path"
+        )
+        raise InputError([problem]) from None
+    run = _in_si(file, asked, table, data.name, sha256)
+    refuse_unusable(file, run, table, data)
+    notes = _notes_on_columns(asked, layout, indices, data)
+    if table.broken:
+        lines = ", ".join(str(line) for line in table.broken_lines)
+        more = ", ..." if table.broken > len(table.broken_lines) else ""
+        notes.append(f"{table.broken} broken rows of {data.name} left out (lines {lines}{more})")
+    return Reading(run, tuple(notes))
+
+
+def _has_fields(text: str) -> bool:
+    """False for a logger's file given in place of the one that describes it: it begins with names or figures."""
+    signs = ("#", "%", "---")
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(signs)), "")
+    return ":" in first or first.lstrip().startswith("{") or not first
+
+
+def _broken_rules(file: MeasurementFile) -> list[Problem]:
+    """What no single field can show."""
+    content = file.content
+    if content.published is not None:
+        extra = [key for key in ("data", "columns", "ratio") if getattr(content, key) is not None]
+        remedy = "keep one of the two: a run, or published figures"
+        problems = [file.problem((key,), "given beside published", remedy=remedy) for key in extra]
+        for index, item in enumerate(content.published):
+            if unit_of(item.quantity, item.unit) is None:
+                remedy = did_you_mean(item.unit, known_units(item.quantity))
+                what = f"no unit of {item.quantity}"
+                problems.append(file.problem(("published", index, "unit"), what, shortened(item.unit), remedy=remedy))
+        return problems
+    problems = [
+        file.problem((key,), "missing", remedy=f"add {key}, or published for figures of a paper")
+        for key in ("data", "columns")
+        if getattr(content, key) is None
+    ]
+    if content.columns is None:
+        return problems
+    asked = _columns_asked(file)
+    if "input" in asked and ("input_left" in asked or "input_right" in asked):
+        remedy = "give input for a drive that has one, input_left and input_right for one that has two"
+        problems.append(file.problem(("columns", "input"), "given beside input_left or input_right", remedy=remedy))
+    elif "input" not in asked and ("input_left" not in asked or "input_right" not in asked):
+        remedy = "give input for a drive that has one, input_left and input_right for one that has two"
+        problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
+    for quantity, column in asked.items():
+        where: FieldPath = ("columns", quantity)
+        if unit_of(quantity, column.unit, column.counts_per_turn) is None:
+            counts = column.unit.strip() in (COUNTS, "count") and quantity in ENCODERS
+            remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
+            what = "counts without counts_per_turn" if counts else f"no unit of {quantity}"
+            problems.append(file.problem((*where, "unit"), what, shortened(column.unit), remedy=remedy))
+        elif column.counts_per_turn is not None and column.unit.strip() not in (COUNTS, "count"):
+            remedy = "set unit: counts if the figures are counts, else leave counts_per_turn out"
+            what = "given beside another unit"
+            problems.append(file.problem((*where, "counts_per_turn"), what, column.unit, COUNTS, remedy=remedy))
+        if column.scale == 0.0:
+            problems.append(file.problem((*where, "scale"), "nothing is left", "0", remedy="give the factor"))
+        if isinstance(column.column, int) and column.column < 1:
+            remedy = "count the columns from 1"
+            problems.append(
+                file.problem((*where, "column"), "no column", str(column.column), "1 or more", remedy=remedy)
+            )
+    return problems + _asked_twice(file, asked)
+
+
+def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
+    """One column for two quantities. Both inputs may be one, where only one was logged; that is told, not refused."""
+    problems, first = [], dict[str | int, str]()
+    for quantity, column in asked.items():
+        other = first.setdefault(column.column, quantity)
+        if other != quantity and not (other.startswith("input") and quantity.startswith("input")):
+            where: FieldPath = ("columns", quantity, "column")
+            what, remedy = f"the column of {other} too", "give each quantity its own column"
+            problems.append(file.problem(where, what, shortened(column.column), remedy=remedy))
+    return problems
+
+
+def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[int], data: Path) -> list[str]:
+    """What the layout of the data gives rise to doubt."""
+    notes = []
+    inputs = [index for name, index in zip(asked, indices, strict=True) if name.startswith("input")]
+    if len(set(inputs)) < len(inputs):
+        notes.append("both inputs are one column: what differs between them is not seen")
+    if layout.units:
+        first, last = layout.header_line + 1, layout.units_line
+        lines = f"line {last}" if first >= last else f"lines {first} to {last}"
+        notes.append(f"no figures on {lines} of {data.name}: taken for units and left out")
+    for (quantity, column), index in zip(asked.items(), indices, strict=True):
+        told = layout.units[index] if index < len(layout.units) else ""
+        name = layout.names[index] if index < len(layout.names) else ""
+        told = told.strip("[]() ") or (brackets[1] if (brackets := _IN_BRACKETS.search(name)) else "")
+        logged = unit_of(quantity, told)
+        # A scale may be there to turn one unit into the other.
+        differ = logged is not None and logged != unit_of(quantity, column.unit, column.counts_per_turn)
+        if differ and abs(column.scale) == 1.0:
+            notes.append(
+                f"{data.name} has {quantity} in {told} by its own header, the measurement file says {column.unit}: "
+                "which is true?"
+            )
+    return notes
+
+
+def _columns_asked(file: MeasurementFile) -> dict[str, Column]:
+    """The columns given, in the order in which the table holds them: time, inputs, output, the rest."""
+    columns = file.content.columns
+    names = ("time", "input_left", "input_right", "input", "output", "load_torque", "temperature")
+    found = {name: getattr(columns, name) for name in names}
+    return {name: column for name, column in found.items() if column is not None}
+
+
+def _data_path(file: MeasurementFile, data: str) -> Path:
+    path = file.path.parent / data
+    try:
+        if path.is_file():
+            return path
+        what = "not a regular file" if path.exists() else "there is no such file"
+    except (OSError, ValueError) as error:
+        what = f"cannot be read: {error}"
+    remedy = "give the path of the logger's file, relative to this one"
+    raise InputError([file.problem(("data",), what, shortened(data), remedy=remedy)])
+
+
+def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format, data: Path) -> int:
+    """Which column of the data, from 0."""
+    where: FieldPath = ("columns", quantity, "column")
+    asked = column.column
+    if isinstance(asked, int):
+        if asked <= layout.fields:
+            return asked - 1
+        limit = f"1 to {layout.fields}"
+        problem = file.problem(where, f"not a column of {data.name}", str(asked), limit, remedy="count from 1")
+        raise InputError([problem])
+    found = [index for index, name in enumerate(layout.names[: layout.fields]) if name == asked.strip()]
+    if len(found) == 1 and not layout.unnamed:
+        return found[0]
+    line = f"line {layout.header_line} of {data.name}"
+    if not layout.names:
+        what, remedy = f"{data.name} has no header with names", "give its number, counted from 1"
+    elif len(found) > 1:
+        what, remedy = f"{len(found)} columns of that name on {line}", "give its number, counted from 1"
+    elif found:
+        what = f"{layout.fields} cells a row under the {len(layout.names)} names on {line}"
+        remedy = DECIMALS if layout.sign == "," else "give its number, counted from 1"
+    else:
+        what, elsewhere = f"no such column on {line}", line_with(data, asked.strip())
+        known = [name for name in layout.names if name.isprintable()]
+        longer = [name for name in known if re.match(re.escape(asked.strip()) + r"\W", name, re.IGNORECASE)]
+        if longer and len(known) > 1:
+            remedy = f"did you mean {shortened(longer[0])}?"
+        elif elsewhere == layout.header_line and len(known) == 1:
+            remedy = "names there are not told apart: check delimiter"
+        elif elsewhere > layout.header_line:
+            remedy = f"the name is on line {elsewhere}: set skip_rows: {elsewhere - 1}"
+        else:
+            remedy = shortened(did_you_mean(asked, known), 300).strip("'\"")
+    raise InputError([file.problem(where, what, shortened(asked), remedy=remedy)])
+
+
+def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source: str, sha256: str) -> Run:
+    """The table's rows put into SI in place, so that a long run is held once."""
+    rows: dict[str, Floats] = {}
+    for (quantity, column), row in zip(asked.items(), table.values, strict=True):
+        unit = unit_of(quantity, column.unit, column.counts_per_turn) or Unit(1.0)
+        row -= column.zero
+        row *= column.scale * unit.factor
+        row += unit.shift
+        rows[quantity] = row
+    names = tuple(name.removeprefix("input_") for name in rows if name.startswith("input"))
+    inputs = table.values[1 : 1 + len(names)]
+    given = file.content.sensors
+    sensors = Sensors(
+        given.input_resolution_rad or _step_of_counts(asked, [name for name in asked if name.startswith("input")]),
+        given.output_resolution_rad or _step_of_counts(asked, ["output"]),
+        given.torque_noise_Nm,
+    )
+    return Run(
+        rows["time"], inputs, rows["output"], rows.get("load_torque"), rows.get("temperature"), sensors,
+        names, source, sha256, file.content.ratio,
+    )  # fmt: skip
+
+
+def _step_of_counts(asked: dict[str, Column], names: list[str]) -> float | None:
+    """One count of an encoder in rad, the coarsest of several; None where the column is not in counts."""
+    steps = [
+        2.0 * math.pi / column.counts_per_turn * abs(column.scale)
+        for column in (asked[name] for name in names)
+        if column.counts_per_turn is not None
+    ]
+    return max(steps, default=None)
+
+
+def _sha256(path: Path) -> str:
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

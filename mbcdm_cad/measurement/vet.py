@@ -1,0 +1,81 @@
+"""Vetting a run against the design before anything is predicted: is it what it says, and what can it tell?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.measurement.finding import Finding
+from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.vet_columns import column_findings
+from mbcdm_cad.measurement.vet_reach import reach_findings
+from mbcdm_cad.measurement.vet_signals import signal_findings
+from mbcdm_cad.model.si import DriveSI, to_si
+
+# Samples that the comparison of columns needs; longer runs are thinned.
+MOST_SAMPLES = 20_000
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What is known of the drive: ``d`` and ``travel_rad`` (full) are None where only the ratio is."""
+
+    ratio: float
+    d: DriveSI | None
+    travel_rad: float | None
+
+
+def declared_of(run: Run, drive: Drive | None) -> Declared:
+    """The drive as this run is to be held against it. A run's own ``ratio`` stands for a drive of its own."""
+    if run.ratio is not None:
+        return Declared(run.ratio, None, None)
+    if drive is None:
+        raise ValueError("a run without a ratio of its own needs a drive")
+    d = to_si(drive)
+    travel = 2.0 * np.radians(drive.half_travel_deg + drive.stop_clearance_deg)
+    return Declared(float(np.mean(d.total_ratio)), d, float(travel))
+
+
+def vet(run: Run, drive: Drive | None) -> list[Finding]:
+    """All findings, refusals first. What the columns say is not looked into once the inputs do not fit the drive."""
+    known = declared_of(run, drive)
+    wrong = _inputs(run, known)
+    if wrong:
+        return wrong
+    thin = _thinned(run)
+    found = signal_findings(run, known.ratio)
+    if not refusals(found):  # an angle that jumps has no slope to speak of
+        found += column_findings(thin, known.ratio, known.travel_rad, known.d)
+    if not any(finding.level == "refused" for finding in found):
+        found += reach_findings(thin, known.ratio, known.d)
+    order = ("refused", "doubt", "fact")
+    return sorted(found, key=lambda finding: order.index(finding.level))
+
+
+def refusals(findings: list[Finding]) -> list[Finding]:
+    """Those for which the run cannot be judged."""
+    return [finding for finding in findings if finding.level == "refused"]
+
+
+def _inputs(run: Run, known: Declared) -> list[Finding]:
+    count = run.input_rad.shape[0]
+    if known.d is None or known.d.n_inputs == count:
+        return []
+    names = ", ".join(known.d.input_names)
+    text = f"the run has {count} input column(s), the design {known.d.n_inputs} ({names})"
+    remedy = "give a column for each input of the design, or ratio for a drive of which only that is known"
+    return [Finding("inputs", "refused", text, remedy, ("columns",))]
+
+
+def _thinned(run: Run) -> Run:
+    stride = max(1, run.time_s.size // MOST_SAMPLES)
+
+    def every(values: Floats | None) -> Floats | None:
+        return None if values is None else values[..., ::stride]
+
+    return replace(
+        run, time_s=run.time_s[::stride], input_rad=run.input_rad[:, ::stride], output_rad=run.output_rad[::stride],
+        load_Nm=every(run.load_Nm), temperature_C=every(run.temperature_C),
+    )  # fmt: skip

@@ -1,0 +1,221 @@
+"""Do the columns hold what they are declared to? Ratio, unit, sign and order of the columns, by robust slopes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.measurement.finding import Finding, column_of
+from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.model.si import DriveSI
+
+# A slope this near the declared ratio needs no word; beyond FARTHEST it is another drive or another unit.
+NEAR = 0.1
+FARTHEST = 1.5
+# Share of the samples' pairs that must agree on the sense of motion, for a slope to mean anything.
+LEAST_AGREEMENT = 0.8
+# No encoder has fewer counts a turn than this.
+LEAST_COUNTS = 90.0
+# Pairs of samples this share of the record apart give the slopes.
+LAGS = (0.005, 0.02, 0.08)
+# A load of this many times what slackens the cables is no load but a wrong unit.
+MOST_LOAD = 3.0
+# Shares of the least compliance by which a drum may give way: 1.3 to 3 in simulated runs of every effect.
+LEAST_GIVE, MOST_GIVE, FARTHEST_GIVE = 0.25, 25.0, 250.0
+# Known slips, as the factor by which an angle comes out too large, and how they are told.
+SLIPS = (
+    (180.0 / math.pi, "degrees called radians"),
+    (2.0 * math.pi, "radians called turns"),
+    (10800.0 / math.pi, "arc minutes called radians"),
+    (360.0, "degrees called turns"),
+    (1000.0, "mrad called rad"),
+    (2.0, "counts_per_turn half of what it is"),
+    (4.0, "counts_per_turn a quarter of what it is, as with edges counted"),
+)
+SLIP_WIDTH = 0.03
+
+
+def robust_slope(x: Floats, y: Floats) -> tuple[float, float]:
+    """Median of dy/dx over pairs of samples that are well apart in ``x``, and the share of pairs of its sign.
+
+    Lost motion and noise only touch pairs around a reversal. Returns (0, 0) where ``x`` stands.
+    """
+    slopes = []
+    for lag in LAGS:
+        step = max(1, int(lag * x.size))
+        dx, dy = x[step:] - x[:-step], y[step:] - y[:-step]
+        wide = np.abs(dx) > 0.5 * np.abs(dx).max(initial=0.0)
+        slopes.append(dy[wide] / dx[wide])
+    slope = np.concatenate(slopes)
+    if slope.size == 0:
+        return 0.0, 0.0
+    middle = float(np.median(slope))
+    return middle, float(np.mean(np.sign(slope) == np.sign(middle))) if middle else 0.0
+
+
+def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[Finding]:
+    """Refusals and doubts about what the columns are."""
+    factors = [_factor(run.output_rad, row, ratio) for row in run.input_rad]
+    if all(factor is not None and abs(factor - 1.0) <= NEAR for factor in factors):
+        size = _load_size(run, d)
+        too_large = any(finding.level == "refused" for finding in size)
+        return _travel(run, travel_rad) or (size if too_large else [*size, *_load_sign(run, ratio, d)])
+    swapped = _swapped(run, ratio)
+    if swapped:
+        return [swapped]
+    found = []
+    if all(factor is not None and factor < 0.0 for factor in factors) and len(factors) > 1:
+        # Of two wrong inputs and one wrong output, the one is likelier.
+        text = "the output turns against both inputs: its sign is reversed"
+        found.append(Finding("reversed_output", "refused", text, _TURN_ROUND, ("columns", "output")))
+        factors = [None if factor is None else -factor for factor in factors]
+    off = [factor for factor in factors if factor is not None and abs(abs(factor) - 1.0) > NEAR]
+    if len(off) == len(factors) and max(off) < min(off) * (1.0 + NEAR):
+        found.append(_off(off[0], run, ratio, travel_rad, None))
+    else:
+        for name, factor in zip(run.input_names, factors, strict=True):
+            if factor is None:
+                text = f"the output does not follow the {_shaft(name)}: no steady slope between the two"
+                remedy = "check that both columns are of this drive and of one run, and their units"
+                found.append(Finding("unrelated", "refused", text, remedy, column_of(name)))
+            elif abs(abs(factor) - 1.0) > NEAR:
+                found.append(_off(abs(factor), run, ratio, travel_rad, name))
+    for name, factor in zip(run.input_names, factors, strict=True):
+        if factor is not None and factor < 0.0:
+            text = f"the {_shaft(name)} turns against the output: the sign of one of the two is reversed"
+            found.append(Finding("reversed_input", "refused", text, _TURN_ROUND, column_of(name)))
+    return found
+
+
+_TURN_ROUND = "set scale: -1 on it (inputs are positive when they drive the drum positive)"
+
+
+def _factor(output: Floats, shaft: Floats, ratio: float) -> float | None:
+    """Slope of the input against the output over the declared ratio; None where there is no steady slope."""
+    slope, agreement = robust_slope(output, shaft)
+    return slope / ratio if slope and agreement >= LEAST_AGREEMENT else None
+
+
+def _swapped(run: Run, ratio: float) -> Finding | None:
+    """A column in the place of another: does the exchange put every slope right?"""
+    columns: dict[FieldPath, Floats] = {("columns", "output"): run.output_rad}
+    for name, row in zip(run.input_names, run.input_rad, strict=True):
+        columns[column_of(name)] = row
+    if run.load_Nm is not None:
+        columns["columns", "load_torque"] = run.load_Nm
+    if run.temperature_C is not None:
+        columns["columns", "temperature"] = run.temperature_C
+    inputs = [column_of(name) for name in run.input_names]
+    for first in columns:
+        for second in columns:
+            angles = (("columns", "output"), *inputs)
+            if first == second or first not in angles or (first in inputs and second in inputs):
+                continue
+            trial = {**columns, first: columns[second], second: columns[first]}
+            factors = [_factor(trial["columns", "output"], trial[field], ratio) for field in inputs]
+            if all(factor is not None and abs(abs(factor) - 1.0) <= NEAR for factor in factors):
+                text = f"columns of {first[1]} and {second[1]} look swapped: exchanged they give the declared ratio"
+                remedy = "exchange the two column entries, or mend the ratio if the drive was driven from its output"
+                return Finding("swapped", "refused", text, remedy, first)
+    return None
+
+
+def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: str | None) -> Finding:
+    """What a slope of ``factor`` times the declared ratio means; ``name`` is the one input it is about."""
+    fields = column_of(name if name is not None else run.input_names[0])
+    shafts = "inputs" if name is None and len(run.input_names) > 1 else _shaft(name or run.input_names[0])
+    figures = f"slope between {shafts} and output {factor * ratio:.5g}, declared ratio {ratio:.5g}"
+    for size, slip in SLIPS:
+        if abs(factor / size - 1.0) < SLIP_WIDTH or abs(factor * size - 1.0) < SLIP_WIDTH:
+            large = factor > 1.0
+            travel = float(np.ptp(run.output_rad))
+            # Where the factor is low the output is too large, unless its travel says that the inputs are too small.
+            at_output = not large and not (travel_rad is not None and travel <= travel_rad)
+            where = "output" if at_output else shafts
+            if not large and not at_output:
+                slip = f"the reverse of {slip}"
+            field = ("columns", "output") if at_output else fields
+            text = f"{figures}: {where} too {'small' if not large and not at_output else 'large'} by {size:.4g}, {slip}"
+            remedy = "mend unit, scale or counts_per_turn of that column"
+            if run.ratio is not None:
+                remedy += ", or ratio in this file"
+            return Finding("unit", "refused", text, remedy, field)
+    remedy = "check counts_per_turn, scale and unit, and that this is the drive of the design"
+    turn = 2.0 * math.pi * max(factor, 1.0 / factor)
+    if turn > LEAST_COUNTS:
+        fields = fields if factor > 1.0 else ("columns", "output")
+        remedy = f"are these counts, some {turn:.5g} a turn? Give unit: counts with counts_per_turn; or " + remedy
+    if 1.0 / FARTHEST < factor < FARTHEST:
+        return Finding("ratio", "doubt", figures, remedy, fields)
+    return Finding("ratio", "refused", figures, remedy, fields)
+
+
+def _travel(run: Run, travel_rad: float | None) -> list[Finding]:
+    """An output that turns farther than the stops let it: all angles may be in the wrong unit together."""
+    travel = float(np.ptp(run.output_rad))
+    if travel_rad is None or travel <= 1.1 * travel_rad:
+        return []
+    text = f"the output turns by {travel:.4g} rad, the design by {travel_rad:.4g} rad between its stops"
+    degrees = travel * math.pi / 180.0 <= 1.1 * travel_rad and travel > 10.0 * travel_rad
+    remedy = (
+        "all angles look like degrees called radians: mend the units" if degrees else "check the units of all angles"
+    )
+    return [Finding("travel", "refused", text, remedy, ("columns", "output"))]
+
+
+def _load_size(run: Run, d: DriveSI | None) -> list[Finding]:
+    """A load that would slacken the cables many times over is in another unit."""
+    if d is None or run.load_Nm is None:
+        return []
+    most = float(np.abs(run.load_Nm).max())
+    # Both cables of one sense at twice their preload, the others slack.
+    holds = float(np.sum(d.preload_N * d.drum_radius_m))
+    if most <= holds:
+        return []
+    text = f"loads up to {most:.4g} N m, where the preload of the cables holds some {holds:.3g} N m"
+    if most <= MOST_LOAD * holds:
+        remedy = "cables go slack, or load_torque is in another unit or another column"
+        return [Finding("load", "doubt", text, remedy, ("columns", "load_torque"))]
+    remedy = "check the unit of load_torque (mN*m called N*m?) and its scale"
+    return [Finding("load", "refused", text, remedy, ("columns", "load_torque"))]
+
+
+def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
+    """The drum gives way to its load; one that comes towards it has the sign of the torque reversed."""
+    if d is None or run.load_Nm is None or np.ptp(run.load_Nm) == 0.0:
+        return []
+    # The smallest compliance at the drum, nothing slipping: rad per N m.
+    compliance = 1.0 / float(np.sum(d.axial_stiffness_N * d.drum_radius_m**2 / d.free_span_m))
+    away = run.output_rad - run.input_rad.mean(axis=0) / ratio
+    known = np.stack([np.ones_like(away), run.output_rad], axis=1)
+    basis = np.linalg.qr(known)[0]
+    give, load = away - basis @ (basis.T @ away), run.load_Nm - basis @ (basis.T @ run.load_Nm)
+    together = float(np.corrcoef(give, load)[0, 1]) if np.ptp(give) > 0.0 else 0.0
+    share = float(give @ load / (load @ load)) / compliance
+    if together < -0.7 and not LEAST_GIVE < -share < MOST_GIVE:
+        return [_wrong_give(-share)]
+    if together < 0.7 or share < 0.5:
+        return []
+    text = (
+        f"the drum moves towards its load, {share:.2g} times as far as it should give way: load torque of reversed sign"
+    )
+    remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
+    return [Finding("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
+
+
+def _wrong_give(share: float) -> Finding:
+    """The drum gives way to its load by ``share`` of what it should: all angles, or the load, in another unit."""
+    text = f"the drum gives way to its load {share:.2g} times as far as its cables must"
+    if share > 1.0:
+        remedy = "check the unit of load_torque (N*m called mN*m?); or a coupling is very soft"
+        return Finding(
+            "load", "doubt" if share < FARTHEST_GIVE else "refused", text, remedy, ("columns", "load_torque")
+        )
+    remedy = "check the units of all angles (radians called degrees?), of load_torque, and modulus_GPa of the design"
+    return Finding("unit", "refused", text, remedy, ("columns", "output"))
+
+
+def _shaft(name: str) -> str:
+    return "input" if name == "input" else f"{name} input"

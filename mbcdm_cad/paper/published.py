@@ -1,0 +1,144 @@
+"""Figures of a paper beside the declared model: predicted, measured, what would close the gap, what cannot be told.
+
+A scalar has no held-out data, so nothing is ever named outright here: the verdict is ``not_testable``, and what could
+be the cause stands in ``one_of``, with what each candidate would have to be and the experiment that separates them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.identification.readable import readable
+from mbcdm_cad.measurement.reading import MeasurementFile
+from mbcdm_cad.measurement.schema import Published
+from mbcdm_cad.measurement.units import Unit, unit_of
+from mbcdm_cad.model.si import DriveSI, to_si
+
+# Ending that tells `readable` the unit of a figure.
+ENDINGS = {"rad": "_rad", "N m": "_Nm"}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One possible cause. ``effect`` is its name in the vocabulary, None for a cause that is no effect of a run.
+
+    ``needed`` says what it would have to be to close the gap by itself, ``predicted`` what the model gives with the
+    candidate as it stands (SI; None where it has a free size), ``plausible`` whether that lies within what such a part
+    does.
+    """
+
+    cause: str
+    effect: str | None
+    needed: str
+    predicted: float | None
+    plausible: bool
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One published figure, SI. ``predicted`` is None where the declared model says nothing of it."""
+
+    quantity: str
+    where: str
+    unit: str
+    measured: float
+    predicted: float | None
+    stated_theory: float | None
+    candidates: tuple[Candidate, ...]
+    told_apart_by: str
+    remark: str
+
+    @property
+    def residual(self) -> float | None:
+        """Measured less predicted."""
+        return None if self.predicted is None else self.measured - self.predicted
+
+
+@dataclass(frozen=True)
+class PublishedResult:
+    """All figures of one file, and what they say together."""
+
+    source: str
+    figures: tuple[Judged, ...]
+    together: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """The result file: the form of every loop's result, with the figures under ``published``."""
+        sets = [[{"name": c.effect} for c in figure.candidates if c.effect and c.plausible] for figure in self.figures]
+        return {
+            "verdict": "not_testable",
+            "effects": [],
+            "one_of": [_once(named) for named in sets if named],
+            "unknown": None,
+            "error": None,
+            "published": [asdict(figure) | {"residual": figure.residual} for figure in self.figures],
+            "together": list(self.together),
+        }
+
+    def text(self) -> str:
+        """For the terminal."""
+        lines = [
+            f"{self.source}: {len(self.figures)} published figures. A scalar cannot be tested on held-out data: below "
+            "is what could be the cause, not what is.",
+        ]
+        for figure in self.figures:
+            lines += ["", *_lines(figure)]
+        return "\n".join([*lines, "", *self.together])
+
+
+Judge = Callable[[Drive, DriveSI, Published, float], Judged]
+
+
+def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
+    """Hold the model of ``drive`` against the published figures. Raises InputError for a file of another kind."""
+    from mbcdm_cad.paper.published_causes import JUDGES, together
+
+    if file.content.published is None:
+        remedy = "give a file with published figures"
+        raise InputError([file.problem(("data",), "a run where published figures were asked for", remedy=remedy)])
+    figures = []
+    for item in file.content.published:
+        d = to_si(drive)
+        if item.conditions.preload_N is not None:
+            d = d.with_(preload_N=np.full(d.n_cables, item.conditions.preload_N))
+        unit = unit_of(item.quantity, item.unit) or Unit(1.0)
+        figures.append(JUDGES[item.quantity](drive, d, item, item.value * unit.factor))
+    return PublishedResult(file.path.name, tuple(figures), together(tuple(figures)))
+
+
+def _once(named: list[dict[str, str]]) -> list[dict[str, str]]:
+    """The same name of several forms given once."""
+    return list({item["name"]: item for item in named}.values())
+
+
+def shown(figure: Judged, value: float | None) -> str:
+    """A value in the unit that suits it; empty for none."""
+    if value is None:
+        return ""
+    if figure.unit in ENDINGS:
+        return readable(figure.quantity + ENDINGS[figure.unit], [value])[1][0]
+    return f"{value:.4g} {figure.unit}"
+
+
+def _lines(figure: Judged) -> list[str]:
+    predicted = shown(figure, figure.predicted) or "says nothing"
+    residual = shown(figure, figure.residual)
+    stated = shown(figure, figure.stated_theory)
+    lines = [
+        f"{figure.quantity} ({figure.where}): measured {shown(figure, figure.measured)}, model {predicted}"
+        + (f", residual {residual}" if residual else "")
+        + (f", authors' own expectation {stated}" if stated else "")
+    ]
+    lines += [f"  {figure.remark}"] if figure.remark else []
+    for candidate in figure.candidates:
+        gives = "" if candidate.predicted is None else f"gives {shown(figure, candidate.predicted)}; "
+        sign = "+" if candidate.plausible else "-"
+        name = f" [{candidate.effect}]" if candidate.effect else ""
+        lines.append(f"  {sign} {candidate.cause}{name}: {gives}{candidate.needed}")
+    return [*lines, f"  told apart by: {figure.told_apart_by}"]

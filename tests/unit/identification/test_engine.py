@@ -1,0 +1,120 @@
+"""The engine end to end on small runs: what is there is named, what is not is not, and a second run finds nothing left.
+
+The runs are made with the package's own model, so they show that the engine works, not that it is right: that is for
+the study of runs made by other means (tests/confusion.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.design.loader import load_text
+from mbcdm_cad.identification.as_built import as_built_text
+from mbcdm_cad.identification.engine import close_loop
+from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.si import to_si
+
+REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+LOADED = load_design(REFERENCE)
+STEP = 1.9175e-4
+Added = Callable[[Floats, Floats], Floats]
+
+
+def measured(stiffer: float = 0.0, added: Added | None = None, torque: bool = True, seed: int = 4) -> Run:
+    """Two minutes of sines under a load of its own rhythm, quantised as the bench's sensors are.
+
+    ``stiffer``: share by which the rope's modulus is higher; ``added``: of angle (rad) and load (N m), to the reading.
+    """
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 120.0, 0.04)
+    angle = 0.45 * np.sin(2.0 * np.pi * t / 11.0)
+    load = 0.9 * np.sign(np.sin(2.0 * np.pi * t / 17.3 + 0.4)) + 0.3 * np.sin(2.0 * np.pi * t / 5.1)
+    load = np.convolve(load, np.hanning(25) / np.hanning(25).sum(), "same") if torque else 0.0 * t
+    d = to_si(LOADED.drive)
+    d = d.with_(modulus_Pa=d.modulus_Pa * (1.0 + stiffer))
+    inputs = np.stack([9.0 * angle, 9.0 * angle])
+    drum = simulate(d, inputs, load).drum_angle_rad + (added(angle, load) if added else 0.0)
+    read = STEP * np.floor(inputs / STEP + rng.random((2, 1)))
+    output = 1.3635e-6 * np.round(drum / 1.3635e-6)
+    sensed = load + 0.005 * rng.standard_normal(t.size) if torque else None
+    return Run(t, read, output, sensed, sensors=Sensors(STEP, 1.3635e-6, 0.005))
+
+
+def scale(angle: Floats, _: Floats) -> Floats:
+    return 4e-4 * angle
+
+
+def test_nothing_is_named_where_nothing_is() -> None:
+    for seed in (0, 1):
+        result = close_loop(LOADED.drive, [measured(seed=seed)])
+        print(result.sentence)
+        assert result.verdict == "none", result.sentence
+        assert result.errors.before.value == result.errors.after.value
+
+
+@pytest.mark.parametrize(
+    ("run", "names"),
+    [(measured(stiffer=0.3), {"stiffness_error"}), (measured(added=scale), {"ratio_error"})],
+    ids=["stiffer", "scale"],
+)
+def test_nothing_is_left_of_what_was_named(run: Run, names: set[str]) -> None:
+    first = close_loop(LOADED.drive, [run])
+    print(first.sentence)
+    assert {named.name for named in first.effects} == names, first.sentence
+    assert not first.one_of, first.sentence
+    assert first.errors.after.value < 0.2 * first.errors.before.value, first.sentence
+    as_built = load_text(as_built_text(LOADED, first, "run.csv"), REFERENCE)
+    second = close_loop(as_built.drive, [run])
+    print(second.sentence)
+    assert second.verdict == "none", second.sentence
+    assert second.errors.before.value == pytest.approx(first.errors.after.value, rel=0.05)
+
+
+def test_a_bump_in_one_place_is_unknown_and_described() -> None:
+    def bump(angle: Floats, _: Floats) -> Floats:
+        return np.asarray(6e-5 * np.exp(-0.5 * ((angle - 0.1) / 0.03) ** 2))
+
+    result = close_loop(LOADED.drive, [measured(added=bump)])
+    print(result.sentence)
+    assert result.verdict == "unknown", result.sentence
+    assert not result.effects and not result.one_of
+    assert result.unknown is not None
+    assert result.unknown.patterns[0].variable == "angle", result.sentence
+    assert "a bump of" in result.sentence, result.sentence
+
+
+def test_two_ripples_are_two() -> None:
+    def ripples(angle: Floats, _: Floats) -> Floats:
+        return np.asarray(3e-5 * np.cos(40.0 * angle + 1.0) + 2e-5 * np.cos(71.0 * angle))
+
+    result = close_loop(LOADED.drive, [measured(added=ripples)])
+    print(result.sentence)
+    assert [named.name for named in result.effects] == ["ripple", "ripple"], result.sentence
+    found = sorted(
+        (n.parameters["cycles_per_output_rev"].value, n.parameters["amplitude_rad"].value) for n in result.effects
+    )
+    np.testing.assert_allclose(found, [(40.0, 3e-5), (71.0, 2e-5)], rtol=0.03)
+
+
+def test_without_torque_only_the_motion_is_judged() -> None:
+    result = close_loop(LOADED.drive, [measured(added=scale, torque=False)])
+    print(result.sentence)
+    assert [named.name for named in result.effects] == ["ratio_error"], result.sentence
+    assert result.effects[0].parameters["share"].value == pytest.approx(4e-4, rel=0.03)
+    assert any("torque" in words for words in result.not_testable), result.not_testable
+
+
+@pytest.mark.slow
+def test_runs_share_what_they_have_in_common() -> None:
+    result = close_loop(LOADED.drive, [measured(stiffer=0.3, seed=seed) for seed in (1, 2)])
+    print(result.sentence)
+    assert [named.name for named in result.effects] == ["stiffness_error"], result.sentence
+    share = result.effects[0].parameters["share"]
+    assert share.value == pytest.approx(0.3, rel=0.03)
+    assert len(result.traces) == 2

@@ -1,0 +1,42 @@
+"""What is held back has both directions and the loads of the whole, whatever the rhythm of the loads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.identification.holdout import held_sweeps, held_words
+from mbcdm_cad.measurement.run import Floats
+
+
+def sweeps(loads: list[float], count: int) -> tuple[np.ndarray, Floats, Floats]:
+    one = np.linspace(-0.5, 0.5, 50)
+    output = np.concatenate([one if k % 2 == 0 else one[::-1] for k in range(count)])
+    sweep = np.repeat(np.arange(count), one.size)
+    return sweep, output, np.array(loads)[sweep % len(loads)]
+
+
+@pytest.mark.parametrize("rhythm", [1, 2, 3, 4, 5, 6, 8])
+@pytest.mark.parametrize("count", [12, 16, 17, 24])
+def test_loads_and_directions_are_those_of_the_whole(rhythm: int, count: int) -> None:
+    levels = list(np.cos(np.pi * np.arange(rhythm) * 3 / max(rhythm, 1)) * np.linspace(1.0, 0.3, rhythm))
+    sweep, output, load = sweeps([float(v) for v in levels], count)
+    held = held_sweeps(sweep, output, load)
+    chosen = np.isin(sweep, held)
+    assert 0.15 <= chosen.mean() <= 0.35, held
+    assert {int(k) % 2 for k in held} == {0, 1}, held
+    whole, part = float(np.std(load)), float(np.std(load[chosen]))
+    print(f"rhythm {rhythm}, {count} half sweeps: spread of the load {whole:.3f}, held back {part:.3f}")
+    assert part >= 0.5 * whole, (held, whole, part)
+
+
+def test_few_or_unused_sweeps() -> None:
+    sweep, output, load = sweeps([1.0], 3)
+    assert held_sweeps(sweep, output, load).size == 1
+    assert held_sweeps(sweep - 2, output, None).size == 0
+    assert held_sweeps(sweep, output, None).size == 1
+
+
+def test_words_name_numbers_from_one_and_loads() -> None:
+    sweep, _, load = sweeps([0.9, -0.9], 8)
+    assert held_words(np.array([1, 4]), sweep, load) == "half sweeps 2, 5 (mean loads -0.9 to 0.9 N m)"

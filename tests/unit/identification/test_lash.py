@@ -1,0 +1,65 @@
+"""Play at an input: on a face while torque is carried, floating where none is, on the side of the bias at rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.identification.effects.base import Effect
+from mbcdm_cad.identification.effects.lash import offer
+from mbcdm_cad.identification.prepared import Prepared, prepare
+from mbcdm_cad.identification.setup import Setup, Simulator, declared, input_torque_Nm
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.model.si import DriveSI, to_si
+
+D: DriveSI = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+PLAY = 1e-3
+
+
+def run(load_Nm: float) -> Prepared:
+    """The drum stands; the load goes up and down."""
+    t = np.arange(0.0, 40.0, 0.05)
+    angle = 1e-3 * np.sin(2.0 * np.pi * t / 8.0)
+    load = load_Nm * np.sin(2.0 * np.pi * t / 20.0)
+    return prepare(Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, load), 9.0)
+
+
+def at_input(name: str, p: Prepared) -> Effect:
+    return next(e for e in offer(D, p) if e.stage == f"input_{name}")
+
+
+def lag_of(setup: Setup, changed: Setup, index: int) -> np.ndarray:
+    assert changed.shift_rad is not None
+    return -changed.shift_rad[index]
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_on_a_face_or_without_torque(index: int) -> None:
+    p = run(0.9)
+    setup = declared(D, 9.0, p)
+    changed = at_input(D.input_names[index], p).apply(setup, np.array([PLAY]), Simulator())
+    torque = input_torque_Nm(changed, index)
+    bias = float(np.sum(D.sigma * D.input_radius_m * D.preload_N * D.of_input(index)))
+    start = PLAY / 2.0 * np.sign(bias)
+    lag = lag_of(setup, changed, index) + start
+    inside = np.abs(lag) < 0.49 * PLAY
+    print(
+        f"bias {1e3 * bias:.1f} mN m; floats in {inside.mean():.0%} of samples, torque there at most "
+        f"{1e3 * np.abs(torque[inside]).max(initial=0.0):.2f} mN m, on the faces up to {1e3 * np.abs(torque).max():.1f}"
+    )
+    assert np.ptp(lag) == pytest.approx(PLAY, rel=1e-6)
+    assert np.abs(torque[inside]).max(initial=0.0) < 0.05 * np.abs(torque).max()
+    assert (torque[lag > 0.499 * PLAY] > -1e-3).all()
+    assert (torque[lag < -0.499 * PLAY] < 1e-3).all()
+
+
+def test_bias_holds_one_face_under_a_small_load() -> None:
+    p = run(0.05)
+    setup = declared(D, 9.0, p)
+    for name in D.input_names:
+        changed = at_input(name, p).apply(setup, np.array([PLAY]), Simulator())
+        lag = lag_of(setup, changed, D.input_names.index(name))
+        assert np.abs(lag).max() < 1e-9, (name, np.abs(lag).max())

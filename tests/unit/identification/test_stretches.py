@@ -1,0 +1,95 @@
+"""Long runs are cut so that the model remembers what it would have remembered of the whole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.design import load_design
+from mbcdm_cad.identification.fit import Fitter
+from mbcdm_cad.identification.prepared import prepare_both
+from mbcdm_cad.identification.stretches import SEARCH_SAMPLES, Cut, search_cut, whole_cut
+from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.measurement.sweeps import half_sweeps
+from mbcdm_cad.model.si import to_si
+
+D = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+RATIO = float(np.mean(D.total_ratio))
+STEP_S = 0.01
+
+
+def triangle(periods: int, period: int) -> np.ndarray:
+    t = np.arange(periods * period) / period
+    return np.asarray(0.45 * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * t)))
+
+
+def test_half_sweeps_begin_where_the_output_turns() -> None:
+    period, rng = 800, np.random.default_rng(1)
+    output = triangle(30, period) + rng.normal(0.0, 1e-3, 30 * period)
+    sweep = half_sweeps(output)
+    turns = np.flatnonzero(np.diff(sweep)) + 1
+    true = period / 4 + period / 2 * np.arange(60)
+    off = np.abs(turns - true[: turns.size])
+    print(f"{turns.size} turns, at most {off.max():.0f} samples off")
+    assert turns.size == 60
+    assert off.max() <= 8, off
+
+
+@pytest.mark.parametrize("half_sweep", [40, 400, 4000])
+@pytest.mark.parametrize("samples", [30_000, 300_000, 1_000_000])
+def test_cuts_cover_the_run_in_order_and_keep_whole_half_sweeps(half_sweep: int, samples: int) -> None:
+    sweep = np.arange(samples) // half_sweep
+    load = np.cos(np.arange(samples) * 0.37)
+
+    def check(cut: Cut, most: int) -> None:
+        dense = cut.index[~cut.lead]
+        print(f"{cut.index.size} samples, {cut.lead.sum()} of them lead in, stride {cut.stride}, starts {cut.starts}")
+        assert (np.diff(cut.index) > 0).all()
+        assert dense.size <= 1.3 * most
+        assert dense[0] == 0
+        assert dense[-1] >= samples - 2 * half_sweep - cut.stride
+        judged = cut.index[~cut.unknown]
+        assert np.unique(sweep[judged]).size >= 0.6 * np.unique(sweep[dense]).size
+        for start in cut.starts[1:]:
+            assert cut.index[start] % half_sweep == 0, "a stretch begins where the drive turns"
+
+    part = search_cut(sweep, load)
+    assert part is not None
+    check(part, SEARCH_SAMPLES)
+    check(whole_cut(sweep, load, STEP_S), 250_000)
+
+
+def test_short_runs_are_not_cut() -> None:
+    sweep = np.arange(16_000) // 500
+    assert search_cut(sweep, None) is None
+    cut = whole_cut(sweep, None, STEP_S)
+    assert np.array_equal(cut.index, np.arange(16_000))
+    assert not cut.unknown.any()
+
+
+def test_stretches_remember_what_the_whole_remembers() -> None:
+    """Loads change sign from sweep to sweep: a stretch that began from nothing would be tens of microradians off."""
+    period = 1600
+    output = triangle(60, period)
+    n = output.size
+    half = np.maximum(0, half_sweeps(output) - 1)
+    load = np.array([1.2, 0.3, 1.2, 0.3, -0.3, -1.2, -0.3, -1.2])[half % 8]
+    kernel = np.full(21, 1.0 / 21.0)
+    load = np.asarray(np.convolve(np.pad(load, 10, mode="edge"), kernel, mode="valid"))
+    inputs = RATIO * np.stack([output, output])
+    time_s = np.arange(n, dtype=float) * STEP_S
+    run = Run(time_s, inputs, output, load, sensors=Sensors(1e-4, 1e-6))
+    part, whole = prepare_both(run, RATIO)
+    assert part.cut.starts.size == 4
+    at_all = Fitter(D, RATIO, [whole]).predict((), (), np.zeros(1))
+    at_part = Fitter(D, RATIO, [part]).predict((), (), np.zeros(1))
+    everywhere = np.interp(part.cut.index, whole.cut.index, at_all)
+    off = 1e6 * np.abs(at_part - everywhere)
+    # On the load's flanks, where the drive turns, the two interpolate between other samples.
+    level = part.used & (np.abs(part.cut.index % (period // 2) - period // 4) > 30)
+    typical, worst = float(np.sqrt(np.mean(off[part.used] ** 2))), float(off[level].max())
+    print(f"stretches against the whole: {typical:.3f} urad RMS, {worst:.2f} urad at most between flanks")
+    assert typical < 0.3, typical
+    assert worst < 1.0, worst

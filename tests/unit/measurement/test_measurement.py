@@ -1,0 +1,238 @@
+"""Measurement files read: units, signs, loggers as they are; refusals with file, line and remedy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from logger_samples import RATIO, Write, mapping, signals, table
+
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.measurement import datafile
+from mbcdm_cad.measurement.reading import load_file, load_measurement, read_run
+from mbcdm_cad.rig.reading import read_experiment
+
+
+def with_column(name: str, **fields: Any) -> dict[str, Any]:
+    """The usual content with one column changed."""
+    content = mapping()
+    content["columns"][name] = content["columns"].get(name, {}) | fields
+    return content
+
+
+def refused(path: Path) -> str:
+    """What the refusal says, checked to have a file, a line and a remedy."""
+    with pytest.raises(InputError) as caught:
+        load_measurement(path)
+    for problem in caught.value.problems:
+        assert problem.file and problem.line >= 1 and problem.what and problem.remedy, problem
+    return str(caught.value)
+
+
+def test_plain_run(write: Write) -> None:
+    run = load_measurement(write(table(signals())))
+    assert run.input_rad.shape == (2, 400) and run.input_names == ("left", "right"), run.input_rad.shape
+    for values, name in ((run.time_s, "t"), (run.output_rad, "drum"), (run.load_Nm, "tau")):
+        np.testing.assert_allclose(values, signals()[name], rtol=1e-8, atol=1e-9)
+    assert len(run.sha256) == 64 and run.source == "run.csv"
+
+
+@pytest.mark.parametrize(
+    ("column", "name", "unit", "per_si"),
+    [
+        ("time", "t", "ms", 1e3),
+        ("time", "t", "us", 1e6),
+        ("time", "t", "min", 1 / 60),
+        ("output", "drum", "mrad", 1e3),
+        ("output", "drum", "urad", 1e6),
+        ("output", "drum", "deg", 57.29577951308232),
+        ("output", "drum", "arcmin", 3437.746770784939),
+        ("output", "drum", "rev", 0.15915494309189535),
+        ("load_torque", "tau", "mN*m", 1e3),
+        ("load_torque", "tau", "N*mm", 1e3),
+        ("load_torque", "tau", "kgf*cm", 10.197162129779283),
+        ("load_torque", "tau", "ozf*in", 141.61193227806),
+        ("load_torque", "tau", "lbf*ft", 0.7375621492773),
+    ],
+)
+def test_units(write: Write, column: str, name: str, unit: str, per_si: float) -> None:
+    data = signals()
+    run = load_measurement(
+        write(table(data | {name: data[name] * per_si}, digits="%.15g"), with_column(column, unit=unit))
+    )
+    read = {"time": run.time_s, "output": run.output_rad, "load_torque": run.load_Nm}[column]
+    np.testing.assert_allclose(read, data[name], rtol=1e-8, atol=1e-12)
+
+
+@pytest.mark.parametrize(("unit", "figure"), [("degC", 25.0), ("K", 298.15), ("degF", 77.0)])
+def test_temperature(write: Write, unit: str, figure: float) -> None:
+    data = signals() | {"temp": np.full(400, figure)}
+    run = load_measurement(write(table(data), with_column("temperature", column="temp", unit=unit)))
+    assert run.temperature_C is not None
+    np.testing.assert_allclose(run.temperature_C, 25.0, atol=1e-9)
+
+
+def test_counts_zero_and_sign(write: Write) -> None:
+    data = signals()
+    counts = np.round(-data["drum"] / (2 * np.pi) * 8192) + 100
+    content = with_column("output", unit="counts", counts_per_turn=8192, scale=-1, zero=100)
+    run = load_measurement(write(table(data | {"drum": counts}), content))
+    step = 2 * np.pi / 8192
+    assert np.abs(run.output_rad - data["drum"]).max() <= 0.5001 * step
+    assert run.sensors.output_resolution_rad == pytest.approx(step)
+
+
+@pytest.mark.parametrize(
+    ("sign", "word"),
+    [(",", "comma"), (";", "semicolon"), ("\t", "tab"), ("  ", "space"), (";", "auto"), ("\t", "auto")],
+)
+def test_delimiters(write: Write, sign: str, word: str) -> None:
+    run = load_measurement(write(table(signals(), sign), mapping(delimiter=word)))
+    np.testing.assert_allclose(run.output_rad, signals()["drum"], atol=1e-8)
+
+
+def test_decimal_comma_and_line_ends(write: Write) -> None:
+    text = table(signals(), ";").replace(".", ",").replace("\n", "\r\n")
+    run = load_measurement(write(text, mapping(decimal="comma")))
+    np.testing.assert_allclose(run.output_rad, signals()["drum"], atol=1e-8)
+
+
+def test_byte_order_mark_quotes_and_latin_letters(write: Write) -> None:
+    text = table(signals() | {"Temp °C": np.zeros(400)}).replace("left", '"left"', 1)
+    for data in (b"\xef\xbb\xbf" + text.encode(), text.encode("latin-1")):
+        run = load_measurement(write(data, with_column("temperature", column="Temp °C", unit="degC")))
+        assert run.temperature_C is not None and run.time_s.size == 400
+
+
+def test_header_in_a_comment_and_rows_to_skip(write: Write) -> None:
+    text = "Bench 7\n\n% operator: none\n% " + table(signals())
+    run = load_measurement(write(text, mapping(comment="%", skip_rows=1)))
+    np.testing.assert_allclose(run.output_rad, signals()["drum"], atol=1e-8)
+
+
+def test_columns_by_number_where_there_is_no_header(write: Write) -> None:
+    text = table(signals()).split("\n", 1)[1]
+    content = mapping()
+    for number, column in enumerate(content["columns"].values(), 1):
+        column["column"] = number
+    run = load_measurement(write(text, content))
+    assert run.time_s.size == 400
+    assert "no header" in refused(write(text))
+
+
+BROKEN = {
+    "short": ("0.2,1.8", "another length"),
+    "long": ("0.2,1,1,0.1,0.9,7,7", "another length"),
+    "text": ("0.2,1,ERR,0.1,0.9", "no number in 'right'"),
+    "nan": ("0.2,1,1,nan,0.9", "no finite number in 'drum'"),
+    "empty": ("0.2,1,,0.1,0.9", "no number in 'right'"),
+    "grouped": ("0.2,1_0,1,0.1,0.9", "no number in 'left'"),
+    "zero byte": ("0.2,1,\x00,0.1,0.9", "no number in 'right'"),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_broken_rows_are_refused_or_skipped(write: Write, kind: str) -> None:
+    row, what = BROKEN[kind]
+    lines = table(signals()).split("\n")
+    lines[20] = row
+    text = refused(write("\n".join(lines)))
+    assert what in text and "run.csv:21:" in text and "broken_rows: skip" in text, text
+    reading = read_run(load_file(write("\n".join(lines), mapping(broken_rows="skip"))))
+    assert reading.run.time_s.size == 399 and reading.notes == ("1 broken rows of run.csv left out (lines 21)",)
+
+
+def test_too_many_broken_rows(write: Write) -> None:
+    lines = table(signals()).split("\n")
+    lines[20:40] = ["7"] * 20
+    text = refused(write("\n".join(lines), mapping(broken_rows="skip")))
+    assert "too many broken rows (value 20 of 400" in text, text
+
+
+def test_lines_are_right_across_blocks_and_comments(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = table(signals()).split("\n")
+    lines[100:100] = ["# paused", ""]
+    lines[300] = lines[299]
+    for size in (64, 1000, 1 << 20):
+        monkeypatch.setattr(datafile, "BLOCK_BYTES", size)
+        text = refused(write("\n".join(lines)))
+        assert "run.csv:301: time stands still" in text, (size, text)
+
+
+def test_blocks_change_nothing(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(table(signals()).rstrip("\n"))
+    whole = load_measurement(path)
+    monkeypatch.setattr(datafile, "BLOCK_BYTES", 100)
+    parts = load_measurement(path)
+    assert np.array_equal(whole.input_rad, parts.input_rad) and np.array_equal(whole.time_s, parts.time_s)
+
+
+def test_refusals_of_the_mapping(write: Write) -> None:
+    text = table(signals())
+    assert "did you mean drum?" in refused(write(text, with_column("output", column="drun")))
+    assert "did you mean mrad?" in refused(write(text, with_column("output", unit="mrd")))
+    assert "give counts_per_turn" in refused(write(text, with_column("output", unit="counts")))
+    assert "1 to 5" in refused(write(text, with_column("output", column=9)))
+    assert "no such file" in refused(write(text, mapping(data="other.csv")))
+    assert "not a regular file" in refused(write(text, mapping(data=".")))
+    assert "did you mean columns?" in refused(write(text, mapping(colums={})))
+    assert "an input is missing" in refused(write(text, mapping(columns={
+        "time": {"column": "t", "unit": "s"}, "output": {"column": "drum", "unit": "rad"}})))  # fmt: skip
+    assert "nothing is left" in refused(write(text, with_column("output", scale=0)))
+    assert "beside published" in refused(write(text, mapping(published=[
+        {"quantity": "mass", "value": 342, "unit": "g", "where": "Table 1"}])))  # fmt: skip
+    content = mapping()
+    content["columns"]["input"] = {"column": "left", "unit": "rad"}
+    assert "given beside input_left" in refused(write(text, content))
+
+
+FOREIGN = {
+    "nothing": ("", "is empty"),
+    "two documents": ("data: x\n---\ndata: y\n", "one document in a file"),
+    "a tag": ("data: !!float 3\n", "tags are not part of"),
+    "a merge key": ("<<: {data: x}\n", "merge keys are not part of"),
+    "no YAML": ("data: [1\n", "is not valid YAML"),
+    "too much": ("data: [" + "1," * 6000 + "1]\n", "need some hundred at most"),
+    "far too much": ("a" * 2_000_000, "about 10 kB at most"),
+    "the CSV itself": (table(signals()), "no measurement file: it has no fields"),
+}
+
+
+@pytest.mark.parametrize("which", FOREIGN)
+def test_what_is_no_measurement_file_is_called_by_its_kind(which: str, tmp_path: Path) -> None:
+    text, words = FOREIGN[which]
+    path = tmp_path / "run.yaml"
+    path.write_text(text)
+    said = refused(path)
+    assert words in said and "design" not in said and "mbcdm init" not in said, said
+    experiment = ""
+    try:
+        read_experiment(path)
+    except InputError as error:
+        experiment = str(error).replace(str(path), "")
+    assert experiment and not any(word in experiment for word in ("design", "mbcdm init", "measurement")), experiment
+
+
+def test_refusals_of_the_data(write: Write) -> None:
+    data = signals()
+    back = data["t"].copy()
+    back[200:] -= 1.0
+    assert "run.csv:202: time runs backwards" in refused(write(table(data | {"t": back})))
+    assert "too few samples (value 50" in refused(write(table(signals(50))))
+    assert "no motion of the output" in refused(write(table(data | {"drum": np.full(400, 0.3)})))
+    assert "no motion of the input right" in refused(write(table(data | {"right": np.full(400, 0.3)})))
+    assert "no rows" in refused(write(""))
+    assert "no rows below" in refused(write("t,left,right,drum,tau\n"))
+    assert "UTF-16" in refused(write(table(data).encode("utf-16")))
+    assert "a line too long" in refused(write("1" * 100_000))
+    assert "2 columns of that name" in refused(write(table(data).replace("tau", "drum", 1)))
+
+
+def test_one_input_and_a_ratio(write: Write) -> None:
+    columns = mapping()["columns"]
+    columns["input"] = columns.pop("input_left")
+    del columns["input_right"]
+    run = load_measurement(write(table(signals()), mapping(columns=columns, ratio=RATIO)))
+    assert run.input_rad.shape == (1, 400) and run.input_names == ("input",) and run.ratio == RATIO
