@@ -122,10 +122,10 @@ def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
     """From a finished output: one BREP a part, and the plan that bare_build.py follows."""
     import cadquery as cq
 
-    from mbcdm_cad.assembly.bill import bill
     from mbcdm_cad.build.meshing import kernel_tolerances
+    from mbcdm_cad.configurations.miso_bevel.bill import bill
+    from mbcdm_cad.configurations.miso_bevel.layout import layout
     from mbcdm_cad.design import load_design
-    from mbcdm_cad.layout.layout import layout
 
     drive = load_design(design).drive
     assembly = bill(layout(drive))

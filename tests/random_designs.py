@@ -27,14 +27,14 @@ sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it i
 
 from random_generator import Passing, passing
 
-from mbcdm_cad.assembly.bill import CABLE, bill
 from mbcdm_cad.build.interference import interferences
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.poses import travel_poses
-from mbcdm_cad.checks.envelope import box_mm
 from mbcdm_cad.checks.subject import Subject
-from mbcdm_cad.layout.layout import layout
+from mbcdm_cad.configurations.miso_bevel.bill import CABLE, bill
+from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
+from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.parts.make import make
 
 STAGES = ("draw", "sound", "mesh", "interference", "box")

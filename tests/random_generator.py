@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 import yaml
 
-from mbcdm_cad.checks import CheckResult
-from mbcdm_cad.checks.envelope import box_mm
 from mbcdm_cad.checks.finding import Check
 from mbcdm_cad.checks.knobs import Budget
 from mbcdm_cad.checks.registry import CHECKS
+from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.subject import NoFigureError, Subject
+from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.design import LoadedDesign, load_text
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.template import reference_data

@@ -22,11 +22,11 @@ from OCP.GProp import GProp_GProps
 from OCP.TopoDS import TopoDS_Shape
 from threadpoolctl import threadpool_limits
 
-from mbcdm_cad.assembly.bill import CABLE, bill, cable_item
 from mbcdm_cad.build.clash import Clash, cable_clashes
 from mbcdm_cad.build.kernel import kernel_shape, location
-from mbcdm_cad.layout.cable_path import FREE, ON_DRUM, WOUND, CablePath, winding
-from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.bill import CABLE, bill, cable_item
+from mbcdm_cad.configurations.miso_bevel.cable_path import FREE, ON_DRUM, WOUND, CablePath, winding
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.storage.parallel import fork_map
 

@@ -11,7 +11,7 @@ from OCP.Message import Message_ProgressRange
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 
-from mbcdm_cad.assembly.placement import Placement
+from mbcdm_cad.parts.placement import Placement
 
 # A cadquery.Shape (anything with ``wrapped``) or the kernel's own shape; cadquery itself is not needed to write files.
 Shape = Any

@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.assembly.item import Item
-from mbcdm_cad.assembly.placement import Placement, Vector
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement, Vector
 
 Matrix = tuple[Vector, Vector, Vector]
 _KG_M2_PER_G_MM2 = 1e-9

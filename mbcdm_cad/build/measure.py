@@ -7,9 +7,9 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 
-from mbcdm_cad.assembly.placement import Placement, Vector
 from mbcdm_cad.build.kernel import Shape, kernel_shape, location
 from mbcdm_cad.build.mass import Matrix, ShapeProperties
+from mbcdm_cad.parts.placement import Placement, Vector
 
 
 def measure(solid: Shape) -> ShapeProperties:

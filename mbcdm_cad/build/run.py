@@ -10,21 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.assembly.bill import Bill, bill
-from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.build.store import MadePart, Progress, Store
-from mbcdm_cad.checks import (
-    CheckResult,
-    envelope_check,
-    frame_windup_check,
-    interference_check,
-    mass_check,
-    run_checks,
-)
+from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
+from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.run import run_checks
+from mbcdm_cad.configurations.miso_bevel.bill import Bill, bill
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layout.layout import Layout, layout
+from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions

@@ -13,14 +13,14 @@ from functools import partial
 from math import radians
 from typing import Any
 
-from mbcdm_cad.assembly.bill import CABLE, PartSpec, bill
-from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.configurations.miso_bevel.bill import CABLE, PartSpec, bill
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.support import stiffness as frame_stiffness
+from mbcdm_cad.configurations.miso_bevel.support.stiffness import FrameCompliance
 from mbcdm_cad.design.drive import Material
-from mbcdm_cad.layout import frame_stiffness
-from mbcdm_cad.layout.frame_stiffness import FrameCompliance
-from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
@@ -59,7 +59,7 @@ class Store:
         missing: dict[str, str] = {}
         for name, spec in specs.items():
             module = spec.maker.partition(":")[0]
-            source = source_hash(f"mbcdm_cad.parts.{module}", "mbcdm_cad.build.drawn")
+            source = source_hash(module, "mbcdm_cad.build.drawn")
             key = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
             blobs = self._cache.get(key)
             if blobs is None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.assembly.placement import Placement
+from mbcdm_cad.parts.placement import Placement
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]

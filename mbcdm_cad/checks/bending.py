@@ -13,7 +13,7 @@ import numpy as np
 from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
 from mbcdm_cad.checks.knobs import down, floored, up
 from mbcdm_cad.checks.subject import Subject
-from mbcdm_cad.layout.cable_path import stop_geometry
+from mbcdm_cad.configurations.miso_bevel.cable_path import stop_geometry
 
 # Strength efficiency of wire rope bent over D/d, from rope makers' tables.
 EFFICIENCY_RATIO = (10.0, 15.0, 20.0, 40.0)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from functools import partial
 
 from mbcdm_cad.checks.finding import Check
-from mbcdm_cad.checks.registry import BUILD_IDS, FAMILIES
+from mbcdm_cad.checks.registry import BUILD_IDS
 from mbcdm_cad.checks.result import figures
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.checks import FAMILIES
 from mbcdm_cad.design.drive import Drive
 
 _HEAD = """\

@@ -13,10 +13,10 @@ from mbcdm_cad.checks.knobs import Budget, offers
 from mbcdm_cad.checks.registry import CHECKS, known_ids
 from mbcdm_cad.checks.result import CheckResult, Status
 from mbcdm_cad.checks.subject import NoFigureError, Subject
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, Problem, did_you_mean
-from mbcdm_cad.layout.layout import Layout
 
 
 def run_checks(design: Drive | Layout | LoadedDesign) -> tuple[CheckResult, ...]:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.configurations.miso_bevel.cable_path import CablePath
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
 from mbcdm_cad.design.drive import CableRun, Drive
-from mbcdm_cad.layout.cable_path import CablePath
-from mbcdm_cad.layout.layout import Layout, layout
-from mbcdm_cad.layout.stack import Stack, stack
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI

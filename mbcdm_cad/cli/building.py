@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from mbcdm_cad.checks import CheckResult
+from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.storage.cache import Cache, cache_folder
 

@@ -9,8 +9,8 @@ import cadquery as cq
 
 
 def make(maker: str, args: tuple[Any, ...]) -> cq.Solid:
-    """Call ``module:function`` of this package with ``args``."""
+    """Call ``module:function`` (the module's full name) with ``args``."""
     module, _, function = maker.partition(":")
-    solid = getattr(import_module(f"mbcdm_cad.parts.{module}"), function)(*args)
+    solid = getattr(import_module(module), function)(*args)
     assert isinstance(solid, cq.Solid), f"{maker} returned {type(solid).__name__}"
     return solid

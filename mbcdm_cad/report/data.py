@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.assembly.bill import Bill
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.mass import MassProperties, combined
 from mbcdm_cad.build.store import MadePart
-from mbcdm_cad.checks import CheckResult
-from mbcdm_cad.layout.frame_stiffness import FrameCompliance
-from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.configurations.miso_bevel.assembly_order import assembly_order
+from mbcdm_cad.configurations.miso_bevel.bill import Bill
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.support.stiffness import FrameCompliance
 from mbcdm_cad.model import analyse, measured
-from mbcdm_cad.report.assembly_order import assembly_order
 from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
 from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.torsion import torsion_data

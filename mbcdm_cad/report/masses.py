@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.assembly.bill import CABLE, Bill, bill
-from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.store import MadePart
+from mbcdm_cad.configurations.miso_bevel.bill import CABLE, Bill, bill
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.parts.item import Item
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
 # (density of the alloy and machining tolerances). Parts of one kind err together, different kinds independently.

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures, path_figures
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layout.layout import Layout, layout
-from mbcdm_cad.layout.path_figures import PathFigures, path_figures
 from mbcdm_cad.model import DriveSI, ModelError, to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.stiffness import sticking_response

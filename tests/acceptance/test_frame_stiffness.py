@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads, unit_tensions_N
+from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
 from mbcdm_cad.design import load_design
-from mbcdm_cad.layout.frame_loads import seat_loads, unit_tensions_N
-from mbcdm_cad.layout.frame_stiffness import frame_compliance
-from mbcdm_cad.layout.layout import Layout, layout
 from mbcdm_cad.model.si import to_si
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
@@ -80,7 +80,7 @@ def test_brick_stores_nothing_in_rigid_motion_and_bends_as_a_beam() -> None:
 
 @pytest.mark.slow
 def test_shape_of_the_elements_is_that_of_the_parts() -> None:
-    from mbcdm_cad.assembly.bill import bill
+    from mbcdm_cad.configurations.miso_bevel.bill import bill
     from mbcdm_cad.parts.make import make
 
     dims = dims_of()

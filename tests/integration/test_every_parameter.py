@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.assembly.bill import bill
-from mbcdm_cad.checks import run_checks
+from mbcdm_cad.checks.run import run_checks
+from mbcdm_cad.configurations.miso_bevel.bill import bill
+from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.design import load_text
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.describe import json_schema, named_values, node_at, solid
 from mbcdm_cad.design.template import reference_data
-from mbcdm_cad.layout.layout import layout
 from mbcdm_cad.model import analyse
 
 Path = tuple[str | int, ...]
@@ -222,7 +222,7 @@ def test_materials_change_masses_not_dimensions() -> None:
 
 
 def test_mass_targets_are_held_against_the_mass() -> None:
-    from mbcdm_cad.checks import mass_check
+    from mbcdm_cad.checks.built import mass_check
 
     drive = load_text(edited({})).drive
     base = asdict(mass_check(drive, 345.0, 1.0))
@@ -232,7 +232,7 @@ def test_mass_targets_are_held_against_the_mass() -> None:
 
 
 def test_windup_limit_is_held_against_the_windup() -> None:
-    from mbcdm_cad.checks import frame_windup_check
+    from mbcdm_cad.checks.built import frame_windup_check
 
     status = []
     for limit in (0.01, 0.03):
@@ -266,7 +266,7 @@ def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
 
 def test_prototype_mass_stands_in_the_report() -> None:
     from mbcdm_cad.build.store import Store
-    from mbcdm_cad.layout.frame_stiffness import frame_compliance
+    from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
     from mbcdm_cad.report.data import report_data
     from mbcdm_cad.storage.cache import Cache
 

@@ -15,8 +15,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests are no package: 
 import random_designs
 from random_generator import Passing, draw, passing
 
-from mbcdm_cad.checks import run_checks
-from mbcdm_cad.layout.layout import Layout, layout
+from mbcdm_cad.checks.run import run_checks
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 
 SEEDS = range(1, 25)
 FEW, MANY = 3, 6

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.assembly.item import Item, sorted_items
-from mbcdm_cad.assembly.placement import Placement
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Material
+from mbcdm_cad.parts.item import Item, sorted_items
+from mbcdm_cad.parts.placement import Placement
 
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # (x, y, z) becomes (x, z, -y)
 _METRES = 1e-3

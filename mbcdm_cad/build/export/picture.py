@@ -27,10 +27,10 @@ from vtkmodules.vtkRenderingCore import (
     vtkWindowToImageFilter,
 )
 
-from mbcdm_cad.assembly.item import Item, sorted_items
-from mbcdm_cad.assembly.placement import Placement, Vector
 from mbcdm_cad.build.trianglemesh import FloatArray, IntArray, TriangleMesh
 from mbcdm_cad.errors import OutputError
+from mbcdm_cad.parts.item import Item, sorted_items
+from mbcdm_cad.parts.placement import Placement, Vector
 
 # Where the camera stands, seen from the model; z points up in the picture (in those from above and below, y does).
 VIEWS: dict[str, Vector] = {

@@ -11,15 +11,15 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.assembly.bill import CABLE, Bill, bill
-from mbcdm_cad.assembly.item import Item
-from mbcdm_cad.assembly.placement import Placement
 from mbcdm_cad.build import interference
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import interferences
 from mbcdm_cad.build.poses import travel_poses
-from mbcdm_cad.layout.layout import Layout, layout
+from mbcdm_cad.configurations.miso_bevel.bill import CABLE, Bill, bill
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.make import make
+from mbcdm_cad.parts.placement import Placement
 
 Move = Callable[[dict[str, Placement]], None]
 
@@ -71,7 +71,7 @@ def test_a_thicker_guide_meets_the_drum_and_its_cables(dims: Layout, solids: dic
     grown = 0.3
     radii = dims.guide.surface_radii
     thick = replace(dims.guide, surface_radii=(radii[0] + grown, *radii[1:]))
-    drawn = {**solids, "guide": make("guide:create_guide", (thick,))}
+    drawn = {**solids, "guide": make("mbcdm_cad.parts.idler_pulley.draw:create_idler_pulley", (thick,))}
     found = interferences(dims, drawn, (0.0,))
     assert pairs(found) == {("drum", "guide"), ("cable_1", "guide")}
     (clash,) = [c for c in found if "drum" in (c.first, c.second)]
@@ -151,7 +151,8 @@ def test_past_the_stops_the_pin_cuts_the_slots_end(dims: Layout, solids: dict[st
 def test_a_thicker_stop_pin_meets_frame_and_drum(dims: Layout, solids: dict[str, Any]) -> None:
     """Radius 1.8: a ring of 0.3 mm in the frame's hole; and 0.15 mm into both sides of the slot."""
     length = dims.drum.web_end_y + 0.5 - dims.frame.stop_pin_start_y
-    few = {name: solids[name] for name in ("drum", "frame")} | {"stop_pin": make("ring:create_pin", (1.8, length))}
+    thick = make("mbcdm_cad.parts.ring:create_pin", (1.8, length))
+    few = {name: solids[name] for name in ("drum", "frame")} | {"stop_pin": thick}
     found = interferences(dims, few, (0.0,))
     assert pairs(found) == {("frame", "stop_pin"), ("drum", "stop_pin")}
     volume = {c.first: c.volume_mm3 for c in found} | {c.second: c.volume_mm3 for c in found}
@@ -179,7 +180,7 @@ def test_a_nut_turned_into_its_pockets_wall(dims: Layout, solids: dict[str, Any]
     """A nut may stand at any angle; one with corners 0.6 mm too far out may not."""
     move({"nut_cable_1_1": Placement.about((0.0, 0.0, 1.0), 30.0), "nut_cable_2_2": Placement.about((0, 0, 1), 15.0)})
     assert not interferences(dims, on_drum(solids), (0.0,))
-    large = make("ring:create_nut", (dims.drive.tensioner.nut_across_flats_mm + 2.2, 1.3, 1.6))
+    large = make("mbcdm_cad.parts.ring:create_nut", (dims.drive.tensioner.nut_across_flats_mm + 2.2, 1.3, 1.6))
     found = interferences(dims, {**on_drum(solids), "nut": large}, (0.0,))
     assert ("drum", "nut_cable_2_1") in pairs(found)
 
@@ -187,7 +188,7 @@ def test_a_nut_turned_into_its_pockets_wall(dims: Layout, solids: dict[str, Any]
 def test_a_screw_one_size_too_long(dims: Layout, solids: dict[str, Any]) -> None:
     """M2x8 in holes drilled for M2x6: 1.5 mm of thread in solid frame, four times."""
     drive = dims.drive
-    longer = make("bought:create_screw", (replace(drive.screw("M2x8"), name="M2x6"),))
+    longer = make("mbcdm_cad.parts.bought.draw:create_screw", (replace(drive.screw("M2x8"), name="M2x6"),))
     found = interferences(dims, {"screw_M2x6": longer, "frame": solids["frame"]}, (0.0,))
     plate = [c for c in found if "plate_screw" in c.first + c.second]
     assert len(plate) == 4

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from mbcdm_cad.checks import envelope_check, frame_windup_check, interference_check, mass_check
+from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
 from mbcdm_cad.design.drive import Drive, Waiver
 
 

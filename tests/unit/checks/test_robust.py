@@ -12,10 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from loadable_designs import loaded, random_data, random_drives
 
-from mbcdm_cad.checks import run_checks
 from mbcdm_cad.checks.knobs import ALL_RADII, KNOBS
 from mbcdm_cad.checks.registry import CHECKS
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import run_check, run_checks
 from mbcdm_cad.checks.subject import Subject
 from mbcdm_cad.design.drive import Drive
 

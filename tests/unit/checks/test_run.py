@@ -11,14 +11,14 @@ import pytest
 import yaml
 from designs import put, with_cable
 
-from mbcdm_cad.checks import failed, run_checks
 from mbcdm_cad.checks.registry import BUILD_IDS, CHECKS, known_ids
 from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.run import failed, run_checks
+from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.design import load_design, load_text
 from mbcdm_cad.design.drive import Drive, Waiver
 from mbcdm_cad.design.template import reference_data
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layout.layout import layout
 
 PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

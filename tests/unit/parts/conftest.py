@@ -7,10 +7,10 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
-from mbcdm_cad.assembly.bill import Bill, bill
+from mbcdm_cad.configurations.miso_bevel.bill import Bill, bill
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layout.layout import Layout, layout
 from mbcdm_cad.parts.make import make
 
 ROOT = Path(__file__).parents[3]

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from mbcdm_cad.assembly.bill import Bill
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.validate import validate_solid
-from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.bill import Bill
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
 
 from .golden import golden_volumes
 

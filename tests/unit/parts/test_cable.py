@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.build.measure import bounding_box
-from mbcdm_cad.layout.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.parts.cable import create_cable
 
 

@@ -8,11 +8,11 @@ from math import pi, radians, sqrt
 import cadquery as cq
 import numpy as np
 
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.support.top_plate import create_top_plate
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layout.layout import Layout
-from mbcdm_cad.parts.drum import create_drum
-from mbcdm_cad.parts.input_pulley import create_input_pulley
-from mbcdm_cad.parts.top_plate import create_top_plate
+from mbcdm_cad.parts.drum_sector.draw import create_drum
+from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 
 TOLERANCE = 1e-9
 

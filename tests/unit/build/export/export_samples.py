@@ -6,9 +6,9 @@ import math
 
 import cadquery as cq
 
-from mbcdm_cad.assembly.item import Item
-from mbcdm_cad.assembly.placement import Placement
 from mbcdm_cad.design.drive import Material
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement
 
 
 def material(name: str, density_g_cm3: float, colour: tuple[float, float, float]) -> Material:

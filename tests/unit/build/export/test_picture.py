@@ -13,13 +13,13 @@ import pytest
 from export_samples import material
 from matplotlib import image
 
-from mbcdm_cad.assembly.item import Item
-from mbcdm_cad.assembly.placement import Placement
 from mbcdm_cad.build.export import picture
 from mbcdm_cad.build.export.picture import VIEWS, picture_png
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.errors import OutputError
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement
 
 RED, BLUE = material("red", 1.0, (1.0, 0.0, 0.0)), material("blue", 1.0, (0.0, 0.0, 1.0))
 SIZE = (320, 240)

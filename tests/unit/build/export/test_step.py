@@ -14,10 +14,10 @@ import pytest
 from export_samples import STEEL
 from OCP.Quantity import Quantity_TypeOfColor
 
-from mbcdm_cad.assembly.item import Item
 from mbcdm_cad.build.export.step import assembly_step, part_step
 from mbcdm_cad.build.export.step_text import canonical_step, with_description
 from mbcdm_cad.build.kernel import brep_bytes, shape_from_brep
+from mbcdm_cad.parts.item import Item
 
 # Another process: other addresses, another order of items, other exports before.
 _ELSEWHERE = """

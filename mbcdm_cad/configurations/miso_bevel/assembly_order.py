@@ -1,0 +1,150 @@
+"""The order in which the mechanism goes together: what joins at each step, with the tool and why it reaches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from mbcdm_cad.configurations.miso_bevel.bill import cable_item
+from mbcdm_cad.configurations.miso_bevel.cable_path import winding
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, PLATE_SCREW
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step: what to do, and the items of the assembly that stand in place after it, in the order they join."""
+
+    text: str
+    items: tuple[str, ...] = ()
+
+
+def assembly_order(layout: Layout) -> tuple[Step, ...]:
+    """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
+    return (*_bench(layout), *_drives(layout), *_pulleys(layout), *_drum(layout))
+
+
+def _key(layout: Layout, screw: str) -> str:
+    return f"{layout.drive.screw(screw).key_mm:g} mm key"
+
+
+def _each(stem: str, layout: Layout, count: int = 0) -> tuple[str, ...]:
+    """Items ``stem_<input>``, or ``stem_<input>_1`` to ``_<count>``, of both inputs."""
+    ends = [f"_{n}" for n in range(1, count + 1)] or [""]
+    return tuple(f"{stem}_{p.name}{end}" for p in layout.inputs for end in ends)
+
+
+def _numbered(stem: str, count: int) -> tuple[str, ...]:
+    return tuple(f"{stem}_{n}" for n in range(1, count + 1))
+
+
+def _behind_the_guide(layout: Layout) -> tuple[str, ...]:
+    """Cables that pass between guide and back plate, where a swaged terminal finds no way through."""
+    return tuple(c.name for c in layout.drive.cables if winding(layout.drive, c).guide_wrap_rad > pi)
+
+
+def _bench(layout: Layout) -> tuple[Step, ...]:
+    drive = layout.drive
+    rope, ring = drive.cable, drive.drum_encoder
+    return (
+        Step(
+            f"Swage the stops on one end of each cable ({rope.name}, {rope.diameter_mm:g} mm) and the threaded "
+            f"terminals ({drive.tensioner.name}) on the other, to the cut lengths of the bill of materials."
+        ),
+        Step(
+            f"Press the drum bearings ({drive.bearings.drum.name}) into the frame's boss from both sides, push the "
+            "drum shaft in from behind until its flange rests on the rear bearing, and screw the ring encoder on "
+            f"behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}). "
+            "The base closes this side in the next step.",
+            (
+                *("frame", "drum_bearing_front", "drum_bearing_rear", "drum_shaft", "drum_encoder"),
+                *_numbered("drum_encoder_screw", 2),
+            ),
+        ),
+        Step(
+            f"Bolt the frame to its base with {len(layout.frame.mounts)} {MOUNT_SCREW} through the back plate, "
+            f"from the front ({MOUNT_SCREW_KEY_MM:g} mm key): collars and drum will stand before their heads."
+        ),
+    )
+
+
+def _drives(layout: Layout) -> tuple[Step, ...]:
+    gear, collar_screw = layout.drive.gearhead, layout.collar.screw
+    return (
+        Step(
+            "Screw the gearheads with their motors under the motor shelf "
+            f"({gear.screw_count} x {gear.screw} each). The screws go in through the open front of the coupling space; "
+            f"the {_key(layout, gear.screw)} reaches their heads from above, through the key holes in the shoulder of "
+            "the empty lower bearing seats.",
+            _each("gearhead", layout) + _each("motor", layout) + _each("gearhead_screw", layout, 2),
+        ),
+        Step(
+            f"Pass the clamp collars, their screws ({collar_screw}) loose, over the gearhead shafts through the open "
+            f"front. Press the lower bearings ({layout.drive.bearings.input_lower.name}) into the bearing shelf "
+            "from above.",
+            _each("collar", layout) + _each("collar_screw", layout) + _each("input_bearing_lower", layout),
+        ),
+    )
+
+
+def _pulleys(layout: Layout) -> tuple[Step, ...]:
+    drive, bearings, collar_screw = layout.drive, layout.drive.bearings, layout.collar.screw
+    encoder = drive.encoder
+    names = tuple(c.name for c in drive.cables)
+    behind = " and ".join(_behind_the_guide(layout))
+    loop = f"Lay the free ends of {behind} behind the axle. " if behind else ""
+    return (
+        Step(
+            "Hook the stops of each cable into the slots in the end faces of its input pulley, wind the dead turns and "
+            "half of the live turns and hold them with tape. Lower the pulleys through bearing and collar onto the "
+            f"gearhead shafts and close the collars from the front ({_key(layout, collar_screw)}).",
+            _each("input_pulley", layout)
+            + tuple(f"stop_{name}" for name in names)
+            + tuple(cable_item(name) for name in names),
+        ),
+        Step(
+            f"Set the guide axle into the bearing shelf and fix it with its set screw ({AXLE_SCREW}, "
+            f"{_key(layout, AXLE_SCREW)}, from the front). {loop}"
+            f"Slide on the guide with its two bearings ({bearings.guide.name}), then the spacer.",
+            ("guide_axle", "axle_set_screw", "guide", "guide_bearing_lower", "guide_bearing_upper", "guide_spacer"),
+        ),
+        Step(
+            "Press the two dowels into the side walls. On the bench, press the upper bearings "
+            f"({bearings.input_upper.name}) into the top plate from below and screw the encoders to it from below "
+            f"({encoder.screw_count} x {encoder.screw} each, {_key(layout, encoder.screw)}). Lower the "
+            f"plate over journals, axle and dowels, tighten four {PLATE_SCREW} ({_key(layout, PLATE_SCREW)}), then "
+            "the encoders' own clamps.",
+            (
+                *_numbered("dowel", 2),
+                "top_plate",
+                *_each("input_bearing_upper", layout),
+                *_each("encoder", layout),
+                *_each("encoder_screw", layout, 2),
+                *_numbered("plate_screw", len(layout.frame.plate_screws)),
+            ),
+        ),
+    )
+
+
+def _drum(layout: Layout) -> tuple[Step, ...]:
+    drive, hub_screw = layout.drive, layout.drum.set_screw
+    names = tuple(c.name for c in drive.cables)
+    preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
+    return (
+        Step(
+            "Lead each cable round the guide on its own step and out to its side, and hold it taut there: between "
+            "guide and drum there will be no room to lay it in. Push the drum onto the shaft until its spigot touches "
+            "the front bearing, then press the stop pin through the slot into the web between the shelves. Tighten the "
+            f"hub's two set screws ({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the web).",
+            ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
+        ),
+        Step(
+            "Lay each cable onto its land. With nut and lock nut run on to the stud's end, drop its terminal sideways "
+            "into the slotted lug from the drum's inner side.",
+            tuple(item for name in names for item in (f"terminal_{name}", f"nut_{name}_1", f"nut_{name}_2")),
+        ),
+        Step(
+            f"With the drum centred and the motors holding, tension the cables in turn to {preloads} N with a "
+            f"{drive.tensioner.nut_across_flats_mm:g} mm spanner, holding the swage; lock the nuts."
+        ),
+    )

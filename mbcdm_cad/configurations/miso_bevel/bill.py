@@ -1,0 +1,364 @@
+"""What the assembly is made of: every part with the function that draws it, every instance with its place.
+
+No kernel here: with all parts in the cache, a build never draws.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import atan2, cos, degrees, radians, sin
+from typing import Any
+
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
+from mbcdm_cad.design.drive import Drive, Material, Screw
+from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, StopSlot
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement
+
+_X: tuple[float, float, float] = (1.0, 0.0, 0.0)
+_Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
+_Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
+# A part drawn along +Z laid along +Y, or -Y.
+_ALONG_Y = Placement.about(_X, -90.0)
+_AGAINST_Y = Placement.about(_X, 90.0)
+_UPSIDE_DOWN = Placement.about(_X, 180.0)
+RING_ENCODER_GRIP_MM = 2.0
+CABLE = "cable_"
+# Colours (linear RGB) that tell bought bodies and cables from machined metal.
+_MOTOR_COLOUR = (0.02, 0.02, 0.025)
+_GEARHEAD_COLOUR = (0.22, 0.2, 0.15)
+_ENCODER_COLOUR = (0.01, 0.12, 0.06)
+_CABLE_COLOUR = (0.85, 0.3, 0.02)
+
+
+@dataclass(frozen=True)
+class PartSpec:
+    """How one part is drawn: ``module:function`` and its arguments (plain data only)."""
+
+    name: str
+    maker: str
+    args: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Bill:
+    """Parts by name and all their instances at one drum angle."""
+
+    drum_angle_deg: float
+    parts: dict[str, PartSpec]
+    items: tuple[Item, ...]
+
+
+def group_motions(layout: Layout, drum_angle_deg: float) -> dict[str, Placement]:
+    """Motion of each group from the drum's centred position: theta_g = -theta_o r_o/r_g, theta_m = theta_o r_o/r_m."""
+    first = layout.drive.cables[0]
+    motions = {
+        "fixed": Placement.identity(),
+        "drum": Placement.about(_Y, drum_angle_deg),
+        "guide": Placement.about(_Z, -drum_angle_deg * first.drum_radius_mm / first.guide_radius_mm),
+    }
+    for pulley in layout.inputs:
+        cable = next(c for c in layout.drive.cables if c.input_name == pulley.name)
+        turn = drum_angle_deg * cable.drum_radius_mm / cable.input_radius_mm
+        motions[f"input_{pulley.name}"] = Placement.translation(pulley.x, 0.0, 0.0) @ Placement.about(_Z, turn)
+    return motions
+
+
+class _Builder:
+    """Collects parts and items; a part is registered by its first instance."""
+
+    def __init__(self, layout: Layout, drum_angle_deg: float) -> None:
+        self.layout = layout
+        self.drive: Drive = layout.drive
+        self.angle_deg = drum_angle_deg
+        self.motions = group_motions(layout, drum_angle_deg)
+        self.parts: dict[str, PartSpec] = {}
+        self.items: list[Item] = []
+
+    def add(
+        self,
+        name: str,
+        maker: str,
+        args: tuple[Any, ...],
+        *,
+        part: str | None = None,
+        material: Material,
+        group: str = "fixed",
+        place: Placement | None = None,
+        mass_g: float | None = None,
+    ) -> None:
+        stem = part or name
+        self.parts.setdefault(stem, PartSpec(stem, maker, args))
+        location = self.motions[group] @ (place or Placement.identity())
+        kind = "made" if mass_g is None else "bought"
+        self.items.append(Item(name, stem, material, kind, location, group, mass_g))  # type: ignore[arg-type]
+
+    def screw(self, name: str, screw: Screw, place: Placement, group: str = "fixed") -> None:
+        self.add(
+            name,
+            "mbcdm_cad.parts.bought.draw:create_screw",
+            (screw,),
+            part=f"screw_{screw.name}",
+            material=self.drive.material("steel"),
+            group=group,
+            place=place,
+            mass_g=screw.mass_g,
+        )
+
+
+def _at(x: float, y: float, z: float) -> Placement:
+    return Placement.translation(x, y, z)
+
+
+def _support(b: _Builder) -> None:
+    lay, drive, v = b.layout, b.drive, b.layout.levels
+    metal = drive.support.material
+    head = drive.screw(drive.encoder.screw)
+    b.add("frame", "mbcdm_cad.configurations.miso_bevel.support.frame:create_frame", (lay.frame,), material=metal)
+    b.add(
+        "top_plate",
+        "mbcdm_cad.configurations.miso_bevel.support.top_plate:create_top_plate",
+        (lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2),
+        material=metal,
+    )
+    steel = drive.guide.axle_material
+    b.add("guide_axle", "mbcdm_cad.parts.axle.draw:create_axle", (lay.axle,), material=steel)
+    b.add("guide_spacer", "mbcdm_cad.parts.axle.draw:create_spacer", (lay.axle,), material=steel)
+    pin_length = lay.drum.web_end_y + 0.5 - lay.frame.stop_pin_start_y
+    b.add(
+        "stop_pin",
+        "mbcdm_cad.parts.ring:create_pin",
+        (lay.frame.stop_pin_radius, pin_length),
+        material=drive.material("steel"),
+        place=_at(0.0, lay.frame.stop_pin_start_y, lay.frame.stop_pin_z) @ _ALONG_Y,
+    )
+    for n, (x, y) in enumerate(lay.frame.dowels, 1):
+        b.add(
+            f"dowel_{n}",
+            "mbcdm_cad.parts.ring:create_pin",
+            (lay.frame.dowel_radius, DOWEL_LENGTH_MM),
+            part="dowel",
+            material=drive.material("steel"),
+            place=_at(x, y, v.top_plate_top_z - DOWEL_LENGTH_MM),
+        )
+    plate_screw = drive.screw(PLATE_SCREW)
+    for n, (x, y) in enumerate(lay.frame.plate_screws, 1):
+        b.screw(f"plate_screw_{n}", plate_screw, _at(x, y, v.top_plate_top_z - lay.top_plate.screw_head_depth))
+    shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
+    axle_screw = drive.screw(AXLE_SCREW)
+    b.screw("axle_set_screw", axle_screw, _at(0.0, lay.frame.axle_radius + axle_screw.length_mm, shelf_z) @ _ALONG_Y)
+
+
+def _bearing(b: _Builder, name: str, bearing: Any, place: Placement, group: str = "fixed") -> None:
+    b.add(
+        name,
+        "mbcdm_cad.parts.bought.draw:create_bearing",
+        (bearing,),
+        part="bearing_" + bearing.name.replace("/", "-"),
+        material=b.drive.material("bearing-steel"),
+        group=group,
+        place=place,
+        mass_g=bearing.mass_g,
+    )
+
+
+def _bearings(b: _Builder) -> None:
+    lay, v, bearings = b.layout, b.layout.levels, b.drive.bearings
+    shaft = lay.drum_shaft
+    _bearing(b, "drum_bearing_rear", bearings.drum, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
+    _bearing(b, "drum_bearing_front", bearings.drum, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
+    _bearing(b, "guide_bearing_lower", bearings.guide, _at(0.0, 0.0, v.guide_bottom_z), "guide")
+    _bearing(b, "guide_bearing_upper", bearings.guide, _at(0.0, 0.0, v.guide_top_z - bearings.guide.width_mm), "guide")
+    for p in lay.inputs:
+        low = v.bearing_shelf_top_z - bearings.input_lower.width_mm
+        _bearing(b, f"input_bearing_lower_{p.name}", bearings.input_lower, _at(p.x, 0.0, low))
+        _bearing(b, f"input_bearing_upper_{p.name}", bearings.input_upper, _at(p.x, 0.0, v.top_plate_bottom_z))
+
+
+def _drives(b: _Builder) -> None:
+    lay, drive, v = b.layout, b.drive, b.layout.levels
+    body = drive.material("stainless")
+    gear, encoder, ring = drive.gearhead, drive.encoder, drive.drum_encoder
+    gear_screw, encoder_screw, ring_screw = (drive.screw(x.screw) for x in (gear, encoder, ring))
+    gear_depth = gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0
+    head_depth = encoder_screw.head_height_mm + 0.2
+    encoder_depth = encoder_screw.length_mm - (drive.support.top_plate_mm - head_depth) + 0.5
+    for p in lay.inputs:
+        b.add(
+            f"gearhead_{p.name}",
+            "mbcdm_cad.parts.bought.draw:create_gearhead",
+            (gear, gear_screw, gear_depth),
+            part="gearhead",
+            material=replace(body, colour=_GEARHEAD_COLOUR),
+            place=_at(p.x, 0.0, v.motor_shelf_bottom_z),
+            mass_g=gear.mass_g,
+        )
+        b.add(
+            f"motor_{p.name}",
+            "mbcdm_cad.parts.bought.draw:create_motor",
+            (drive.motor,),
+            part="motor",
+            material=replace(body, colour=_MOTOR_COLOUR),
+            place=_at(p.x, 0.0, v.gearhead_bottom_z),
+            mass_g=drive.motor.mass_g,
+        )
+        b.add(
+            f"encoder_{p.name}",
+            "mbcdm_cad.parts.bought.draw:create_encoder",
+            (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_depth),
+            part="encoder",
+            material=replace(body, colour=_ENCODER_COLOUR),
+            place=_at(p.x, 0.0, v.top_plate_top_z),
+            mass_g=encoder.mass_g,
+        )
+        for n, sign in enumerate((-1, 1), 1):
+            x = p.x + sign * lay.frame.gear_bolt_circle
+            b.screw(f"gearhead_screw_{p.name}_{n}", gear_screw, _at(x, 0.0, v.motor_shelf_top_z))
+            x = p.x + sign * lay.top_plate.encoder_circle_radius
+            place = _at(x, 0.0, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
+            b.screw(f"encoder_screw_{p.name}_{n}", encoder_screw, place)
+    floor = lay.frame.encoder_pocket_floor_y
+    b.add(
+        "drum_encoder",
+        "mbcdm_cad.parts.bought.draw:create_ring_encoder",
+        (ring, ring_screw, RING_ENCODER_GRIP_MM),
+        material=replace(body, colour=_ENCODER_COLOUR),
+        place=_at(0.0, floor, 0.0) @ _AGAINST_Y,
+        mass_g=ring.mass_g,
+    )
+    for n, sign in enumerate((-1, 1), 1):
+        place = _at(sign * lay.frame.encoder_screw_circle, floor - RING_ENCODER_GRIP_MM, 0.0) @ _AGAINST_Y
+        b.screw(f"drum_encoder_screw_{n}", ring_screw, place)
+
+
+def _drum(b: _Builder) -> None:
+    lay, drive = b.layout, b.drive
+    d, t = lay.drum, drive.tensioner
+    set_screw = drive.screw(d.set_screw)
+    b.add(
+        "drum",
+        "mbcdm_cad.parts.drum_sector.draw:create_drum",
+        (d, set_screw.thread_mm),
+        material=drive.drum.material,
+        group="drum",
+    )
+    b.add(
+        "drum_shaft",
+        "mbcdm_cad.parts.drum_shaft.draw:create_drum_shaft",
+        (lay.drum_shaft,),
+        material=drive.drum.shaft_material,
+        group="drum",
+    )
+    for n, deg in enumerate((45.0, 135.0), 1):
+        out = d.set_screw_radius + set_screw.length_mm
+        place = _at(out * sin(radians(deg)), d.set_screw_y, out * cos(radians(deg))) @ Placement.about(_Y, deg)
+        b.screw(f"hub_set_screw_{n}", set_screw, place, "drum")
+    steel = drive.material(t.material)
+    for p in d.tensioners:
+        turn = Placement.about(_Y, degrees(atan2(p.side * cos(p.anchor_rad), -sin(p.anchor_rad))))
+
+        def along(s: float, p: Any = p, turn: Placement = turn) -> Placement:
+            x, z = p.at(s)
+            return _at(x, p.y_mm, z) @ turn
+
+        radii = (t.swage_diameter_mm / 2, t.thread_mm / 2, drive.cable.diameter_mm / 2)
+        common = (p.swage_start, p.cable_end, p.swage_end, p.tip)
+        b.add(
+            f"terminal_{p.cable_name}",
+            "mbcdm_cad.parts.terminal.draw:create_terminal",
+            (*common, *radii),
+            part="terminal",
+            material=steel,
+            group="drum",
+            place=along(0.0),
+        )
+        for n in range(2):
+            b.add(
+                f"nut_{p.cable_name}_{n + 1}",
+                "mbcdm_cad.parts.ring:create_nut",
+                (t.nut_across_flats_mm, t.nut_height_mm, t.thread_mm),
+                part="nut",
+                material=steel,
+                group="drum",
+                place=along(p.lug_end + n * t.nut_height_mm),
+            )
+
+
+def _stop_place(slot: StopSlot) -> Placement:
+    """A stop drawn along +Z from its end next to the bend, laid on the chord."""
+    a = slot.end_angle_rad
+    u, v = (cos(a), sin(a)), (-slot.away * sin(a), slot.away * cos(a))
+    x = slot.stop_start * u[0] + slot.chord_offset * v[0]
+    y = slot.stop_start * u[1] + slot.chord_offset * v[1]
+    return _at(x, y, slot.chord_z) @ Placement.about(_Z, degrees(a) + 180.0) @ Placement.about(_Y, 90.0)
+
+
+def _pulleys(b: _Builder) -> None:
+    lay, drive = b.layout, b.drive
+    b.add(
+        "guide",
+        "mbcdm_cad.parts.idler_pulley.draw:create_idler_pulley",
+        (lay.guide,),
+        material=drive.guide.material,
+        group="guide",
+    )
+    c = lay.collar
+    screw = drive.screw(c.screw)
+    collar_args = (c, screw.thread_mm, screw.clearance_mm, screw.head_diameter_mm)
+    bore = drive.cable.diameter_mm / 2
+    for p in lay.inputs:
+        group = f"input_{p.name}"
+        b.add(
+            f"input_pulley_{p.name}",
+            "mbcdm_cad.parts.input_pulley.draw:create_input_pulley",
+            (p,),
+            material=drive.input_pulleys.material,
+            group=group,
+        )
+        b.add(
+            f"collar_{p.name}",
+            "mbcdm_cad.parts.collar.draw:create_collar",
+            collar_args,
+            part="collar",
+            material=drive.support.material,
+            group=group,
+        )
+        place = _at(c.screw_offset, c.head_seat, (c.bottom_z + c.top_z) / 2) @ _ALONG_Y
+        b.screw(f"collar_screw_{p.name}", screw, place, group)
+        for s in p.slots:
+            length = s.stop_start - s.stop_end
+            b.add(
+                f"stop_{s.cable_name}",
+                "mbcdm_cad.parts.ring:create_sleeve",
+                (bore, s.stop_radius, length),
+                part="stop",
+                material=drive.material("stainless"),
+                group=group,
+                place=_stop_place(s),
+            )
+
+
+def cable_item(cable_name: str) -> str:
+    """Name of a cable's item and part: whatever the design calls it, no other item's name begins like this."""
+    return CABLE + cable_name.removeprefix(CABLE)
+
+
+def _cables(b: _Builder) -> None:
+    rope = replace(b.drive.material(b.drive.cable.material), colour=_CABLE_COLOUR)
+    for path in b.layout.cable_paths(radians(b.angle_deg)):
+        b.add(
+            cable_item(path.cable.name),
+            "mbcdm_cad.parts.cable:create_cable",
+            (path.line, b.drive.cable.diameter_mm / 2),
+            material=rope,
+            mass_g=b.drive.cable.mass_g_m * path.length_mm / 1e3,
+        )
+
+
+def bill(layout: Layout, drum_angle_deg: float = 0.0) -> Bill:
+    """All parts and instances with the drum at ``drum_angle_deg``."""
+    b = _Builder(layout, drum_angle_deg)
+    for section in (_support, _bearings, _drives, _drum, _pulleys, _cables):
+        section(b)
+    return Bill(drum_angle_deg, b.parts, tuple(b.items))

@@ -1,0 +1,46 @@
+"""The checks of this configuration, families in the order in which they are run and shown."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from mbcdm_cad.checks import bending, motors, strength
+from mbcdm_cad.configurations.miso_bevel.checks import (
+    bearings,
+    drum_fits,
+    envelope,
+    fixings,
+    guide_fits,
+    pulley_fits,
+    ratios,
+    spans,
+    support_fits,
+    support_walls,
+    surfaces,
+    sweeps,
+    terminals,
+    transfer,
+    wraps,
+)
+
+# First what the mechanism asks, then what the parts ask.
+FAMILIES: tuple[ModuleType, ...] = (
+    ratios,
+    surfaces,
+    bending,
+    transfer,
+    spans,
+    wraps,
+    strength,
+    motors,
+    bearings,
+    fixings,
+    pulley_fits,
+    guide_fits,
+    drum_fits,
+    terminals,
+    support_walls,
+    support_fits,
+    sweeps,
+    envelope,
+)

@@ -1,0 +1,113 @@
+"""Box against its target: from the layout before anything is drawn, from the solids once they are."""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+
+import numpy as np
+
+from mbcdm_cad.checks.finding import Check, Finding, at_most
+from mbcdm_cad.checks.knobs import Turn, down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.checks.terminals import _bodies
+from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+from mbcdm_cad.parts.drum_sector.dims import DrumDims
+
+# Grid of the rim: 0.1 mm and finer near the outside of the reference design, 0.3 mm along it.
+_RADII = 40
+_ANGLES = 160
+
+
+def _rim_points(d: DrumDims) -> np.ndarray:
+    """(x, z) of the rim where no pocket that goes through it takes the metal, on a grid near its edges."""
+    outer = d.lands[-1].surface_radius_mm
+    # Fine near the outside, where the box is decided.
+    radii = outer - (outer - d.rim_inner_radius) * np.linspace(0.0, 1.0, _RADII) ** 2
+    half = radians(d.half_angle_deg)
+    # Widest at the ends or, on a sector of more than half a turn, at right angles to Z.
+    side = np.linspace(half / 2, half, _ANGLES)
+    side = np.append(side, min(half, np.pi / 2))
+    angles = np.concatenate([-side, [0.0], side])
+    x = np.multiply.outer(radii, np.sin(angles))
+    z = np.multiply.outer(radii, np.cos(angles))
+    kept = np.ones_like(x, dtype=bool)
+    for t in d.tensioners:
+        if t.cut_through:
+            sine, cosine = sin(t.anchor_rad), cos(t.anchor_rad)
+            out = t.side * x * sine + z * cosine - t.radius_mm
+            along = t.side * x * cosine - z * sine
+            floor = np.where(along > t.lug_end, -d.nut_pocket, -d.swage_pocket)
+            kept &= ~((along > t.swage_start) & (along < t.pocket_end) & (out > floor))
+    return np.stack([x[kept], z[kept]], axis=1)
+
+
+def box_mm(s: Subject) -> tuple[float, float, float]:
+    """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
+    lay, v, drive = s.layout, s.levels, s.drive
+    d, f, pitch = lay.drum, lay.frame, drive.centre_distance_mm
+    points = [_rim_points(d)]
+    # Cable on the largest step of an input pulley: it may stand out beyond frame and drum on both sides.
+    on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
+    ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, on_input, -on_input]
+    for t in d.tensioners:
+        for _, outline, _, high in _bodies(s, t):
+            points.append(outline)
+            ys.append(high)
+    cloud = np.concatenate(points)
+    widest = max(
+        v.side_outer_x,
+        f.ear_reach,
+        drive.drum_encoder.diameter_mm / 2,
+        pitch + max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2,
+        pitch + on_input,
+    )
+    outermost = s.steps[-1].drum_radius_mm + s.flank_mm
+    encoder_half = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
+    left = min(float(cloud[:, 0].min()), -widest)
+    right = max(float(cloud[:, 0].max()), widest)
+    bottom = min(float(cloud[:, 1].min()), v.motor_bottom_z, -f.boss_radius, -d.hub_radius, -encoder_half)
+    top = max(v.encoder_top_z, outermost)
+    return right - left, top - bottom, max(ys) - min(ys)
+
+
+def _side(s: Subject, axis: int, name: str) -> Finding:
+    size, target = s.once("box_mm", box_mm)[axis], s.drive.targets.envelope_mm[axis]
+    return at_most(
+        f"box along {name}, drum centred, {size:.2f} mm: from the target of {target:g} mm",
+        abs(size - target),
+        s.drive.targets.envelope_tolerance_mm,
+        "mm",
+    )
+
+
+def along_x(s: Subject) -> Finding:
+    """Box along X."""
+    return _side(s, 0, "X")
+
+
+def along_z(s: Subject) -> Finding:
+    """Box along Z."""
+    return _side(s, 1, "Z")
+
+
+def along_y(s: Subject) -> Finding:
+    """Box along Y."""
+    return _side(s, 2, "Y")
+
+
+_SOURCE = "targets.envelope_mm; paper section 4.1"
+_X: tuple[Turn, ...] = (
+    down("drum.sector_half_angle_deg"),
+    up("drum.sector_half_angle_deg"),
+    down("support.side_wall_mm"),
+)
+_Z: tuple[Turn, ...] = (
+    down("support.coupling_space_mm"), up("support.coupling_space_mm"),
+    down("support.top_plate_mm"), up("support.top_plate_mm"),
+)  # fmt: skip
+_Y: tuple[Turn, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
+CHECKS = (
+    Check("envelope_x", "Box along X", _SOURCE, along_x, turns=_X, advice="set targets.envelope_mm to what is wanted"),
+    Check("envelope_z", "Box along Z", _SOURCE, along_z, turns=_Z, advice="set targets.envelope_mm to what is wanted"),
+    Check("envelope_y", "Box along Y", _SOURCE, along_y, turns=_Y, advice="set targets.envelope_mm to what is wanted"),
+)

@@ -1,0 +1,135 @@
+"""What holds by friction or by a pin: clamp collar, set screws, stop pin; and stresses in pulley and shaft."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, told, worst
+from mbcdm_cad.checks.knobs import Turn, down, up
+from mbcdm_cad.checks.strength import rated_input_Nm
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.checks.bearings import drum_reactions_N, input_reactions
+from mbcdm_cad.design.drive import Screw
+
+# Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
+SCREW_YIELD_MPA = 640.0
+TIGHTENED_SHARE = 0.7
+FRICTION = 0.15
+# Set screws have no head: their socket gives about half of that (estimate).
+SET_SCREW_SHARE = 0.5
+SLIP_SAFETY = 1.2
+# A third of the clamp's force may go into bending ring and slit journal (estimate).
+CLAMP_SAFETY = 1.8
+STRESS_SAFETY = 1.5
+# Friction of a greased small bearing, of its mean diameter (bearing makers).
+BEARING_FRICTION = 0.0015
+
+
+def clamp_force_N(screw: Screw) -> float:
+    """Tightening force: seven tenths of yield over the stress area pi/4 (d - 0.938 p)^2, p from the tapping drill."""
+    pitch = screw.thread_mm - screw.tap_drill_mm
+    area = pi / 4 * (screw.thread_mm - 0.938 * pitch) ** 2
+    return TIGHTENED_SHARE * SCREW_YIELD_MPA * area
+
+
+def collar_grip(s: Subject) -> Finding:
+    """Clamp collar holds the largest torque of an input.
+
+    The ring hinges opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the distances of
+    screw and hinge from the axis; two zones of contact carry mu N d together. What ring and slit journal keep of the
+    force is left to the safety.
+    """
+    drive, collar = s.drive, s.layout.collar
+    hinge = (collar.bore_radius + collar.radius) / 2
+    pressed = clamp_force_N(drive.screw(collar.screw)) * (1 + collar.screw_offset / hinge)
+    holds = FRICTION * pressed * drive.gearhead.shaft_diameter_mm
+    needed = s.loads.highest_input_Nm * 1e3
+    return at_least(
+        f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm",
+        holds / max(needed, 1e-9),
+        CLAMP_SAFETY,
+        "times",
+    )
+
+
+def hub_set_screws(s: Subject) -> Finding:
+    """Set screws turn the drum's shaft against bearing friction; the load itself never passes through the shaft."""
+    radius = s.layout.drum_shaft.radius
+    holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.layout.drum.set_screw)) * radius
+    needed = (
+        BEARING_FRICTION * sum(s.once("drum_reactions", drum_reactions_N)) * s.drive.bearings.drum.outer_diameter_mm / 2
+    )
+    return at_least(
+        f"two set screws hold {holds:.4g} N mm over bearing friction of {needed:.3g} N mm",
+        holds / max(needed, 1e-3),
+        SLIP_SAFETY,
+        "times",
+        "output is taken at the hub",
+    )
+
+
+def stop_pin(s: Subject) -> Finding:
+    """Pin in bending from the frame's front to the web, both motors stalled against it."""
+    lay = s.layout
+    stall = max(
+        s.drive.loads.peak_torque_Nm,
+        rated_input_Nm(s) * sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps) * len(lay.inputs),
+    )
+    lever = (lay.drum.web_start_y + lay.drum.web_end_y) / 2 - s.levels.front_y
+    stress = stall * 1e3 / lay.drum.stop_radius * lever / (pi * lay.frame.stop_pin_radius**3 / 4)
+    strength = s.drive.material("steel").yield_MPa
+    return at_least(
+        f"yield {strength:g} MPa over the stop pin's {stress:.4g} MPa at {stall:.4g} N m",
+        strength / max(stress, 1e-9),
+        STRESS_SAFETY,
+        "times",
+    )
+
+
+def pulley_stress(s: Subject) -> Finding:
+    """Bending and torsion of the input pulley's necks."""
+    v, strength = s.levels, s.drive.input_pulleys.material.yield_MPa
+    torque = s.loads.highest_input_Nm * 1e3
+    found = []
+    lower = v.bearing_shelf_top_z - s.drive.bearings.input_lower.width_mm / 2
+    upper = v.top_plate_bottom_z + s.drive.bearings.input_upper.width_mm / 2
+    for p, (name, low, high) in zip(s.layout.inputs, s.once("input_reactions", input_reactions), strict=True):
+        ends = (
+            ("lower", p.lower_neck_radius, low * (p.land_bottom_z - lower), torque),
+            ("upper", p.upper_neck_radius, high * (upper - p.land_top_z), 0.0),
+        )
+        for end, radius, bending, twist in ends:
+            modulus = pi * max(radius, 1e-3) ** 3 / 4
+            stress = sqrt((bending / modulus) ** 2 + 3 * (twist / (2 * modulus)) ** 2)
+            what = f"yield {strength:g} MPa over {stress:.4g} MPa in the {end} neck of {name}"
+            found.append(at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times"))
+    return worst(found)
+
+
+def shaft_twist(s: Subject) -> Finding:
+    """Twist of the drum's shaft if the load were taken at its far end."""
+    shaft, metal = s.layout.drum_shaft, s.drive.drum.shaft_material
+    length = shaft.y_end - shaft.y_start
+    shear = metal.youngs_modulus_GPa * 1e3 / (2 * (1 + metal.poisson_ratio))
+    polar = pi / 2 * (shaft.radius**4 - shaft.bore_radius**4)
+    twist = 1e3 * length / (shear * max(polar, 1e-9)) * 1e3
+    return told(
+        "twist of the whole drum shaft if the output were taken at its far end",
+        twist,
+        "mrad per N m",
+        "which would add to the backlash: the output is taken at the hub",
+    )
+
+
+_LESS: tuple[Turn, ...] = (down("loads.peak_torque_Nm"),)
+CHECKS = (
+    Check("collar_grip", "Clamp collars hold the torque", "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
+          collar_grip, turns=_LESS, advice="choose a gearhead with a thicker shaft"),
+    Check("hub_set_screws", "Hub's set screws hold the shaft", "mu F r; half of a cap screw's force: estimate",
+          hub_set_screws, advice="choose a smaller drum.bearing"),
+    Check("stop_pin", "Stop pin holds stalled motors", "beam theory; 1.5 on yield: usual rule", stop_pin,
+          turns=(down("drum.web_thickness_mm"), down("loads.peak_torque_Nm"), up("all radii of transmission"))),
+    Check("pulley_stress", "Input pulleys' necks hold", "beam theory; 1.5 on yield: usual rule", pulley_stress,
+          turns=(*_LESS, down("rope.preload_N")), advice="choose larger bearings"),
+    Check("shaft_twist", "Twist of the drum's shaft", "derived: torsion of a tube", shaft_twist),
+)  # fmt: skip

@@ -1,0 +1,211 @@
+"""Input pulley, its stops and its coupling: bores, walls and room for what goes on and around it."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
+from mbcdm_cad.checks.knobs import down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.parts.collar.dims import collar_width_mm
+from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
+
+# Height of the shoulder that an inner ring rests on (bearing makers' fillets of 0.15 mm and something to bear on).
+SHOULDER_MM = 0.3
+# A bore and its shaft are one nominal size.
+FIT_MM = 0.01
+# Metal left behind a blind hole (estimate).
+FLOOR_MM = 1.0
+# Shaft held by a clamp over at least its own diameter (usual rule).
+GRIP_DIAMETERS = 1.0
+# Room for a part that only has to be brought into place (estimate).
+PASSAGE_MM = 0.1
+
+
+def _slots(s: Subject) -> list[tuple[InputPulleyDims, StopSlot, float]]:
+    """(pulley, slot, surface radius of the land round it)."""
+    return [(p, slot, slot.pitch_radius - s.flank_mm) for p in s.layout.inputs for slot in p.slots]
+
+
+def stop_pocket_wall(s: Subject) -> Finding:
+    """Metal between the corner of a stop's pocket and the land's surface."""
+    limit = s.drive.input_pulleys.material.min_wall_mm
+    return worst(
+        at_least(
+            f"wall outside the stop of {slot.cable_name}",
+            surface - slot.pocket_reach,
+            limit,
+            "mm",
+        )
+        for _, slot, surface in _slots(s)
+    )
+
+
+def stop_pocket_floor(s: Subject) -> Finding:
+    """Metal between the pockets milled from both end faces of a pulley."""
+    limit = s.drive.input_pulleys.material.min_wall_mm
+    found = []
+    for p in s.layout.inputs:
+        low, high = sorted(p.slots, key=lambda slot: slot.face_z)
+        deep = low.stop_radius + STOP_PLAY_MM
+        found.append(
+            at_least(f"metal between the stops of {p.name}", high.chord_z - deep - (low.chord_z + deep), limit, "mm")
+        )
+    return worst(found)
+
+
+def stop_pocket_bore(s: Subject) -> Finding:
+    """Metal between a stop's pocket and the bore for the gearhead's shaft, or the bore's end below the pockets."""
+    limit = s.drive.input_pulleys.material.min_wall_mm
+    found = []
+    for p, slot, _ in _slots(s):
+        beside = slot.pocket_inner - p.bore_radius
+        below = min(slot.face_z, slot.chord_z - slot.stop_radius) - p.bore_top_z
+        found.append(at_least(f"stop of {slot.cable_name} from the shaft's bore", max(beside, below), limit, "mm"))
+    return worst(found)
+
+
+def bore_wall(s: Subject) -> Finding:
+    """Metal round the gearhead's shaft in the slit journal."""
+    p = s.layout.inputs[0]
+    limit = s.drive.input_pulleys.material.min_wall_mm
+    return at_least("journal's wall round the gearhead's shaft", p.lower_journal_radius - p.bore_radius, limit, "mm")
+
+
+def bearing_shoulders(s: Subject) -> Finding:
+    """Necks stand out over the journals, so that the bearings' inner rings rest on them."""
+    return worst(
+        at_least(f"{end} neck of {p.name} over its journal", neck - journal, SHOULDER_MM, "mm")
+        for p in s.layout.inputs
+        for end, neck, journal in (
+            ("lower", p.lower_neck_radius, p.lower_journal_radius),
+            ("upper", p.upper_neck_radius, p.upper_journal_radius),
+        )
+    )
+
+
+def encoder_fit(s: Subject) -> Finding:
+    """Encoders are bored for the shafts they sit on."""
+    drive = s.drive
+    pairs = (
+        ("input encoder's bore from the upper journal", drive.encoder.bore_mm - drive.bearings.input_upper.bore_mm),
+        ("drum encoder's bore from the drum's shaft", drive.drum_encoder.bore_mm - drive.bearings.drum.bore_mm),
+    )
+    return worst(at_most(name, abs(off), FIT_MM, "mm") for name, off in pairs)
+
+
+def bought_depth(s: Subject) -> Finding:
+    """Bought parts are deep enough for the holes that are used in them."""
+    drive, lay = s.drive, s.layout
+    gear_screw, encoder_screw = drive.screw(drive.gearhead.screw), drive.screw(drive.encoder.screw)
+    ring_screw = drive.screw(drive.drum_encoder.screw)
+    in_gear = gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0
+    in_encoder = encoder_screw.length_mm - (drive.support.top_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
+    grip = ring_screw.length_mm - lay.frame.encoder_screw_depth + 0.5
+    return worst(
+        (
+            at_least("gearhead behind its screws", drive.gearhead.length_mm - in_gear, FLOOR_MM, "mm"),
+            at_least("encoder above its screws", drive.encoder.length_mm - in_encoder, FLOOR_MM, "mm"),
+            at_least(
+                "encoder above its shaft", drive.encoder.length_mm - ENCODER_INSERTION_MM - 0.5, FLOOR_MM / 2, "mm"
+            ),
+            at_least(
+                "drum encoder over its screws' heads",
+                drive.drum_encoder.length_mm - grip - ring_screw.head_height_mm,
+                0.0,
+                "mm",
+            ),
+        )
+    )
+
+
+def shaft_grip(s: Subject) -> Finding:
+    """Length over which the collar squeezes journal and shaft."""
+    lay, gear = s.layout, s.drive.gearhead
+    end = s.levels.motor_shelf_bottom_z + gear.shaft_length_mm
+    start = max(lay.collar.bottom_z, max(p.journal_bottom_z for p in lay.inputs))
+    return at_least(
+        "gearhead shaft inside the clamp collar",
+        min(end, lay.collar.top_z) - start,
+        GRIP_DIAMETERS * gear.shaft_diameter_mm,
+        "mm",
+    )
+
+
+def pilot_room(s: Subject) -> Finding:
+    """Gearhead's centring boss stays below the pulley's journal, and in the shelf or beside the screws' heads."""
+    gear, running = s.drive.gearhead, s.drive.clearances.running_mm
+    top = s.levels.motor_shelf_bottom_z + gear.pilot_height_mm
+    bottom = min(p.journal_bottom_z for p in s.layout.inputs)
+    head = s.drive.screw(gear.screw).head_diameter_mm
+    beside = (gear.bolt_circle_mm - head - gear.pilot_diameter_mm) / 2
+    inside = s.drive.support.motor_shelf_mm - gear.pilot_height_mm
+    return worst(
+        (
+            at_least("journal above the gearhead's pilot", bottom - top, running, "mm"),
+            at_least(
+                "gearhead's pilot under the shelf's top, or beside the screws' heads", max(inside, beside), 0.0, "mm"
+            ),
+        )
+    )
+
+
+def coupling_height(s: Subject) -> Finding:
+    """Coupling space takes collar and slit below the bearing; gearhead screws and collar pass on their way in."""
+    lay, v, drive = s.layout, s.levels, s.drive
+    shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
+    screw = drive.screw(drive.gearhead.screw)
+    bearing_bottom = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm
+    gap, slit_top = drive.clearances.running_mm, max(p.slit_top_z for p in lay.inputs)
+    space = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
+    return worst(
+        (
+            at_least("bearing shelf above the clamp collar", v.bearing_shelf_bottom_z - lay.collar.top_z, gap, "mm"),
+            at_least("lower bearing above the journal's slit", bearing_bottom - slit_top, gap, "mm"),
+            at_least(
+                f"coupling space beyond the length of a {screw.name} with its head",
+                space - screw.length_mm - screw.head_height_mm,
+                gap,
+                "mm",
+            ),
+            at_least(
+                "coupling space for the clamp collar on its way over the end of the gearhead's shaft",
+                v.bearing_shelf_bottom_z - max(shaft_end, v.motor_shelf_top_z) - collar_width_mm(drive),
+                PASSAGE_MM,
+                "mm",
+            ),
+        )
+    )
+
+
+def _of_thinner_walls(s: Subject) -> str:
+    """Steel, for pulleys of something that asks for thicker walls."""
+    own, steel = s.drive.input_pulleys.material, s.drive.material("steel")
+    return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
+
+
+_RADII = (
+    up("transmission.input_radii_mm"),
+    down("transmission.ratios.input_to_guide"),
+    up("all radii of transmission"),
+)
+_CHOOSE = "choose another bearing or gearhead, or a material of thinner walls"
+CHECKS = (
+    Check("stop_pocket_wall", "Wall outside the stops' pockets", "material: min_wall_mm", stop_pocket_wall,
+          turns=_RADII, advice=_of_thinner_walls),
+    Check("stop_pocket_floor", "Metal between the stops' pockets", "material: min_wall_mm", stop_pocket_floor,
+          turns=(up("rope.helix_lead_mm"), up("rope.dead_turns"), up("all radii of transmission"))),
+    Check("stop_pocket_bore", "Metal between stops and shaft bore", "material: min_wall_mm", stop_pocket_bore,
+          turns=_RADII),
+    Check("bore_wall", "Journal's wall round the gearhead's shaft", "material: min_wall_mm", bore_wall, advice=_CHOOSE),
+    Check("bearing_shoulders", "Shoulders for the input pulleys' bearings", "bearing catalogue; 0.3 mm: estimate",
+          bearing_shoulders, turns=_RADII, advice="choose a smaller bearing"),
+    Check("encoder_fit", "Encoders fit their shafts", "encoder and bearing catalogue", encoder_fit,
+          advice="choose encoder and bearing of one bore"),
+    Check("bought_depth", "Bought parts are deep enough for their holes", "catalogue; 1 mm: estimate", bought_depth,
+          turns=(up("support.motor_shelf_mm"), up("support.top_plate_mm")), advice="choose a shorter screw"),
+    Check("shaft_grip", "Clamp collar grips the gearhead's shaft", "one diameter: usual rule", shaft_grip,
+          turns=(down("support.motor_shelf_mm"),), advice="choose a gearhead with a longer shaft"),
+    Check("pilot_room", "Gearhead's pilot clears pulley and screws", "clearances.running_mm", pilot_room,
+          turns=(up("support.motor_shelf_mm"),)),
+    Check("coupling_height", "Coupling space is high enough", "clearances.running_mm; 0.1 mm: estimate",
+          coupling_height, turns=(up("support.coupling_space_mm"), up("support.motor_shelf_mm"))),
+)  # fmt: skip

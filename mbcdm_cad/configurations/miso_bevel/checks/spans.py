@@ -1,0 +1,217 @@
+"""Free spans between input pulleys and guide: distance, fleet angle, and a helix that clears itself."""
+
+from __future__ import annotations
+
+from math import radians, tan, tau
+
+import numpy as np
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
+from mbcdm_cad.checks.knobs import down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.cable_path import (
+    BLEND_DIAMETERS,
+    fleet_angle_deg,
+    guide_landing_walk_mm,
+    winding,
+)
+from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
+from mbcdm_cad.design.drive import CableRun, Drive
+
+# Gap between a cable's flank and a wall or another cable that it must not rub on (estimate).
+CABLE_GAP_MM = 0.1
+# Turns left on the pulley when all is unwound: the span never pulls at the bend before the stop (estimate).
+DEAD_TURNS = 0.5
+# Finest step of the search for the self-clearance, rad; the distance is flat there to 1e-6 mm.
+_SEARCH_STEPS = 81
+_SEARCH_ROUNDS = 4
+
+
+def centre_distance(s: Subject) -> Finding:
+    """L beyond r_g + r_m, so that a straight span exists, with room for the blends at both ends of it."""
+    blends = 2 * BLEND_DIAMETERS * s.drive.cable.diameter_mm
+
+    def reach(c: CableRun) -> float:
+        return float(np.hypot(c.guide_radius_mm + c.input_radius_mm, blends))
+
+    return worst(
+        at_least(
+            f"centre distance for {c.name}",
+            s.drive.centre_distance_mm,
+            reach(c),
+            "mm",
+            f"r_g + r_m {c.guide_radius_mm + c.input_radius_mm:.4g} mm and a free span of {blends:.4g} mm",
+        )
+        for c in s.steps
+    )
+
+
+def pulley_gap(s: Subject) -> Finding:
+    """Guide and input pulleys, cables on both, clear each other at whatever heights."""
+    d = s.drive.cable.diameter_mm
+    guide, pulley = max(c.guide_radius_mm for c in s.steps), max(c.input_radius_mm for c in s.steps)
+    return at_least(
+        "gap between guide and input pulley, cables on both",
+        s.drive.centre_distance_mm - guide - pulley - d,
+        s.drive.clearances.running_mm,
+        "mm",
+    )
+
+
+def fleet_angle(s: Subject) -> Finding:
+    """Largest fleet angle over the travel, at both ends."""
+    s.levels  # noqa: B018 - without levels there is no winding
+    limit = s.drive.limits.fleet_angle_max_deg
+    return worst(at_most(f"fleet angle of {c.name}", fleet_angle_deg(s.drive, c), limit, "deg") for c in s.steps)
+
+
+def helix_lead(s: Subject) -> Finding:
+    """Lead over the cable's diameter: turns lie side by side."""
+    return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, s.drive.cable.diameter_mm, "mm")
+
+
+def straight_span_clearance_mm(drive: Drive, cable: CableRun) -> float:
+    """Centre-line distance less d between the straight free span and its own previous turn, fully wound, mm.
+
+    The span leaves helix and pulley at the contact point along the tangent, rising by the fleet angle over the turn
+    before; no credit for the rope's stiffness, which bends it away at first. Negative: they overlap. For each angle
+    of the previous turn the nearest point of the span is known in closed form, the angle is searched.
+    """
+    r, lead = cable.input_radius_mm, drive.helix_lead_mm
+    slope = tan(radians(fleet_angle_deg(drive, cable)))
+    low, high = -0.5, 1.5
+    best = np.inf
+    for _ in range(_SEARCH_ROUNDS):
+        angle = np.linspace(low, high, _SEARCH_STEPS)
+        x, y, z = r * (1 - np.cos(angle)), r * np.sin(angle), lead * (1 - angle / tau)
+        along = np.maximum((y + slope * z) / (1 + slope**2), 0.0)
+        distance = np.sqrt(x**2 + (along - y) ** 2 + (slope * along - z) ** 2)
+        k = int(np.argmin(distance))
+        best = min(best, float(distance[k]))
+        step = (high - low) / (_SEARCH_STEPS - 1)
+        low, high = angle[k] - step, angle[k] + step
+    return best - drive.cable.diameter_mm
+
+
+def self_clearance(s: Subject) -> Finding:
+    """Free span against the turn wound just before it, at the fully wound end."""
+    s.levels  # noqa: B018 - without levels there is no winding
+    return worst(
+        at_least(f"{c.name} from its own last turn, fully wound", straight_span_clearance_mm(s.drive, c), 0.0, "mm")
+        for c in s.steps
+    )
+
+
+def input_walk(s: Subject) -> Finding:
+    """Bands of the two cables of an input pulley, walk included, leave the wall between their steps free."""
+    s.levels  # noqa: B018 - without levels there are no bands
+    found = []
+    for name in s.drive.input_names:
+        low, high = (c for c in s.steps if c.input_name == name)
+        bands = [band(s.drive, c, outward_of(s.drive, c)) for c in (low, high)]
+        found.append(
+            at_least(
+                f"{name} input pulley: flanks of {low.name} and {high.name} from the wall between them",
+                (bands[1].low_mm - bands[0].high_mm) / 2,
+                CABLE_GAP_MM,
+                "mm",
+            )
+        )
+    return worst(found)
+
+
+def guide_walk(s: Subject) -> Finding:
+    """Landing point on the guide, wandering with the input's walk, leaves the walls of its step free."""
+    walls, found = s.layout.guide.walls_z, []
+    for k, c in enumerate(s.steps):
+        reach = guide_landing_walk_mm(s.drive, c) + s.flank_mm
+        below = c.drum_radius_mm - reach - walls[k - 1] if k > 0 else np.inf
+        above = walls[k] - c.drum_radius_mm - reach if k < len(walls) else np.inf
+        found.append(at_least(f"{c.name} on the guide from its walls", min(below, above), CABLE_GAP_MM, "mm"))
+    return worst(found)
+
+
+def dead_turns(s: Subject) -> Finding:
+    """Turns that stay on the input pulley at the unwound end."""
+    return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
+
+
+def landing_angle(s: Subject) -> Finding:
+    """Wrap on the guide of every cable is real: it lands before the transfer point and less than a turn from it."""
+    s.levels  # noqa: B018 - without levels there is no winding
+    return worst(
+        at_least(f"wrap of {c.name} on the guide", np.degrees(winding(s.drive, c).guide_wrap_rad), 1.0, "deg")
+        for c in s.steps
+    )
+
+
+_SHORTER_WALK = (
+    up("transmission.centre_distance_mm"),
+    down("rope.helix_lead_mm"),
+    down("travel.half_angle_deg"),
+)
+CHECKS = (
+    Check(
+        "centre_distance",
+        "Centre distance leaves a free span",
+        "paper Eq. (11)",
+        centre_distance,
+        turns=(up("transmission.centre_distance_mm"), down("all radii of transmission"), down("rope diameter_mm")),
+    ),
+    Check(
+        "pulley_gap",
+        "Guide and input pulleys clear each other",
+        "clearances.running_mm",
+        pulley_gap,
+        turns=(up("transmission.centre_distance_mm"), down("all radii of transmission")),
+    ),
+    Check(
+        "guide_wrap",
+        "Every cable wraps the guide",
+        "derived from the figure-eight span; a degree: estimate",
+        landing_angle,
+        turns=(down("all radii of transmission"), up("transmission.centre_distance_mm")),
+    ),
+    Check(
+        "fleet_angle",
+        "Fleet angle on the smooth pulleys",
+        "limits.fleet_angle_max_deg; usual limit for smooth drums",
+        fleet_angle,
+        turns=_SHORTER_WALK,
+    ),
+    Check(
+        "helix_lead",
+        "Turns on the input pulley lie side by side",
+        "derived: lead > d",
+        helix_lead,
+        turns=(up("rope.helix_lead_mm"), down("rope diameter_mm")),
+    ),
+    Check(
+        "self_clearance",
+        "Free span clears its own last turn",
+        "derived: straight span, no credit for the rope's stiffness",
+        self_clearance,
+        turns=(up("rope.helix_lead_mm"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),
+    ),
+    Check(
+        "input_walk",
+        "Axial walk fits the steps of the input pulleys",
+        "derived; 0.1 mm: estimate",
+        input_walk,
+        turns=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
+    ),
+    Check(
+        "guide_walk",
+        "Landing point's walk fits the steps of the guide",
+        "derived; 0.1 mm: estimate",
+        guide_walk,
+        turns=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
+    ),
+    Check(
+        "dead_turns",
+        "Dead turns protect the stop",
+        "half a turn: estimate",
+        dead_turns,
+        turns=(up("rope.dead_turns"),),
+    ),
+)

@@ -1,0 +1,182 @@
+"""Frame and top plate: screws engaged and within reach, heads on flat floor, room for drives and pulleys."""
+
+from __future__ import annotations
+
+from math import hypot
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
+from mbcdm_cad.checks.geometry import corner_gap
+from mbcdm_cad.checks.knobs import down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
+from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
+
+# A screw's head may bear on the pocket's rounded corner by its own broken edge (ISO 4762: under-head edge).
+HEAD_EDGE_MM = 0.02
+# The parts are drilled for this many screws, one on each side.
+SCREWS_DRAWN = 2
+# Height of a mounting screw's head (M3, ISO 4762).
+MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
+# Room beside a mounting screw's head for its washer face (estimate).
+HEAD_ROOM_MM = 0.5
+
+
+def engagement(s: Subject) -> Finding:
+    """Every screw is engaged over its own diameter at least."""
+    drive, lay, support = s.drive, s.layout, s.drive.support
+    gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
+    plate, axle, hub, collar = (drive.screw(n) for n in (PLATE_SCREW, AXLE_SCREW, lay.drum.set_screw, lay.collar.screw))
+    c, v = lay.collar, s.levels
+    engaged = (
+        ("gearhead screw", gear, gear.length_mm - support.motor_shelf_mm),
+        ("encoder screw", encoder, encoder.length_mm - (support.top_plate_mm - encoder.head_height_mm - 0.2)),
+        ("drum encoder's screw", ring, lay.frame.encoder_screw_depth - 0.5),
+        ("top plate's screw", plate, plate.length_mm - (support.top_plate_mm - plate.head_height_mm)),
+        ("axle's set screw", axle, min(axle.length_mm, v.front_y - lay.frame.axle_radius)),
+        ("hub's set screw", hub, min(hub.length_mm, lay.drum.hub_radius - lay.drum.set_screw_radius)),
+        ("collar's screw", collar, collar.length_mm - c.head_seat - c.slit_width / 2),
+    )
+    return worst(
+        at_least(f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0, "mm")
+        for name, screw, length in engaged
+    )
+
+
+def dowel_engagement(s: Subject) -> Finding:
+    """Dowels reach into the frame by their diameter."""
+    return at_least(
+        "dowel in the frame", DOWEL_LENGTH_MM - s.drive.support.top_plate_mm, 2 * s.layout.frame.dowel_radius, "mm"
+    )
+
+
+def screw_counts(s: Subject) -> Finding:
+    """Gearhead and encoders are held by the two screws that the frame is drilled for."""
+    drive = s.drive
+    return worst(
+        at_most(f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws")
+        for name, item in (
+            ("gearhead", drive.gearhead),
+            ("encoder", drive.encoder),
+            ("drum encoder", drive.drum_encoder),
+        )
+    )
+
+
+def key_access(s: Subject) -> Finding:
+    """Key holes for the gearhead's screws lie inside the lower bearing's seat, or clear of it."""
+    f = s.layout.frame
+    inside = f.seat_radius - f.gear_bolt_circle - f.key_hole_radius
+    outside = f.gear_bolt_circle - f.key_hole_radius - f.seat_radius - HOLE_WEB_MM
+    return at_least("gearhead screws' key holes from the wall of the bearing's seat", max(inside, outside), 0.0, "mm")
+
+
+def head_seats(s: Subject) -> Finding:
+    """Heads of the gearhead's screws stand on flat floor, not on the pocket's rounded corner."""
+    v, f = s.levels, s.layout.frame
+    head = s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
+    edge = s.drive.centre_distance_mm + f.gear_bolt_circle + head
+    radius = min(f.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
+    gap = corner_gap(edge, v.motor_shelf_top_z, v.side_inner_x, v.motor_shelf_top_z, radius)
+    gap = min(gap, v.side_inner_x - edge)
+    return at_least("gearhead screw's head from the pocket's corner", gap, -HEAD_EDGE_MM, "mm")
+
+
+def pulley_corner(s: Subject) -> Finding:
+    """Input pulleys, cables on them, clear the rounded corner between bearing shelf and side wall."""
+    v, f = s.levels, s.layout.frame
+    found = []
+    for p in s.layout.inputs:
+        low, high = (c for c in s.steps if c.input_name == p.name)
+        edges = (
+            (p.lower_surface_radius, p.land_bottom_z),
+            (low.input_radius_mm + s.flank_mm, band(s.drive, low, outward_of(s.drive, low)).low_mm),
+            (high.input_radius_mm + s.flank_mm, p.wall_z),
+        )
+        gap = min(
+            corner_gap(s.drive.centre_distance_mm + r, z, v.side_inner_x, v.bearing_shelf_top_z, f.corner_radius)
+            for r, z in edges
+        )
+        what = f"{p.name} input pulley from the upper pocket's corner"
+        found.append(at_least(what, gap, s.drive.clearances.running_mm, "mm"))
+    return worst(found)
+
+
+def pocket_depth(s: Subject) -> Finding:
+    """Pulleys and their cables turn clear of the back plate."""
+    reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
+    back = s.layout.frame.upper_floor_y
+    return at_least("input pulleys, cables on, from the back plate", -back - reach, s.drive.clearances.running_mm, "mm")
+
+
+def mounts(s: Subject) -> Finding:
+    """Mounting screws' heads find flat floor in the coupling pockets and in the column."""
+    v, f = s.levels, s.layout.frame
+    head = f.mount_head_radius
+    _, (x, _), _, (inner_x, _), (_, column_z) = f.mounts
+    height = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
+    column = f.boss_radius - f.rib_thickness
+    rooms = (
+        ("height of the coupling pockets", height / 2 - head),
+        ("outer mount to the side wall", v.side_inner_x - x - head),
+        ("outer to inner mount", x - inner_x - 2 * head),
+        ("width of the column's pocket", column - head),
+        ("column's pocket above the mount", v.motor_shelf_bottom_z - column_z - head),
+        ("column's pocket below the mount", column_z - f.column_pocket_bottom_z - head),
+    )
+    return worst(at_least(f"mounting screw's head: {name}", room, HEAD_ROOM_MM, "mm") for name, room in rooms)
+
+
+def drives_apart(s: Subject) -> Finding:
+    """Gearheads, motors and encoders clear column, boss, drum encoder and each other."""
+    drive, f = s.drive, s.layout.frame
+    body = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
+    centre = max(f.boss_radius, f.ear_reach, drive.drum_encoder.diameter_mm / 2)
+    gap = drive.clearances.running_mm
+    return worst(
+        (
+            at_least("gearheads and motors from column and boss", drive.centre_distance_mm - body - centre, gap, "mm"),
+            at_least("encoders from each other", 2 * drive.centre_distance_mm - drive.encoder.diameter_mm, gap, "mm"),
+        )
+    )
+
+
+def screwdriver(s: Subject) -> Finding:
+    """Plate screws can be reached beside the encoders on top of the plate."""
+    p, drive = s.layout.top_plate, s.drive
+    reach = drive.encoder.diameter_mm / 2 + drive.screw(PLATE_SCREW).key_mm / 3**0.5
+    return worst(
+        at_least(
+            "plate screw's socket from the encoder above the plate",
+            hypot(x - centre, y) - reach,
+            drive.clearances.running_mm,
+            "mm",
+        )
+        for x, y in p.screws
+        for centre in p.input_x
+    )
+
+
+CHECKS = (
+    Check("engagement", "Screws engage over their diameter", "usual rule: one diameter", engagement,
+          turns=(down("support.motor_shelf_mm"), down("support.top_plate_mm"), up("support.top_plate_mm"),
+                 up("drum.hub_diameter_mm")), advice="choose longer screws"),
+    Check("dowel_engagement", "Dowels reach into the frame", "usual rule: one diameter", dowel_engagement,
+          turns=(down("support.top_plate_mm"),)),
+    Check("screw_counts", "Gearhead and encoders have two screws", "the frame is drilled for two", screw_counts,
+          advice="choose a gearhead and encoders held by two screws"),
+    Check("key_access", "Key holes for the gearheads' screws", "derived: assembly order", key_access,
+          advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle"),
+    Check("head_seats", "Gearhead screws' heads on flat floor", "derived; 0.02 mm: estimate", head_seats,
+          turns=(up("support.back_plate_mm"), up("all radii of transmission"))),
+    Check("pulley_corner", "Input pulleys clear the pocket's corner", "clearances.running_mm", pulley_corner,
+          turns=(up("support.back_plate_mm"),)),
+    Check("pocket_depth", "Input pulleys clear the back plate", "clearances.running_mm", pocket_depth,
+          turns=(down("support.back_plate_mm"), down("support.back_y_mm"))),
+    Check("mounts", "Mounting screws' heads find room", "M3 head; 0.5 mm: estimate", mounts,
+          turns=(up("support.coupling_space_mm"), down("support.rib_mm"), up("transmission.centre_distance_mm"))),
+    Check("drives_apart", "Drives clear column and each other", "clearances.running_mm", drives_apart,
+          turns=(up("transmission.centre_distance_mm"),)),
+    Check("screwdriver", "Plate screws can be reached", "clearances.running_mm", screwdriver,
+          turns=(up("support.side_wall_mm"), up("transmission.centre_distance_mm"))),
+)  # fmt: skip

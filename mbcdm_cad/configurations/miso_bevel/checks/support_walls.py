@@ -1,0 +1,225 @@
+"""Frame and top plate: walls thick enough to be made, and metal round and between all holes."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
+from mbcdm_cad.checks.geometry import inside_rounded_rectangle, web_between
+from mbcdm_cad.checks.knobs import Turn, down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, EAR_WALL_MM, PLATE_SCREW
+
+# Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
+HOLE_WEB_MM = 0.5
+
+
+def walls(s: Subject) -> Finding:
+    """Every wall of frame and top plate can be made."""
+    support = s.drive.support
+    names = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
+    limit = support.material.min_wall_mm
+    found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
+    frame = s.layout.frame
+    found.append(at_least("back plate behind the guide", frame.upper_floor_y - s.levels.back_y, limit, "mm"))
+    found.append(
+        at_least(
+            "web over the stop pin",
+            s.levels.bearing_shelf_bottom_z - frame.stop_pin_z - frame.stop_pin_radius,
+            limit,
+            "mm",
+        )
+    )
+    return worst(found)
+
+
+def bearing_shelf(s: Subject) -> Finding:
+    """Shelf takes the lower bearings, a shoulder under them, and the axle's set screw with walls."""
+    drive, limit = s.drive, s.drive.support.material.min_wall_mm
+    return worst(
+        (
+            at_least(
+                "shoulder under the lower bearings",
+                drive.support.bearing_shelf_mm - drive.bearings.input_lower.width_mm,
+                limit,
+                "mm",
+            ),
+            at_least(
+                "walls over and under the axle's set screw",
+                (drive.support.bearing_shelf_mm - drive.screw(AXLE_SCREW).thread_mm) / 2,
+                limit,
+                "mm",
+            ),
+        )
+    )
+
+
+def top_plate(s: Subject) -> Finding:
+    """Plate takes the upper bearings from below, the encoders' screws from below and its own from above."""
+    drive, limit = s.drive, s.drive.support.material.min_wall_mm
+    plate = drive.support.top_plate_mm
+    return worst(
+        (
+            at_least("shoulder over the upper bearings", plate - drive.bearings.input_upper.width_mm, limit, "mm"),
+            at_least(
+                "plate over the encoders' screw heads",
+                plate - drive.screw(drive.encoder.screw).head_height_mm - 0.2,
+                limit,
+                "mm",
+            ),
+            at_least("plate under its screws' heads", plate - drive.screw(PLATE_SCREW).head_height_mm, limit, "mm"),
+        )
+    )
+
+
+def front_wall(s: Subject) -> Finding:
+    """Metal between bearing seats and the front of shelf and plate."""
+    lay, front = s.layout, s.levels.front_y
+    head = s.drive.screw(s.drive.encoder.screw).head_diameter_mm / 2 + 0.1
+    limit = s.drive.support.material.min_wall_mm
+    return worst(
+        at_least(f"front wall beside the {name}", front - radius, limit, "mm")
+        for name, radius in (
+            ("lower bearings", lay.frame.seat_radius),
+            ("upper bearings", lay.top_plate.seat_radius),
+            ("gearheads' pilots", lay.frame.pilot_radius),
+            ("encoders' screw heads", head),
+        )
+    )
+
+
+def side_wall(s: Subject) -> Finding:
+    """Top plate has a wall on both sides of the holes that its screws' heads are sunk in, above the side walls."""
+    sunk = 2 * s.layout.top_plate.screw_head_radius
+    wall = s.drive.support.material.min_wall_mm
+    width = s.drive.support.side_wall_mm
+    return at_least(f"side wall under the {PLATE_SCREW} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall, "mm")
+
+
+def hole_webs(s: Subject) -> Finding:
+    """Metal between neighbouring holes of top plate and motor shelf, and to the plate's edge."""
+    lay, drive, v = s.layout, s.drive, s.levels
+    p, f = lay.top_plate, lay.frame
+    low, high = v.top_plate_bottom_z, v.top_plate_top_z
+    through_shelf = (v.motor_shelf_bottom_z, v.motor_shelf_top_z)
+    head = drive.screw(drive.encoder.screw)
+    plate: list[tuple[str, float, float, float, float, float]] = [("axle", 0.0, 0.0, p.axle_radius, low, high)]
+    shelf: list[tuple[str, float, float, float, float, float]] = []
+    for x in p.input_x:
+        plate.append(("upper bearing", x, 0.0, p.seat_radius, low, low + p.seat_depth))
+        plate.append(("upper shoulder", x, 0.0, p.shoulder_radius, low, high))
+        shelf.append(("pilot", x, 0.0, f.pilot_radius, *through_shelf))
+        for sign in (-1, 1):
+            u = x + sign * p.encoder_circle_radius
+            plate.append(("encoder screw", u, 0.0, p.encoder_screw_clearance, low, high))
+            sunk = low + head.head_height_mm + 0.2
+            plate.append(("encoder screw head", u, 0.0, head.head_diameter_mm / 2 + 0.1, low, sunk))
+            u = x + sign * f.gear_bolt_circle
+            shelf.append(("gearhead screw", u, 0.0, f.gear_screw_clearance, *through_shelf))
+    for x, y in p.screws:
+        plate.append(("plate screw head", x, y, p.screw_head_radius, high - p.screw_head_depth, high))
+        plate.append(("plate screw", x, y, p.screw_clearance, low, high))
+    for x, y in p.dowels:
+        plate.append(("dowel", x, y, p.dowel_radius, low, high))
+    found = [at_least(f"top plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(plate)]
+    found += [at_least(f"motor shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(shelf)]
+    for name, x, y, radius, _, _ in plate:
+        edge = inside_rounded_rectangle(x, y, v.side_outer_x, v.back_y, v.front_y, p.corner_radius)
+        found.append(at_least(f"top plate, {name} to the plate's edge", edge - radius, HOLE_WEB_MM, "mm"))
+    return worst(found)
+
+
+def wall_holes(s: Subject) -> Finding:
+    """Threads and dowels stand inside the side walls and apart from each other."""
+    f, wall = s.layout.frame, s.drive.support.side_wall_mm
+    limit = s.drive.support.material.min_wall_mm
+    (_, front), _, (_, back), _ = f.plate_screws
+    dowel_y = f.dowels[0][1]
+    gap = f.plate_screw_radius + f.dowel_radius
+    return worst(
+        (
+            at_least("side wall beside a plate screw's thread", wall / 2 - f.plate_screw_radius, limit, "mm"),
+            at_least("side wall beside a dowel", wall / 2 - f.dowel_radius, limit, "mm"),
+            at_least("metal between front plate screw and dowel", front - dowel_y - gap, limit, "mm"),
+            at_least("metal between dowel and back plate screw", dowel_y - back - gap, limit, "mm"),
+        )
+    )
+
+
+def boss(s: Subject) -> Finding:
+    """Drum bearings sit apart in the boss with a shoulder between, ears and column behind the boss's front."""
+    v, f = s.levels, s.layout.frame
+    limit = s.drive.support.material.min_wall_mm
+    return worst(
+        (
+            at_least("shoulder between the drum's bearings", f.front_seat_start_y - f.rear_seat_end_y, 2 * limit, "mm"),
+            at_least("boss beyond the ears of the drum encoder's screws", v.boss_front_y - f.ear_front_y, 0.0, "mm"),
+            at_least("motor shelf above the boss", v.motor_shelf_bottom_z - f.boss_radius, limit, "mm"),
+            at_least("stop pin's hole in front of the back plate", f.stop_pin_start_y - v.back_y, limit, "mm"),
+        )
+    )
+
+
+def encoder_screws(s: Subject) -> Finding:
+    """Drum encoder's screws miss the rear bearing's seat and stay in the encoder."""
+    f, encoder = s.layout.frame, s.drive.drum_encoder
+    return worst(
+        (
+            at_least(
+                "drum encoder's threads from the bearing's seat",
+                f.encoder_screw_circle - f.encoder_screw_radius - f.drum_seat_radius,
+                HOLE_WEB_MM,
+                "mm",
+            ),
+            at_least(
+                "drum encoder's threads inside its housing",
+                encoder.diameter_mm / 2 - f.encoder_screw_circle - f.encoder_screw_radius,
+                HOLE_WEB_MM,
+                "mm",
+            ),
+            at_least(
+                "ear round the drum encoder's threads",
+                max(f.ear_reach, f.boss_radius) - f.encoder_screw_circle - f.encoder_screw_radius,
+                EAR_WALL_MM,
+                "mm",
+            ),
+        )
+    )
+
+
+def corner_radii(s: Subject) -> Finding:
+    """Frame and plate are larger than the corners that the pockets' tool leaves."""
+    v, f = s.levels, s.layout.frame
+    return worst(
+        (
+            at_least("frame's depth over two corner radii", v.front_y - v.back_y - 2 * f.corner_radius, 0.1, "mm"),
+            at_least("upper pocket's width over two corner radii", 2 * v.side_inner_x - 2 * f.corner_radius, 0.1, "mm"),
+            at_least("depth of the pockets", v.front_y - v.pocket_floor_y, 0.1, "mm"),
+        )
+    )
+
+
+_SHELF: tuple[Turn, ...] = (up("support.bearing_shelf_mm"),)
+_WALL = "material: min_wall_mm"
+_WEB = "0.5 mm between holes: estimate"
+CHECKS = (
+    Check("walls", "Walls of frame and plate can be made", _WALL, walls,
+          turns=(up("support.back_plate_mm"), up("support.side_wall_mm"), up("support.motor_shelf_mm"),
+                 up("support.bearing_shelf_mm"), up("support.top_plate_mm"), up("support.rib_mm"),
+                 down("support.back_y_mm"), up("support.coupling_space_mm"))),
+    Check("bearing_shelf", "Bearing shelf takes bearings and set screw", _WALL, bearing_shelf, turns=_SHELF),
+    Check("top_plate", "Top plate takes bearings and heads", _WALL, top_plate, turns=(up("support.top_plate_mm"),)),
+    Check("front_wall", "Front walls beside the bearing seats", _WALL, front_wall,
+          turns=(up("all radii of transmission"),), advice="choose smaller bearings"),
+    Check("side_wall", "Side walls carry the plate screws' heads", _WALL, side_wall,
+          turns=(up("support.side_wall_mm"),)),
+    Check("hole_webs", "Metal between the holes of plate and shelf", _WEB, hole_webs,
+          turns=(up("support.side_wall_mm"), up("transmission.centre_distance_mm"), up("support.top_plate_mm"),
+                 down("support.back_y_mm"))),
+    Check("wall_holes", "Threads and dowels inside the side walls", _WALL, wall_holes,
+          turns=(up("support.side_wall_mm"), down("support.back_y_mm"))),
+    Check("boss", "Boss takes both drum bearings", _WALL, boss,
+          turns=(down("support.back_y_mm"), up("all radii of transmission"), down("support.coupling_space_mm"))),
+    Check("encoder_screws", "Drum encoder's screws find metal", _WEB, encoder_screws,
+          advice="choose a drum encoder of larger bolt circle, or a smaller drum.bearing"),
+    Check("corner_radii", "Corners fit frame and pockets", _WALL.replace("wall", "internal_radius"), corner_radii,
+          turns=(down("support.back_y_mm"),), advice="choose a material of smaller internal radius"),
+)  # fmt: skip

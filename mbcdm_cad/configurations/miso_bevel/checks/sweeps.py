@@ -1,0 +1,205 @@
+"""What turns clears what stands: the drum with its terminals before frame and drives, the collars in their space.
+
+The drum is taken as swept all the way round, each of its zones as a ring: at radius r from the Y axis nothing of it
+lies nearer to the frame than the zone's y. Drives are cylinders along Z. Cables are sampled over the travel.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from math import hypot, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
+from mbcdm_cad.checks.knobs import down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.cable_path import FREE
+from mbcdm_cad.configurations.miso_bevel.checks.spans import CABLE_GAP_MM
+from mbcdm_cad.configurations.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+
+# Gap between two bodies that both turn in bearings (estimate).
+MOVING_GAP_MM = 0.1
+_SAMPLE_MM = 1.0
+_MOST_SAMPLES = 500
+
+
+class Ring(NamedTuple):
+    """A zone of the drum: radii from the Y axis and the lowest y in it."""
+
+    name: str
+    inner: float
+    outer: float
+    y: float
+
+
+class Upright(NamedTuple):
+    """A body round an axis parallel to Z at x = +-``x``; ``moves``: it turns in bearings of its own."""
+
+    name: str
+    x: float
+    radius: float
+    low: float
+    high: float
+    moves: bool = False
+
+
+def drum_zones(s: Subject) -> list[Ring]:
+    """Rings that together hold everything which turns with the drum in front of the frame."""
+    d = s.layout.drum
+    spec = s.drive.tensioner
+    half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
+    below = max(half, d.swage_pocket + 0.3)
+    zones = [
+        Ring("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
+        Ring("drum's web", d.spigot_radius, d.rim_inner_radius + 1.0, min(d.web_start_y, d.lands[0].y_start)),
+        Ring("drum's hub", 0.0, d.hub_radius, d.spigot_y),
+    ]
+    for t in d.tensioners:
+        name = f"terminal of {t.cable_name}"
+        zones.append(Ring(name, t.radius_mm - below, hypot(t.radius_mm + half, t.tip), t.y_mm - half))
+    for c in s.steps:
+        radii = (c.drum_radius_mm - s.flank_mm, c.drum_radius_mm + s.flank_mm)
+        zones.append(Ring(f"{c.name} on the drum", *radii, c.guide_radius_mm - s.flank_mm))
+    return zones
+
+
+def uprights(s: Subject) -> list[Upright]:
+    """Drives and pulleys, one of each pair, since both stand alike."""
+    drive, v, lay = s.drive, s.levels, s.layout
+    x = drive.centre_distance_mm
+    bodies = [
+        Upright("gearheads", x, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.motor_shelf_bottom_z),
+        Upright("motors", x, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.gearhead_bottom_z),
+        Upright("encoders", x, drive.encoder.diameter_mm / 2, v.top_plate_top_z, v.encoder_top_z),
+        Upright("clamp collars", x, collar_sweep_mm(s.drive), lay.collar.bottom_z, lay.collar.top_z, True),
+    ]
+    for p in lay.inputs:
+        radius = max(c.input_radius_mm for c in s.steps if c.input_name == p.name) + s.flank_mm
+        bodies.append(Upright(f"{p.name} input pulley", x, radius, p.land_bottom_z, p.land_top_z, True))
+    return bodies
+
+
+def ring_gap(ring: Ring, body: Upright, want: float) -> float:
+    """Gap of a swept ring of the drum to an upright body: along y, else radially where the ring could reach it."""
+    along_y = ring.y - body.radius
+    if along_y >= want:
+        return along_y
+    # The slice of the body that reaches the ring's y: |x| within its chord there.
+    chord = sqrt(max(body.radius**2 - max(ring.y - want, 0.0) ** 2, 0.0))
+    far_x, near_x = body.x + chord, max(body.x - chord, 0.0)
+    near_z = 0.0 if body.low <= 0.0 <= body.high else min(abs(body.low), abs(body.high))
+    furthest = hypot(far_x, max(abs(body.low), abs(body.high)))
+    return max(along_y, ring.inner - furthest, hypot(near_x, near_z) - ring.outer)
+
+
+def drum_sweep(s: Subject) -> Finding:
+    """Drum, terminals and wound cables pass drives and pulleys over the whole travel."""
+    running = s.drive.clearances.running_mm
+    found = []
+    for body in uprights(s):
+        for ring in drum_zones(s):
+            want = min(MOVING_GAP_MM, running) if body.moves else running
+            found.append(at_least(f"{ring.name} to the {body.name}", ring_gap(ring, body, want), want, "mm"))
+    return worst(found)
+
+
+def frame_front(s: Subject) -> Finding:
+    """Everything that turns with the drum passes in front of shelves, plate and boss."""
+    v, running = s.levels, s.drive.clearances.running_mm
+    found = []
+    for ring in drum_zones(s):
+        if ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the frame", ring.y - v.front_y, running, "mm"))
+        if ring.inner < s.layout.frame.boss_radius and ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    return worst(found)
+
+
+def collar_space(s: Subject) -> Finding:
+    """Clamp collars turn clear of web, side walls, back plate and the mounting screws' heads."""
+    v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
+    reach, x = collar_sweep_mm(s.drive), s.drive.centre_distance_mm
+    return worst(
+        (
+            at_least("clamp collar from the web between the drives", x - reach - f.web_half_width, running, "mm"),
+            at_least("clamp collar from the side wall", v.side_inner_x - x - reach, running, "mm"),
+            at_least(
+                "clamp collar from back plate and mounting screws' heads",
+                -max(v.pocket_floor_y, f.mount_seat_y + MOUNT_SCREW_HEAD_HEIGHT_MM) - reach,
+                running,
+                "mm",
+            ),
+        )
+    )
+
+
+def _step_mm(s: Subject) -> float:
+    """Sampling step along cables: coarse enough that no design, however large, takes long."""
+    longest = max(path.length_mm for _, paths in s.extreme_paths for path in paths)
+    return max(_SAMPLE_MM, longest / _MOST_SAMPLES)
+
+
+def _sampled(s: Subject) -> list[tuple[float, list[np.ndarray], np.ndarray]]:
+    """(drum angle in deg, points of every cable, points of all free stretches) at centre and both ends of travel."""
+    step = _step_mm(s)
+    return [
+        (
+            float(np.degrees(angle)),
+            [path.sample(step) for path in paths],
+            np.concatenate([path.only(FREE).sample(step) for path in paths]),
+        )
+        for angle, paths in s.extreme_paths
+    ]
+
+
+def _nearest(a: np.ndarray, b: np.ndarray, step: float) -> float:
+    """Least distance between two lines sampled every ``step``, from below: what lies between samples is allowed for."""
+    squared = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None, :] - 2.0 * (a @ b.T)
+    return sqrt(max(float(squared.min()) - step**2 / 2, 0.0))
+
+
+def cables_apart(s: Subject) -> Finding:
+    """Centre lines of different cables stay apart, at centre and both ends of travel."""
+    d, step, names, found = s.drive.cable.diameter_mm, _step_mm(s), [c.name for c in s.drive.cables], []
+    for angle, lines, _ in s.once("sampled", _sampled):
+        for (i, first), (j, second) in combinations(enumerate(lines), 2):
+            what = f"gap of {names[i]} and {names[j]} with the drum at {angle:+.4g} deg"
+            found.append(at_least(what, _nearest(first, second, step) - d, CABLE_GAP_MM, "mm"))
+    return worst(found)
+
+
+def spans_clear(s: Subject) -> Finding:
+    """Free spans and the cables on the guide pass the terminals at centre and both ends of travel."""
+    d, step, found = s.layout.drum, _step_mm(s), []
+    keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
+    for angle, _, free in s.once("sampled", _sampled):
+        cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+        for t in d.tensioners:
+            along = np.linspace(t.swage_start, t.tip, int(t.tip / step) + 2)
+            axis = np.array([(x, t.y_mm, z) for x, z in (t.at(a) for a in along)]) @ turn.T
+            what = f"terminal of {t.cable_name} from the free spans with the drum at {angle:+.4g} deg"
+            found.append(at_least(what, _nearest(free, axis, step) - keep, CABLE_GAP_MM, "mm"))
+    return worst(found)
+
+
+CHECKS = (
+    Check("drum_sweep", "Drum passes drives and pulleys",
+          "clearances.running_mm; 0.1 mm between turning bodies: estimate", drum_sweep,
+          turns=(down("transmission.centre_distance_mm"), up("transmission.centre_distance_mm"),
+                 up("all radii of transmission"), up("support.coupling_space_mm"),
+                 down("support.coupling_space_mm"), up("drum.rim_inner_radius_mm"))),
+    Check("frame_front", "Drum passes in front of the frame", "clearances.running_mm", frame_front,
+          advice="choose a smaller drum.tensioner"),
+    Check("collar_space", "Clamp collars turn freely", "clearances.running_mm", collar_space,
+          turns=(up("transmission.centre_distance_mm"), down("support.back_plate_mm"), down("support.back_y_mm"))),
+    Check("cables_apart", "Cables stay apart", "derived; 0.1 mm: estimate", cables_apart,
+          turns=(up("transmission.centre_distance_mm"), up("all radii of transmission"), down("travel.half_angle_deg"),
+                 down("rope diameter_mm"))),
+    Check("spans_clear", "Free spans pass the terminals", "derived; 0.1 mm: estimate", spans_clear,
+          turns=(down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"), up("all radii of transmission"))),
+)  # fmt: skip

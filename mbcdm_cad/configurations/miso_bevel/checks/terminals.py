@@ -1,0 +1,171 @@
+"""Tensioners on the drum: neighbours apart, lands and lugs on solid rim, studs and lugs strong enough."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from math import atan2, hypot
+
+import numpy as np
+
+from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
+from mbcdm_cad.checks.geometry import Points, polygon_gap
+from mbcdm_cad.checks.knobs import Turn, down, up
+from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.terminal.dims import Tensioner
+
+# Gap between two terminals, and between terminal and cable (estimate: no tool between them, nothing moves).
+TERMINAL_GAP_MM = 0.1
+# Straight wall left between two rounded corners of a pocket (estimate).
+CORNER_ROOM_MM = 0.1
+# Yield over stress (usual for steady loads on ductile metal).
+STUD_SAFETY = 2.0
+LUG_SAFETY = 2.0
+
+
+def _bodies(s: Subject, t: Tensioner) -> list[tuple[str, Points, float, float]]:
+    """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug."""
+    spec, d = s.drive.tensioner, s.layout.drum
+    nut = spec.nut_across_flats_mm / 3**0.5
+    swage, stud, lug = spec.swage_diameter_mm / 2, spec.thread_mm / 2, d.lug_half_width
+
+    def outline(start: float, end: float, low: float, high: float) -> Points:
+        return np.array([t.at(start, low), t.at(end, low), t.at(end, high), t.at(start, high)])
+
+    return [
+        ("swage", outline(t.swage_start, t.swage_end, -swage, swage), t.y_mm - swage, t.y_mm + swage),
+        ("stud", outline(t.swage_end, t.tip, -stud, stud), t.y_mm - stud, t.y_mm + stud),
+        ("nuts", outline(t.lug_end, t.nuts_end, -nut, nut), t.y_mm - nut, t.y_mm + nut),
+        ("lug", outline(t.lug_start, t.lug_end, -d.swage_pocket - 0.3, lug), t.y_mm - lug, d.lands[-1].y_end),
+    ]
+
+
+def _pairs(d: DrumDims) -> Iterator[tuple[Tensioner, Tensioner]]:
+    """(inner, outer) terminals of one side."""
+    for a, b in combinations(sorted(d.tensioners, key=lambda t: t.radius_mm), 2):
+        if a.side == b.side:
+            yield a, b
+
+
+def terminals_apart(s: Subject) -> Finding:
+    """Terminals and lugs of neighbours on one side do not touch, nut corners included."""
+    found = []
+    for a, b in _pairs(s.layout.drum):
+        for name, outline, low, high in _bodies(s, a):
+            for other, other_outline, other_low, other_high in _bodies(s, b):
+                along_y = max(other_low - high, low - other_high)
+                gap = along_y if along_y >= TERMINAL_GAP_MM else max(along_y, polygon_gap(outline, other_outline))
+                what = f"{name} of {a.cable_name} to {other} of {b.cable_name}"
+                found.append(at_least(what, gap, TERMINAL_GAP_MM, "mm"))
+    return worst(found)
+
+
+def lands_intact(s: Subject) -> Finding:
+    """No pocket takes the land, the lug's root or the way of a neighbour's cable."""
+    d, half, wall = s.layout.drum, s.flank_mm, s.drive.drum.material.min_wall_mm
+    lands = {c.name: d.lands[k] for k, c in enumerate(s.steps)}
+    found = []
+    for a, b in _pairs(d):
+        inner, outer = lands[a.cable_name], lands[b.cable_name]
+        # Along the rim: where the inner pocket begins, and where the outer lug ends.
+        apart = (a.anchor_rad - (b.anchor_rad + atan2(b.lug_end, b.radius_mm))) * b.radius_mm
+        pocket_top = hypot(a.radius_mm + a.pocket_top, a.tip)
+        above = -np.inf if a.cut_through else outer.surface_radius_mm - pocket_top
+        names = f"{a.cable_name} and {b.cable_name}"
+        found += [
+            at_least(f"land of {b.cable_name} over the pocket of {a.cable_name}", max(apart, above - wall), 0.0, "mm"),
+            at_least(
+                f"pocket of {b.cable_name} over the land of {a.cable_name}",
+                b.radius_mm - d.nut_pocket - inner.surface_radius_mm,
+                TERMINAL_GAP_MM,
+                "mm",
+            ),
+            at_least(
+                f"lug of {b.cable_name} over {a.cable_name}",
+                max(b.radius_mm - d.swage_pocket - 0.3 - a.radius_mm, b.y_mm - d.lug_half_width - a.y_mm) - half,
+                TERMINAL_GAP_MM,
+                "mm",
+            ),
+        ]
+        if apart < 0.0:
+            found.append(
+                at_least(
+                    f"cable over terminal where they pass, {names}",
+                    b.radius_mm - half - pocket_top,
+                    TERMINAL_GAP_MM,
+                    "mm",
+                )
+            )
+    return worst(found) if found else at_least("terminals on one side", 1.0, 0.0, "mm")
+
+
+def outer_face(s: Subject) -> Finding:
+    """Rim's outer face lies beyond every nut and lug."""
+    d = s.layout.drum
+    half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum.material.min_wall_mm)
+    return worst(
+        at_least(f"rim beyond the terminal of {t.cable_name}", d.lands[-1].y_end - t.y_mm - half, 0.0, "mm")
+        for t in d.tensioners
+    )
+
+
+def pocket_corners(s: Subject) -> Finding:
+    """Rooms for swage and nuts are longer and wider than the two corners that their cutter leaves."""
+    d = s.layout.drum
+    rooms = [
+        (f"{name} of {t.cable_name}", min(length, half + t.pocket_top))
+        for t in d.tensioners
+        for name, length, half in (
+            ("swage", t.lug_start - t.swage_start + POCKET_LEAD_MM, d.swage_pocket),
+            ("nuts", t.pocket_end - t.lug_end, d.nut_pocket),
+        )
+    ]
+    return worst(
+        at_least(f"room for the {name} over two corner radii", room - 2 * d.pocket_radius, CORNER_ROOM_MM, "mm")
+        for name, room in rooms
+    )
+
+
+def stud_stress(s: Subject) -> Finding:
+    """Tension of the stud at the largest cable force."""
+    spec = s.drive.tensioner
+    strength = s.drive.material(spec.material).yield_MPa
+    stress = s.loads.highest_N / spec.stress_area_mm2
+    return at_least(
+        f"yield {strength:g} MPa of {spec.material} over the stud's {stress:.4g} MPa",
+        strength / stress,
+        STUD_SAFETY,
+        "times",
+    )
+
+
+def lug_stress(s: Subject) -> Finding:
+    """Bending of the lug about its root: only the metal beyond the slot, towards the outer face, is counted."""
+    d = s.layout.drum
+    strength = s.drive.drum.material.yield_MPa
+    found = []
+    for t in d.tensioners:
+        width = max(d.lands[-1].y_end - t.y_mm - d.stud_hole_radius, 1e-6)
+        modulus = width * (t.lug_end - t.lug_start) ** 2 / 6
+        stress = s.loads.highest_N * (d.swage_pocket + 0.3) / modulus
+        what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa in the lug of {t.cable_name}"
+        found.append(at_least(what, strength / stress, LUG_SAFETY, "times"))
+    return worst(found)
+
+
+_ROOM: tuple[Turn, ...] = (up("all radii of transmission"), up("drum.outer_face_y_mm"))
+_SMALLER = "choose a smaller drum.tensioner"
+CHECKS = (
+    Check("terminals_apart", "Terminals of one side do not touch", "derived; 0.1 mm: estimate", terminals_apart,
+          turns=_ROOM, advice=_SMALLER),
+    Check("lands_intact", "Lands and lugs stand on solid rim", "derived", lands_intact, turns=_ROOM, advice=_SMALLER),
+    Check("outer_face", "Rim reaches beyond the terminals", "derived", outer_face,
+          turns=(up("drum.outer_face_y_mm"),), advice=_SMALLER),
+    Check("pocket_corners", "Pockets take their cutter", "material: min_internal_radius_mm", pocket_corners,
+          advice="choose a drum.material of smaller internal radius, or a larger drum.tensioner"),
+    Check("stud_stress", "Tensioner studs hold", "material: yield_MPa; 2: usual rule", stud_stress,
+          turns=(down("loads.peak_torque_Nm"), down("rope.preload_N")), advice="choose a larger drum.tensioner"),
+    Check("lug_stress", "Lugs hold", "material: yield_MPa; 2: usual rule", lug_stress,
+          turns=(up("drum.outer_face_y_mm"), down("loads.peak_torque_Nm"), down("rope.preload_N"))),
+)  # fmt: skip

@@ -1,0 +1,259 @@
+"""Dimensions of the drum sector: stepped lands, tensioners at both ends, web with the stop's slot, hub and shaft.
+
+     y ->  8.75   9.45  10.05 10.65      13        lands of cables 1..4, each a step larger in radius
+rim        |  1  |  2  |  3  |    4      |         walls at r_g,k+1 - edge margin: the edge of a land lies
+web              |======|                          between a cable's flank and the next contact line
+hub      |==============================......|    hub face: the output
+"""
+
+from __future__ import annotations
+
+from math import asin, atan2, degrees, hypot, radians, sin, tan
+
+from mbcdm_cad.configurations.miso_bevel.stack import Stack, nut_corner_radius_mm
+from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims, Land, Window
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.terminal.dims import Tensioner
+
+# Cable left straight between the land's end and the swage.
+SWAGE_START_MM = 0.5
+# Solid end of the swage behind the cable's bore.
+SWAGE_FLOOR_MM = 0.5
+# Swage to lug: what the terminal may be drawn in while tensioning.
+DRAW_IN_MM = 0.3
+# Wall of a lug beside the stud's hole.
+LUG_WALL_MM = 0.75
+# Stud and nuts must end this far before the sector's end face.
+SECTOR_MARGIN_DEG = 0.6
+# Below this the floor left under a pocket is not worth leaving.
+MIN_FLOOR_MM = 1.0
+# Edges nearer than this are a sliver.
+SLIVER_MM = 0.02
+# How far a pocket that is open to the outside reaches past the surface it opens.
+OPEN_MM = 0.05
+# A wall behind a terminal, towards the sector's end, thinner than this is cut away.
+MIN_GUARD_MM = 2.0
+BEYOND_MM = 30.0
+STOP_PIN_MM = 3.0
+STOP_SLOT_PLAY_MM = 0.3
+STOP_PIN_WALL_MM = 1.5
+
+
+def lands(drive: Drive, levels: Stack) -> tuple[Land, ...]:
+    """Lands in the order of the steps; the wall before step k+1 stands at r_g,k+1 less the edge margin."""
+    cables = sorted(drive.cables, key=lambda c: c.step)
+    walls = [levels.drum_inner_y, *(c.guide_radius_mm - drive.clearances.land_edge_mm for c in cables[1:])]
+    ends = [*walls[1:], levels.drum_outer_y]
+    flank = drive.cable.diameter_mm / 2
+    return tuple(
+        Land(c.step, c.drum_radius_mm - flank, start, end) for c, start, end in zip(cables, walls, ends, strict=True)
+    )
+
+
+def half_width_mm(drive: Drive) -> float:
+    """Half the sector's width along x with the drum centred: R sin(min(angle, 90 deg))."""
+    outer = max(c.drum_radius_mm for c in drive.cables) - drive.cable.diameter_mm / 2
+    return outer * sin(radians(min(drive.drum.sector_half_angle_deg, 90.0)))
+
+
+def _anchor_limit(drive: Drive, cable: CableRun, tip: float, nuts_end: float) -> float:
+    """Largest anchor angle (rad) that keeps the terminal inside the sector's angle and its width."""
+    r = cable.drum_radius_mm
+    by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
+    reach = r + nut_corner_radius_mm(drive)
+    width = half_width_mm(drive) - 0.1
+    # (r + nut) sin a + s cos a <= width, s the nuts' end.
+    amplitude = (reach**2 + nuts_end**2) ** 0.5
+    by_width = asin(min(1.0, width / amplitude)) - atan2(nuts_end, reach) if width < amplitude else by_angle
+    return min(by_angle, by_width)
+
+
+def _pocket_end(drive: Drive, cable: CableRun, anchor_rad: float, tip: float) -> float:
+    end = tip + 1.0
+    left = radians(drive.drum.sector_half_angle_deg) - anchor_rad - atan2(end, cable.drum_radius_mm)
+    return end if left * cable.drum_radius_mm > MIN_GUARD_MM else end + BEYOND_MM
+
+
+def nut_pocket_mm(drive: Drive) -> float:
+    """Half width of the nuts' pocket: the end mill's corner must not lift the nut off its seat."""
+    return nut_corner_radius_mm(drive) + drive.clearances.running_mm + drive.drum.material.min_internal_radius_mm
+
+
+def _pocket_top(drive: Drive, cable: CableRun, anchor_rad: float, pocket_end: float) -> float:
+    """Outward reach of a terminal's pockets, so that no thin wall is left before the surface of a land further out."""
+    r = cable.drum_radius_mm
+    left = max(0.0, radians(drive.drum.sector_half_angle_deg) - anchor_rad)
+    end = min(pocket_end, r * tan(min(left, 1.0)))
+    top = nut_pocket_mm(drive)
+    surfaces = sorted(c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in drive.cables)
+    for surface in (s for s in surfaces if s > r):
+        # The pocket is straight and the land round, so that the wall is thinnest at the pocket's end.
+        if surface > r + top and surface - hypot(r + top, end) < MIN_FLOOR_MM:
+            top = surface - r + OPEN_MM
+    return top if top < surfaces[-1] - r else BEYOND_MM
+
+
+def tensioners(drive: Drive) -> tuple[Tensioner, ...]:
+    """Place the terminals as far out as the sector allows; neighbours on one side are staggered.
+
+    Where two cables of one side lie close in radius, the outer one's lug must end before the inner one's pocket
+    begins: then it stands on solid rim, and a spanner reaches both nuts.
+    """
+    t = drive.tensioner
+    swage_end = SWAGE_START_MM + t.swage_length_mm
+    lug_start = swage_end + DRAW_IN_MM
+    lug_end = lug_start + t.lug_thickness_mm
+    nuts_end = lug_end + 2 * t.nut_height_mm
+    tip = SWAGE_START_MM + t.stud_length_mm
+    nut = nut_corner_radius_mm(drive)
+    # Nearer than this, the inner one's pocket would reach the outer cable's land.
+    reach = nut_pocket_mm(drive) + drive.cable.diameter_mm / 2 + MIN_FLOOR_MM
+    placed: list[Tensioner] = []
+    for side in (-1, 1):
+        inner: Tensioner | None = None
+        for cable in sorted((c for c in drive.cables if c.drum_side == side), key=lambda c: c.drum_radius_mm):
+            limit = _anchor_limit(drive, cable, tip, nuts_end)
+            near = max(2 * nut + 2.0, reach + (tip + 1.0) ** 2 / (2 * cable.drum_radius_mm))
+            if inner is not None and cable.drum_radius_mm - inner.radius_mm < near:
+                pocket = inner.anchor_rad - radians(0.3)
+                limit = min(limit, pocket - atan2(lug_end, cable.drum_radius_mm))
+            floor = drive.drum.outer_face_y_mm - cable.guide_radius_mm - nut - drive.clearances.running_mm
+            through = floor < MIN_FLOOR_MM
+            pocket_end = _pocket_end(drive, cable, limit, tip)
+            inner = Tensioner(
+                cable_name=cable.name,
+                side=side,
+                radius_mm=cable.drum_radius_mm,
+                y_mm=cable.guide_radius_mm,
+                anchor_rad=limit,
+                swage_start=SWAGE_START_MM,
+                cable_end=swage_end - SWAGE_FLOOR_MM,
+                swage_end=swage_end,
+                lug_start=lug_start,
+                lug_end=lug_end,
+                nuts_end=nuts_end,
+                tip=tip,
+                pocket_end=pocket_end,
+                # A pocket through the whole rim is open outwards, or what is left over it hangs on nothing.
+                pocket_top=BEYOND_MM if through else _pocket_top(drive, cable, limit, pocket_end),
+                cut_through=through,
+            )
+            placed.append(inner)
+    order = {c.name: c.step for c in drive.cables}
+    return tuple(sorted(placed, key=lambda p: order[p.cable_name]))
+
+
+def _pocket_radius(drive: Drive, placed: tuple[Tensioner, ...], swage_pocket: float) -> float:
+    """Radius of the pockets' corners: what the material allows, or a little more.
+
+    Where a corner would end within a hair of a land's edge, a sliver would be left that no kernel and no mill can make.
+    """
+    least, nuts = drive.drum.material.min_internal_radius_mm, nut_pocket_mm(drive)
+    surfaces = [c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in drive.cables]
+
+    def nearest(radius: float) -> float:
+        """Least distance from a corner's end to the surface of a land."""
+        ends = [
+            hypot(t.radius_mm + n, s)
+            for t in placed
+            for half, s in ((swage_pocket, t.swage_start - POCKET_LEAD_MM), (swage_pocket, t.lug_start),
+                            (nuts, t.lug_end), (nuts, t.pocket_end))
+            for n in (radius - half, t.pocket_top - radius)
+        ]  # fmt: skip
+        return min(abs(end - surface) for end in ends for surface in surfaces)
+
+    tried = [least + k * drive.clearances.running_mm / 12 for k in range(13)]
+    return next((radius for radius in tried if nearest(radius) >= SLIVER_MM), max(tried, key=nearest))
+
+
+def _windows(drive: Drive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
+    d = drive.drum
+    inner = d.hub_diameter_mm / 2 + 3.0
+    outer = d.rim_inner_radius_mm - 2.5
+    below = stop_radius - STOP_PIN_MM / 2 - 2.4
+    above = stop_radius + STOP_PIN_MM / 2 + 2.4
+    spoke = degrees(asin(min(0.9, 1.5 / inner)))
+    side_start = slot_end_deg + degrees(asin(min(0.9, (STOP_PIN_MM / 2 + 2.6) / stop_radius)))
+    side_end = d.sector_half_angle_deg - degrees(3.5 / inner)
+    candidates = [
+        Window(inner, below, spoke, min(slot_end_deg + spoke, side_start - 2 * spoke)),
+        Window(above, outer, spoke, slot_end_deg - spoke),
+        Window(inner, outer, side_start, side_end),
+    ]
+    radius = 2 * drive.drum.material.min_internal_radius_mm
+    kept = [
+        w
+        for w in candidates
+        if w.r_outer - w.r_inner > 2 * radius + 1.0 and radians(w.end_deg - w.start_deg) * w.r_inner > 2 * radius + 1.0
+    ]
+    return tuple(kept) + tuple(Window(w.r_inner, w.r_outer, -w.end_deg, -w.start_deg) for w in kept)
+
+
+def stop_pin_z(levels: Stack) -> float:
+    """Height of the stop pin: low in the web between the shelves, with metal below it."""
+    return levels.motor_shelf_bottom_z + STOP_PIN_MM / 2 + STOP_PIN_WALL_MM
+
+
+def drum(drive: Drive, levels: Stack) -> DrumDims:
+    """Dimensions of the drum."""
+    d = drive.drum
+    stop_radius = stop_pin_z(levels)
+    slot_width = STOP_PIN_MM + STOP_SLOT_PLAY_MM
+    # Contact comes when the pin has used up its play at the slot's end.
+    play_deg = degrees(STOP_SLOT_PLAY_MM / 2 / max(stop_radius, 1.0))
+    slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg
+    shaft_radius = drive.bearings.drum.bore_mm / 2
+    screw = drive.screw("M3x5-set")
+    hub_radius = d.hub_diameter_mm / 2
+    web_start = levels.drum_inner_y + 3 * drive.clearances.running_mm
+    placed = tensioners(drive)
+    swage_pocket = drive.tensioner.swage_diameter_mm / 2 + drive.clearances.running_mm
+    return DrumDims(
+        half_angle_deg=d.sector_half_angle_deg,
+        rim_inner_radius=d.rim_inner_radius_mm,
+        lands=lands(drive, levels),
+        web_start_y=web_start,
+        web_end_y=web_start + d.web_thickness_mm,
+        hub_radius=hub_radius,
+        hub_start_y=levels.boss_front_y + 0.5,
+        hub_face_y=d.hub_face_y_mm,
+        spigot_radius=drive.bearings.drum.inner_shoulder_mm / 2,
+        spigot_y=levels.boss_front_y,
+        bore_radius=shaft_radius,
+        windows=_windows(drive, stop_radius, slot_end),
+        stop_radius=stop_radius,
+        stop_slot_width=slot_width,
+        stop_slot_end_deg=slot_end,
+        tensioners=placed,
+        stud_hole_radius=drive.tensioner.clearance_mm / 2,
+        lug_half_width=drive.tensioner.clearance_mm / 2 + LUG_WALL_MM,
+        swage_pocket=swage_pocket,
+        nut_pocket=nut_pocket_mm(drive),
+        pocket_radius=_pocket_radius(drive, placed, swage_pocket),
+        set_screw=screw.name,
+        set_screw_y=(web_start + d.web_thickness_mm + d.hub_face_y_mm) / 2,
+        set_screw_radius=shaft_radius,
+        payload_screw_thread=2.5,
+        payload_circle_radius=(hub_radius + shaft_radius) / 2,
+        payload_depth=6.0,
+        corner_radius=2 * d.material.min_internal_radius_mm,
+    )
+
+
+def drum_shaft(drive: Drive, levels: Stack) -> DrumShaftDims:
+    """Shaft through the boss: encoder, flange, rear bearing, front bearing, hub."""
+    bearing = drive.bearings.drum
+    encoder_front = levels.back_y + drive.drum_encoder.length_mm
+    rear = encoder_front + 1.0
+    return DrumShaftDims(
+        radius=bearing.bore_mm / 2,
+        bore_radius=drive.drum.shaft_bore_mm / 2,
+        y_start=levels.back_y,
+        y_end=levels.hub_face_y,
+        flange_radius=bearing.inner_shoulder_mm / 2,
+        flange_start_y=rear - 0.8,
+        flange_end_y=rear,
+        rear_bearing_y=rear,
+        front_bearing_y=levels.boss_front_y - bearing.width_mm,
+    )

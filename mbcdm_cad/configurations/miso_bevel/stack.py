@@ -1,0 +1,146 @@
+"""Heights along Z (guide axis) and depths along Y (drum axis) that all parts share.
+
+From top to bottom along Z:
+
+    encoder | top plate (upper bearings inside) | pulleys and guide | bearing shelf (lower bearings inside)
+            | coupling space | motor shelf | gearhead | motor
+
+Everything hangs on the cable steps: the pulleys reach just past their bands of cable, the shelves follow the pulleys,
+the drives follow the shelves. All mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import radians
+
+from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
+from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+
+# Land beyond the outermost turn: the wall of the slot that holds the swaged stop.
+BAND_MARGIN_MM = 0.8
+# Gap between a pulley's end face and a shelf or plate; the inner ring's shoulder bridges it.
+SHOULDER_MM = 0.6
+# Axial play of an input pulley between its two bearings.
+END_PLAY_MM = 0.1
+# Land of the guide beyond the flank of the outermost cable at its widest walk.
+GUIDE_MARGIN_MM = 0.8
+
+
+@dataclass(frozen=True)
+class Band:
+    """Heights a cable covers on its input pulley: ``low`` and ``high`` to the flanks, ``dead_end`` at the last turn."""
+
+    low_mm: float
+    high_mm: float
+    dead_end_mm: float
+
+
+def band(drive: Drive, cable: CableRun, outward: int) -> Band:
+    """Band of one cable on its input pulley: +-walk about the step plane, dead turns on the outward side."""
+    walk = abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg)))
+    flank = drive.cable.diameter_mm / 2
+    dead_end = cable.drum_radius_mm + outward * (walk + drive.dead_turns * drive.helix_lead_mm)
+    other = cable.drum_radius_mm - outward * walk
+    return Band(min(dead_end, other) - flank, max(dead_end, other) + flank, dead_end)
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Levels along Z and Y, mm. Names say what lies just below (``_top``) or above (``_bottom``) the level."""
+
+    motor_bottom_z: float
+    gearhead_bottom_z: float
+    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_top_z: float
+    bearing_shelf_bottom_z: float
+    bearing_shelf_top_z: float
+    guide_bottom_z: float
+    guide_top_z: float
+    top_plate_bottom_z: float
+    top_plate_top_z: float
+    encoder_top_z: float
+    back_y: float
+    pocket_floor_y: float  # front surface of the back plate
+    front_y: float  # front of shelves and plates
+    drum_inner_y: float
+    drum_outer_y: float
+    hub_face_y: float
+    boss_front_y: float
+    side_inner_x: float
+    side_outer_x: float
+
+    @property
+    def height_mm(self) -> float:
+        """Box along Z with motors below and encoders above."""
+        return self.encoder_top_z - self.motor_bottom_z
+
+    @property
+    def depth_mm(self) -> float:
+        """Box along Y from the back of the frame to the hub's face."""
+        return self.hub_face_y - self.back_y
+
+
+def outward_of(drive: Drive, cable: CableRun) -> int:
+    """+1 if this cable's dead turn lies above its step plane: the upper step of a pulley winds up, the lower down."""
+    steps = [c.step for c in drive.cables if c.input_name == cable.input_name]
+    return 1 if cable.step == max(steps) else -1
+
+
+def nut_corner_radius_mm(drive: Drive) -> float:
+    """Half the width across corners of the tensioner's hexagon nut: AF / sqrt(3)."""
+    return drive.tensioner.nut_across_flats_mm / 3**0.5
+
+
+def stack(drive: Drive) -> Stack:
+    """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
+    bands = {c.name: band(drive, c, outward_of(drive, c)) for c in drive.cables}
+    walk_on_guide = max(guide_landing_walk_mm(drive, c) for c in drive.cables)
+    flank = drive.cable.diameter_mm / 2
+    steps = sorted(c.drum_radius_mm for c in drive.cables)
+    guide_bottom = steps[0] - walk_on_guide - flank - GUIDE_MARGIN_MM
+    guide_top = steps[-1] + walk_on_guide + flank + GUIDE_MARGIN_MM
+    pulleys_low = min(b.low_mm for b in bands.values()) - BAND_MARGIN_MM
+    pulleys_high = max(b.high_mm for b in bands.values()) + BAND_MARGIN_MM
+
+    s = drive.support
+    bearing_top = min(pulleys_low, guide_bottom) - SHOULDER_MM
+    bearing_bottom = bearing_top - s.bearing_shelf_mm
+    motor_top = bearing_bottom - s.coupling_space_mm
+    motor_bottom = motor_top - s.motor_shelf_mm
+    plate_bottom = max(pulleys_high, guide_top) + SHOULDER_MM + END_PLAY_MM
+    plate_top = plate_bottom + s.top_plate_mm
+
+    low_nut = min(c.guide_radius_mm for c in drive.cables) - nut_corner_radius_mm(drive)
+    drum_inner = min(c.guide_radius_mm for c in drive.cables) - flank + drive.clearances.transfer_gap_mm
+    front = min(low_nut, drum_inner) - drive.clearances.running_mm
+    widest = max(
+        drive.gearhead.diameter_mm / 2,
+        drive.motor.diameter_mm / 2,
+        max(c.input_radius_mm for c in drive.cables) + flank,
+        collar_sweep_mm(drive),
+    )
+    side_inner = drive.centre_distance_mm + widest + drive.clearances.running_mm
+    return Stack(
+        motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
+        gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,
+        motor_shelf_bottom_z=motor_bottom,
+        motor_shelf_top_z=motor_top,
+        bearing_shelf_bottom_z=bearing_bottom,
+        bearing_shelf_top_z=bearing_top,
+        guide_bottom_z=guide_bottom,
+        guide_top_z=guide_top,
+        top_plate_bottom_z=plate_bottom,
+        top_plate_top_z=plate_top,
+        encoder_top_z=plate_top + drive.encoder.length_mm,
+        back_y=s.back_y_mm,
+        pocket_floor_y=s.back_y_mm + s.back_plate_mm,
+        front_y=front,
+        drum_inner_y=drum_inner,
+        drum_outer_y=drive.drum.outer_face_y_mm,
+        hub_face_y=drive.drum.hub_face_y_mm,
+        boss_front_y=drum_inner - 3 * drive.clearances.running_mm,
+        side_inner_x=side_inner,
+        side_outer_x=side_inner + s.side_wall_mm,
+    )

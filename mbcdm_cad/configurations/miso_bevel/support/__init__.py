@@ -1,0 +1,1 @@
+"""Frame and top plate: dimensions, drawing, deflection."""

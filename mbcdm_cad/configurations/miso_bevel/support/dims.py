@@ -1,0 +1,230 @@
+"""Dimensions of the support: a frame milled from one block, pockets from the front, and a separate top plate.
+
+Seen from the front (x across, z up):
+
+    =========================   top plate (upper bearings, encoders on top)
+    |  pulleys |guide|      |   upper pocket, open at the top
+    |=======================|   bearing shelf
+    |   coupling  ||  coupling  two pockets, a web between them that carries the stop pin
+    |=======================|   motor shelf, gearheads hang below
+          |  ribs   |
+           (  boss )            drum bearings, drum encoder from behind
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.configurations.miso_bevel.drum import STOP_PIN_MM, drum_shaft, stop_pin_z
+from mbcdm_cad.configurations.miso_bevel.stack import Stack
+from mbcdm_cad.design.drive import Drive
+
+BEARING_WALL_MM = 3.0
+EAR_WALL_MM = 1.2
+STOP_WEB_MM = 7.0
+PLATE_SCREW = "M2x6"
+AXLE_SCREW = "M2x3-set"
+# The frame's own fixing to what carries the drive (ISO 4762).
+MOUNT_SCREW = "M3"
+MOUNT_SCREW_KEY_MM = 2.5
+MOUNT_SCREW_CLEARANCE_MM = 3.4
+MOUNT_SCREW_HEAD_MM = 5.5
+# From a mounting screw's head to the wall beside it.
+MOUNT_ROOM_MM = 1.0
+MOUNT_GRIP_MM = 2.6
+STOP_PIN_DEPTH_MM = 12.0
+# Longest sensible reach of an end mill, in diameters.
+TOOL_SLENDERNESS = 4.0
+DOWEL_MM = 2.0
+DOWEL_LENGTH_MM = 6.0
+
+
+@dataclass(frozen=True)
+class FrameDims:
+    """Frame dimensions (mm)."""
+
+    levels: Stack
+    boss_radius: float
+    ear_reach: float  # ears of the boss that take the drum encoder's screws: |x| up to here
+    ear_half_height: float
+    ear_front_y: float
+    rib_thickness: float
+    web_half_width: float
+    upper_floor_y: float  # floor of the upper pocket, deeper where the guide's cables need it
+    column_pocket_bottom_z: float
+    corner_radius: float
+    encoder_pocket_radius: float
+    encoder_pocket_floor_y: float
+    drum_seat_radius: float
+    rear_seat_end_y: float
+    front_seat_start_y: float
+    drum_shoulder_radius: float
+    encoder_screw_radius: float
+    encoder_screw_circle: float
+    encoder_screw_depth: float
+    encoder_screw_count: int
+    input_x: tuple[float, ...]
+    pilot_radius: float
+    gear_screw_clearance: float
+    gear_bolt_circle: float
+    gear_screw_count: int
+    key_hole_radius: float
+    seat_radius: float
+    seat_depth: float
+    seat_shoulder_radius: float
+    axle_radius: float
+    axle_screw_radius: float
+    stop_pin_radius: float
+    stop_pin_z: float
+    stop_pin_start_y: float
+    plate_screw_radius: float
+    plate_screw_depth: float
+    plate_screws: tuple[tuple[float, float], ...]  # (x, y)
+    dowels: tuple[tuple[float, float], ...]  # (x, y)
+    dowel_radius: float
+    dowel_depth: float
+    mounts: tuple[tuple[float, float], ...]  # (x, z)
+    mount_radius: float
+    mount_head_radius: float
+    mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
+
+
+@dataclass(frozen=True)
+class TopPlateDims:
+    """Top plate dimensions (mm)."""
+
+    levels: Stack
+    corner_radius: float
+    input_x: tuple[float, ...]
+    seat_radius: float
+    seat_depth: float
+    shoulder_radius: float
+    axle_radius: float
+    screw_clearance: float
+    screw_head_radius: float
+    screw_head_depth: float
+    screws: tuple[tuple[float, float], ...]
+    dowels: tuple[tuple[float, float], ...]
+    dowel_radius: float
+    encoder_screw_clearance: float
+    encoder_circle_radius: float
+    encoder_screw_count: int
+
+
+def plate_screws(levels: Stack) -> tuple[tuple[float, float], ...]:
+    """(x, y) of the screws that hold the top plate: in the side walls, front and back."""
+    x = (levels.side_inner_x + levels.side_outer_x) / 2
+    front = levels.front_y - 3.5
+    back = levels.back_y + 3.5
+    return ((-x, front), (x, front), (-x, back), (x, back))
+
+
+def dowels(levels: Stack) -> tuple[tuple[float, float], ...]:
+    """(x, y) of the two dowels that locate the top plate on the side walls."""
+    x = (levels.side_inner_x + levels.side_outer_x) / 2
+    y = (levels.front_y + levels.back_y) / 2
+    return ((-x, y), (x, y))
+
+
+def pocket_corner_radius_mm(drive: Drive, levels: Stack) -> float:
+    """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
+    depth = levels.front_y - levels.pocket_floor_y
+    return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
+
+
+def frame(drive: Drive, levels: Stack) -> FrameDims:
+    """Dimensions of the frame."""
+    shaft = drum_shaft(drive, levels)
+    drum_bearing, lower = drive.bearings.drum, drive.bearings.input_lower
+    gear, encoder = drive.gearhead, drive.drum_encoder
+    gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
+    plate_screw = drive.screw(PLATE_SCREW)
+    boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
+    encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
+    coupling_z = (levels.motor_shelf_top_z + levels.bearing_shelf_bottom_z) / 2
+    mount_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
+    inner_mount_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
+    # As low in the column's pocket as its head stands free: the nearer to the drum's bearings, the stiffer.
+    column_z = max(boss, encoder_pocket) + drive.support.rib_mm + MOUNT_SCREW_HEAD_MM / 2 + MOUNT_ROOM_MM
+    grip = 2.0
+    return FrameDims(
+        levels=levels,
+        boss_radius=boss,
+        ear_reach=encoder.bolt_circle_mm / 2 + encoder_screw.thread_mm / 2 + EAR_WALL_MM,
+        ear_half_height=encoder_screw.thread_mm / 2 + 2 * EAR_WALL_MM,
+        ear_front_y=levels.back_y + encoder.length_mm + encoder_screw.length_mm - grip + 1.0,
+        rib_thickness=drive.support.rib_mm,
+        web_half_width=STOP_WEB_MM / 2,
+        upper_floor_y=min(
+            levels.pocket_floor_y,
+            -max(c.guide_radius_mm for c in drive.cables) - drive.cable.diameter_mm / 2 - drive.clearances.running_mm,
+        ),
+        column_pocket_bottom_z=max(boss, encoder_pocket) + drive.support.rib_mm,
+        corner_radius=pocket_corner_radius_mm(drive, levels),
+        encoder_pocket_radius=encoder_pocket,
+        encoder_pocket_floor_y=levels.back_y + encoder.length_mm,
+        drum_seat_radius=drum_bearing.outer_diameter_mm / 2,
+        rear_seat_end_y=shaft.rear_bearing_y + drum_bearing.width_mm,
+        front_seat_start_y=shaft.front_bearing_y,
+        drum_shoulder_radius=drum_bearing.outer_shoulder_mm / 2,
+        encoder_screw_radius=encoder_screw.thread_mm / 2,
+        encoder_screw_circle=encoder.bolt_circle_mm / 2,
+        encoder_screw_depth=encoder_screw.length_mm - grip + 0.5,
+        encoder_screw_count=encoder.screw_count,
+        input_x=tuple(side * drive.centre_distance_mm for side in drive.input_sides),
+        pilot_radius=gear.pilot_diameter_mm / 2,
+        gear_screw_clearance=gear_screw.clearance_mm / 2,
+        gear_bolt_circle=gear.bolt_circle_mm / 2,
+        gear_screw_count=gear.screw_count,
+        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is in.
+        key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
+        seat_radius=lower.outer_diameter_mm / 2,
+        seat_depth=lower.width_mm,
+        seat_shoulder_radius=lower.outer_shoulder_mm / 2,
+        axle_radius=drive.bearings.guide.bore_mm / 2,
+        axle_screw_radius=drive.screw(AXLE_SCREW).thread_mm / 2,
+        stop_pin_radius=STOP_PIN_MM / 2,
+        stop_pin_z=stop_pin_z(levels),
+        stop_pin_start_y=levels.front_y - STOP_PIN_DEPTH_MM,
+        plate_screw_radius=plate_screw.thread_mm / 2,
+        plate_screw_depth=plate_screw.length_mm - (drive.support.top_plate_mm - plate_screw.head_height_mm) + 0.5,
+        plate_screws=plate_screws(levels),
+        dowels=dowels(levels),
+        dowel_radius=DOWEL_MM / 2,
+        dowel_depth=DOWEL_LENGTH_MM - drive.support.top_plate_mm + 0.5,
+        mounts=(
+            (-mount_x, coupling_z),
+            (mount_x, coupling_z),
+            (-inner_mount_x, coupling_z),
+            (inner_mount_x, coupling_z),
+            (0.0, column_z),
+        ),
+        mount_radius=MOUNT_SCREW_CLEARANCE_MM / 2,
+        mount_head_radius=MOUNT_SCREW_HEAD_MM / 2 + 0.2,
+        mount_seat_y=min(levels.pocket_floor_y, levels.back_y + MOUNT_GRIP_MM),
+    )
+
+
+def top_plate(drive: Drive, levels: Stack) -> TopPlateDims:
+    """Dimensions of the top plate."""
+    upper = drive.bearings.input_upper
+    screw = drive.screw(PLATE_SCREW)
+    encoder_screw = drive.screw(drive.encoder.screw)
+    return TopPlateDims(
+        levels=levels,
+        corner_radius=pocket_corner_radius_mm(drive, levels),
+        input_x=tuple(side * drive.centre_distance_mm for side in drive.input_sides),
+        seat_radius=upper.outer_diameter_mm / 2,
+        seat_depth=upper.width_mm,
+        shoulder_radius=upper.outer_shoulder_mm / 2,
+        axle_radius=drive.bearings.guide.bore_mm / 2,
+        screw_clearance=screw.clearance_mm / 2,
+        screw_head_radius=screw.head_diameter_mm / 2 + 0.2,
+        screw_head_depth=screw.head_height_mm,
+        screws=plate_screws(levels),
+        dowels=dowels(levels),
+        dowel_radius=DOWEL_MM / 2,
+        encoder_screw_clearance=encoder_screw.clearance_mm / 2,
+        encoder_circle_radius=drive.encoder.bolt_circle_mm / 2,
+        encoder_screw_count=drive.encoder.screw_count,
+    )

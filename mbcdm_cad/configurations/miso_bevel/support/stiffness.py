@@ -1,0 +1,210 @@
+"""How far the elastic support lets the drum turn: frame and top plate as folded plates on their mounting screws.
+
+By reciprocity the drum turns, for each N m of load, by f . u: f are the forces that the change of tensions by that load
+puts on the seats (module ``loads``), u the displacements they cause. f . u is also twice the strain energy, so that the
+shares of the panels add up.
+
+Assumptions, with what they cost where solid finite elements of the reference frame can tell (docs/decisions/0005):
+
+- tensions share the load as on a rigid support;
+- top plate bonded to walls and back plate (to the walls alone: no change); the mounting screws hold the back face under
+  their heads, rigidly, and the back plate touches the base nowhere else (held over the 30 degree cone: 15 % less);
+- walls are plates at mid-thickness, five times as thick where one runs inside another; holes thin the plate around;
+- the boss is rigid but for the ring round its bearings, which bends as a curved beam;
+- only the part of the load that changes sign in a mirror at x = 0 is counted (0.4 % less).
+
+On the whole it stays within 12 % of finite elements for ribs, back plate and side walls of 2 to 8 mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
+from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Floats, Ints, freedoms, sides, solve, stiffness
+from mbcdm_cad.configurations.miso_bevel.support.loads import SeatLoads, seat_loads, unit_tensions_N
+from mbcdm_cad.configurations.miso_bevel.support.panels import SupportMesh, support_mesh
+from mbcdm_cad.design.drive import Material
+from mbcdm_cad.model.si import to_si
+
+_GPA_TO_MPA = 1e3
+_SHEAR_FACTOR = 5.0 / 6.0
+# N mm of work per (N m)^2 is a compliance in mrad per N m.
+_URAD_PER_MRAD = 1e3
+
+
+@dataclass(frozen=True)
+class FrameCompliance:
+    """Turning of the drum per N m by the support's deflection, whole and by the part whose strain causes it."""
+
+    windup_urad_Nm: float
+    shares_urad_Nm: dict[str, float]
+
+    def windup_mrad(self, torque_Nm: float) -> float:
+        """Turning of the drum under an external torque, mrad: linear in it."""
+        return self.windup_urad_Nm * torque_Nm * 1e-3
+
+
+def _statically(points: Floats, at: Floats, force: Floats, moment: Floats) -> Floats:
+    """Forces (n, 3) on nodes that have the given resultant at ``at``, the least in sum of squares."""
+    off = points - at
+    wrench = np.zeros((6, len(points), 3))
+    wrench[:3] = np.eye(3)[:, None, :]
+    for a in range(3):
+        wrench[3 + a] = np.cross(np.eye(3)[a], off)
+    rows = wrench.reshape(6, -1)
+    return np.asarray(np.linalg.lstsq(rows, np.concatenate([force, moment]), rcond=None)[0].reshape(-1, 3))
+
+
+def _mount_springs(layout: Layout, mesh: SupportMesh) -> Floats:
+    """Springs (6 m,) to the base: from the ring held under a screw's head up to the middle of the plate.
+
+    The load spreads in the plate as a cone of 30 degrees, the usual one for screwed joints, so that the layer's area is
+    pi ((R + z tan 30)^2 - r^2) at height z; its flexibility is the integral of 1 / (modulus x area).
+    """
+    f, v, material = layout.frame, layout.levels, layout.drive.support.material
+    outer, hole, slope = MOUNT_SCREW_HEAD_MM / 2, f.mount_radius, np.tan(pi / 6)
+    above = outer + slope * (v.pocket_floor_y - v.back_y) / 2
+    spread = (above - hole) * (outer + hole) / ((above + hole) * (outer - hole))
+    depth_over_area = np.log(spread) / (2.0 * pi * hole * slope)
+    normal = material.youngs_modulus_GPa * _GPA_TO_MPA / depth_over_area
+    sliding = normal / (2.0 * (1.0 + material.poisson_ratio))
+    springs = np.zeros((len(mesh.plates.node_mm), 6))
+    for nodes in mesh.mounted:
+        # Four points stand for the ring; of a screw in the mirror plane two are in this half.
+        springs[nodes, :3] = np.array([sliding, normal, sliding]) / 4.0
+    return springs.ravel()
+
+
+def _half_load(layout: Layout, mesh: SupportMesh, loads: SeatLoads) -> Floats:
+    """Nodal loads (6 m,) of the half x >= 0: the part of ``loads`` that changes sign in the mirror."""
+    node = mesh.plates.node_mm
+    total = np.zeros((len(node), 6))
+    points = dict(zip(loads.names, loads.point_mm, strict=True))
+
+    def centre(nodes: Ints, point: Floats, force_x: float) -> None:
+        off_plane = nodes[~mesh.middle[nodes]]
+        both = np.concatenate([node[nodes], node[off_plane] * (-1.0, 1.0, 1.0)])
+        spread = _statically(both, point, np.array([force_x, 0.0, 0.0]), np.zeros(3))[: len(nodes)]
+        # Nodes in the mirror plane carry half of their force on each side.
+        total[nodes, :3] += spread * np.where(mesh.middle[nodes], 0.5, 1.0)[:, None]
+
+    f = layout.frame
+    block = mesh.near("boss block", (0.0, 0.0, f.column_pocket_bottom_z), (1e3, 1e3, 1e3))
+    for name in ("drum_rear", "drum_front"):
+        centre(block, points[name], loads.at(name)[0])
+    around = (3.0 * f.axle_radius, 3.0 * f.axle_radius, 10.0)
+    centre(mesh.near("bearing shelf", points["axle_lower"], around), points["axle_lower"], loads.at("axle_lower")[0])
+    centre(mesh.near("top plate", points["axle_upper"], around), points["axle_upper"], loads.at("axle_upper")[0])
+
+    left, right = (layout.drive.input_names[layout.drive.input_sides.index(s)] for s in (-1, 1))
+    mirrored = np.array([1.0, -1.0, -1.0])
+    for end, panel, reach in (("lower", "bearing shelf", f.seat_radius), ("upper", "top plate", f.seat_radius)):
+        point = points[f"{right}_{end}"]
+        force = 0.5 * (loads.at(f"{right}_{end}") + mirrored * loads.at(f"{left}_{end}"))
+        nodes = mesh.near(panel, point, (reach, reach, 10.0))
+        total[nodes, :3] += _statically(node[nodes], point, force, np.zeros(3))
+    at = np.array([max(f.input_x), 0.0, layout.levels.motor_shelf_bottom_z])
+    reach = layout.drive.gearhead.diameter_mm / 2
+    nodes = mesh.near("motor shelf", at, (reach, reach, 10.0))
+    # N m to N mm.
+    couple = np.array([0.0, 0.0, 1e3 * loads.gearhead_torque_Nm.mean()])
+    total[nodes, :3] += _statically(node[nodes], at, np.zeros(3), couple)
+    return total.ravel()
+
+
+def ring_compliance_mm_N(layout: Layout, material: Material) -> float:
+    """Sideways give of the drum bearing's ring against the block above it, for 1 N per mm of depth along Y.
+
+    The right half is a curved beam from the lowest point, where by antisymmetry only a shear force passes, up into the
+    block. Its depth grows there from the round wall to the block's corner. Pressure of the seat is p cos(phi).
+    """
+    f = layout.frame
+    inner, modulus = f.drum_seat_radius, material.youngs_modulus_GPa * _GPA_TO_MPA
+    shear_modulus = modulus / (2.0 * (1.0 + material.poisson_ratio))
+    phi = np.linspace(-pi / 2, pi / 3, 121)
+    outer = np.full_like(phi, f.boss_radius)
+    up = phi > 0.0
+    outer[up] = np.minimum(f.boss_radius / np.cos(phi[up]), f.column_pocket_bottom_z / np.sin(phi[up]))
+    wall = outer - inner
+    radius = inner + (f.boss_radius - inner) / 2
+    step = np.diff(phi)
+
+    def running(values: Floats) -> Floats:
+        return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2 * step)])
+
+    # Pressure of unit resultant over both halves.
+    push = np.cos(phi) / pi
+    force_x, force_z = running(push * np.cos(phi)), running(push * np.sin(phi))
+    moment = radius * (np.sin(phi) * force_x - np.cos(phi) * force_z)
+    # Columns: from the pressure, from a unit shear force at the lowest point.
+    bend = np.stack([moment, radius * np.cos(phi)])
+    along = np.stack([-np.sin(phi) * force_x + np.cos(phi) * force_z, np.cos(phi)])
+    across = np.stack([np.cos(phi) * force_x + np.sin(phi) * force_z, np.sin(phi)])
+
+    def work(a: int, b: int) -> float:
+        density = bend[a] * bend[b] * 12.0 / (modulus * wall**3) + along[a] * along[b] / (modulus * wall)
+        density += across[a] * across[b] / (_SHEAR_FACTOR * shear_modulus * wall)
+        return float(radius * running(density)[-1])
+
+    # The shear force does no work: the lowest point stays in the mirror plane.
+    return 2.0 * (work(0, 0) - work(0, 1) ** 2 / work(1, 1))
+
+
+def _ring_work(layout: Layout, loads: SeatLoads) -> float:
+    """f . u of the rings round both drum bearings, which shift and shear along the boss, N mm.
+
+    Slices of the ring would bend one by one, but the lower arc ties them: it must shear if they are to move unequally.
+    """
+    f, material = layout.frame, layout.drive.support.material
+    front, rear = layout.levels.boss_front_y, f.encoder_pocket_floor_y
+    length, middle = front - rear, (front + rear) / 2
+    at = np.array([loads.point_mm[loads.names.index(n)][1] - middle for n in ("drum_rear", "drum_front")])
+    force = np.array([loads.at(n)[0] for n in ("drum_rear", "drum_front")])
+    slice_mm_N = ring_compliance_mm_N(layout, material)
+    shear_modulus = material.youngs_modulus_GPa * _GPA_TO_MPA / (2.0 * (1.0 + material.poisson_ratio))
+    arc_N = shear_modulus * (f.boss_radius**2 - f.drum_seat_radius**2) / 2 * pi / 2
+    shift = slice_mm_N / length * force.sum() ** 2
+    return float(shift + (force @ at) ** 2 / (length**3 / (12.0 * slice_mm_N) + arc_N * length))
+
+
+def frame_compliance(layout: Layout) -> FrameCompliance:
+    """Windup of the drum by the support per N m of external torque, with the share of each part.
+
+    Raises ``ValueError`` if the dimensions leave no frame to compute.
+    """
+    material = layout.drive.support.material
+    loads = seat_loads(layout, unit_tensions_N(to_si(layout.drive)))
+    mesh = support_mesh(layout)
+    plates = mesh.plates
+    modulus = material.youngs_modulus_GPa * _GPA_TO_MPA
+    # Many elements are alike.
+    shape = np.column_stack([sides(plates), plates.thickness_mm])
+    kinds, kind = np.unique(shape.round(9), axis=0, return_inverse=True)
+    unlike = stiffness(kinds[:, :2], kinds[:, 2], modulus, material.poisson_ratio)
+    element = unlike[kind.ravel()] * mesh.weight[:, None, None]
+    held = np.zeros((len(plates.node_mm), 6), dtype=bool)
+    # A field that changes sign in the mirror: u_y, u_z and the turn about x vanish in its plane.
+    held[mesh.middle, 1:4] = True
+    load = _half_load(layout, mesh, loads)
+    ground = _mount_springs(layout, mesh)
+    try:
+        displacement = solve(plates, element, held.ravel(), ground, load)
+    except np.linalg.LinAlgError:
+        raise ValueError("frame: its walls hang together so little that their deflection has no answer") from None
+    local = displacement[freedoms(plates)]
+    work = 2.0 * ((element @ local[:, :, None])[:, :, 0] * local).sum(axis=1)
+    by_panel = np.bincount(plates.panel, work, len(mesh.names))
+    shares = {name: float(w) * _URAD_PER_MRAD for name, w in zip(mesh.names, by_panel, strict=True)}
+    shares["mounts"] = 2.0 * float(ground @ displacement**2) * _URAD_PER_MRAD
+    shares["boss ring"] = _ring_work(layout, loads) * _URAD_PER_MRAD
+    return FrameCompliance(sum(shares.values()), shares)
+
+
+def frame_windup_mrad(layout: Layout, torque_Nm: float) -> float:
+    """Turning of the drum by the support's deflection under ``torque_Nm`` on the drum, mrad."""
+    return frame_compliance(layout).windup_mrad(torque_Nm)

@@ -1,0 +1,101 @@
+"""Bought parts as simplified solids: outside, mounting face, bores and holes are true to the catalogue.
+
+Their masses are not those of the solids but the catalogue's. Each stands along +Z from its mounting face or seat
+at z = 0.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import cadquery as cq
+
+from mbcdm_cad.design.drive import Bearing, Encoder, Gearhead, Motor, Screw
+from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
+
+_EDGE = 0.3
+
+
+def create_bearing(bearing: Bearing) -> cq.Solid:
+    """Both rings in one body, the shield set back between them."""
+    d, outer, width = bearing.bore_mm / 2, bearing.outer_diameter_mm / 2, bearing.width_mm
+    inner_ring, outer_ring = bearing.inner_shoulder_mm / 2, bearing.outer_shoulder_mm / 2
+    back = min(0.2, width / 8)
+    return turned(
+        [
+            (d, 0.0), (inner_ring, 0.0), (inner_ring, back), (outer_ring, back), (outer_ring, 0.0), (outer, 0.0),
+            (outer, width), (outer_ring, width), (outer_ring, width - back), (inner_ring, width - back),
+            (inner_ring, width), (d, width),
+        ],
+        f"bearing {bearing.name}",
+    )  # fmt: skip
+
+
+def create_motor(motor: Motor) -> cq.Solid:
+    """Motor can, from the gearhead's back (z = 0) downwards to z = -length."""
+    r = motor.diameter_mm / 2
+    return turned([(0.0, -motor.length_mm), (r - _EDGE, -motor.length_mm), (r, _EDGE - motor.length_mm), (r, 0.0),
+                   (0.0, 0.0)], "motor")  # fmt: skip
+
+
+def _circle(count: int, radius: float) -> list[tuple[float, float]]:
+    return [(radius * cos(2 * pi * k / count), radius * sin(2 * pi * k / count)) for k in range(count)]
+
+
+def create_gearhead(gearhead: Gearhead, screw: Screw, hole_depth: float) -> cq.Solid:
+    """Gearhead below its face at z = 0, pilot and shaft above it, tapped holes for its screws."""
+    r = gearhead.diameter_mm / 2
+    body = turned(
+        [
+            (0.0, -gearhead.length_mm), (r, -gearhead.length_mm), (r, -_EDGE), (r - _EDGE, 0.0),
+            (gearhead.pilot_diameter_mm / 2, 0.0), (gearhead.pilot_diameter_mm / 2, gearhead.pilot_height_mm),
+            (gearhead.shaft_diameter_mm / 2, gearhead.pilot_height_mm),
+            (gearhead.shaft_diameter_mm / 2, gearhead.shaft_length_mm), (0.0, gearhead.shaft_length_mm),
+        ],
+        "gearhead",
+    )  # fmt: skip
+    holes = [
+        cylinder_z(screw.thread_mm / 2, x, y, -hole_depth, 1.0)
+        for x, y in _circle(gearhead.screw_count, gearhead.bolt_circle_mm / 2)
+    ]
+    return cut(body, holes, "gearhead")
+
+
+def create_encoder(encoder: Encoder, screw: Screw, bore_depth: float, hole_depth: float) -> cq.Solid:
+    """Encoder on a shaft's end: base at z = 0, blind bore, tapped holes in the base."""
+    r = encoder.diameter_mm / 2
+    top = encoder.length_mm
+    body = turned([(0.0, 0.0), (r, 0.0), (r, top - _EDGE), (r - _EDGE, top), (0.0, top)], "encoder")
+    tools: list[cq.Shape] = [cylinder_z(encoder.bore_mm / 2, 0, 0, -1.0, bore_depth)]
+    tools += [
+        cylinder_z(screw.thread_mm / 2, x, y, -1.0, hole_depth)
+        for x, y in _circle(encoder.screw_count, encoder.bolt_circle_mm / 2)
+    ]
+    return cut(body, tools, "encoder")
+
+
+def create_ring_encoder(encoder: Encoder, screw: Screw, grip: float) -> cq.Solid:
+    """Ring encoder screwed on from behind: seat at z = 0, hollow, screw heads sunk ``grip`` above the seat."""
+    r, top = encoder.diameter_mm / 2, encoder.length_mm
+    bore = encoder.bore_mm / 2
+    body = turned([(bore, 0.0), (r, 0.0), (r, top - _EDGE), (r - _EDGE, top), (bore, top)], "ring encoder")
+    flat = RING_ENCODER_FLATS * r
+    tools: list[cq.Shape] = [
+        block((-r - 1.0, r + 1.0), side, (-1.0, top + 1.0)) for side in ((flat, r + 1.0), (-r - 1.0, -flat))
+    ]
+    for x, y in _circle(encoder.screw_count, encoder.bolt_circle_mm / 2):
+        tools.append(cylinder_z(screw.clearance_mm / 2, x, y, -1.0, top + 1.0))
+        tools.append(cylinder_z(screw.head_diameter_mm / 2 + 0.1, x, y, grip, top + 1.0))
+    return cut(body, tools, "ring encoder")
+
+
+def create_screw(screw: Screw) -> cq.Solid:
+    """Socket screw: head's seat at z = 0, head above, thread below (a plain cylinder). Set screws lie at z <= 0."""
+    thread = cylinder_z(screw.thread_mm / 2, 0, 0, -screw.length_mm, 0.0)
+    if screw.head_height_mm == 0.0:
+        depth = min(0.5 * screw.length_mm, screw.key_mm)
+        return cut(thread, [hexagon_z(screw.key_mm, -depth, 1.0)], screw.name)
+    head = cylinder_z(screw.head_diameter_mm / 2, 0, 0, 0.0, screw.head_height_mm)
+    socket = hexagon_z(screw.key_mm, screw.head_height_mm / 2, screw.head_height_mm + 1.0)
+    return cut(fuse([head, thread], screw.name), [socket], screw.name)

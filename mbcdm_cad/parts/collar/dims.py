@@ -1,0 +1,77 @@
+"""Dimensions of the clamp collar that couples an input pulley to its gearhead.
+
+Seen along the axis: the slit points to the right, the screw crosses it from top to bottom, its head on an open flat.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, sqrt
+
+from mbcdm_cad.design.drive import Drive
+
+COLLAR_SCREW = "M1.6x6"
+COLLAR_SLIT_MM = 1.0
+HEAD_PLAY_MM = 0.1
+# Collar above and below its screw's head, and beyond a grip of one shaft's diameter.
+HEAD_EDGE_MM = 0.2
+
+
+@dataclass(frozen=True)
+class CollarDims:
+    """Clamp collar that squeezes the slit journal onto the gearhead's shaft; one tangential screw."""
+
+    bore_radius: float
+    radius: float
+    bottom_z: float
+    top_z: float
+    slit_width: float
+    screw: str
+    screw_offset: float
+    head_seat: float  # along the screw, from the slit's middle to the head's seat
+
+
+def _section(drive: Drive) -> tuple[float, float, float]:
+    """Outer radius, screw's distance from the axis, and its seat's distance from the slit's middle."""
+    screw = drive.screw(COLLAR_SCREW)
+    bore = drive.bearings.input_lower.bore_mm / 2
+    wall = drive.support.material.min_wall_mm
+    offset = bore + wall + screw.clearance_mm / 2
+    inner_edge = offset - screw.head_diameter_mm / 2 - HEAD_PLAY_MM
+    # The flat leaves a wall round the bore, and one beside the slit.
+    seat = max(sqrt(max(0.0, (bore + wall) ** 2 - inner_edge**2)), COLLAR_SLIT_MM / 2 + 1.0)
+    # Round the thread there is a wall up to the screw's end.
+    return hypot(offset + screw.thread_mm / 2 + wall, screw.length_mm - seat), offset, seat
+
+
+def collar_width_mm(drive: Drive) -> float:
+    """Width: what the screw's head and a grip of the shaft's diameter ask for, no more.
+
+    In the coupling space the collar must pass over the end of the gearhead's shaft.
+    """
+    head, shaft = drive.screw(COLLAR_SCREW).head_diameter_mm, drive.gearhead.shaft_diameter_mm
+    return max(head + 2 * HEAD_EDGE_MM, shaft + HEAD_EDGE_MM)
+
+
+def collar_sweep_mm(drive: Drive) -> float:
+    """Radius that collar and screw sweep about the pulley's axis."""
+    radius, offset, seat = _section(drive)
+    screw = drive.screw(COLLAR_SCREW)
+    return max(radius, hypot(offset + screw.head_diameter_mm / 2, seat + screw.head_height_mm))
+
+
+def collar(drive: Drive, motor_shelf_top_z: float) -> CollarDims:
+    """Collar about its own axis, heights as in the assembly: just above the gearhead's screws, whose heads lie on the
+    motor shelf."""
+    radius, offset, seat = _section(drive)
+    bottom = motor_shelf_top_z + drive.screw(drive.gearhead.screw).head_height_mm + 0.8
+    return CollarDims(
+        bore_radius=drive.bearings.input_lower.bore_mm / 2,
+        radius=radius,
+        bottom_z=bottom,
+        top_z=bottom + collar_width_mm(drive),
+        slit_width=COLLAR_SLIT_MM,
+        screw=COLLAR_SCREW,
+        screw_offset=offset,
+        head_seat=seat,
+    )

@@ -1,0 +1,64 @@
+"""Dimensions of a drum sector: stepped lands, web with windows and the stop's slot, hub, lugs for the terminals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.parts.terminal.dims import Tensioner
+
+# Pocket before the swage.
+POCKET_LEAD_MM = 0.2
+
+
+@dataclass(frozen=True)
+class Land:
+    """Cylindrical land of one step: surface radius r_o - d/2, from ``y_start`` to ``y_end``."""
+
+    step: int
+    surface_radius_mm: float
+    y_start: float
+    y_end: float
+
+
+@dataclass(frozen=True)
+class Window:
+    """Lightening window of the web: an annular sector, angles from +Z (deg)."""
+
+    r_inner: float
+    r_outer: float
+    start_deg: float
+    end_deg: float
+
+
+@dataclass(frozen=True)
+class DrumDims:
+    """All dimensions of the drum (mm, deg, rad as named)."""
+
+    half_angle_deg: float
+    rim_inner_radius: float
+    lands: tuple[Land, ...]
+    web_start_y: float
+    web_end_y: float
+    hub_radius: float
+    hub_start_y: float
+    hub_face_y: float
+    spigot_radius: float
+    spigot_y: float
+    bore_radius: float
+    windows: tuple[Window, ...]
+    stop_radius: float
+    stop_slot_width: float
+    stop_slot_end_deg: float
+    tensioners: tuple[Tensioner, ...]
+    stud_hole_radius: float
+    lug_half_width: float
+    swage_pocket: float
+    nut_pocket: float
+    pocket_radius: float
+    set_screw: str
+    set_screw_y: float
+    set_screw_radius: float  # inner end
+    payload_screw_thread: float
+    payload_circle_radius: float
+    payload_depth: float
+    corner_radius: float

@@ -1,0 +1,164 @@
+"""Drum sector: stepped rim, web with windows and the stop's slot, clamped hub that is the output, lugs at both ends."""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+
+import cadquery as cq
+
+from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.shapes import (
+    annular_sector,
+    cut,
+    cylinder,
+    cylinder_y,
+    fuse,
+    prism_y,
+    turned_about_y,
+)
+from mbcdm_cad.parts.terminal.dims import Tensioner
+
+_CHAMFER = 0.3
+
+
+def _sector(dims: DrumDims) -> cq.Solid:
+    lands = dims.lands
+    profile = [(dims.rim_inner_radius, lands[0].y_start)]
+    for land in lands:
+        profile += [(land.surface_radius_mm, land.y_start), (land.surface_radius_mm, land.y_end)]
+    profile.append((dims.rim_inner_radius, lands[-1].y_end))
+    half = dims.half_angle_deg
+    rim = turned_about_y(profile, -half, 2 * half, "drum rim")
+    web_profile = [
+        (dims.hub_radius - 1.0, dims.web_start_y),
+        (dims.rim_inner_radius + 1.0, dims.web_start_y),
+        (dims.rim_inner_radius + 1.0, dims.web_end_y),
+        (dims.hub_radius - 1.0, dims.web_end_y),
+    ]
+    web = turned_about_y(web_profile, -half, 2 * half, "drum web")
+    hub_profile = [
+        (dims.bore_radius, dims.spigot_y),
+        (dims.spigot_radius, dims.spigot_y),
+        (dims.spigot_radius, dims.hub_start_y),
+        (dims.hub_radius, dims.hub_start_y),
+        (dims.hub_radius, dims.hub_face_y - _CHAMFER),
+        (dims.hub_radius - _CHAMFER, dims.hub_face_y),
+        (dims.bore_radius, dims.hub_face_y),
+    ]
+    hub = turned_about_y(hub_profile, 0.0, 360.0, "drum hub")
+    return fuse([rim, web, hub], "drum")
+
+
+def _box(t: Tensioner, s: tuple[float, float], n: tuple[float, float], y: tuple[float, float]) -> cq.Solid:
+    corners = [t.at(s[0], n[0]), t.at(s[1], n[0]), t.at(s[1], n[1]), t.at(s[0], n[1])]
+    return prism_y(corners, *y)
+
+
+def _milled(tool: cq.Solid, radius: float) -> cq.Shape:
+    """The tool with the corners an end mill along Y leaves."""
+    return cq.Workplane(obj=tool).edges("|Y").fillet(radius).val()  # type: ignore[return-value]
+
+
+def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
+    """Room for the swage before the lug and for the nuts behind it, open towards the drum's inner face."""
+    inner = dims.lands[0].y_start - 1.0
+    outer = dims.lands[-1].y_end + 1.0
+
+    def depth(half: float) -> float:
+        return outer if t.cut_through else t.y_mm + half
+
+    swage, nuts, top, r = dims.swage_pocket, dims.nut_pocket, t.pocket_top, dims.pocket_radius
+    rooms = [
+        _milled(_box(t, (t.swage_start - POCKET_LEAD_MM, t.lug_start), (-swage, top), (inner, depth(swage))), r),
+        _milled(_box(t, (t.lug_end, t.pocket_end), (-nuts, top), (inner, depth(nuts))), r),
+        # Round the lug, which is put back after; outside it the cutter runs through, leaving no corners of its own.
+        _box(t, (t.lug_start, t.lug_end), (-swage, top), (inner, depth(swage))),
+        _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), (inner, depth(swage))),
+    ]
+    # One tool: the kernel errs where tools that touch each other cut at once.
+    return fuse(rooms, f"pocket of {t.cable_name}")
+
+
+def _lug(dims: DrumDims, t: Tensioner) -> cq.Solid:
+    outer = dims.lands[-1].y_end
+    return _box(
+        t,
+        (t.lug_start, t.lug_end),
+        # Rooted in the rim but no deeper: below may run the cable of the next land.
+        (-dims.swage_pocket - 0.3, dims.lug_half_width),
+        (t.y_mm - dims.lug_half_width, outer),
+    )
+
+
+def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
+    """Slot of the lug, open towards the inner face: the stud drops in sideways, the cable holds it there."""
+    r, start = dims.stud_hole_radius, t.lug_start - 0.5
+
+    def at(n: float, y: float) -> cq.Vector:
+        x, z = t.at(start, n)
+        return cq.Vector(x, y, z)
+
+    inner = t.y_mm - dims.nut_pocket - 1.0
+    outline = cq.Wire.assembleEdges(
+        [
+            cq.Edge.makeThreePointArc(at(-r, t.y_mm), at(0.0, t.y_mm + r), at(r, t.y_mm)),
+            cq.Edge.makeLine(at(r, t.y_mm), at(r, inner)),
+            cq.Edge.makeLine(at(r, inner), at(-r, inner)),
+            cq.Edge.makeLine(at(-r, inner), at(-r, t.y_mm)),
+        ]
+    )
+    along = cq.Vector(t.side * cos(t.anchor_rad), 0.0, -sin(t.anchor_rad))
+    return cq.Solid.extrudeLinear(outline, [], along * (t.lug_end - t.lug_start + 1.0))
+
+
+def _stop_slot(dims: DrumDims) -> cq.Solid:
+    """Slot along an arc, its ends round."""
+    half, low, end = dims.stop_slot_width / 2, dims.web_start_y - 1.0, dims.stop_slot_end_deg
+
+    def at(radius: float, deg: float) -> cq.Vector:
+        return cq.Vector(radius * sin(radians(deg)), low, radius * cos(radians(deg)))
+
+    def round_end(deg: float, sense: float) -> tuple[cq.Vector, cq.Vector, cq.Vector]:
+        tip = at(dims.stop_radius, deg) + cq.Vector(cos(radians(deg)), 0.0, -sin(radians(deg))) * (sense * half)
+        return at(dims.stop_radius - half, deg), tip, at(dims.stop_radius + half, deg)
+
+    first, last = round_end(-end, -1.0), round_end(end, 1.0)
+    outline = cq.Wire.assembleEdges(
+        [
+            cq.Edge.makeThreePointArc(first[2], at(dims.stop_radius + half, 0.0), last[2]),
+            cq.Edge.makeThreePointArc(last[2], last[1], last[0]),
+            cq.Edge.makeThreePointArc(last[0], at(dims.stop_radius - half, 0.0), first[0]),
+            cq.Edge.makeThreePointArc(first[0], first[1], first[2]),
+        ]
+    )
+    return cq.Solid.extrudeLinear(outline, [], cq.Vector(0.0, dims.web_end_y + 1.0 - low, 0.0))
+
+
+def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
+    tools: list[cq.Shape] = []
+    for quarter in range(4):
+        a = radians(90.0 * quarter)
+        x, z = dims.payload_circle_radius * sin(a), dims.payload_circle_radius * cos(a)
+        tools.append(
+            cylinder_y(dims.payload_screw_thread / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1)
+        )
+    for deg in (45.0, 135.0):
+        direction = (sin(radians(deg)), 0.0, cos(radians(deg)))
+        tools.append(cylinder(set_screw_thread / 2, (0.0, dims.set_screw_y, 0.0), direction, dims.hub_radius + 1.0))
+    return tools
+
+
+def create_drum(dims: DrumDims, set_screw_thread: float) -> cq.Solid:
+    """Drum sector, one solid, where it stands with the drum centred. ``set_screw_thread`` in mm."""
+    body: cq.Shape = _sector(dims)
+    tools: list[cq.Shape] = []
+    if dims.tensioners:
+        body = body.cut(*(_pocket(dims, t) for t in dims.tensioners))
+        body = body.fuse(*(_lug(dims, t) for t in dims.tensioners)).clean()
+    tools += [_stud_slot(dims, t) for t in dims.tensioners]
+    y = (dims.web_start_y - 1.0, dims.web_end_y + 1.0)
+    for w in dims.windows:
+        tools.append(annular_sector(w.r_inner, w.r_outer, w.start_deg, w.end_deg, y, dims.corner_radius))
+    tools.append(_stop_slot(dims))
+    tools += _hub_holes(dims, set_screw_thread)
+    return cut(body, tools, "drum")

@@ -1,0 +1,32 @@
+"""Hollow shaft of the drum with the flange that holds it in its bearings."""
+
+from __future__ import annotations
+
+import cadquery as cq
+
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.shapes import turned_about_y
+
+_CHAMFER = 0.3
+
+
+def create_drum_shaft(dims: DrumShaftDims) -> cq.Solid:
+    """Drum shaft where it stands in the assembly, axis Y."""
+    c = _CHAMFER
+    return turned_about_y(
+        [
+            (dims.bore_radius, dims.y_start),
+            (dims.radius - c, dims.y_start),
+            (dims.radius, dims.y_start + c),
+            (dims.radius, dims.flange_start_y),
+            (dims.flange_radius, dims.flange_start_y),
+            (dims.flange_radius, dims.flange_end_y),
+            (dims.radius, dims.flange_end_y),
+            (dims.radius, dims.y_end - c),
+            (dims.radius - c, dims.y_end),
+            (dims.bore_radius, dims.y_end),
+        ],
+        0.0,
+        360.0,
+        "drum shaft",
+    )

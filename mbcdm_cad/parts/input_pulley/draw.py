@@ -1,0 +1,115 @@
+"""Input pulley: two smooth steps, journals for two bearings and the encoder, slit bore for the gearhead's shaft."""
+
+from __future__ import annotations
+
+from math import acos, cos, degrees, radians, sin, sqrt
+
+import cadquery as cq
+
+from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, turned
+
+_CHAMFER = 0.2
+# Where the slot leaves the land, the wedge outside it is cut back to this thickness.
+_WEDGE_MM = 0.3
+
+
+def _profile(d: InputPulleyDims) -> list[Point2]:
+    c = _CHAMFER
+    return [
+        (0.0, d.journal_bottom_z),
+        (d.lower_journal_radius - c, d.journal_bottom_z),
+        (d.lower_journal_radius, d.journal_bottom_z + c),
+        (d.lower_journal_radius, d.lower_neck_bottom_z),
+        (d.lower_neck_radius, d.lower_neck_bottom_z),
+        (d.lower_neck_radius, d.land_bottom_z),
+        (d.lower_surface_radius, d.land_bottom_z),
+        (d.lower_surface_radius, d.wall_z),
+        (d.upper_surface_radius, d.wall_z),
+        (d.upper_surface_radius, d.land_top_z),
+        (d.upper_neck_radius, d.land_top_z),
+        (d.upper_neck_radius, d.upper_neck_top_z),
+        (d.upper_journal_radius, d.upper_neck_top_z),
+        (d.upper_journal_radius, d.journal_top_z - c),
+        (d.upper_journal_radius - c, d.journal_top_z),
+        (0.0, d.journal_top_z),
+    ]
+
+
+def _open_deg(slot: StopSlot, surface: float) -> float:
+    """Angle about the bend's centre up to which the slot is open to the outside."""
+    centre, outer = slot.pitch_radius - slot.bend_radius, slot.bend_radius + slot.width / 2
+    cosine = ((surface - _WEDGE_MM) ** 2 - centre**2 - outer**2) / (2 * centre * outer)
+    return degrees(acos(min(1.0, max(0.0, cosine))))
+
+
+def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
+    """Milled from the end face: an arc bending inward from the land, a straight piece, the pocket of the stop."""
+    a = slot.end_angle_rad
+    half = slot.width / 2
+    # Local axes in the plane of rotation: u along the radius at the winding's end, v the way the winding runs on.
+    u = (cos(a), sin(a))
+    v = (-slot.away * sin(a), slot.away * cos(a))
+    floor = slot.end_z + (half if slot.face_z < slot.end_z else -half)
+    beyond = slot.face_z + (-1.0 if slot.face_z < slot.end_z else 1.0)
+
+    def at(along_u: float, along_v: float) -> cq.Vector:
+        return cq.Vector(along_u * u[0] + along_v * v[0], along_u * u[1] + along_v * v[1], floor)
+
+    rho, centre = slot.bend_radius, slot.pitch_radius - slot.bend_radius
+
+    def arc(radius: float, deg: float) -> cq.Vector:
+        return at(centre + radius * cos(radians(deg)), radius * sin(radians(deg)))
+
+    inner, outer = rho - half, rho + half
+    band = cq.Wire.assembleEdges(
+        [
+            cq.Edge.makeThreePointArc(arc(inner, 0), arc(inner, 45), arc(inner, 90)),
+            cq.Edge.makeLine(arc(inner, 90), at(0.0, inner)),
+            cq.Edge.makeLine(at(0.0, inner), at(0.0, outer)),
+            cq.Edge.makeLine(at(0.0, outer), arc(outer, 90)),
+            cq.Edge.makeThreePointArc(arc(outer, 90), arc(outer, 45), arc(outer, 0)),
+            cq.Edge.makeLine(arc(outer, 0), arc(inner, 0)),
+        ]
+    )
+    opened = _open_deg(slot, surface)
+    reach = 2 * outer
+    wedge = cq.Wire.assembleEdges(
+        [
+            cq.Edge.makeThreePointArc(arc(rho, 0), arc(rho, opened / 2), arc(rho, opened)),
+            cq.Edge.makeLine(arc(rho, opened), arc(reach, opened)),
+            cq.Edge.makeLine(arc(reach, opened), arc(reach, 0)),
+            cq.Edge.makeLine(arc(reach, 0), arc(rho, 0)),
+        ]
+    )
+    r = slot.stop_radius + STOP_PLAY_MM
+    ends, sides = (slot.stop_end - STOP_PLAY_MM, slot.stop_start + STOP_PLAY_MM), (rho - r, rho + r)
+    corners = [at(ends[0], sides[0]), at(ends[1], sides[0]), at(ends[1], sides[1]), at(ends[0], sides[1])]
+    depth = cq.Vector(0, 0, beyond - floor)
+    # The pocket is deeper than the slot by what the stop is thicker than the cable.
+    deeper = cq.Vector(0, 0, (slot.chord_z + (r if slot.face_z < slot.end_z else -r)) - floor)
+    pocket = cq.Wire.makePolygon([p + deeper for p in corners], close=True)
+    cutter = slot.cutter_radius
+    inset = cutter / sqrt(2)
+    reliefs = [
+        cq.Wire.makeCircle(cutter, at(x + dx * inset, y + dy * inset) + deeper, cq.Vector(0, 0, 1))
+        for x, dx in zip(ends, (1, -1), strict=True)
+        for y, dy in zip(sides, (1, -1), strict=True)
+    ]
+    return [
+        fuse([cq.Solid.extrudeLinear(outline, [], depth) for outline in (band, wedge)], "slot"),
+        fuse([cq.Solid.extrudeLinear(outline, [], depth - deeper) for outline in (pocket, *reliefs)], "pocket"),
+    ]
+
+
+def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
+    """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred."""
+    body = turned(_profile(dims), f"input pulley {dims.name}")
+    tools: list[cq.Shape] = [cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, dims.bore_top_z)]
+    half = dims.slit_width / 2
+    reach = dims.lower_journal_radius + 1.0
+    tools.append(block((-reach, reach), (-half, half), (dims.journal_bottom_z - 1.0, dims.slit_top_z)))
+    for slot in dims.slots:
+        lower = slot.face_z == dims.land_bottom_z
+        tools += _slot_tools(slot, dims.lower_surface_radius if lower else dims.upper_surface_radius)
+    return cut(body, tools, f"input pulley {dims.name}")

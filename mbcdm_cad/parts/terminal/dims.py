@@ -1,0 +1,37 @@
+"""Dimensions of a cable's threaded terminal and of its place on the drum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+
+
+@dataclass(frozen=True)
+class Tensioner:
+    """Threaded terminal of one cable on the drum, drum centred.
+
+    ``anchor_rad``: where the cable leaves its land, from +Z towards ``side``; distances s run from there along the
+    tangent, n outward along the radius at that point.
+    """
+
+    cable_name: str
+    side: int
+    radius_mm: float
+    y_mm: float
+    anchor_rad: float
+    swage_start: float
+    cable_end: float  # bottom of the swage's bore
+    swage_end: float
+    lug_start: float
+    lug_end: float
+    nuts_end: float
+    tip: float
+    pocket_end: float  # behind the tip; beyond the sector where no wall worth leaving would stand there
+    pocket_top: float  # outward; open to the outside where no wall worth leaving would stand before a land's surface
+    cut_through: bool  # pockets go through the whole rim instead of leaving a thin floor
+
+    def at(self, s: float, n: float = 0.0) -> tuple[float, float]:
+        """(x, z) of the point ``s`` along and ``n`` outward, mm."""
+        a = self.anchor_rad
+        x = (self.radius_mm + n) * sin(a) + s * cos(a)
+        return self.side * x, (self.radius_mm + n) * cos(a) - s * sin(a)

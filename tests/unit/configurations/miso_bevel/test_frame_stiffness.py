@@ -1,0 +1,127 @@
+"""Loads on the support and the estimate of its windup: equilibrium, laws, messages."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, reject, settings
+from hypothesis import strategies as st
+
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads, unit_tensions_N
+from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance, frame_windup_mrad
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.si import to_si
+
+from .designs import drives, mirrored, reference
+
+WALLS = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
+
+
+def with_walls(drive: Drive, **walls: float) -> Drive:
+    return replace(drive, support=replace(drive.support, **walls))
+
+
+def drawable(drive: Drive) -> Layout:
+    """The layout, where the random radii leave one."""
+    try:
+        return layout(drive)
+    except ValueError:
+        reject()
+
+
+@settings(max_examples=25, deadline=None)
+@given(drives())
+def test_load_of_1_Nm_leaves_the_mount_a_moment_about_the_drum_alone(drive: Drive) -> None:
+    dims = drawable(drive)
+    loads = seat_loads(dims, unit_tensions_N(to_si(drive)))
+    force = loads.force_N.sum(axis=0)
+    moment = np.cross(loads.point_mm, loads.force_N).sum(axis=0) / 1e3
+    moment[2] += loads.gearhead_torque_Nm.sum()
+    size = abs(loads.force_N).max()
+    assert abs(force).max() < 1e-9 * size, f"net force {force} N"
+    # A load that opposes positive rotation turns the support against +Y.
+    assert np.allclose(moment, [0.0, -1.0, 0.0], atol=1e-9), f"net moment {moment} N m"
+
+
+@settings(max_examples=25, deadline=None)
+@given(drives(), st.lists(st.floats(0.0, 200.0), min_size=4, max_size=4))
+def test_any_tensions_load_the_mount_by_their_moment_on_the_drum(drive: Drive, tension: list[float]) -> None:
+    d = to_si(drive)
+    loads = seat_loads(drawable(drive), np.array(tension))
+    on_drum = float((d.sigma * np.array(tension) * d.drum_radius_m).sum())
+    moment = np.cross(loads.point_mm, loads.force_N).sum(axis=0) / 1e3
+    moment[2] += loads.gearhead_torque_Nm.sum()
+    assert np.allclose(loads.force_N.sum(axis=0), 0.0, atol=1e-9 * (1 + max(tension)))
+    assert np.allclose(moment, [0.0, -on_drum, 0.0], atol=1e-9 * (1 + max(tension))), f"{moment}, drum {on_drum} N m"
+
+
+def test_unit_tensions_carry_1_Nm(drive: Drive) -> None:
+    d = to_si(drive)
+    carried = float((d.sigma * unit_tensions_N(d) * d.drum_radius_m).sum())
+    assert carried == pytest.approx(1.0, abs=1e-12), f"{carried} N m"
+
+
+def test_reference_keeps_its_limit_and_shares_add_up(dims: Layout) -> None:
+    found = frame_compliance(dims)
+    limit, torque = dims.drive.limits.frame_windup_max_mrad, dims.drive.loads.test_torque_Nm
+    assert found.windup_mrad(torque) <= limit, f"{found.windup_mrad(torque):.4f} mrad, limit {limit} mrad"
+    assert sum(found.shares_urad_Nm.values()) == pytest.approx(found.windup_urad_Nm)
+    assert min(found.shares_urad_Nm.values()) > 0.0, f"{found.shares_urad_Nm}"
+    assert frame_windup_mrad(dims, torque) == pytest.approx(found.windup_urad_Nm * torque * 1e-3)
+
+
+def test_windup_is_inverse_to_the_modulus(drive: Drive) -> None:
+    material = drive.support.material
+    softer = replace(material, youngs_modulus_GPa=material.youngs_modulus_GPa / 3)
+    ratio = (
+        frame_compliance(layout(replace(drive, support=replace(drive.support, material=softer)))).windup_urad_Nm
+        / frame_compliance(layout(drive)).windup_urad_Nm
+    )
+    assert ratio == pytest.approx(3.0, rel=1e-6), f"{ratio}"
+
+
+@pytest.mark.parametrize("wall", WALLS)
+def test_a_thicker_wall_is_stiffer(drive: Drive, wall: str) -> None:
+    thickness = getattr(drive.support, wall)
+    thin, thick = (
+        frame_compliance(layout(with_walls(drive, **{wall: f * thickness}))).windup_urad_Nm for f in (0.75, 1.25)
+    )
+    assert thick < thin, f"{wall}: {thin:.3f} urad per N m at 0.75, {thick:.3f} at 1.25 of {thickness} mm"
+
+
+def test_mirror_image_is_as_stiff(drive: Drive) -> None:
+    here, there = (frame_compliance(layout(d)).windup_urad_Nm for d in (drive, mirrored(drive)))
+    assert there == pytest.approx(here, rel=1e-6), f"{here} and {there} urad per N m"
+
+
+@settings(max_examples=12, deadline=None)
+@given(drives(), st.tuples(*[st.floats(0.5, 9.0)] * 6))
+def test_any_design_has_a_windup_or_a_sentence(drive: Drive, walls: tuple[float, ...]) -> None:
+    dims = drawable(with_walls(drive, **dict(zip(WALLS, walls, strict=True))))
+    try:
+        found = frame_compliance(dims).windup_urad_Nm
+    except ValueError as error:
+        said = str(error)
+    else:
+        said = "frame: a figure"
+        assert np.isfinite(found), f"windup {found}"
+        assert found > 0.0, f"windup {found}"
+    assert said.startswith("frame: "), said
+
+
+def test_no_column_is_said_with_both_heights() -> None:
+    drive = reference()
+    dims = layout(with_walls(drive, rib_mm=0.9 * drive.support.rib_mm))
+    frame = replace(dims.frame, column_pocket_bottom_z=dims.levels.motor_shelf_bottom_z + 1.0)
+    with pytest.raises(ValueError, match=r"motor shelf at z = .* must stand above the boss, which ends at z = "):
+        frame_compliance(replace(dims, frame=frame))
+
+
+def test_wall_of_no_thickness_is_named() -> None:
+    dims = layout(reference())
+    levels = replace(dims.levels, motor_shelf_top_z=dims.levels.motor_shelf_bottom_z)
+    with pytest.raises(ValueError, match="motor shelf 0 mm"):
+        frame_compliance(replace(dims, levels=levels))
