@@ -16,9 +16,8 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.measurement.finding import Finding, doubts
 from mbcdm_cad.measurement.reading import MeasurementFile, load_file, read_run
-from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 from mbcdm_cad.measurement.vet import refusals, vet
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.storage.files import write_whole
@@ -34,7 +33,7 @@ class Vetted:
     file: MeasurementFile
     run: Run
     notes: tuple[str, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[VettingNote, ...]
 
     @property
     def doubts(self) -> list[str]:
@@ -65,7 +64,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     from mbcdm_cad.identification.engine import (
         close_loop,  # the model and its compiled parts, once the input is known to be good
     )
-    from mbcdm_cad.identification.result_text import result_text
+    from mbcdm_cad.identification.result import result_text
 
     try:
         result = close_loop(drive, [one.run for one in vetted])

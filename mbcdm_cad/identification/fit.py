@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import AsBuilt
 from mbcdm_cad.identification.as_built import known_effects
-from mbcdm_cad.identification.effects.base import Effect
+from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator, declared
 from mbcdm_cad.measurement.run import Floats

@@ -266,9 +266,17 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source
         given.torque_noise_Nm,
     )
     return Run(
-        rows["time"], inputs, rows["output"], rows.get("load_torque"), rows.get("temperature"), sensors,
-        names, source, sha256, file.content.ratio,
-    )  # fmt: skip
+        rows["time"],
+        inputs,
+        rows["output"],
+        rows.get("load_torque"),
+        rows.get("temperature"),
+        sensors,
+        names,
+        source,
+        sha256,
+        file.content.ratio,
+    )
 
 
 def _step_of_counts(asked: dict[str, Column], names: list[str]) -> float | None:
