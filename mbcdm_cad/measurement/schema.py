@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import Any, Literal
+
+from pydantic import ConfigDict
 
 from mbcdm_cad.design.describe import Node
 from mbcdm_cad.design.fields import Block, Integer, Number, Text, choice
 from mbcdm_cad.design.fields import quantity as figure
 from mbcdm_cad.design.loaded import FieldPath
 
+# The column of an input: input_ and the name that the design file gives it.
+INPUT_COLUMN = r"^input_[a-z0-9][a-z0-9_-]{0,63}$"
 SENSORS = "data sheet"
 LOGGER = "the logger's file"
 
@@ -47,7 +52,13 @@ class Column(Block):
 
 
 class Columns(Block):
-    """What was measured. Inputs are positive when they drive the drum positive."""
+    """What was measured. Inputs are positive when they drive the drum positive.
+
+    An input of any other name than left and right is ``input_<name>``, the name being that of the design file.
+    """
+
+    model_config = ConfigDict(extra="allow", frozen=True, defer_build=True)
+    __pydantic_extra__: dict[str, Column]
 
     time: Column = choice("time", source=LOGGER, example="{column: t, unit: s}")
     input_left: Column | None = choice("input at -x", source=LOGGER, default=None)
@@ -60,6 +71,19 @@ class Columns(Block):
         default=None,
     )
     temperature: Column | None = choice("temperature at the drive", source=LOGGER, default=None)
+
+    def given(self) -> dict[str, Column]:
+        """The columns given, in the order in which a table holds them: time, inputs, output, the rest."""
+        named = self.__pydantic_extra__ or {}
+        inputs = {key: getattr(self, key) for key in ("input_left", "input_right")} | named | {"input": self.input}
+        rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature")}
+        found = {"time": self.time, **inputs, **rest}
+        return {key: column for key, column in found.items() if column is not None}
+
+
+def is_column(key: str) -> bool:
+    """Whether a measurement file may have a column of this name."""
+    return key in Columns.model_fields or re.match(INPUT_COLUMN, key) is not None
 
 
 class SensorFigures(Block):
@@ -172,6 +196,9 @@ def json_schema() -> Node:
     schema: Node = Measurement.model_json_schema()
     definitions = schema.pop("$defs", {})
     written: Node = _written_out(schema, definitions)
+    columns = written["properties"]["columns"]
+    columns["patternProperties"] = {INPUT_COLUMN: columns["properties"]["time"]}
+    columns["additionalProperties"] = False
     return written
 
 
@@ -196,5 +223,10 @@ def node_at(path: FieldPath) -> Node | None:
     for part in path:
         if node is None:
             return None
-        node = node.get("items") if isinstance(part, int) else node.get("properties", {}).get(part)
+        if isinstance(part, int):
+            node = node.get("items")
+            continue
+        patterns = node.get("patternProperties", {})
+        named = next((found for pattern, found in patterns.items() if re.match(pattern, part)), None)
+        node = node.get("properties", {}).get(part, named)
     return node
