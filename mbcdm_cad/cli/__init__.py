@@ -14,10 +14,15 @@ import click
 from mbcdm_cad.cli.commands import mbcdm
 from mbcdm_cad.errors import MbcdmError
 
+# Set by the lines that a shell is given for completion; see docs/command-line.md.
+COMPLETE_VARIABLE = "_MBCDM_COMPLETE"
+
 
 def main() -> None:
     """Entry point of the ``mbcdm`` command."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins costs a tenth of a start
+    if COMPLETE_VARIABLE in os.environ:
+        mbcdm.main(prog_name="mbcdm")  # the shell asks for completions, which click answers here and exits
     sys.exit(run(sys.argv[1:]))
 
 

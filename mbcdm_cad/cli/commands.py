@@ -3,36 +3,24 @@
 from __future__ import annotations
 
 import math
-import os
-import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from mbcdm_cad import __version__
 
-if TYPE_CHECKING:
-    from mbcdm_cad.design import LoadedDesign
+# The names of VIEWS in mbcdm_cad.build.export.picture, which needs the drawing library; a test compares them.
+VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "top", "bottom")
+# Of mbcdm_cad.design.entries.KINDS, for the same reason.
+CATALOGUE_KINDS = ("ropes", "motors", "gearheads", "encoders", "bearings", "screws", "tensioners", "materials")
 
-_DESIGN = click.argument("design", type=click.Path(path_type=Path))
-
-
-def _loaded(path: Path, use_cache: bool = True) -> LoadedDesign:
-    """The design, read before anything else is imported, so that bad input is told at once."""
-    from mbcdm_cad.design import load_remembered
-    from mbcdm_cad.storage.cache import Cache, cache_folder
-
-    return load_remembered(path, Cache(cache_folder() if use_cache else None))
+_FILE = click.Path(path_type=Path)
+_DESIGN = click.argument("design", type=_FILE)
 
 
-def _remembered(kind: str, loaded: LoadedDesign, make: Callable[[], dict[str, bytes]]) -> dict[str, bytes]:
-    """The answer of one command on a design: a design asked about before is answered without loading the model."""
-    from mbcdm_cad.storage.cache import Cache, cache_folder
-    from mbcdm_cad.storage.keys import content_key, package_hash
-
-    return Cache(cache_folder()).get_or_make(content_key(kind, loaded.sha256, package_hash(), {}), make)
+def _examples(*lines: str) -> str:
+    """Lines for the end of a help page; the mark keeps click from filling them into a paragraph."""
+    return "\b\n" + "\n".join(["Examples:" if len(lines) > 1 else "Example:", *(f"  {line}" for line in lines)])
 
 
 def _finite(_context: click.Context, _parameter: click.Parameter, value: float) -> float:
@@ -41,166 +29,230 @@ def _finite(_context: click.Context, _parameter: click.Parameter, value: float) 
     return value
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="mbcdm")
-def mbcdm() -> None:
-    """Cable drives from a design file: checked, weighed and openable parts."""
-
-
-@mbcdm.command()
-@_DESIGN
-@click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
-def check(design: Path, as_json: bool) -> int:
-    """Check DESIGN without drawing it. Exit 1 if a check fails."""
-    loaded = _loaded(design)
-
-    def make() -> dict[str, bytes]:
-        from mbcdm_cad.report.check_text import outputs
-
-        return outputs(loaded)
-
-    found = _remembered("check", loaded, make)
-    coloured = sys.stdout.isatty() and "NO_COLOR" not in os.environ
-    click.echo(found["json" if as_json else "colour" if coloured else "plain"].decode(), color=coloured)
-    return int(found["code"])
-
-
-@mbcdm.command()
-@_DESIGN
-@click.option(
+_ANGLE = click.option(
     "--angle", "angle_deg", type=float, default=0.0, metavar="DEG", callback=_finite, help="Drum angle of the assembly."
 )
+_NO_CACHE = click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
+
+
+@click.group(
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=_examples(
+        "mbcdm init my_drive.yaml     a commented copy of the reference design",
+        "mbcdm check my_drive.yaml    a fraction of a second, no CAD",
+        "mbcdm build my_drive.yaml    STEP, STL, GLB, report into out/my_drive",
+    ),
+)
+@click.version_option(__version__, prog_name="mbcdm")
+def mbcdm() -> None:
+    """Cable drives from a design file: checked, weighed and openable parts.
+
+    Exit codes: 0 done, 1 a check failed, 2 bad input. Completion for the shell: see docs/command-line.md.
+    """
+
+
+@mbcdm.command(
+    epilog=_examples("mbcdm check my_drive.yaml", "mbcdm check --failed *.yaml", "mbcdm check my_drive.yaml --json")
+)
+@click.argument("designs", metavar="DESIGN...", type=_FILE, nargs=-1, required=True)
+@click.option("--failed", "only_failed", is_flag=True, help="Show the failing checks only, without warnings.")
+@click.option("--all", "show_all", is_flag=True, help="Show the passing checks too.")
+@click.option("--json", "as_json", is_flag=True, help="Print all results as JSON; a list for several designs.")
+def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json: bool) -> int:
+    """Check designs without drawing them.
+
+    Prints what warns and what fails, with the figure that would pass, and a summary. Exit 1 if a check fails.
+    """
+    if only_failed and show_all:
+        raise click.UsageError("--failed and --all exclude each other; give one of them")
+    from mbcdm_cad.cli.checking import check_command
+
+    return check_command(designs, as_json=as_json, show="failed" if only_failed else "all" if show_all else "findings")
+
+
+@mbcdm.command(epilog=_examples("mbcdm build my_drive.yaml", "mbcdm build my_drive.yaml --angle 20 --out /tmp/drives"))
+@_DESIGN
+@_ANGLE
 @click.option("--force", is_flag=True, help="Build although a check fails; every output then says so.")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("out"), show_default=True, metavar="DIR",
-              help="Folder that the design's folder is written into.")  # fmt: skip
-@click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the design's folder is written into.",
+)
+@_NO_CACHE
 @click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
 def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool, jobs: int | None) -> int:
-    """Build DESIGN: STEP, STL and GLB of parts and assembly, and the report. Exit 1 if a check fails."""
-    loaded = _loaded(design, use_cache=not no_cache)
+    """Build parts, assembly and report of a design.
+
+    Writes STEP and STL of each part, STEP and GLB of the assembly, and the report. Exit 1 if a check fails.
+    """
     from mbcdm_cad.cli.building import build_command
 
-    return build_command(loaded, angle_deg=angle_deg, force=force, out=out, use_cache=not no_cache, jobs=jobs)
+    return build_command(design, angle_deg=angle_deg, force=force, out=out, use_cache=not no_cache, jobs=jobs)
 
 
-@mbcdm.command()
+@mbcdm.command(epilog=_examples("mbcdm picture my_drive.yaml my_drive.png --view iso --angle 20"))
 @_DESIGN
-@click.argument("png", type=click.Path(path_type=Path))
-@click.option("--angle", "angle_deg", type=float, default=0.0, metavar="DEG", help="Drum angle of the assembly.")
-@click.option("--view", default="output", show_default=True, metavar="VIEW",
-              help="output, iso, iso_rear, front, rear, left, right, top or bottom.")  # fmt: skip
-@click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
+@click.argument("png", type=_FILE)
+@_ANGLE
+@click.option(
+    "--view", type=click.Choice(VIEW_NAMES), default="output", show_default=True, help="Where the camera stands."
+)
+@_NO_CACHE
 def picture(design: Path, png: Path, angle_deg: float, view: str, no_cache: bool) -> int:
-    """Draw DESIGN into the picture PNG; needs no display."""
+    """Draw a design into a PNG file; needs no display."""
     from mbcdm_cad.cli.building import picture_command
-    from mbcdm_cad.design import load_design
 
-    return picture_command(load_design(design), png, angle_deg=angle_deg, view=view, use_cache=not no_cache)
+    return picture_command(design, png, angle_deg=angle_deg, view=view, use_cache=not no_cache)
 
 
-@mbcdm.command()
+@mbcdm.command(epilog=_examples("mbcdm analyse my_drive.yaml", "mbcdm analyse my_drive.yaml --json > figures.json"))
 @_DESIGN
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 def analyse(design: Path, as_json: bool) -> int:
-    """Tension, backlash, load sharing and capability of DESIGN."""
-    loaded = _loaded(design)
+    """Tensions, backlash, load sharing and torque limits."""
+    from mbcdm_cad.cli.studies import analyse_command
 
-    def make() -> dict[str, bytes]:
-        from mbcdm_cad.report.analysis_text import analysis_outputs
-
-        return analysis_outputs(loaded.drive)
-
-    click.echo(_remembered("analyse", loaded, make)["json" if as_json else "plain"].decode())
-    return 0
+    return analyse_command(design, as_json=as_json)
 
 
-@mbcdm.command()
+@mbcdm.command(epilog=_examples("mbcdm sensitivity my_drive.yaml"))
 @_DESIGN
-@click.option("--out", type=click.Path(path_type=Path), default=Path("out"), show_default=True, metavar="DIR",
-              help="Folder that the study's folder, NAME-sensitivity, is written into.")  # fmt: skip
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the study's folder, NAME-sensitivity, is written into.",
+)
 def sensitivity(design: Path, out: Path) -> int:
-    """Fig. 5 of the paper for DESIGN as plots and CSV, global indices, tolerance stack, intervals."""
+    """Which parameters drive backlash and torque, as plots and CSV.
+
+    The panels of the paper's figure 5, global indices, the tolerance stack over the travel, and 95 % intervals.
+    """
     from mbcdm_cad.cli.studies import sensitivity_command
-    from mbcdm_cad.design import load_design
 
-    return sensitivity_command(load_design(design), out=out)
+    return sensitivity_command(design, out=out)
 
 
-@mbcdm.command()
-@click.argument("design", type=click.Path(path_type=Path), required=False)
+@mbcdm.command(epilog=_examples("mbcdm reproduce", "mbcdm reproduce my_drive.yaml"))
+@click.argument("design", type=_FILE, required=False)
 def reproduce(design: Path | None) -> int:
-    """The paper's numbers beside the model's, for DESIGN or the reference. Exit 1 if one leaves its tolerance."""
+    """The paper's figures beside the model's.
+
+    For DESIGN, or the reference design. Exit 1 if a figure leaves its tolerance.
+    """
     from mbcdm_cad.cli.studies import reproduce_command
 
     return reproduce_command(design)
 
 
-@mbcdm.command()
+@mbcdm.command(
+    epilog=_examples(
+        "mbcdm loop my_drive.yaml run1.yaml run2.yaml --report out/loop",
+        "mbcdm loop my_drive.yaml run1.yaml --apply my_drive_as_built.yaml",
+    )
+)
 @_DESIGN
-@click.argument("measurements", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("--json", "json_path", type=click.Path(path_type=Path), metavar="FILE", help="Write the result as JSON.")
-@click.option("--apply", "as_built", type=click.Path(path_type=Path), metavar="AS_BUILT.yaml",
-              help="Write the design file with what was found in it.")  # fmt: skip
-@click.option("--report", type=click.Path(path_type=Path), metavar="FOLDER", help="Write a page with plots there.")
+@click.argument("measurements", type=_FILE, nargs=-1, required=True)
+@click.option("--json", "json_path", type=_FILE, metavar="FILE", help="Write the result as JSON.")
+@click.option(
+    "--apply", "as_built", type=_FILE, metavar="AS_BUILT.yaml", help="Write the design file with what was found in it."
+)
+@click.option("--report", type=_FILE, metavar="FOLDER", help="Write a page with plots there.")
 def loop(
     design: Path, measurements: tuple[Path, ...], json_path: Path | None, as_built: Path | None, report: Path | None
 ) -> int:
-    """What does the model of DESIGN lack? Judge measured runs, described by MEASUREMENTS (YAML beside the CSV)."""
-    loaded = _loaded(design)
+    """Find in measured runs what the model lacks.
+
+    Judges all runs together; each is described by a MEASUREMENTS file (YAML), which names the columns of its CSV file.
+    """
+    from mbcdm_cad.design import load_design
+
+    loaded = load_design(design)  # before the rest is imported, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
     return loop_command(loaded, measurements, Outputs(json_path, as_built, report))
 
 
-@mbcdm.command()
-@click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
-@click.option("--measurement", is_flag=True, help="Of measurement files, which 'mbcdm loop' reads.")
-def schema(reference: bool, measurement: bool) -> None:
-    """Print the JSON Schema of design files, for completion in an editor."""
-    if reference:
-        from mbcdm_cad.design.reference import reference_page
-        from mbcdm_cad.measurement.reference import measurement_page
-
-        click.echo(measurement_page() if measurement else reference_page(), nl=False)
-        return
-    import json
-
-    from mbcdm_cad.design.editor import editor_schema
-    from mbcdm_cad.measurement.schema import json_schema
-
-    click.echo(json.dumps(json_schema() if measurement else editor_schema(), indent=2, ensure_ascii=False))
-
-
-@mbcdm.command()
-@click.argument("new", type=click.Path(path_type=Path))
-def init(new: Path) -> None:
-    """Write NEW, a commented design file with the values of the reference design. Never overwrites."""
-    from mbcdm_cad.design.template import new_design_text, slug
-    from mbcdm_cad.errors import InputError, Problem
-
-    name = slug(new.stem)
-    try:
-        with open(new, "x", encoding="utf-8", newline="\n") as file:
-            file.write(new_design_text(name))
-    except FileExistsError:
-        problem = Problem(str(new), 1, "", "exists already", remedy="choose another name, or remove it first")
-        raise InputError([problem]) from None
-    except ValueError as error:
-        raise InputError([Problem(str(new), 1, "", f"cannot be written: {error}", remedy="check the path")]) from None
-    click.echo(f"{new}: design {name} written; 'mbcdm check {new}' checks it")
-
-
-@mbcdm.command()
+@mbcdm.command(epilog=_examples("mbcdm simulate my_drive.yaml params/experiments/winding-short-brake.yaml"))
 @_DESIGN
-@click.argument("experiment", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), default=Path("out"), show_default=True, metavar="DIR",
-              help="Folder that the experiment's folder is written into.")  # fmt: skip
+@click.argument("experiment", type=_FILE)
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the experiment's folder is written into.",
+)
 def simulate(design: Path, experiment: Path, out: Path) -> None:
-    """Run EXPERIMENT.yaml on the test rig in software with DESIGN: a measured run, and apart from it the truth."""
-    loaded = _loaded(design)
+    """Run an experiment on the test rig in software.
+
+    Writes the measured run as 'mbcdm loop' reads it, and in a file of its own the truth that the loop must not see.
+    """
+    from mbcdm_cad.design import load_design
+
+    loaded = load_design(design)
     from mbcdm_cad.rig.reading import read_experiment
 
     wanted = read_experiment(experiment)
     from mbcdm_cad.rig.command import simulate_command
 
     click.echo(simulate_command(loaded.drive, wanted, out))
+
+
+@mbcdm.command(epilog=_examples("mbcdm init my_drive.yaml"))
+@click.argument("new", type=_FILE)
+def init(new: Path) -> int:
+    """Write a new design file with the reference values.
+
+    Each value has its unit, meaning and source beside it. Never overwrites a file.
+    """
+    from mbcdm_cad.cli.files import init_command
+
+    return init_command(new)
+
+
+@mbcdm.command(epilog=_examples("mbcdm schema > design.schema.json", "mbcdm schema --reference --measurement | less"))
+@click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
+@click.option("--measurement", is_flag=True, help="Of measurement files, which 'mbcdm loop' reads.")
+def schema(reference: bool, measurement: bool) -> int:
+    """Print the JSON Schema of design files.
+
+    An editor completes and checks a design file with it.
+    """
+    from mbcdm_cad.cli.files import schema_command
+
+    return schema_command(reference=reference, measurement=measurement)
+
+
+@mbcdm.command(
+    epilog=_examples("mbcdm catalogue", "mbcdm catalogue ropes", "mbcdm catalogue --markdown > docs/catalogue.md")
+)
+@click.argument("kind", type=click.Choice(CATALOGUE_KINDS), required=False)
+@click.option("--markdown", is_flag=True, help="Print a page in Markdown, all kinds if none is given.")
+def catalogue(kind: str | None, markdown: bool) -> int:
+    """Ropes, motors, bearings and more that a design can name.
+
+    Without KIND the names of all entries; with it the values of that kind's entries.
+    """
+    from mbcdm_cad.cli.catalogue import catalogue_command
+
+    return catalogue_command(kind, markdown=markdown)
+
+
+@mbcdm.command(epilog=_examples("mbcdm doctor"))
+@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
+def doctor(as_json: bool) -> int:
+    """What this machine has of what the program can use.
+
+    Exit 1 if something is missing without which designs cannot be built.
+    """
+    from mbcdm_cad.cli.doctor import doctor_command
+
+    return doctor_command(as_json=as_json)

@@ -1,17 +1,32 @@
-"""The commands ``sensitivity`` and ``reproduce``: what they print, and the exit code they end with."""
+"""The commands ``analyse``, ``sensitivity`` and ``reproduce``: what they print, and the exit code they end with."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
 
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.cli.screen import screen_width
+from mbcdm_cad.design import load_design
 
 
-def sensitivity_command(loaded: LoadedDesign, *, out: Path) -> int:
+def analyse_command(path: Path, *, as_json: bool) -> int:
+    """Print the model's figures for one design."""
+    loaded = load_design(path)
+    from mbcdm_cad.report.analysis_report import analyse_design  # the model, once the file is known to be good
+
+    report = analyse_design(loaded.drive)
+    click.echo(json.dumps(report.to_dict(), indent=1, allow_nan=False) if as_json else report.text(screen_width()))
+    return 0
+
+
+def sensitivity_command(path: Path, *, out: Path) -> int:
     """Write the sensitivity study into a folder of its own."""
+    loaded = load_design(path)
     from mbcdm_cad.model.study import write_study
+    from mbcdm_cad.report.table import ReportTable
+    from mbcdm_cad.report.units import readable_figure
     from mbcdm_cad.storage.folders import output_folder
     from mbcdm_cad.storage.keys import content_key, package_hash
     from mbcdm_cad.storage.manifest import Manifest, versions
@@ -21,14 +36,19 @@ def sensitivity_command(loaded: LoadedDesign, *, out: Path) -> int:
     with output_folder(target, Manifest(loaded.sha256, inputs)) as folder:
         summary = write_study(loaded.drive, folder.path)
     click.echo(f"{target}: fig5_a to fig5_d, indices, tolerance, loop as plots; sensitivity.json")
+    rows = []
     for name, interval in summary["intervals"].items():
-        click.echo(f"  {name}: " + ", ".join(f"{k} {v:.4g}" for k, v in interval.items() if isinstance(v, float)))
+        words, unit, scale = readable_figure(name)
+        rows.append((words, unit, *(interval[key] * scale for key in ("value", "low", "high"))))
+    click.echo("95 % intervals:")
+    click.echo(
+        "\n".join(ReportTable(("figure", "unit", "value", "low", "high"), tuple(rows)).text(screen_width(), "  "))
+    )
     return 0
 
 
 def reproduce_command(path: Path | None) -> int:
     """Print the paper table; 1 if a figure leaves its tolerance."""
-    from mbcdm_cad.design import load_design
     from mbcdm_cad.design.loader import load_text
     from mbcdm_cad.design.template import new_design_text
     from mbcdm_cad.paper.reproduce import as_markdown, reproduce

@@ -1,4 +1,4 @@
-"""The check command: table, JSON, exit codes, and what it must not import."""
+"""The check command: what it prints at which width, JSON, exit codes, and what it must not import."""
 
 from __future__ import annotations
 
@@ -13,33 +13,45 @@ from mbcdm_cad import cli
 from mbcdm_cad.checks.registry import CHECKS
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.template import new_design_text
-from mbcdm_cad.report.check_text import counts, table
+from mbcdm_cad.report.check_report import CheckReport
 
 FIELDS = {
     "id", "title", "status", "actual", "limit", "unit", "margin", "message", "remedy", "source", "waived_reason",
 }  # fmt: skip
+LAST = f"0 fail, 0 waived, of {len(CHECKS)} checks"
 
 
-def write(tmp_path: Path, text: str) -> Path:
-    path = tmp_path / "design.yaml"
+def write(tmp_path: Path, text: str, name: str = "design.yaml") -> Path:
+    path = tmp_path / name
     path.write_text(text, encoding="utf-8")
     return path
 
 
-def test_sound_design_exits_0_with_a_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def failing_text(name: str) -> str:
+    text = new_design_text(name).replace("type: FF-081 ", "type: 7x7-1.0 ").replace("modulus_GPa: 54.0 ", "")
+    text = text.replace("  modulus_area: metallic ", "  ")
+    return text.replace("centre_distance_mm: 34.6", "centre_distance_mm: 38.0")
+
+
+def test_sound_design_exits_0_with_a_summary_and_no_passing_checks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert cli.run(["check", str(write(tmp_path, new_design_text("sound")))]) == 0
     out, err = capsys.readouterr()
     lines = out.splitlines()
-    assert err == "" and lines[-1].startswith("sound: ") and f"0 fail, 0 waived, of {len(CHECKS)} checks" in lines[-1]
-    assert any(line.startswith("pass   land_width") and "0.6 >= 0.555 mm" in line for line in lines), out
+    assert err == "" and lines[-1].startswith("sound: ") and LAST in lines[-1]
+    assert not [line for line in lines if line.startswith("pass")], out
     assert "\x1b" not in out
 
 
-def test_failing_design_exits_1_and_says_what_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = new_design_text("thick").replace("type: FF-081 ", "type: 7x7-1.0 ").replace("modulus_GPa: 54.0 ", "")
-    text = text.replace("  modulus_area: metallic ", "  ")
-    text = text.replace("centre_distance_mm: 34.6", "centre_distance_mm: 38.0")
-    path = write(tmp_path, text)
+def test_all_lists_passing_checks_before_warnings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["check", "--all", str(write(tmp_path, new_design_text("sound")))]) == 0
+    words = [line.split(" ")[0] for line in capsys.readouterr().out.splitlines() if not line.startswith(" ")][:-1]
+    assert words == sorted(words) and words.count("pass") + words.count("warn") == len(CHECKS), words
+
+
+def test_failures_come_last_with_what_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write(tmp_path, failing_text("thick"))
     assert cli.run(["check", str(path)]) == 1
     out, _ = capsys.readouterr()
     for remedy in (
@@ -49,14 +61,65 @@ def test_failing_design_exits_1_and_says_what_to_do(tmp_path: Path, capsys: pyte
         "lower transmission.centre_distance_mm from 38 to at most",
     ):
         assert remedy in out, (remedy, out)
+    words = [line.split(" ")[0] for line in out.splitlines() if not line.startswith(" ")][:-1]
+    assert words == sorted(words, key=["warn", "fail"].index) and words[-1] == "fail", words
+
+
+def test_failed_shows_failures_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["check", "--failed", str(write(tmp_path, failing_text("thick")))]) == 1
+    words = {line.split(" ")[0] for line in capsys.readouterr().out.splitlines() if not line.startswith(" ")}
+    assert words == {"fail", "thick:"}, words
+
+
+@pytest.mark.parametrize("width", [80, 200])
+@pytest.mark.parametrize("option", [[], ["--all"], ["--failed"]])
+def test_no_line_is_wider_than_the_terminal(
+    width: int, option: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    assert cli.run(["check", *option, str(write(tmp_path, failing_text("thick")))]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    longest = max(lines, key=len)
+    assert len(longest) <= width, f"{len(longest)} characters: {longest}"
+    assert len(longest) > 0.8 * width or option, f"at most {len(longest)} of {width} columns used"
+
+
+def test_titles_of_passing_checks_are_shown_where_there_is_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = str(write(tmp_path, new_design_text("wide")))
+    for width, there in ((80, False), (200, True)):
+        monkeypatch.setenv("COLUMNS", str(width))
+        assert cli.run(["check", "--all", path]) == 0
+        out = capsys.readouterr().out
+        assert ("Drum lands wide enough" in out) is there, out
+        assert len([line for line in out.splitlines() if line.startswith("pass")]) > 90
+
+
+def test_several_designs_exit_with_the_worst_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good, bad = (
+        write(tmp_path, text(stem), f"{stem}.yaml") for stem, text in (("good", new_design_text), ("bad", failing_text))
+    )
+    broken = write(tmp_path, "a: [", "broken.yaml")
+    assert cli.run(["check", str(good), str(good)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "2 designs: all pass"
+    assert cli.run(["check", str(bad), str(good)]) == 1
+    assert capsys.readouterr().out.splitlines()[-1] == f"2 designs: 1 fail: {bad}"
+    assert cli.run(["check", str(broken), str(bad), str(good)]) == 2
+    out, err = capsys.readouterr()
+    assert out.splitlines()[-1] == f"3 designs: 1 fail: {bad}; 1 cannot be read: {broken}", out
+    assert err.startswith(f"{broken}:2: ") and len(err.splitlines()) == 1, err
 
 
 def test_json_has_all_fields(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["check", "--json", str(write(tmp_path, new_design_text("plain")))]) == 0
+    path = str(write(tmp_path, new_design_text("plain")))
+    assert cli.run(["check", "--json", path]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["design"] == "plain" and len(data["design_sha256"]) == 64
     assert all(set(check) == FIELDS for check in data["checks"])
     assert sum(data["summary"].values()) == len(CHECKS) == len(data["checks"]), data["summary"]
+    assert cli.run(["check", "--json", path, path]) == 0
+    assert json.loads(capsys.readouterr().out) == [data, data]
 
 
 def test_unknown_waiver_exits_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -67,6 +130,11 @@ def test_unknown_waiver_exits_2(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert out == "" and err.startswith(f"{path}:") and "did you mean bend_ratio?" in err, err
 
 
+def test_options_that_exclude_each_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["check", "--all", "--failed", str(write(tmp_path, new_design_text("both")))]) == 2
+    assert "exclude each other" in capsys.readouterr().err
+
+
 def test_waived_failure_exits_0_and_is_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = new_design_text("waived").replace("peak_torque_Nm: 3.15", "peak_torque_Nm: 3.3 ")
     text = text.replace("waivers: []", "waivers:\n  - {check: motor_torque_back, reason: one way only}\n")
@@ -75,26 +143,27 @@ def test_waived_failure_exits_0_and_is_printed(tmp_path: Path, capsys: pytest.Ca
     assert "waived motor_torque_back" in out and "waived: one way only" in out and "1 waived" in out, out
 
 
-def test_table_of_a_handful() -> None:
+def test_report_of_a_handful() -> None:
     def result(status: str, **more: object) -> CheckResult:
         fields = {"actual": 1.0, "limit": 2.0, "margin": -1.0, "unit": "mm", "remedy": "turn it", **more}
         return CheckResult(id="x", title="T", status=status, message="m", source="s", **fields)  # type: ignore[arg-type]
 
     none = {"actual": None, "limit": None, "margin": None}
-    results = [
-        result("pass", margin=1.0, remedy=""),
+    results = (
         result("fail"),
+        result("pass", margin=1.0, remedy=""),
         result("fail", **none),
         result("pass", waived_reason="why"),
         result("pass", limit=None, margin=None, remedy=""),
-    ]
-    lines = list(table("d", results, colour=True))
-    assert lines[0].startswith("\x1b[32mpass") and "1 <= 2 mm" in lines[0], lines
-    assert "1 >= 2 mm" in lines[1] and lines[3].strip() == "-> turn it", lines
-    assert "not evaluated" in lines[4], lines
-    assert any(line.strip() == "waived: why" for line in lines), lines
+    )
+    report = CheckReport("d", "", results)
+    lines = report.text(colour=True, show="all").splitlines()
+    assert lines[0] == "\x1b[32mpass  \x1b[0m x 1 <= 2 mm                    T", lines
+    assert lines[2:5] == ["\x1b[33mwaived\x1b[0m x: T", "       m", "       waived: why"], lines
+    assert lines[5:8] == ["\x1b[31mfail  \x1b[0m x: T", "       m", "       -> turn it"], lines
     assert lines[-1] == "d: 2 pass, 0 warn, 2 fail, 1 waived, of 5 checks"
-    assert counts(results) == {"pass": 2, "warn": 0, "fail": 2, "waived": 1}
+    assert report.counts == {"pass": 2, "warn": 0, "fail": 2, "waived": 1}
+    assert not report.passed and report["x"] is results[0] and str(report) == report.text()
 
 
 def test_check_imports_neither_the_kernel_nor_scipy(tmp_path: Path) -> None:

@@ -85,7 +85,7 @@ def test_init_writes_a_file_that_loads_and_never_overwrites(tmp_path: Path) -> N
 
 def test_init_into_a_missing_folder_is_told(tmp_path: Path) -> None:
     done = mbcdm("init", tmp_path / "no" / "x.yaml")
-    assert done.returncode == 2 and "No such file or directory" in done.stderr, done.stderr
+    assert done.returncode == 2 and f"there is no folder {tmp_path / 'no'}" in done.stderr, done.stderr
     assert "Traceback" not in done.stderr
 
 

@@ -14,7 +14,7 @@ from mbcdm_cad.design.loader import load_text
 from mbcdm_cad.design.template import new_design_text
 from mbcdm_cad.model import to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.report.analysis_text import analysis_outputs
+from mbcdm_cad.report.analysis_report import analyse_design
 from mbcdm_cad.report.masses import Inertias
 from mbcdm_cad.report.paths import path_data, path_data_or_reason
 from mbcdm_cad.report.torsion import torsion_data
@@ -26,8 +26,8 @@ def drive() -> Drive:
 
 
 def test_analyse_prints_paths_and_travel(drive: Drive) -> None:
-    found = analysis_outputs(drive)
-    text, data = found["plain"].decode(), json.loads(found["json"])["paths"]
+    found = analyse_design(drive)
+    text, data = found.text(), json.loads(json.dumps(found.to_dict(), allow_nan=False))["paths"]
     assert "usable travel -35.25 to +35.25 deg" in text
     for c in data["cables"]:
         assert f"{c['name']:<10} length {c['length_mm']:.2f} mm" in text

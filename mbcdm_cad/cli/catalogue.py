@@ -1,0 +1,93 @@
+"""The command ``catalogue``: the package's bought-out parts and materials, for a terminal and for docs/catalogue.md."""
+
+from __future__ import annotations
+
+import textwrap
+
+import click
+
+from mbcdm_cad.cli.screen import screen_width
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.entries import KINDS
+from mbcdm_cad.report.table import ReportTable
+
+_HEAD = """\
+# The catalogue
+
+Ropes, bought-out parts and materials that a design file names, such as `rope.type: FF-081`; written by
+`mbcdm catalogue --markdown`. A design adds entries of its own, or puts other values over these, in its block
+`catalogue` (see [design-file.md](design-file.md)).
+"""
+
+
+def catalogue_command(kind: str | None, *, markdown: bool) -> int:
+    """Print the names of all entries, the entries of one kind, or a page in Markdown."""
+    if markdown:
+        click.echo(catalogue_page(tuple(KINDS) if kind is None else (kind,)), nl=False)
+    elif kind is None:
+        rows = tuple((name, ", ".join(package_entries(name))) for name in KINDS)
+        click.echo("\n".join(ReportTable(("kind", "entries"), rows).text(screen_width())))
+    else:
+        click.echo("\n".join(_kind_lines(kind, screen_width())))
+    return 0
+
+
+def catalogue_page(kinds: tuple[str, ...]) -> str:
+    """Markdown: of each kind what its fields mean, the entries as a table, and where their figures come from."""
+    lines = [_HEAD] if len(kinds) == len(KINDS) else []
+    for kind in kinds:
+        lines += [f"## {kind.capitalize()}", "", _about(kind), ""]
+        lines += ReportTable(("field", "unit", "meaning"), _fields(kind)).markdown()
+        lines += ["", *_values(kind).markdown(), "", "Sources:", ""]
+        lines += [f"- `{name}`: {entry['source']}" for name, entry in package_entries(kind).items()] + [""]
+    return "\n".join(lines)
+
+
+def _kind_lines(kind: str, width: int | None) -> list[str]:
+    """The entries below each other, a field a row: as many side by side as the width takes."""
+    entries = package_entries(kind)
+    names = list(entries)
+    label_width = max(len(field) for field, _, _ in _fields(kind))
+    columns = [
+        max(len(name), *(len(_exact(value)) for key, value in entries[name].items() if key != "source"))
+        for name in names
+    ]
+    lines = _filled(f"{kind}: {_about(kind)}", width)
+    while names:
+        room, taken = (width or 10_000) - label_width, 1
+        while taken < len(names) and sum(columns[: taken + 1]) + 2 * (taken + 1) <= room:
+            taken += 1
+        here, names, columns = names[:taken], names[taken:], columns[taken:]
+        rows = tuple((field, *(_exact(entries[name][field]) for name in here)) for field, _, _ in _fields(kind))
+        lines += ["", *ReportTable(("", *here), rows).text()]
+    lines += ["", "Sources:"]
+    return lines + [line for name, entry in entries.items() for line in _filled(f"  {name}: {entry['source']}", width)]
+
+
+def _about(kind: str) -> str:
+    return (KINDS[kind].__doc__ or "").strip()
+
+
+def _fields(kind: str) -> tuple[tuple[str, str, str], ...]:
+    """(name, unit, meaning) of every field but the source."""
+    schema = KINDS[kind].model_json_schema()["properties"]
+    return tuple((name, node["unit"], node["description"]) for name, node in schema.items() if name != "source")
+
+
+def _values(kind: str) -> ReportTable:
+    names = [field[0] for field in _fields(kind)]
+    rows = tuple((entry, *(_exact(values[name]) for name in names)) for entry, values in package_entries(kind).items())
+    return ReportTable(("name", *names), rows)
+
+
+def _exact(value: object) -> str:
+    """A value as the catalogue has it, not rounded to what a table of results shows."""
+    if isinstance(value, list | tuple):
+        return ", ".join(_exact(item) for item in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _filled(text: str, width: int | None) -> list[str]:
+    if width is None:
+        return [text]
+    return textwrap.wrap(text, width, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False)

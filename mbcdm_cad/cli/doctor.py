@@ -1,0 +1,146 @@
+"""The command ``doctor``: what this machine has of what the program can use, and what each of it is needed for."""
+
+from __future__ import annotations
+
+import ctypes.util
+import importlib.metadata
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import click
+
+from mbcdm_cad import __version__
+from mbcdm_cad.cli.screen import screen_width
+from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, cache_folder
+
+# Imported in a process of its own: a library that cannot be loaded must not end the doctor.
+_IMPORT_TIMEOUT_S = 120.0
+_LIBGL_REMEDY = "Debian, Ubuntu: apt-get install libgl1"
+_FREECAD = ("freecadcmd", "FreeCADCmd", "freecad", "FreeCAD")
+_BROWSERS = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "chrome",
+    "firefox",
+    "microsoft-edge",
+    "xdg-open",
+    "open",
+)
+
+
+@dataclass(frozen=True)
+class Dependency:
+    """One thing looked for: ``found`` says what is there, ``remedy`` what to do where it is missing."""
+
+    name: str
+    there: bool
+    required: bool
+    found: str
+    needed_for: str
+    remedy: str = ""
+
+
+def doctor_command(*, as_json: bool) -> int:
+    """Print all findings. 1 if something required is missing."""
+    items = list(examined())
+    missing = [item for item in items if item.required and not item.there]
+    if as_json:
+        click.echo(json.dumps([asdict(item) for item in items], indent=1))
+        return int(bool(missing))
+    rows = tuple((_word(item), item.name, f"{item.found}; for {item.needed_for}") for item in items)
+    click.echo("\n".join(ReportTable(("", "what", "found"), rows).text(screen_width())))
+    for item in items:
+        if not item.there and item.remedy:
+            click.echo(f"{item.name}: {item.remedy}")
+    click.echo(f"missing: {', '.join(item.name for item in missing)}" if missing else "all that is required is there")
+    return int(bool(missing))
+
+
+def _word(item: Dependency) -> str:
+    return "ok" if item.there else "missing" if item.required else "absent"
+
+
+def examined() -> Iterator[Dependency]:
+    """Everything that the program can use, required things first."""
+    yield Dependency("mbcdm_cad", True, True, f"{__version__}, Python {platform.python_version()}", "everything")
+    for name, use in (
+        ("numpy", "the model"),
+        ("pydantic", "reading design files"),
+        ("scipy", "sensitivity studies and the loop"),
+        ("numba", "simulate and the loop"),
+        ("matplotlib", "plots of studies, runs and the loop's page"),
+    ):
+        version = _version(name)
+        yield Dependency(name, bool(version), True, version or "not installed", use, "install the package again")
+    yield _libgl()
+    yield _imported("CAD kernel", "OCP.gp", "cadquery", "build, picture, parts in Python")
+    yield _imported("drawing library", "vtkmodules.vtkRenderingOpenGL2", "vtk", "picture, meshes")
+    yield _cache()
+    yield _program("FreeCAD", _FREECAD, "opening the STEP files and the tests that do so; not needed to make them")
+    yield _program("browser", _BROWSERS, "the pages that 'loop --report' and 'build' write")
+    pandas = _version("pandas")
+    remedy = "pip install pandas"
+    yield Dependency(
+        "pandas", bool(pandas), False, pandas or "not installed", "to_pandas() of results in Python", remedy
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+def _imported(name: str, module: str, package: str, use: str) -> Dependency:
+    """Whether a compiled library loads; that it is installed is not enough, since it needs libraries of the system."""
+    version = f"{package} {_version(package) or 'not installed'}"
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", f"import {module}"],
+            capture_output=True,
+            text=True,
+            timeout=_IMPORT_TIMEOUT_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Dependency(name, False, True, f"{version}, cannot be tried: {error}", use)
+    if done.returncode == 0:
+        return Dependency(name, True, True, version, use)
+    why = (done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1]
+    remedy = _LIBGL_REMEDY if "libGL" in why else "install the package again"
+    return Dependency(name, False, True, f"{version}, does not load: {why}", use, remedy)
+
+
+def _libgl() -> Dependency:
+    """The system library that a Python package cannot bring along; other systems than Linux have it."""
+    found = ctypes.util.find_library("GL")
+    there = bool(found) or platform.system() != "Linux"
+    return Dependency("libGL", there, True, found or "not found", "CAD kernel and drawing library", _LIBGL_REMEDY)
+
+
+def _cache() -> Dependency:
+    """The cache folder: how much is in it, and whether it can be written."""
+    folder = cache_folder()
+    use = "building quickly what was built before; without it everything is drawn each time"
+    there = next((path for path in (folder, *folder.parents) if path.exists()), Path())
+    if not os.access(there, os.W_OK | os.X_OK):
+        remedy = f"give rights to {there}, or set {ENVIRONMENT_VARIABLE} to another folder"
+        return Dependency("cache", False, False, f"{folder} cannot be written", use, remedy)
+    files = [path for path in folder.glob("*/*") if path.is_file()]
+    size_MB = sum(path.stat().st_size for path in files) / 1e6
+    return Dependency("cache", True, False, f"{folder}, {len(files)} entries, {size_MB:.0f} MB", use)
+
+
+def _program(name: str, commands: tuple[str, ...], use: str) -> Dependency:
+    path = next((path for path in map(shutil.which, commands) if path), None)
+    return Dependency(name, path is not None, False, path or "none on the PATH", use)

@@ -1,0 +1,52 @@
+"""The commands ``init`` and ``schema``: new design files, and what an editor needs to complete them."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import click
+
+from mbcdm_cad.errors import InputError, Problem
+
+
+def refuse_missing_folder(path: Path) -> None:
+    """Raise ``InputError`` if the folder that ``path`` is to be written into is not there."""
+    if not path.parent.is_dir():
+        what = f"there is no folder {path.parent}"
+        raise InputError([Problem(str(path), 1, "", what, remedy="make it first, or choose another path")])
+
+
+def init_command(new: Path) -> int:
+    """Write the new design file. Raises ``InputError`` where there is one already or none can be written."""
+    refuse_missing_folder(new)
+    from mbcdm_cad.design.template import new_design_text, slug  # the schema: a wrong path need not wait for it
+
+    name = slug(new.stem)
+    text = new_design_text(name)
+    try:
+        with open(new, "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        problem = Problem(str(new), 1, "", "exists already", remedy="choose another name, or remove it first")
+        raise InputError([problem]) from None
+    except ValueError as error:
+        raise InputError([Problem(str(new), 1, "", f"cannot be written: {error}", remedy="check the path")]) from None
+    click.echo(f"{new}: design {name} written; check it with: mbcdm check {shlex.quote(str(new))}")
+    return 0
+
+
+def schema_command(*, reference: bool, measurement: bool) -> int:
+    """Print the JSON Schema, or the reference page, of design or measurement files."""
+    if reference:
+        from mbcdm_cad.design.reference import reference_page
+        from mbcdm_cad.measurement.reference import measurement_page
+
+        click.echo(measurement_page() if measurement else reference_page(), nl=False)
+        return 0
+    from mbcdm_cad.design.editor import editor_schema
+    from mbcdm_cad.measurement.schema import json_schema
+
+    click.echo(json.dumps(json_schema() if measurement else editor_schema(), indent=2, ensure_ascii=False))
+    return 0

@@ -1,0 +1,224 @@
+"""What the model says of one design: figures, the cables' paths, as text for a terminal, as JSON, as a table.
+
+The command line prints it, the Python API returns it.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from mbcdm_cad.model import Analysis, analyse
+from mbcdm_cad.report.paths import path_data_or_reason, path_lines
+from mbcdm_cad.report.table import ReportTable
+
+if TYPE_CHECKING:
+    import pandas
+
+    from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.model.capability import TorqueLimit
+
+# How the limits of the drum's torque are called, by cause.
+_LIMITS = {
+    "motor": "motor, gearhead without losses",
+    "motor_with_efficiency": "motor, gearhead with its losses",
+    "gearhead_rated": "gearhead, continuous",
+    "gearhead_maximum": "gearhead, intermittent",
+    "strength": "cable at its allowed tension",
+    "slack": "a cable goes slack",
+}
+
+
+@dataclass(frozen=True)
+class AnalysisReport:
+    """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why."""
+
+    figures: Analysis
+    paths: dict[str, Any] | None
+    no_paths: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
+        return self.figures.to_dict() | {"paths": self.paths}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The figures of each cable at the test torque, one row a cable. ``MbcdmError`` without pandas."""
+        return self._cables().pandas()
+
+    def text(self, width: int | None = None) -> str:
+        """What ``mbcdm analyse`` prints: figures by subject, no line longer than ``width``."""
+        lines = [line for block in self._blocks(width) for line in (*block, "")]
+        paths = path_lines(self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
+        return "\n".join([*lines, *(line for text in paths for line in _filled(text, width))])
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the cables, the load cases, the torque limits."""
+        tables = (self._cables(), self._cases(), self._shares(), self._limits())
+        return f"<p>{self.figures.name}</p>" + "".join(table.html() for table in tables)
+
+    def _cables(self) -> ReportTable:
+        names = [field.name for field in fields(self.figures.cables[0])]
+        rows = tuple(tuple(getattr(cable, name) for name in names) for cable in self.figures.cables)
+        return ReportTable(tuple(names), rows)
+
+    def _cases(self) -> ReportTable:
+        rows = tuple(
+            (
+                f"{case.load_Nm:+.2f}",
+                f"{case.turn_mrad:+.4f}",
+                f"{case.tangent_stiffness_Nm_rad:.0f}",
+                f"{case.secant_stiffness_Nm_rad:.0f}",
+            )
+            for case in (*self.figures.test, *self.figures.peak)
+        )
+        return ReportTable(("load N m", "turn mrad", "stiffness at the load N m/rad", "from zero N m/rad"), rows)
+
+    def _shares(self) -> ReportTable:
+        rows = tuple(
+            (
+                f"{case.load_Nm:+.2f}",
+                _list(case.load_share, 3),
+                _list(case.input_torque_mNm, 1),
+                _list(case.tension_N) + (f"; {sum(case.slack)} slack" if any(case.slack) else ""),
+            )
+            for case in (*self.figures.test, *self.figures.peak)
+        )
+        return ReportTable(("load N m", "shares of the inputs", "inputs mN m", "tensions N"), rows)
+
+    def _limits(self) -> ReportTable:
+        causes = list(dict.fromkeys(limit.cause for limit in self.figures.limits))
+        ways = [[x for x in self.figures.limits if x.direction == way] for way in (1, -1)]
+        rows = []
+        for cause in causes:
+            plus, minus = (next(limit for limit in way if limit.cause == cause) for way in ways)
+            rows.append((_LIMITS.get(cause, cause), _limit(plus), _limit(minus)))
+        return ReportTable(("limit", "load +", "load -"), tuple(rows))
+
+    def _blocks(self, width: int | None) -> Iterator[list[str]]:
+        a = self.figures
+        yield [
+            *_filled(
+                f"{a.name}: E = {a.modulus_GPa:g} GPa on the {a.modulus_area} area {a.area_mm2:.4f} mm^2, "
+                f"EA = {a.axial_stiffness_kN:.2f} kN, mu = {a.friction_coefficient:g}",
+                width,
+            ),
+            *(line for text in _model_notes(a) for line in _filled(text, width)),
+        ]
+        turns = tuple(
+            (t.cable_name, f"{t.guide_deg:+.2f}", f"{t.input_deg:+.2f}", f"{t.motor_deg:+.1f}") for t in a.shaft_turns
+        )
+        yield [
+            f"Turns of the shafts when the drum turns by {a.shaft_turns[0].drum_deg:+g} deg, deg:",
+            *ReportTable(("cable", "guide", "input", "motor"), turns).text(width, "  "),
+        ]
+        cables = tuple(
+            (
+                c.name,
+                c.input_name,
+                f"{c.preload_N:.2f}",
+                f"{c.free_span_mm:.2f}",
+                f"{c.high_tension_N:.3f}",
+                f"{c.low_tension_N:.3f}",
+                f"{c.backlash_mrad:.5f}",
+                f"{c.backlash_simplified_mrad:.5f}",
+            )
+            for c in a.cables
+        )
+        names = ("cable", "input", "preload N", "span mm", "high N", "low N", "backlash mrad", "simplified")
+        yield [
+            *_filled(
+                f"Each cable by the paper's formulas at {a.test[0].load_Nm:g} N m: Eq. (14), and simplified as in "
+                "Eq. (16) to (20):",
+                width,
+            ),
+            *ReportTable(names, cables).text(width, "  "),
+        ]
+        yield [
+            "All cables together, inputs locked:",
+            *self._cases().text(width, "  "),
+            *self._shares().text(width, "  "),
+            f"  swing at a reversal {a.reversal_swing_mrad:.4f} mrad",
+        ]
+        yield [
+            "Torque at the drum at which a limit is reached first:",
+            *self._limits().text(width, "  "),
+            *(line for text in _torque_notes(a) for line in _filled(text, width)),
+        ]
+        bearings = tuple(
+            (
+                f"{b.load_Nm:+.2f}",
+                _list(b.input_radial_N, 1),
+                f"{b.guide_radial_N:.1f}",
+                f"{b.guide_moment_Nm:.3f}",
+                f"{b.drum_radial_N:.1f}",
+            )
+            for b in a.bearings
+        )
+        heads = ("load N m", "inputs N", "guide N", "guide N m", "drum N")
+        yield ["Bearing loads:", *ReportTable(heads, bearings).text(width, "  ")]
+        if a.intervals:
+            rows = tuple((x.name, x.unit, x.value, x.low, x.high, x.sigma) for x in a.intervals)
+            yield [
+                "95 % intervals from the sigmas in the design file:",
+                *ReportTable(("figure", "unit", "value", "low", "high", "sigma"), rows).text(width, "  "),
+            ]
+        yield [line for note in a.notes for line in _filled(f"note: {note}", width)]
+
+
+def analyse_design(drive: Drive) -> AnalysisReport:
+    """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
+    return AnalysisReport(analyse(drive), *path_data_or_reason(drive))
+
+
+def _model_notes(a: Analysis) -> Iterator[str]:
+    readings = ", ".join(f"{r.modulus_GPa:.1f} GPa ({r.reading}, {r.route})" for r in a.implied_modulus)
+    yield f"  the paper's {a.measured_backlash_mrad:g} mrad at 70 N, 0.91 N m implies E = {readings}"
+    inputs = ", ".join(dict.fromkeys(c.input_name for c in a.cables))
+    yield (
+        f"  Eq. (1) is missed by {a.eq1_worst_residual:.3g} at most; over the travel the cables of a pair differ by "
+        f"{_list(a.pair_mismatch_mm, 4)} mm ({inputs}), tensions change by up to {a.pair_mismatch_N:.2f} N"
+    )
+
+
+def _torque_notes(a: Analysis) -> Iterator[str]:
+    yield (
+        f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m (gearhead without losses, as in the paper), "
+        f"{_list(a.peak_torque_with_efficiency_Nm, 3)} N m with its losses"
+    )
+    yield (
+        f"  with preloads T ~ 1/r ({_list(a.balanced_preload_N)} N): {_list(a.balanced_peak_torque_Nm, 3)} N m; the "
+        f"preload alone loads the inputs by {_list(a.input_bias_mNm, 1)} mN m"
+    )
+    yield f"  torque to weight at the target mass: {a.torque_to_weight_Nm_kg:.3f} N m/kg"
+
+
+def _limit(limit: TorqueLimit) -> str:
+    """``3.747 N m, left``; an infinite load means that the limit is never reached."""
+    if limit.torque_Nm == float("inf"):
+        return "not reached"
+    return f"{limit.torque_Nm:.3f} N m, {limit.limiting}"
+
+
+def _list(values: Sequence[float], digits: int = 2) -> str:
+    return ", ".join(f"{v:.{digits}f}" for v in values)
+
+
+def _filled(text: str, width: int | None) -> list[str]:
+    """The text in lines of at most ``width``, continued four columns further in."""
+    if width is None or len(text) <= width:
+        return [text]
+    indent = " " * (len(text) - len(text.lstrip()))
+    return textwrap.wrap(
+        text.lstrip(),
+        max(width, 40),
+        initial_indent=indent,
+        subsequent_indent=indent + "    ",
+        break_on_hyphens=False,
+        break_long_words=False,
+    )

@@ -1,0 +1,175 @@
+"""All results of the checks on one design: counted, as text for a terminal, as JSON, as a table.
+
+The command line prints it, the Python API returns it.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from mbcdm_cad.checks.result import CheckResult, figures
+from mbcdm_cad.checks.run import failed, run_checks
+from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.report.table import ReportTable
+
+if TYPE_CHECKING:
+    import pandas
+
+    from mbcdm_cad.design.loaded import LoadedDesign
+
+Shown = Literal["findings", "failed", "all"]
+WORDS = ("pass", "warn", "fail", "waived")
+_COLOURS = {"pass": "32", "warn": "33", "fail": "31", "waived": "33"}
+# Passing checks first and failing ones last, next to the summary, where they are still on the screen.
+_ORDER = ("pass", "warn", "waived", "fail")
+_INDENT = " " * 7
+# Columns for the figure of a passing check against its limit; few need more.
+_FIGURES = 28
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """Results of every check on the design ``name``, in the order of docs/checks.md."""
+
+    name: str
+    design_sha256: str
+    results: tuple[CheckResult, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check fails; warnings and waived failures do not count."""
+        return not self.failed
+
+    @property
+    def failed(self) -> tuple[CheckResult, ...]:
+        """Results that fail and are not waived."""
+        return failed(self.results)
+
+    @property
+    def warnings(self) -> tuple[CheckResult, ...]:
+        """Results that warn."""
+        return tuple(result for result in self.results if result.status == "warn")
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of results by status; waived ones are counted as waived, not as passed."""
+        found = Counter(_word(result) for result in self.results)
+        return {word: found[word] for word in WORDS}
+
+    def __iter__(self) -> Iterator[CheckResult]:
+        """All results, in order."""
+        return iter(self.results)
+
+    def __len__(self) -> int:
+        """Number of checks."""
+        return len(self.results)
+
+    def __getitem__(self, check_id: str) -> CheckResult:
+        """The result of one check. Raises ``MbcdmError`` for an id that no check has."""
+        for result in self.results:
+            if result.id == check_id:
+                return result
+        remedy = did_you_mean(check_id, (result.id for result in self.results))
+        raise MbcdmError(f"{check_id}: no such check; {remedy}")
+
+    def text(self, *, width: int | None = None, colour: bool = False, show: Shown = "findings") -> str:
+        """What ``mbcdm check`` prints: warnings, then failures with what would mend them, and a summary line.
+
+        ``show`` "failed" leaves the warnings out, "all" lists what passes too. No line is longer than ``width``.
+        """
+        words = {"findings": _ORDER[1:], "failed": _ORDER[3:], "all": _ORDER}[show]
+        listed = [result for word in words for result in self.results if _word(result) == word]
+        lines = [line for result in listed for line in _lines(result, _Columns.of(self.results, width), colour)]
+        return "\n".join([*lines, *_wrapped(self._summary(), "", "", width)])
+
+    def _summary(self) -> str:
+        counted = ", ".join(f"{n} {word}" for word, n in self.counts.items())
+        return f"{self.name}: {counted}, of {len(self)} checks"
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the summary, then what does not simply pass."""
+        found = [result for word in _ORDER[1:] for result in self.results if _word(result) == word]
+        rows = tuple((_word(r), r.id, figures(r), r.message, r.remedy) for r in found)
+        counted = ", ".join(f"{n} {word}" for word, n in self.counts.items())
+        return (
+            f"<p>{self.name}: {counted}</p>"
+            + ReportTable(("status", "check", "figure", "found", "remedy"), rows).html()
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields of all results, with a summary, ready for JSON."""
+        return {
+            "design": self.name,
+            "design_sha256": self.design_sha256,
+            "summary": self.counts,
+            "checks": [asdict(result) for result in self.results],
+        }
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row a check. Raises ``MbcdmError`` where pandas is not installed."""
+        rows = [asdict(result) for result in self.results]
+        columns = tuple(CheckResult.__dataclass_fields__)
+        return ReportTable(columns, tuple(tuple(row[name] for name in columns) for row in rows)).pandas()
+
+
+def check_design(loaded: LoadedDesign) -> CheckReport:
+    """Run every check. Raises ``InputError`` for a waiver that names no check, and for nothing else."""
+    return CheckReport(loaded.drive.name, loaded.sha256, run_checks(loaded))
+
+
+def _word(result: CheckResult) -> str:
+    return "waived" if result.waived_reason else result.status
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Widths that the lines of a report share. Titles of passing checks are left out where they do not all fit."""
+
+    width: int | None
+    id: int
+    titles: bool
+
+    @classmethod
+    def of(cls, results: Sequence[CheckResult], width: int | None) -> _Columns:
+        id_width = max((len(result.id) for result in results), default=0)
+        longest = max((len(result.title) for result in results), default=0)
+        needed = len(_INDENT) + id_width + _FIGURES + 2 + longest
+        return cls(width, id_width, width is None or needed <= width)
+
+
+def _lines(r: CheckResult, columns: _Columns, colour: bool) -> Iterator[str]:
+    """One check: what it is, and below it what was found and what to do, where it does not simply pass."""
+    word, width = _word(r), columns.width
+    mark = f"\x1b[{_COLOURS[word]}m{word:<6}\x1b[0m" if colour else f"{word:<6}"
+    if word == "pass":
+        text = f"{r.id:<{columns.id}} {figures(r):<{_FIGURES}} {r.title if columns.titles else ''}".rstrip()
+        first, *more = _wrapped(text, _INDENT, _INDENT, width)
+    else:
+        first, *more = _wrapped(f"{r.id}: {r.title}", _INDENT, _INDENT, width)
+        more += _wrapped(r.message, _INDENT, _INDENT, width)
+        note = f"waived: {r.waived_reason}" if r.waived_reason else f"-> {r.remedy}" if r.remedy else ""
+        more += _wrapped(note, _INDENT, _INDENT + "   ", width)
+    yield mark + first[len(_INDENT) - 1 :]
+    yield from more
+
+
+def _wrapped(text: str, first: str, rest: str, width: int | None) -> list[str]:
+    """Lines of at most ``width`` characters; runs of spaces, which line columns up, are kept."""
+    if width is None or len(first) + len(text) <= width:
+        return [first + text] if text else []
+    return textwrap.wrap(
+        text,
+        max(width, 40),
+        initial_indent=first,
+        subsequent_indent=rest,
+        break_on_hyphens=False,
+        break_long_words=False,
+    )

@@ -1,0 +1,92 @@
+"""A small table of figures or words: as text for a terminal, Markdown, HTML, or a pandas frame."""
+
+from __future__ import annotations
+
+import html
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mbcdm_cad.errors import MbcdmError
+
+if TYPE_CHECKING:
+    import pandas
+
+_GAP = "  "
+# Narrower than this no column of words is wrapped, however narrow the terminal.
+_NARROWEST = 12
+
+
+@dataclass(frozen=True)
+class ReportTable:
+    """Rows of cells under named columns; floats are shown with four significant digits, None as nothing."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+    def text(self, width: int | None = None, indent: str = "") -> list[str]:
+        """Lines, numbers to the right. Only the last column wraps, so that a line has at most ``width`` characters."""
+        cells = [[shown_cell(cell) for cell in row] for row in (self.columns, *self.rows)]
+        numeric = [all(_is_number(row[k]) for row in self.rows) for k in range(len(self.columns))]
+        widths = [max(len(row[k]) for row in cells) for k in range(len(self.columns))]
+        before = len(indent) + sum(widths[:-1]) + len(_GAP) * (len(widths) - 1)
+        last = max(len(row[-1]) for row in cells) if width is None else max(width - before, _NARROWEST)
+        lines = []
+        for row in cells:
+            aligned = [
+                cell.rjust(size) if right else cell.ljust(size)
+                for cell, size, right in zip(row[:-1], widths[:-1], numeric[:-1], strict=True)
+            ]
+            end = row[-1].rjust(min(widths[-1], last)) if numeric[-1] else row[-1]
+            first, *more = textwrap.wrap(end, last, drop_whitespace=not numeric[-1]) or [""]
+            lines.append((indent + _GAP.join([*aligned, first])).rstrip())
+            lines += [" " * before + part for part in more]
+        return lines
+
+    def markdown(self) -> list[str]:
+        """Lines of a Markdown table."""
+        rows = [[shown_cell(cell).replace("|", "\\|") for cell in row] for row in self.rows]
+        return ["| " + " | ".join(row) + " |" for row in (list(self.columns), ["---"] * len(self.columns), *rows)]
+
+    def html(self) -> str:
+        """An HTML table without style of its own, as notebooks show it."""
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in self.columns)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(shown_cell(cell))}</td>" for cell in row) + "</tr>" for row in self.rows
+        )
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+    def pandas(self) -> pandas.DataFrame:
+        """The same rows as a data frame. Raises ``MbcdmError`` where pandas is not installed."""
+        return data_frame({name: [row[k] for row in self.rows] for k, name in enumerate(self.columns)})
+
+
+def data_frame(columns: dict[str, Sequence[Any]]) -> pandas.DataFrame:
+    """A pandas frame of the columns. Raises ``MbcdmError`` where pandas is not installed: nothing else needs it."""
+    try:
+        import pandas  # optional
+    except ImportError:
+        raise MbcdmError(
+            "pandas is not installed, and to_pandas() needs it; install it ('pip install pandas') or use to_dict()"
+        ) from None
+    return pandas.DataFrame(columns)
+
+
+def shown_cell(cell: object) -> str:
+    """One cell as text."""
+    if cell is None:
+        return ""
+    if isinstance(cell, float):
+        return f"{cell:.4g}"
+    if isinstance(cell, list | tuple):
+        return ", ".join(shown_cell(item) for item in cell)
+    return str(cell)
+
+
+def _is_number(cell: object) -> bool:
+    try:
+        float(shown_cell(cell))
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,172 @@
+"""Help pages, the studies' text, the catalogue, the doctor, completion."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import json
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+
+from mbcdm_cad import cli
+from mbcdm_cad.cli.commands import CATALOGUE_KINDS, VIEW_NAMES, mbcdm
+from mbcdm_cad.design.entries import KINDS
+
+ROOT = Path(__file__).parents[3]
+PARAMS = ROOT / "params" / "mbcdm.yaml"
+
+
+@pytest.fixture(autouse=True)
+def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
+    monkeypatch.setenv("MBCDM_CACHE_DIR", str(tmp_path_factory.mktemp("cache")))
+
+
+@pytest.mark.parametrize("name", list(mbcdm.commands))
+def test_each_command_has_an_example_and_a_whole_line_in_the_list(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run([name, "--help"]) == 0
+    page = capsys.readouterr().out
+    assert "Example" in page and f"  mbcdm {name}" in page, page
+    assert cli.run(["--help"]) == 0
+    listed = [line for line in capsys.readouterr().out.splitlines() if line.split()[:1] == [name]]
+    assert len(listed) == 1, listed
+    first = (mbcdm.commands[name].help or "").split("\n")[0]
+    assert listed[0].split(maxsplit=1)[1] == first and first.endswith("."), f"{listed[0]!r} cuts {first!r}"
+
+
+@pytest.mark.parametrize("name", [None, *mbcdm.commands])
+def test_help_fits_80_columns(name: str | None, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run([*([name] if name else []), "--help"]) == 0
+    longest = max(capsys.readouterr().out.splitlines(), key=len)
+    assert len(longest) <= 80, longest
+
+
+def test_names_that_commands_repeat_are_those_of_their_rooms() -> None:
+    """The names stand in commands.py too, since their rooms import the drawing library or pydantic."""
+    found = [path for path in (ROOT / "mbcdm_cad").rglob("picture.py") if "VIEWS:" in path.read_text("utf-8")]
+    (tree,) = (ast.parse(path.read_text("utf-8")) for path in found)
+    (views,) = (n.value for n in tree.body if isinstance(n, ast.AnnAssign) and getattr(n.target, "id", "") == "VIEWS")
+    assert tuple(ast.literal_eval(views)) == VIEW_NAMES  # type: ignore[arg-type]
+    assert tuple(KINDS) == CATALOGUE_KINDS
+
+
+@pytest.mark.parametrize("width", [80, 200])
+def test_analyse_fits_the_terminal_and_names_no_infinite_load(
+    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    assert cli.run(["analyse", str(PARAMS)]) == 0
+    out = capsys.readouterr().out
+    longest = max(out.splitlines(), key=len)
+    assert len(longest) <= width, f"{len(longest)}: {longest}"
+    assert "inf" not in out.replace("infinite", "") and "nan" not in out, out
+    assert "not reached" in next(line for line in out.splitlines() if "a cable goes slack" in line)
+
+
+def test_sensitivity_prints_readable_units(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from mbcdm_cad.model import study
+
+    # Of the study only a few draws are asked for: its figures are tested elsewhere.
+    small = functools.partial(study.intervals, draws=200)
+    monkeypatch.setattr(study, "intervals", small)
+    monkeypatch.setattr(study, "global_indices", functools.partial(study.global_indices, n=8))
+    assert cli.run(["sensitivity", str(PARAMS), "--out", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    swing = next(line for line in out.splitlines() if "reversal swing" in line)
+    _, _, unit, *figures = swing.split()
+    value, low, high = map(float, figures)
+    assert unit == "mrad" and low < value < high and 0.2 < value < 0.5, swing
+    assert "_rad" not in out, out
+
+
+def test_init_prints_a_command_that_can_be_pasted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "My Drive's.yaml"
+    assert cli.run(["init", str(path)]) == 0
+    hint = capsys.readouterr().out.partition("check it with: ")[2]
+    assert shlex.split(hint) == ["mbcdm", "check", str(path)], hint
+
+
+@pytest.mark.parametrize("command", [["init"], ["picture", str(PARAMS)]])
+def test_a_missing_parent_folder_is_one_sentence(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "no" / "such.png"
+    assert cli.run([*command, str(path)]) == 2
+    err = capsys.readouterr().err
+    assert err == f"{path}:1: there is no folder {path.parent}; make it first, or choose another path\n", err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_of_another_kind_or_view_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["picture", str(PARAMS), str(tmp_path / "a.jpg")]) == 2
+    assert "pictures are PNG files (value .jpg, limit .png); name it a.png" in capsys.readouterr().err
+    assert cli.run(["picture", str(PARAMS), str(tmp_path / "a.png"), "--view", "side"]) == 2
+    assert "'side' is not one of 'output', 'iso'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("width", [80, 200])
+@pytest.mark.parametrize("kind", [None, *CATALOGUE_KINDS])
+def test_catalogue_fits_the_terminal(
+    kind: str | None, width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    assert cli.run(["catalogue", *([kind] if kind else [])]) == 0
+    out = capsys.readouterr().out
+    longest = max(out.splitlines(), key=len)
+    assert len(longest) <= width, longest
+    assert kind != "ropes" or ("FF-081" in out and "0.3117" in out), out
+
+
+def test_catalogue_page_is_up_to_date(capsys: pytest.CaptureFixture[str]) -> None:
+    """Write it anew with: mbcdm catalogue --markdown > docs/catalogue.md."""
+    assert cli.run(["catalogue", "--markdown"]) == 0
+    assert capsys.readouterr().out == (ROOT / "docs" / "catalogue.md").read_text("utf-8")
+
+
+def test_doctor_says_what_is_missing_and_what_it_is_for(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from mbcdm_cad.cli import doctor
+
+    monkeypatch.setattr(doctor, "_imported", lambda name, *_: doctor.Dependency(name, False, True, "no", "x", "do y"))
+    monkeypatch.setenv("PATH", "/nowhere")
+    monkeypatch.setenv("COLUMNS", "80")
+    assert cli.run(["doctor"]) == 1
+    out = capsys.readouterr().out
+    assert "CAD kernel: do y" in out and "missing: CAD kernel, drawing library" in out, out
+    assert "absent   browser" in out and max(map(len, out.splitlines())) <= 80, out
+    assert cli.run(["doctor", "--json"]) == 1
+    found = {item["name"]: item for item in json.loads(capsys.readouterr().out)}
+    assert {"libGL", "CAD kernel", "FreeCAD", "browser", "cache", "pandas"} <= set(found)
+
+
+def test_the_shell_can_complete_commands_and_views() -> None:
+    for words, at, expected in (("mbcdm che", 1, "check"), ("mbcdm picture a.yaml a.png --view f", 5, "front")):
+        environment = {**os.environ, "_MBCDM_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(at)}
+        done = subprocess.run(
+            [sys.executable, "-m", "mbcdm_cad"],
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        assert expected in done.stdout.replace("plain,", "").split(), done.stdout + done.stderr
+
+
+def test_every_command_is_in_the_docs() -> None:
+    page = (ROOT / "docs" / "command-line.md").read_text("utf-8")
+    for name, command in mbcdm.commands.items():
+        assert f"`mbcdm {name}" in page, name
+        options = {max(o.opts, key=len) for o in command.params if isinstance(o, click.Option)}
+        missing = [option for option in sorted(options) if option not in page]
+        assert not missing, f"mbcdm {name}: {missing} not in docs/command-line.md"
