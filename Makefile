@@ -33,9 +33,8 @@ $(VENV)/.ready: requirements.lock pyproject.toml
 picture: setup
 	$(BIN)/mbcdm picture $(DESIGN) docs/pictures/assembly.png
 
-# What is written from the schema: the table of the quick reader, the reference page.
+# What is written from the schema: the reference page.
 docs: setup
-	$(BIN)/python -m mbcdm_cad.design.plain
 	$(BIN)/mbcdm schema --reference > docs/design-file.md
 
 benchmark: setup

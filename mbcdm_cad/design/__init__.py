@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mbcdm_cad.design.loaded import LoadedDesign
     from mbcdm_cad.design.loader import load_design, load_text
-    from mbcdm_cad.design.remembered import load_remembered
 
-_MODULES = {"LoadedDesign": "loaded", "load_design": "loader", "load_text": "loader", "load_remembered": "remembered"}
+_MODULES = {"LoadedDesign": "loaded", "load_design": "loader", "load_text": "loader"}
 
-__all__ = ["LoadedDesign", "load_design", "load_text", "load_remembered"]
+__all__ = ["LoadedDesign", "load_design", "load_text"]
 
 
 def __getattr__(name: str) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,21 +19,16 @@ FieldPath = tuple[str | int, ...]
 class LoadedDesign:
     """A design file that passed schema and rules.
 
-    ``sha256`` is over the content: the values read and all catalogue entries they draw on, not layout or comments.
+    ``design`` is the file as its schema's model. ``sha256`` is over the content: the values read and all catalogue
+    entries they draw on, not layout or comments.
     """
 
     drive: Drive
     path: Path
     sha256: str
+    design: Design = field(repr=False)
     text: str = field(repr=False)
     lines: Mapping[FieldPath, int] = field(repr=False)
-
-    @cached_property
-    def design(self) -> Design:
-        """The file as its schema's model. Read again from the text, since hardly anyone asks beside ``drive``."""
-        from mbcdm_cad.design.loader import validated
-
-        return validated(self.text, self.path)[0]
 
     def line_of(self, *field_path: str | int) -> int:
         """Line of a field, as in ``line_of("cables", 0, "step")``; of the block above it where it is not given."""

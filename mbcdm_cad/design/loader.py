@@ -6,20 +6,18 @@ import dataclasses
 import hashlib
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+
+from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import FieldPath, LoadedDesign
-from mbcdm_cad.design.plain import read_plainly
 from mbcdm_cad.design.resolve import resolve
 from mbcdm_cad.design.rules import broken_rules
+from mbcdm_cad.design.schema import Design
 from mbcdm_cad.design.sigmas import split_sigmas
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem
-
-if TYPE_CHECKING:  # pydantic: see plain.py
-    from mbcdm_cad.design.schema import Design
 
 
 def load_design(path: str | Path) -> LoadedDesign:
@@ -31,19 +29,10 @@ def load_design(path: str | Path) -> LoadedDesign:
 def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
     """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
     tree, sigmas = _read(text, str(path))
-    # A plain block has the fields of the schema's model, by the same names.
-    design = cast("Design", read_plainly(tree.data)) or _validated(tree, path)
-    _refuse_broken_rules(design, tree, path)
-    drive = resolve(design, sigmas)
-    return LoadedDesign(drive, Path(path), _sha256(design, drive), text, tree.lines)
-
-
-def validated(text: str, path: str | Path) -> tuple[Design, yamltree.Tree, dict[FieldPath, float]]:
-    """The design as its schema's model, the tree it was read from, and sigmas, once schema and rules are satisfied."""
-    tree, sigmas = _read(text, str(path))
     design = _validated(tree, path)
     _refuse_broken_rules(design, tree, path)
-    return design, tree, sigmas
+    drive = resolve(design, sigmas)
+    return LoadedDesign(drive, Path(path), _sha256(design, drive), design, text, tree.lines)
 
 
 def _read(text: str, file: str) -> tuple[yamltree.Tree, dict[FieldPath, float]]:
@@ -55,10 +44,6 @@ def _read(text: str, file: str) -> tuple[yamltree.Tree, dict[FieldPath, float]]:
 
 
 def _validated(tree: yamltree.Tree, path: str | Path) -> Design:
-    from pydantic import ValidationError
-
-    from mbcdm_cad.design.schema import Design
-
     try:
         return Design.model_validate(tree.data)
     except ValidationError as error:

@@ -11,7 +11,7 @@ from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.loaded import FieldPath
 
-if TYPE_CHECKING:  # pydantic: see plain.py
+if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from mbcdm_cad.design.entries import Entry

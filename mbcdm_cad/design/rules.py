@@ -15,7 +15,7 @@ from mbcdm_cad.design.loaded import FieldPath
 from mbcdm_cad.design.resolve import KINDS, Catalogue
 from mbcdm_cad.errors import did_you_mean, shortened
 
-if TYPE_CHECKING:  # pydantic: see plain.py
+if TYPE_CHECKING:
     from mbcdm_cad.design.entries import Entry
     from mbcdm_cad.design.schema import Design
 

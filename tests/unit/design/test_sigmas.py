@@ -10,7 +10,6 @@ import yaml
 
 from mbcdm_cad.design import load_text
 from mbcdm_cad.design.editor import editor_schema
-from mbcdm_cad.design.remembered import drive_from_plain
 from mbcdm_cad.design.template import new_design_text, reference_data
 from mbcdm_cad.errors import InputError
 
@@ -70,13 +69,6 @@ def test_sigma_of_a_nominal_area_comes_from_the_diameter() -> None:
     assert drive.sigmas.modulus_GPa == 2.0
     rope["modulus_area"] = "metallic"
     assert load_text(yaml.safe_dump(data)).drive.sigmas.area_mm2 == 0.01
-
-
-def test_remembered_drive_keeps_its_sigmas() -> None:
-    import dataclasses
-
-    drive = load_text(with_values(rope__friction_coefficient={"value": 0.15, "sigma": 0.02})).drive
-    assert drive_from_plain(json.loads(json.dumps(dataclasses.asdict(drive)))) == drive
 
 
 @pytest.mark.parametrize(
