@@ -31,9 +31,9 @@ from mbcdm_cad.build.interference import interferences
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.poses import travel_poses
-from mbcdm_cad.checks.subject import Subject
 from mbcdm_cad.configurations.miso_bevel.bill import CABLE, bill
 from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.parts.make import make
 
@@ -119,7 +119,7 @@ def exercise(found: Passing, poses: int) -> Iterator[Failure]:
     if len(solids) == len(b.parts):
         corners = np.array([bounding_box(solids[item.part], item.location) for item in b.items])
         size = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
-        foreseen = box_mm(Subject(found.loaded.drive))
+        foreseen = box_mm(BevelUnderTest(found.loaded.drive))
         off = np.abs(size[[0, 2, 1]] - foreseen)
         if off.max() > BOX_MM:
             yield Failure(found.seed, "box", f"X, Z, Y {size[[0, 2, 1]].round(2)}, foreseen {np.round(foreseen, 2)} mm")

@@ -16,13 +16,14 @@ from typing import Any
 import numpy as np
 import yaml
 
-from mbcdm_cad.checks.finding import Check
-from mbcdm_cad.checks.knobs import Budget
-from mbcdm_cad.checks.registry import CHECKS
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.checks.subject import NoFigureError, Subject
+from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
 from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design import LoadedDesign, load_text
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.template import reference_data
@@ -244,7 +245,7 @@ def load(data: Data) -> LoadedDesign:
     """The data as a design file would load; its box targets set to the box it has."""
     loaded = load_text(yaml.safe_dump(data, sort_keys=False), f"{data['name']}.yaml")
     try:
-        box = box_mm(Subject(loaded.drive))
+        box = box_mm(BevelUnderTest(loaded.drive))
     except NoFigureError:
         return loaded
     data["targets"] = {**data["targets"], "envelope_mm": [round(side, 3) for side in box]}
@@ -252,7 +253,7 @@ def load(data: Data) -> LoadedDesign:
 
 
 def _scaled(data: Data, what: str, factor: float) -> bool:
-    """Turn a remedy on a list of radii into the fields that this design gives."""
+    """Adjustment a remedy on a list of radii into the fields that this design gives."""
     t = data["transmission"]
     ratios = t.get("ratios")
     if what == "all radii of transmission":
@@ -302,7 +303,7 @@ def mend(data: Data, failed: CheckResult, rng: random.Random) -> bool:
 
 def failing(loaded: LoadedDesign) -> list[Check]:
     """Checks that fail, in order, without the search for remedies."""
-    subject, none = Subject(loaded.drive), Budget(0)
+    subject, none = BevelUnderTest(loaded.drive), Budget(0)
     with np.errstate(all="ignore"):
         return [check for check in CHECKS if run_check(check, subject, none).status == "fail"]
 
@@ -310,7 +311,7 @@ def failing(loaded: LoadedDesign) -> list[Check]:
 def advised(loaded: LoadedDesign, check: Check) -> CheckResult:
     """The check's result with what would mend it, looked for no longer than a moment."""
     with np.errstate(all="ignore"):
-        return run_check(check, Subject(loaded.drive), Budget(TRIALS))
+        return run_check(check, BevelUnderTest(loaded.drive), Budget(TRIALS))
 
 
 def passing(seed: int) -> Passing | str:

@@ -13,7 +13,7 @@ from typing import Any
 from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.checks.run import run_checks
+from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.miso_bevel.bill import Bill, bill
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.design.drive import Drive

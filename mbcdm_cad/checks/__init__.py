@@ -1,5 +1,6 @@
 """Checks of a design before anything is drawn: pure numbers, no CAD, no scipy.
 
-:func:`mbcdm_cad.checks.run.run_checks` gives every result; the functions of :mod:`mbcdm_cad.checks.built` judge what a
-build measured.
+What all configurations share: comparing figures with limits, running checks, remedies, and the families that hold for
+any cable drive. :func:`mbcdm_cad.configurations.check_design.run_checks` runs all checks of a design; the functions of
+:mod:`mbcdm_cad.checks.built` judge what a build measured.
 """

@@ -9,17 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
-from mbcdm_cad.checks.knobs import down, floored
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_under_test import DesignUnderTest
+from mbcdm_cad.checks.design_variables import down
+from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
-from mbcdm_cad.checks.subject import Subject
 
 # A rating beyond this multiple of T_pre r_m is not followed further: cables are slack long before.
 _RATING_CAP = 60.0
 _WORDS = {1: "+", -1: "-"}
 
 
-def saturation_Nm(s: Subject, limit_Nm: float, direction: int) -> tuple[float, str]:
+def saturation_Nm(s: DesignUnderTest, limit_Nm: float, direction: int) -> tuple[float, str]:
     """Drum torque (N m) at which the first input reaches ``limit_Nm``, and that input's name."""
     from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 
@@ -30,7 +31,7 @@ def saturation_Nm(s: Subject, limit_Nm: float, direction: int) -> tuple[float, s
     return float(loads[first]), si.input_names[first]
 
 
-def _against_peak(s: Subject, what: str, limit_Nm: float, direction: int, note: str = "") -> Finding:
+def _against_peak(s: DesignUnderTest, what: str, limit_Nm: float, direction: int, note: str = "") -> Comparison:
     reached, name = saturation_Nm(s, limit_Nm, direction)
     return at_least(
         f"drum torque {_WORDS[direction]} at which the {name} input reaches its {what} of {limit_Nm * 1e3:.4g} mN m",
@@ -41,7 +42,7 @@ def _against_peak(s: Subject, what: str, limit_Nm: float, direction: int, note: 
     )
 
 
-def motor_torque(direction: int, s: Subject) -> Finding:
+def motor_torque(direction: int, s: DesignUnderTest) -> Comparison:
     """The motors' rated torque carries peak torque in one direction."""
     bias = s.loads.input_torque_Nm[0] * 1e3
     listed = ", ".join(f"{name} {value:+.4g}" for name, value in zip(s.drive.input_names, bias, strict=True))
@@ -49,43 +50,73 @@ def motor_torque(direction: int, s: Subject) -> Finding:
     return _against_peak(s, "motor's rated torque", rated_input_Nm(s), direction, note)
 
 
-def motor_losses(s: Subject) -> Finding:
+def motor_losses(s: DesignUnderTest) -> Comparison:
     """The same with the gearhead's efficiency, the worse direction."""
     limit = rated_input_Nm(s) * s.drive.gearhead.efficiency
     note = f"with the gearhead's efficiency of {s.drive.gearhead.efficiency:g}, which the paper leaves out"
     return worst(_against_peak(s, "motor's torque after losses", limit, sign, note) for sign in (1, -1))
 
 
-def gearhead_maximum(s: Subject) -> Finding:
+def gearhead_maximum(s: DesignUnderTest) -> Comparison:
     """Intermittent rating of the gearhead at peak torque, the worse direction."""
     limit = s.drive.gearhead.max_torque_mNm * 1e-3
     return worst(_against_peak(s, "gearhead's intermittent rating", limit, sign) for sign in (1, -1))
 
 
-def gearhead_continuous(s: Subject) -> Finding:
+def gearhead_continuous(s: DesignUnderTest) -> Comparison:
     """Continuous rating of the gearhead at peak torque, the worse direction."""
     limit = s.drive.gearhead.rated_torque_mNm * 1e-3
     note = "hold more than this only for moments"
     return worst(_against_peak(s, "gearhead's continuous rating", limit, sign, note) for sign in (1, -1))
 
 
-def _less_torque(measure: Callable[[Subject], Finding], otherwise: str, s: Subject) -> str:
+def _less_torque(measure: Callable[[DesignUnderTest], Comparison], otherwise: str, s: DesignUnderTest) -> str:
     reached = measure(s).actual
     return f"lower loads.peak_torque_Nm to at most {floored(reached)} or {otherwise}" if reached > 0.0 else otherwise
 
 
 _LESS = (down("loads.peak_torque_Nm"),)
-_forward: Callable[[Subject], Finding] = partial(motor_torque, 1)
-_back: Callable[[Subject], Finding] = partial(motor_torque, -1)
+_forward: Callable[[DesignUnderTest], Comparison] = partial(motor_torque, 1)
+_back: Callable[[DesignUnderTest], Comparison] = partial(motor_torque, -1)
 CHECKS = (
-    Check("motor_torque_forward", "Motors hold peak torque, load +", "model, paper section 5.1", _forward,
-          turns=_LESS, advice=balanced_preloads),
-    Check("motor_torque_back", "Motors hold peak torque, load -", "model, paper section 5.1", _back,
-          turns=_LESS, advice=balanced_preloads),
-    Check("gearhead_maximum", "Gearhead's intermittent rating at peak torque", "gearhead catalogue", gearhead_maximum,
-          turns=_LESS, advice="choose a stronger gearhead"),
-    Check("motor_losses", "Motors hold peak torque in spite of losses", "gearhead catalogue: efficiency", motor_losses,
-          "warn", advice=partial(_less_torque, motor_losses, "choose a motor of higher rated torque")),
-    Check("gearhead_continuous", "Gearhead's continuous rating at peak torque", "gearhead catalogue",
-          gearhead_continuous, "warn", advice=partial(_less_torque, gearhead_continuous, "choose a stronger gearhead")),
-)  # fmt: skip
+    Check(
+        "motor_torque_forward",
+        "Motors hold peak torque, load +",
+        "model, paper section 5.1",
+        _forward,
+        adjust=_LESS,
+        advice=balanced_preloads,
+    ),
+    Check(
+        "motor_torque_back",
+        "Motors hold peak torque, load -",
+        "model, paper section 5.1",
+        _back,
+        adjust=_LESS,
+        advice=balanced_preloads,
+    ),
+    Check(
+        "gearhead_maximum",
+        "Gearhead's intermittent rating at peak torque",
+        "gearhead catalogue",
+        gearhead_maximum,
+        adjust=_LESS,
+        advice="choose a stronger gearhead",
+    ),
+    Check(
+        "motor_losses",
+        "Motors hold peak torque in spite of losses",
+        "gearhead catalogue: efficiency",
+        motor_losses,
+        "warn",
+        advice=partial(_less_torque, motor_losses, "choose a motor of higher rated torque"),
+    ),
+    Check(
+        "gearhead_continuous",
+        "Gearhead's continuous rating at peak torque",
+        "gearhead catalogue",
+        gearhead_continuous,
+        "warn",
+        advice=partial(_less_torque, gearhead_continuous, "choose a stronger gearhead"),
+    ),
+)

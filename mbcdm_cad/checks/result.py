@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from mbcdm_cad.checks.finding import shown
+from mbcdm_cad.checks.comparison import shown
 
 Status = Literal["pass", "warn", "fail"]
 
@@ -40,3 +41,8 @@ def figures(r: CheckResult) -> str:
         return f"{shown(r.actual)} {r.unit}"
     least = (r.actual - r.limit) * r.margin > 0 or (r.margin == 0.0 and r.status == "pass")
     return f"{shown(r.actual)} {'>=' if least else '<='} {shown(r.limit)} {r.unit}"
+
+
+def failed(results: Sequence[CheckResult]) -> tuple[CheckResult, ...]:
+    """Results that fail and are not waived."""
+    return tuple(result for result in results if result.status == "fail")

@@ -1,65 +1,54 @@
-"""Running all checks on a design: never raises for a design that loads, never gives a number that is none."""
+"""Running checks on a design: never raises for a design that loads, never gives a number that is none."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from math import isfinite
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, shown
-from mbcdm_cad.checks.knobs import Budget, offers
-from mbcdm_cad.checks.registry import CHECKS, known_ids
+from mbcdm_cad.checks.comparison import Check, Comparison, shown
+from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
+from mbcdm_cad.checks.remedies import Budget, remedy
 from mbcdm_cad.checks.result import CheckResult, Status
-from mbcdm_cad.checks.subject import NoFigureError, Subject
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.errors import InputError, Problem, did_you_mean
 
 
-def run_checks(design: Drive | Layout | LoadedDesign) -> tuple[CheckResult, ...]:
-    """Every check of the registry on ``design``, in order.
-
-    Raises ``InputError`` for a waiver that names no check (with file and line if a ``LoadedDesign`` is given), and
-    for nothing else: where a figure does not exist, the checks that need it fail with the reason.
-    """
-    drive = design.drive if isinstance(design, LoadedDesign | Layout) else design
-    refuse_unknown_waivers(drive, design if isinstance(design, LoadedDesign) else None)
-    subject, budget = Subject(drive, design if isinstance(design, Layout) else None), Budget()
+def run_all(checks: Iterable[Check], design: DesignUnderTest) -> tuple[CheckResult, ...]:
+    """Every check on ``design``, in order; where a figure does not exist, the checks that need it fail, with reason."""
+    budget = Budget()
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        return tuple(run_check(check, subject, budget) for check in CHECKS)
+        return tuple(run_check(check, design, budget) for check in checks)
 
 
-def run_check(check: Check, subject: Subject, budget: Budget | None = None) -> CheckResult:
+def run_check(check: Check, design: DesignUnderTest, budget: Budget | None = None) -> CheckResult:
     """One check on one design, waiver applied."""
     try:
-        finding = check.measure(subject)
+        found = check.measure(design)
     except NoFigureError as missing:
         return _unevaluated(check, str(missing))
-    return judged(check, finding, subject, budget)
+    return judged(check, found, design.drive, lambda: remedy(check, design, budget or Budget()))
 
 
-def judged(check: Check, finding: Finding, subject: Subject, budget: Budget | None = None) -> CheckResult:
-    """The finding as a result: status, message, remedy."""
-    if not isfinite(finding.actual) or not isfinite(finding.limit):
-        return _unevaluated(check, f"{finding.subject} comes to no finite number", finding.unit)
-    status: Status = "pass" if finding.holds else ("warn" if check.severity == "warn" else "fail")
-    message, remedy = _message(finding), "" if status == "pass" else remedy_of(check, subject, budget or Budget())
-    limit, margin = (finding.limit, finding.margin) if finding.sense else (None, None)
-    waiver = subject.drive.waiver(check.id) if status == "fail" else None
+def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[], str]) -> CheckResult:
+    """What was found as a result: status, message, remedy. ``remedy_of`` is called where the check does not pass."""
+    if not isfinite(found.actual) or not isfinite(found.limit):
+        return _unevaluated(check, f"{found.subject} comes to no finite number", found.unit)
+    status: Status = "pass" if found.holds else ("warn" if check.severity == "warn" else "fail")
+    limit, margin = (found.limit, found.margin) if found.sense else (None, None)
+    waiver = drive.waiver(check.id) if status == "fail" else None
     return CheckResult(
         check.id,
         check.title,
         "pass" if waiver else status,
-        finding.actual,
+        found.actual,
         limit,
-        finding.unit,
+        found.unit,
         margin,
-        message,
-        remedy,
+        _message(found),
+        "" if status == "pass" else remedy_of(),
         check.source,
         waiver.reason if waiver else None,
     )
@@ -67,51 +56,12 @@ def judged(check: Check, finding: Finding, subject: Subject, budget: Budget | No
 
 def _unevaluated(check: Check, reason: str, unit: str = "") -> CheckResult:
     """A figure that does not exist is a failure, and no waiver helps it: there is nothing to build."""
-    message = f"not evaluated because {reason}"
-    remedy = "mend what is named there first"
-    return CheckResult(check.id, check.title, "fail", None, None, unit, None, message, remedy, check.source)
+    message, advice = f"not evaluated because {reason}", "mend what is named there first"
+    return CheckResult(check.id, check.title, "fail", None, None, unit, None, message, advice, check.source)
 
 
-def _message(finding: Finding) -> str:
-    limit = {1: "at least", -1: "at most", 0: ""}[finding.sense]
-    against = f" (limit {limit} {shown(finding.limit)})" if limit else ""
-    note = f"; {finding.note}" if finding.note else ""
-    return f"{finding.subject} {shown(finding.actual)} {finding.unit}{against}{note}"
-
-
-def remedy_of(check: Check, subject: Subject, budget: Budget) -> str:
-    """What would make the check pass, each number tried on the design."""
-    choices = offers(check.turns, subject.drive, check.measure, budget)
-    advice = check.advice(subject) if callable(check.advice) else check.advice
-    if choices or advice:
-        return " or ".join([*choices, *([advice] if advice else [])])
-    names = ", ".join(dict.fromkeys(turn.path for turn in check.turns))
-    if budget.left <= 0:
-        senses = " or ".join(f"{'raise' if turn.sense > 0 else 'lower'} {turn.path}" for turn in check.turns)
-        return f"{senses}; no figure was looked for, since so much else fails: mend that first"
-    return f"no single one of {names} mends it: change several"
-
-
-def refuse_unknown_waivers(drive: Drive, loaded: LoadedDesign | None = None) -> None:
-    """Raise ``InputError`` if a waiver names no check."""
-    known = known_ids()
-    problems = [
-        Problem(
-            str(loaded.path) if loaded else drive.name,
-            loaded.line_of("waivers", k, "check") if loaded else 1,
-            f"waivers[{k}].check",
-            "no such check",
-            waiver.check,
-            "the id of a check",
-            did_you_mean(waiver.check, known),
-        )
-        for k, waiver in enumerate(drive.waivers)
-        if waiver.check not in known
-    ]
-    if problems:
-        raise InputError(problems)
-
-
-def failed(results: Sequence[CheckResult]) -> tuple[CheckResult, ...]:
-    """Results that fail and are not waived."""
-    return tuple(result for result in results if result.status == "fail")
+def _message(found: Comparison) -> str:
+    limit = {1: "at least", -1: "at most", 0: ""}[found.sense]
+    against = f" (limit {limit} {shown(found.limit)})" if limit else ""
+    note = f"; {found.note}" if found.note else ""
+    return f"{found.subject} {shown(found.actual)} {found.unit}{against}{note}"

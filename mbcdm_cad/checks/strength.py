@@ -6,9 +6,10 @@ from math import exp, radians, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import down, floored, up
-from mbcdm_cad.checks.subject import NoFigureError, Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.remedies import floored
 
 # A cable under a hundredth of its preload counts as slack: it leaves its land (estimate).
 SLACK_SHARE = 0.01
@@ -18,7 +19,7 @@ BIAS_SHARE = 0.1
 SWAGE_EFFICIENCY = 0.9
 
 
-def no_slack(s: Subject) -> Finding:
+def no_slack(s: DesignUnderTest) -> Comparison:
     """Lowest tension at peak torque, both ways, at both ends of travel with the wraps that are left there."""
     from mbcdm_cad.model.equilibrium import solve_equilibrium
     from mbcdm_cad.model.errors import ModelError
@@ -39,7 +40,7 @@ def no_slack(s: Subject) -> Finding:
     return worst(found)
 
 
-def tension(s: Subject) -> Finding:
+def tension(s: DesignUnderTest) -> Comparison:
     """Breaking load over the largest tension at peak torque."""
     highest = s.loads.highest_N
     return at_least(
@@ -50,7 +51,7 @@ def tension(s: Subject) -> Finding:
     )
 
 
-def preload_share(s: Subject) -> Finding:
+def preload_share(s: DesignUnderTest) -> Comparison:
     """Preload over breaking load."""
     most = max(s.drive.cables, key=lambda c: c.preload_N)
     return at_most(
@@ -61,7 +62,7 @@ def preload_share(s: Subject) -> Finding:
     )
 
 
-def cable_ends(s: Subject) -> Finding:
+def cable_ends(s: DesignUnderTest) -> Comparison:
     """Swaged stop behind its dead turn, and swaged terminal, against the cable's force."""
     highest = s.loads.highest_N
     grip = SWAGE_EFFICIENCY * s.drive.cable.breaking_load_N
@@ -75,12 +76,12 @@ def cable_ends(s: Subject) -> Finding:
     )
 
 
-def rated_input_Nm(s: Subject) -> float:
+def rated_input_Nm(s: DesignUnderTest) -> float:
     """Motor's rated torque through the gearhead, lossless as the paper counts."""
     return s.drive.motor.rated_torque_mNm * 1e-3 * s.drive.gearhead.ratio
 
 
-def preload_bias(s: Subject) -> Finding:
+def preload_bias(s: DesignUnderTest) -> Comparison:
     """Torque on each input from the preload alone, T_2 r_2 - T_1 r_1: equal preloads on unequal radii never cancel."""
     bias = s.loads.input_torque_Nm[0]
     rated = rated_input_Nm(s)
@@ -94,7 +95,7 @@ def preload_bias(s: Subject) -> Finding:
     )
 
 
-def balanced_preloads(s: Subject) -> str:
+def balanced_preloads(s: DesignUnderTest) -> str:
     """Preloads with T ~ 1/r within each pair, and what they reach."""
     from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
 
@@ -112,7 +113,7 @@ def balanced_preloads(s: Subject) -> str:
     )
 
 
-def _less_bias(s: Subject) -> str:
+def _less_bias(s: DesignUnderTest) -> str:
     """The bias grows with the preload, so less of it stays within the share."""
     most = max(c.preload_N for c in s.drive.cables)
     fitting = floored(BIAS_SHARE / preload_bias(s).actual * most)
@@ -125,14 +126,14 @@ CHECKS = (
         "No cable slack at peak torque",
         "paper section 3; a hundredth of the preload: estimate",
         no_slack,
-        turns=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
+        adjust=(up("rope.preload_N"), down("loads.peak_torque_Nm")),
     ),
     Check(
         "tension",
         "Tension against the breaking load",
         "limits.tension_safety_factor; rope makers: 5 to 10",
         tension,
-        turns=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
+        adjust=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
         advice="choose a stronger rope",
     ),
     Check(
@@ -140,7 +141,7 @@ CHECKS = (
         "Preload against the breaking load",
         "limits.preload_share_max; rope makers: under half",
         preload_share,
-        turns=(down("rope.preload_N"),),
+        adjust=(down("rope.preload_N"),),
         advice="choose a stronger rope",
     ),
     Check(
@@ -148,7 +149,7 @@ CHECKS = (
         "Swaged ends hold the cable",
         "limits.tension_safety_factor; swages hold nine tenths of the rope",
         cable_ends,
-        turns=(up("rope.dead_turns"), down("loads.peak_torque_Nm"), down("rope.preload_N")),
+        adjust=(up("rope.dead_turns"), down("loads.peak_torque_Nm"), down("rope.preload_N")),
         advice="choose a stronger rope",
     ),
     Check(

@@ -9,7 +9,16 @@ from __future__ import annotations
 from types import ModuleType
 from typing import Any, Protocol
 
+from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.design.drive import Drive
+
+
+class Layout(Protocol):
+    """All derived dimensions of one design: a frozen dataclass of each configuration's own."""
+
+    @property
+    def drive(self) -> Drive:
+        """The design."""
 
 
 class Configuration(Protocol):
@@ -31,6 +40,9 @@ class Configuration(Protocol):
 
     def check_families(self) -> tuple[ModuleType, ...]:
         """Modules with a tuple ``CHECKS`` each, in the order in which they are run and shown."""
+
+    def design_under_test(self, drive: Drive, layout: Any = None) -> DesignUnderTest:
+        """``drive`` as its checks see it; ``layout``: dimensions to test instead of those that follow from it."""
 
     def bill(self, layout: Any, drum_angle_deg: float = 0.0) -> Any:
         """All parts, and all instances of them with the drum at ``drum_angle_deg``."""

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from mbcdm_cad.checks.result import CheckResult, figures
-from mbcdm_cad.checks.run import failed, run_checks
+from mbcdm_cad.checks.result import CheckResult, failed, figures
+from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable
 

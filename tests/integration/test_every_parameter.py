@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.checks.run import run_checks
+from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.design import load_text

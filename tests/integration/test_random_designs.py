@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests are no package: 
 import random_designs
 from random_generator import Passing, draw, passing
 
-from mbcdm_cad.checks.run import run_checks
+from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 
 SEEDS = range(1, 25)

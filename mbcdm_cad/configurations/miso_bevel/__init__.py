@@ -13,6 +13,7 @@ from mbcdm_cad.design.drive import Drive
 if TYPE_CHECKING:
     from mbcdm_cad.configurations.miso_bevel.assembly_order import Step
     from mbcdm_cad.configurations.miso_bevel.bill import Bill
+    from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
     from mbcdm_cad.configurations.miso_bevel.layout import Layout
 
 
@@ -33,6 +34,12 @@ class MisoBevel:
         from mbcdm_cad.configurations.miso_bevel.checks import FAMILIES
 
         return FAMILIES
+
+    def design_under_test(self, drive: Drive, layout: Layout | None = None) -> BevelUnderTest:
+        """The drive as the checks see it."""
+        from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+
+        return BevelUnderTest(drive, layout)
 
     def bill(self, layout: Layout, drum_angle_deg: float = 0.0) -> Bill:
         """All parts and instances."""

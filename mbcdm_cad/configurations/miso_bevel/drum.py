@@ -157,10 +157,14 @@ def _pocket_radius(drive: Drive, placed: tuple[Tensioner, ...], swage_pocket: fl
         ends = [
             hypot(t.radius_mm + n, s)
             for t in placed
-            for half, s in ((swage_pocket, t.swage_start - POCKET_LEAD_MM), (swage_pocket, t.lug_start),
-                            (nuts, t.lug_end), (nuts, t.pocket_end))
+            for half, s in (
+                (swage_pocket, t.swage_start - POCKET_LEAD_MM),
+                (swage_pocket, t.lug_start),
+                (nuts, t.lug_end),
+                (nuts, t.pocket_end),
+            )
             for n in (radius - half, t.pocket_top - radius)
-        ]  # fmt: skip
+        ]
         return min(abs(end - surface) for end in ends for surface in surfaces)
 
     tried = [least + k * drive.clearances.running_mm / 12 for k in range(13)]

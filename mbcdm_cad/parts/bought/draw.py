@@ -24,19 +24,30 @@ def create_bearing(bearing: Bearing) -> cq.Solid:
     back = min(0.2, width / 8)
     return turned(
         [
-            (d, 0.0), (inner_ring, 0.0), (inner_ring, back), (outer_ring, back), (outer_ring, 0.0), (outer, 0.0),
-            (outer, width), (outer_ring, width), (outer_ring, width - back), (inner_ring, width - back),
-            (inner_ring, width), (d, width),
+            (d, 0.0),
+            (inner_ring, 0.0),
+            (inner_ring, back),
+            (outer_ring, back),
+            (outer_ring, 0.0),
+            (outer, 0.0),
+            (outer, width),
+            (outer_ring, width),
+            (outer_ring, width - back),
+            (inner_ring, width - back),
+            (inner_ring, width),
+            (d, width),
         ],
         f"bearing {bearing.name}",
-    )  # fmt: skip
+    )
 
 
 def create_motor(motor: Motor) -> cq.Solid:
     """Motor can, from the gearhead's back (z = 0) downwards to z = -length."""
     r = motor.diameter_mm / 2
-    return turned([(0.0, -motor.length_mm), (r - _EDGE, -motor.length_mm), (r, _EDGE - motor.length_mm), (r, 0.0),
-                   (0.0, 0.0)], "motor")  # fmt: skip
+    return turned(
+        [(0.0, -motor.length_mm), (r - _EDGE, -motor.length_mm), (r, _EDGE - motor.length_mm), (r, 0.0), (0.0, 0.0)],
+        "motor",
+    )
 
 
 def _circle(count: int, radius: float) -> list[tuple[float, float]]:
@@ -48,13 +59,18 @@ def create_gearhead(gearhead: Gearhead, screw: Screw, hole_depth: float) -> cq.S
     r = gearhead.diameter_mm / 2
     body = turned(
         [
-            (0.0, -gearhead.length_mm), (r, -gearhead.length_mm), (r, -_EDGE), (r - _EDGE, 0.0),
-            (gearhead.pilot_diameter_mm / 2, 0.0), (gearhead.pilot_diameter_mm / 2, gearhead.pilot_height_mm),
+            (0.0, -gearhead.length_mm),
+            (r, -gearhead.length_mm),
+            (r, -_EDGE),
+            (r - _EDGE, 0.0),
+            (gearhead.pilot_diameter_mm / 2, 0.0),
+            (gearhead.pilot_diameter_mm / 2, gearhead.pilot_height_mm),
             (gearhead.shaft_diameter_mm / 2, gearhead.pilot_height_mm),
-            (gearhead.shaft_diameter_mm / 2, gearhead.shaft_length_mm), (0.0, gearhead.shaft_length_mm),
+            (gearhead.shaft_diameter_mm / 2, gearhead.shaft_length_mm),
+            (0.0, gearhead.shaft_length_mm),
         ],
         "gearhead",
-    )  # fmt: skip
+    )
     holes = [
         cylinder_z(screw.thread_mm / 2, x, y, -hole_depth, 1.0)
         for x, y in _circle(gearhead.screw_count, gearhead.bolt_circle_mm / 2)

@@ -13,22 +13,22 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.checks.bending import strength_efficiency
 from mbcdm_cad.checks.motors import saturation_Nm
-from mbcdm_cad.checks.registry import CHECKS
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
-from mbcdm_cad.checks.subject import Subject
 from mbcdm_cad.configurations.miso_bevel.cable_path import self_clearance_mm
+from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
 from mbcdm_cad.configurations.miso_bevel.checks.bearings import drum_reactions_N, guide_forces_N
 from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_clearance_mm
 from mbcdm_cad.configurations.miso_bevel.checks.surfaces import ratio_if_cut_as_surface
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import Drive
 
 BY_ID = {check.id: check for check in CHECKS}
 
 
 def result(name: str, drive: Drive) -> CheckResult:
-    return run_check(BY_ID[name], Subject(drive))
+    return run_check(BY_ID[name], BevelUnderTest(drive))
 
 
 class TestPitchCone:
@@ -80,7 +80,7 @@ class TestLandWidth:
 
 class TestPitchAgainstSurfaceRadii:
     def test_ratios_if_table_2_were_cut_as_surfaces(self, drive: Drive) -> None:
-        ratios = [ratio_if_cut_as_surface(Subject(drive), c) for c in drive.cables]
+        ratios = [ratio_if_cut_as_surface(BevelUnderTest(drive), c) for c in drive.cables]
         assert ratios == pytest.approx([8.494, 8.524, 8.550, 8.574], abs=5e-4), ratios
         message = result("surface_radius", drive).message
         assert "8.494/8.524/8.55/8.574 instead of 9/9/9/9" in message, message
@@ -99,10 +99,10 @@ class TestPitchAgainstSurfaceRadii:
         assert "guide_radii_mm: [9, 9.6, 10.2, 10.8] and input_radii_mm: [6, 6.4, 6.8, 7.2]" in found.remedy, found
 
     def test_a_layout_that_cuts_at_the_pitch_radius_fails(self, drive: Drive) -> None:
-        lay = Subject(drive).layout
+        lay = BevelUnderTest(drive).layout
         radii = (lay.guide.surface_radii[0] + 0.001, *lay.guide.surface_radii[1:])
         wrong = replace(lay, guide=replace(lay.guide, surface_radii=radii))
-        found = run_check(BY_ID["cut_at_pitch"], Subject(drive, wrong))
+        found = run_check(BY_ID["cut_at_pitch"], BevelUnderTest(drive, wrong))
         assert found.status == "fail" and found.actual == pytest.approx(0.001, rel=1e-6), found
 
 
@@ -118,12 +118,15 @@ class TestPreloadBiasAndPeakTorque:
         for k, preload in enumerate((72.25806451612904, 67.74193548387098, 72.0, 68.0)):
             balanced = with_cable(balanced, k, preload_N=preload)
         assert result("preload_bias", balanced).actual == pytest.approx(0.0, abs=1e-12)
-        both = [saturation_Nm(Subject(balanced), rated_input_Nm(Subject(balanced)), sign)[0] for sign in (1, -1)]
+        both = [
+            saturation_Nm(BevelUnderTest(balanced), rated_input_Nm(BevelUnderTest(balanced)), sign)[0]
+            for sign in (1, -1)
+        ]
         assert both == pytest.approx([3.69, 3.66], abs=0.005), both
         measured = put(balanced, "loads.peak_torque_Nm", 3.3)
         assert result("motor_torque_forward", measured).status == "pass"
         assert result("motor_torque_back", measured).status == "pass"
-        assert "cable_1 72.26, cable_2 67.74, cable_3 72, cable_4 68 N" in balanced_preloads(Subject(drive))
+        assert "cable_1 72.26, cable_2 67.74, cable_3 72, cable_4 68 N" in balanced_preloads(BevelUnderTest(drive))
 
     def test_directions_differ(self, drive: Drive) -> None:
         forward, back = result("motor_torque_forward", drive), result("motor_torque_back", drive)
@@ -141,7 +144,7 @@ class TestPreloadBiasAndPeakTorque:
             assert "T ~ 1/r" in found[1].remedy, found[1].remedy
 
     def test_at_the_border_the_input_carries_its_rating(self, drive: Drive) -> None:
-        loads = Subject(put(drive, "loads.peak_torque_Nm", 3.193720531803108)).loads
+        loads = BevelUnderTest(put(drive, "loads.peak_torque_Nm", 3.193720531803108)).loads
         assert loads.input_torque_Nm[2][1] == pytest.approx(-2.9e-3 * 76, rel=1e-6), loads.input_torque_Nm[2]
 
 
@@ -184,12 +187,12 @@ class TestFiguresOfTheMechanism:
         assert result("wrap_slip_peak", put(drive, "loads.peak_torque_Nm", 3.3)).limit == pytest.approx(82.1, abs=0.1)
 
     def test_wraps_left(self, drive: Drive) -> None:
-        left = sorted(degrees(Subject(drive).smallest_wrap_rad(c)) for c in drive.cables)
+        left = sorted(degrees(BevelUnderTest(drive).smallest_wrap_rad(c)) for c in drive.cables)
         assert left[0] > 25.0 and left[-1] < 33.0, left
 
     def test_guide_bearings_by_moments_about_one_of_them(self, drive: Drive) -> None:
         """Forces of the four cables on the guide, summed cable by cable about the lower bearing."""
-        s = Subject(drive)
+        s = BevelUnderTest(drive)
         g, tension = s.layout.guide, s.loads.peak_back
         low, high = g.bottom_z + g.seat_depth / 2, g.top_z - g.seat_depth / 2
         total, moment = np.zeros(2), np.zeros(2)
@@ -205,7 +208,7 @@ class TestFiguresOfTheMechanism:
         assert pair == pytest.approx(by_hand, rel=1e-9), (pair, by_hand)
 
     def test_drum_bearings_balance_force_and_moment(self, drive: Drive) -> None:
-        s = Subject(drive)
+        s = BevelUnderTest(drive)
         shaft = s.layout.drum_shaft
         rear, front = shaft.rear_bearing_y + 2.0, shaft.front_bearing_y + 2.0
         most = np.zeros(2)
@@ -234,7 +237,7 @@ def test_scaling_the_whole_transmission_keeps_every_ratio(factor: float) -> None
 
 
 def test_stress_of_the_stop_pin_by_hand(drive: Drive) -> None:
-    s = Subject(drive)
+    s = BevelUnderTest(drive)
     stall = 2 * 2.9e-3 * 76 * 9
     lever = 10.5 - s.levels.front_y
     stress = stall * 1e3 / s.layout.drum.stop_radius * lever * 32 / (pi * 3.0**3)

@@ -12,10 +12,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from loadable_designs import loaded, random_data, random_drives
 
-from mbcdm_cad.checks.knobs import ALL_RADII, KNOBS
-from mbcdm_cad.checks.registry import CHECKS
-from mbcdm_cad.checks.run import run_check, run_checks
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.design_variables import ALL_RADII
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.configurations.check_design import run_checks
+from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.design_variables import VARIABLES
 from mbcdm_cad.design.drive import Drive
 
 BY_ID = {check.id: check for check in CHECKS}
@@ -54,8 +56,8 @@ def test_the_same_design_gives_the_same_words() -> None:
 
 def _mended(drive: Drive, remedy: str) -> list[Drive]:
     """The design changed as each of the remedy's offers says."""
-    found = [KNOBS[path].put(drive, float(value)) for path, value in CHANGE.findall(remedy) if path in KNOBS]
-    return found + [KNOBS[ALL_RADII].put(drive, float(value)) for value in SCALE.findall(remedy)]
+    found = [VARIABLES[path].put(drive, float(value)) for path, value in CHANGE.findall(remedy) if path in VARIABLES]
+    return found + [VARIABLES[ALL_RADII].put(drive, float(value)) for value in SCALE.findall(remedy)]
 
 
 def test_every_figure_of_a_remedy_mends_its_check() -> None:
@@ -65,12 +67,12 @@ def test_every_figure_of_a_remedy_mends_its_check() -> None:
             # Advice beside the figures may speak of several parameters at once.
             if r.status != "pass" and r.actual is not None and BY_ID[r.id].turns:
                 for mended in _mended(drive, r.remedy):
-                    after = run_check(BY_ID[r.id], Subject(mended))
+                    after = run_check(BY_ID[r.id], BevelUnderTest(mended))
                     tried += 1
                     assert after.status == "pass", (r.id, r.remedy, after.message)
     assert tried > 100, tried
 
 
 def test_a_remedy_names_the_catalogues_rope() -> None:
-    found = run_check(BY_ID["land_width"], Subject(put(reference(), "cable.diameter_mm", 1.0)))
+    found = run_check(BY_ID["land_width"], BevelUnderTest(put(reference(), "cable.diameter_mm", 1.0)))
     assert "choose a rope of at most 0.9 mm (such as FF-081)" in found.remedy, found.remedy

@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 import yaml
-from designs import put, with_cable
+from designs import put, reference, with_cable
 
-from mbcdm_cad.checks.registry import BUILD_IDS, CHECKS, known_ids
-from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.checks.run import failed, run_checks
+from mbcdm_cad.checks.built import BUILD_IDS
+from mbcdm_cad.checks.result import CheckResult, failed
+from mbcdm_cad.configurations.check_design import known_ids, run_checks
+from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
 from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.design import load_design, load_text
 from mbcdm_cad.design.drive import Drive, Waiver
@@ -41,7 +42,7 @@ def test_reference_design_fails_nothing() -> None:
 
 
 def test_ids_are_plain_unique_and_waivable() -> None:
-    ids = known_ids()
+    ids = known_ids(reference())
     assert len(ids) == len(set(ids))
     assert all(re.fullmatch(r"[a-z][a-z0-9_]{0,63}", name) for name in ids), ids
     assert {check.severity for check in CHECKS} <= {"fail", "warn"}

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from designs import Change, preloaded, radius_of, reference, scaled, to, with_screw
 
-from mbcdm_cad.checks.finding import Check
-from mbcdm_cad.checks.registry import CHECKS
+from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import Drive
 
 BY_ID = {check.id: check for check in CHECKS}
@@ -146,7 +146,7 @@ def test_every_check_has_its_border_tried() -> None:
 
 def _holds(check: Check, drive: Drive) -> bool:
     with np.errstate(all="ignore"):
-        return check.measure(Subject(drive)).holds
+        return check.measure(BevelUnderTest(drive)).holds
 
 
 @pytest.mark.parametrize("name", WAYS)
@@ -157,12 +157,12 @@ def test_one_design_just_passes_and_one_just_fails(name: str) -> None:
         return way.change(reference(), value)
 
     passing, failing = way.passing, way.failing
-    assert _holds(check, design(passing)), check.measure(Subject(design(passing)))
-    assert not _holds(check, design(failing)), check.measure(Subject(design(failing)))
+    assert _holds(check, design(passing)), check.measure(BevelUnderTest(design(passing)))
+    assert not _holds(check, design(failing)), check.measure(BevelUnderTest(design(failing)))
     for _ in range(BISECTIONS):
         middle = 0.5 * (passing + failing)
         passing, failing = (middle, failing) if _holds(check, design(middle)) else (passing, middle)
-    good, bad = (run_check(check, Subject(design(value))) for value in (passing, failing))
+    good, bad = (run_check(check, BevelUnderTest(design(value))) for value in (passing, failing))
     assert good.status == "pass" and good.remedy == "", good
     assert bad.status == check.severity, bad
     assert bad.remedy, bad

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import bending, motors, strength
+from mbcdm_cad.checks import motors, strength
+from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.configurations.miso_bevel.checks import (
     bearings,
+    bending,
     drum_fits,
     envelope,
     fixings,
@@ -44,3 +46,4 @@ FAMILIES: tuple[ModuleType, ...] = (
     sweeps,
     envelope,
 )
+CHECKS: tuple[Check, ...] = tuple(check for family in FAMILIES for check in family.CHECKS)

@@ -11,9 +11,9 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import Turn, down
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import Bearing
 
 STATIC_SAFETY = 1.0
@@ -23,12 +23,12 @@ BEARING_PLAY_MM = 0.01
 GEARHEAD_PLAY_MM = 0.02
 
 
-def _safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Finding:
+def _safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparison:
     what = f"{name}: {bearing.name}, static rating {bearing.static_rating_N:g} N over {load_N:.4g} N"
     return at_least(what, bearing.static_rating_N / max(load_N, 1e-9), limit, "times")
 
 
-def input_reactions(s: Subject) -> list[tuple[str, float, float]]:
+def input_reactions(s: BevelUnderTest) -> list[tuple[str, float, float]]:
     """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
     from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
 
@@ -47,7 +47,7 @@ def input_reactions(s: Subject) -> list[tuple[str, float, float]]:
     return found
 
 
-def guide_forces_N(s: Subject) -> list[NDArray[np.float64]]:
+def guide_forces_N(s: BevelUnderTest) -> list[NDArray[np.float64]]:
     """Forces on the axle at the guide's (lower, upper) bearing, shape (2, 3), in each state of the loads."""
     from mbcdm_cad.model.bearing_loads import bearing_loads
 
@@ -65,12 +65,12 @@ def guide_forces_N(s: Subject) -> list[NDArray[np.float64]]:
     return found
 
 
-def guide_reaction_N(s: Subject) -> float:
+def guide_reaction_N(s: BevelUnderTest) -> float:
     """Largest radial load on one of the guide's bearings."""
     return max(float(np.linalg.norm(pair, axis=1).max()) for pair in s.once("guide_forces", guide_forces_N))
 
 
-def drum_reactions_N(s: Subject) -> tuple[float, float]:
+def drum_reactions_N(s: BevelUnderTest) -> tuple[float, float]:
     """Largest radial loads of the drum's (rear, front) bearings."""
     from mbcdm_cad.model.bearing_loads import bearing_loads
 
@@ -89,7 +89,7 @@ def drum_reactions_N(s: Subject) -> tuple[float, float]:
     return most[0], most[1]
 
 
-def _input_safety(s: Subject, limit: float) -> list[Finding]:
+def _input_safety(s: BevelUnderTest, limit: float) -> list[Comparison]:
     bearings = s.drive.bearings
     return [
         _safety(bearing, f"{end} bearing of the {name} input", load, limit)
@@ -98,45 +98,45 @@ def _input_safety(s: Subject, limit: float) -> list[Finding]:
     ]
 
 
-def _guide_safety(s: Subject, limit: float) -> list[Finding]:
+def _guide_safety(s: BevelUnderTest, limit: float) -> list[Comparison]:
     return [_safety(s.drive.bearings.guide, "guide", guide_reaction_N(s), limit)]
 
 
-def _drum_safety(s: Subject, limit: float) -> list[Finding]:
+def _drum_safety(s: BevelUnderTest, limit: float) -> list[Comparison]:
     return [
         _safety(s.drive.bearings.drum, f"{end} drum bearing", load, limit)
         for end, load in zip(("rear", "front"), s.once("drum_reactions", drum_reactions_N), strict=True)
     ]
 
 
-def input_bearings(s: Subject) -> Finding:
+def input_bearings(s: BevelUnderTest) -> Comparison:
     """Bearings at both ends of the input pulleys."""
     return worst(_input_safety(s, STATIC_SAFETY))
 
 
-def guide_bearings(s: Subject) -> Finding:
+def guide_bearings(s: BevelUnderTest) -> Comparison:
     """Bearings in the guide, net pull and moment."""
     return worst(_guide_safety(s, STATIC_SAFETY))
 
 
-def drum_bearings(s: Subject) -> Finding:
+def drum_bearings(s: BevelUnderTest) -> Comparison:
     """Bearings of the drum's shaft."""
     return worst(_drum_safety(s, STATIC_SAFETY))
 
 
-def quiet_running(s: Subject) -> Finding:
+def quiet_running(s: BevelUnderTest) -> Comparison:
     """All bearings against the safety asked for quiet running."""
     return worst([*_input_safety(s, QUIET_SAFETY), *_guide_safety(s, QUIET_SAFETY), *_drum_safety(s, QUIET_SAFETY)])
 
 
-def _rating_needed(s: Subject) -> str:
+def _rating_needed(s: BevelUnderTest) -> str:
     finding, rated = quiet_running(s), s.drive.bearings.all()
     name = finding.subject.split(",")[0].split(": ")[1]
     rating = next(b.static_rating_N for b in rated if b.name == name)
     return f"choose a bearing of static rating {rating / finding.actual * QUIET_SAFETY:.4g} N or more in its place"
 
 
-def drum_bearing_spacing(s: Subject) -> Finding:
+def drum_bearing_spacing(s: BevelUnderTest) -> Comparison:
     """Drum bearings stand apart by their own width."""
     shaft = s.layout.drum_shaft
     width = s.drive.bearings.drum.width_mm
@@ -144,7 +144,7 @@ def drum_bearing_spacing(s: Subject) -> Finding:
     return at_least("space between the drum's bearings", between, width, "mm")
 
 
-def coupling_runout(s: Subject) -> Finding:
+def coupling_runout(s: BevelUnderTest) -> Comparison:
     """How far the cables push the pulley aside at the coupling: more than the gearhead's play would load its shaft."""
     from mbcdm_cad.model.bearing_loads import bearing_loads
 
@@ -166,18 +166,42 @@ def coupling_runout(s: Subject) -> Finding:
     return worst(found)
 
 
-_LESS: tuple[Turn, ...] = (down("rope.preload_N"), down("loads.peak_torque_Nm"))
+_LESS: tuple[Adjustment, ...] = (down("rope.preload_N"), down("loads.peak_torque_Nm"))
 _RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
 _LARGER = "choose a larger bearing"
 CHECKS = (
-    Check("input_bearings", "Input pulleys' bearings carry the cables", _RATING, input_bearings, turns=_LESS,
-          advice=_LARGER),
-    Check("guide_bearings", "Guide's bearings carry the cables", _RATING, guide_bearings, turns=_LESS, advice=_LARGER),
-    Check("drum_bearings", "Drum's bearings carry the cables", _RATING, drum_bearings, turns=_LESS, advice=_LARGER),
-    Check("quiet_running", "All bearings run quietly", "static safety 2: bearing makers, quiet running", quiet_running,
-          "warn", advice=_rating_needed),
-    Check("drum_bearing_spacing", "Drum's bearings stand apart", "usual rule: one bearing width", drum_bearing_spacing,
-          turns=(down("support.back_y_mm"),)),
-    Check("coupling_runout", "Pulleys' bearings spare the gearhead", "play of gearheads: 0.02 mm, estimate",
-          coupling_runout, "warn", _LESS, _LARGER),
-)  # fmt: skip
+    Check(
+        "input_bearings",
+        "Input pulleys' bearings carry the cables",
+        _RATING,
+        input_bearings,
+        adjust=_LESS,
+        advice=_LARGER,
+    ),
+    Check("guide_bearings", "Guide's bearings carry the cables", _RATING, guide_bearings, adjust=_LESS, advice=_LARGER),
+    Check("drum_bearings", "Drum's bearings carry the cables", _RATING, drum_bearings, adjust=_LESS, advice=_LARGER),
+    Check(
+        "quiet_running",
+        "All bearings run quietly",
+        "static safety 2: bearing makers, quiet running",
+        quiet_running,
+        "warn",
+        advice=_rating_needed,
+    ),
+    Check(
+        "drum_bearing_spacing",
+        "Drum's bearings stand apart",
+        "usual rule: one bearing width",
+        drum_bearing_spacing,
+        adjust=(down("support.back_y_mm"),),
+    ),
+    Check(
+        "coupling_runout",
+        "Pulleys' bearings spare the gearhead",
+        "play of gearheads: 0.02 mm, estimate",
+        coupling_runout,
+        "warn",
+        _LESS,
+        _LARGER,
+    ),
+)

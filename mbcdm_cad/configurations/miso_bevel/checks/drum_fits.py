@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import asin, degrees, radians
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 
 # Rim under a pocket's floor, in thinnest walls: it carries the lug's root (estimate).
 RIM_WALLS = 1.5
@@ -20,7 +20,7 @@ STOP_WINDOW_DEG = 0.5
 SPIGOT_MM = 0.3
 
 
-def rim_height(s: Subject) -> Finding:
+def rim_height(s: BevelUnderTest) -> Comparison:
     """Rim left under the deepest pocket and the smallest land."""
     d = s.layout.drum
     floors = [(f"pocket of {t.cable_name}", t.radius_mm - d.nut_pocket) for t in d.tensioners]
@@ -29,7 +29,7 @@ def rim_height(s: Subject) -> Finding:
     return worst(at_least(f"rim under the {name}", floor - d.rim_inner_radius, limit, "mm") for name, floor in floors)
 
 
-def web_inside_rim(s: Subject) -> Finding:
+def web_inside_rim(s: BevelUnderTest) -> Comparison:
     """Web lies within the rim's width and is no thinner than can be made."""
     d = s.layout.drum
     return worst(
@@ -45,7 +45,7 @@ def web_inside_rim(s: Subject) -> Finding:
     )
 
 
-def land_thickness(s: Subject) -> Finding:
+def land_thickness(s: BevelUnderTest) -> Comparison:
     """Every land has width: walls follow each other along y."""
     return worst(
         at_least(f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm, "mm")
@@ -53,7 +53,7 @@ def land_thickness(s: Subject) -> Finding:
     )
 
 
-def hub_walls(s: Subject) -> Finding:
+def hub_walls(s: BevelUnderTest) -> Comparison:
     """Hub takes the payload's threads between shaft and outside, and its set screws' threads."""
     d = s.layout.drum
     screw = s.drive.screw(d.set_screw)
@@ -71,7 +71,7 @@ def hub_walls(s: Subject) -> Finding:
     )
 
 
-def hub_length(s: Subject) -> Finding:
+def hub_length(s: BevelUnderTest) -> Comparison:
     """Hub holds the shaft over its diameter, and has room for the set screws before the web."""
     d = s.layout.drum
     screw = s.drive.screw(d.set_screw)
@@ -95,7 +95,7 @@ def hub_length(s: Subject) -> Finding:
     )
 
 
-def hub_spigot(s: Subject) -> Finding:
+def hub_spigot(s: BevelUnderTest) -> Comparison:
     """Spigot bears on the inner ring of the front bearing and stays inside the hub."""
     d = s.layout.drum
     return worst(
@@ -106,7 +106,7 @@ def hub_spigot(s: Subject) -> Finding:
     )
 
 
-def shaft_wall(s: Subject) -> Finding:
+def shaft_wall(s: BevelUnderTest) -> Comparison:
     """Wall of the hollow drum shaft."""
     shaft = s.layout.drum_shaft
     return at_least(
@@ -114,7 +114,7 @@ def shaft_wall(s: Subject) -> Finding:
     )
 
 
-def stop_slot(s: Subject) -> Finding:
+def stop_slot(s: BevelUnderTest) -> Comparison:
     """Stop's slot lies in the web between hub and rim and ends before the sector does."""
     d = s.layout.drum
     half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum.material.min_wall_mm
@@ -133,43 +133,89 @@ def stop_slot(s: Subject) -> Finding:
     )
 
 
-def _stop_angle_deg(s: Subject) -> float:
+def _stop_angle_deg(s: BevelUnderTest) -> float:
     """Drum angle at which the pin meets the slot's end, beyond the travel."""
     d = s.layout.drum
     play = d.stop_slot_width / 2 - s.layout.frame.stop_pin_radius
     return d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg
 
 
-def stop_late(s: Subject) -> Finding:
+def stop_late(s: BevelUnderTest) -> Comparison:
     """Stops engage no earlier than the travel ends."""
     return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
 
 
-def stop_early(s: Subject) -> Finding:
+def stop_early(s: BevelUnderTest) -> Comparison:
     """Stops engage within half a degree of the travel's end."""
     return at_most("stops engage beyond the travel by", _stop_angle_deg(s), STOP_WINDOW_DEG, "deg")
 
 
 _WALL = "material: min_wall_mm"
 CHECKS = (
-    Check("rim_height", "Rim under pockets and lands", _WALL + " x 1.5: estimate", rim_height,
-          turns=(down("drum.rim_inner_radius_mm"),)),
-    Check("web_in_rim", "Web lies within the rim", _WALL, web_inside_rim,
-          turns=(up("drum.outer_face_y_mm"), down("drum.web_thickness_mm"), up("drum.web_thickness_mm"))),
-    Check("land_thickness", "Every land is half a cable wide", "derived", land_thickness,
-          turns=(down("clearances.land_edge_mm"), up("all radii of transmission"), up("drum.outer_face_y_mm"))),
-    Check("hub_walls", "Hub's walls round threads and screws", _WALL, hub_walls, turns=(up("drum.hub_diameter_mm"),)),
-    Check("hub_length", "Hub is long enough", "usual rule: one shaft diameter", hub_length,
-          turns=(up("drum.hub_face_y_mm"), down("drum.web_thickness_mm"))),
-    Check("hub_spigot", "Hub bears on the front bearing", "bearing catalogue; 0.3 mm: estimate", hub_spigot,
-          turns=(up("drum.hub_diameter_mm"),), advice="choose another drum.bearing"),
-    Check("shaft_wall", "Wall of the drum shaft", _WALL, shaft_wall, turns=(down("drum.shaft_bore_mm"),)),
-    Check("stop_slot", "Stop slot lies in the web", _WALL + " x 2: estimate", stop_slot,
-          turns=(up("drum.rim_inner_radius_mm"), down("drum.hub_diameter_mm"), up("drum.sector_half_angle_deg"),
-                 down("travel.half_angle_deg"), down("travel.stop_clearance_deg"),
-                 down("support.coupling_space_mm"))),
-    Check("stop_after_travel", "Stops engage after the travel", "derived", stop_late,
-          turns=(up("travel.stop_clearance_deg"),)),
-    Check("stop_within_half_degree", "Stops engage within half a degree", "derived: 35.0 to 35.5 deg", stop_early,
-          turns=(down("travel.stop_clearance_deg"),)),
-)  # fmt: skip
+    Check(
+        "rim_height",
+        "Rim under pockets and lands",
+        _WALL + " x 1.5: estimate",
+        rim_height,
+        adjust=(down("drum.rim_inner_radius_mm"),),
+    ),
+    Check(
+        "web_in_rim",
+        "Web lies within the rim",
+        _WALL,
+        web_inside_rim,
+        adjust=(up("drum.outer_face_y_mm"), down("drum.web_thickness_mm"), up("drum.web_thickness_mm")),
+    ),
+    Check(
+        "land_thickness",
+        "Every land is half a cable wide",
+        "derived",
+        land_thickness,
+        adjust=(down("clearances.land_edge_mm"), up("all radii of transmission"), up("drum.outer_face_y_mm")),
+    ),
+    Check("hub_walls", "Hub's walls round threads and screws", _WALL, hub_walls, adjust=(up("drum.hub_diameter_mm"),)),
+    Check(
+        "hub_length",
+        "Hub is long enough",
+        "usual rule: one shaft diameter",
+        hub_length,
+        adjust=(up("drum.hub_face_y_mm"), down("drum.web_thickness_mm")),
+    ),
+    Check(
+        "hub_spigot",
+        "Hub bears on the front bearing",
+        "bearing catalogue; 0.3 mm: estimate",
+        hub_spigot,
+        adjust=(up("drum.hub_diameter_mm"),),
+        advice="choose another drum.bearing",
+    ),
+    Check("shaft_wall", "Wall of the drum shaft", _WALL, shaft_wall, adjust=(down("drum.shaft_bore_mm"),)),
+    Check(
+        "stop_slot",
+        "Stop slot lies in the web",
+        _WALL + " x 2: estimate",
+        stop_slot,
+        adjust=(
+            up("drum.rim_inner_radius_mm"),
+            down("drum.hub_diameter_mm"),
+            up("drum.sector_half_angle_deg"),
+            down("travel.half_angle_deg"),
+            down("travel.stop_clearance_deg"),
+            down("support.coupling_space_mm"),
+        ),
+    ),
+    Check(
+        "stop_after_travel",
+        "Stops engage after the travel",
+        "derived",
+        stop_late,
+        adjust=(up("travel.stop_clearance_deg"),),
+    ),
+    Check(
+        "stop_within_half_degree",
+        "Stops engage within half a degree",
+        "derived: 35.0 to 35.5 deg",
+        stop_early,
+        adjust=(down("travel.stop_clearance_deg"),),
+    ),
+)

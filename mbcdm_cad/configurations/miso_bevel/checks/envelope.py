@@ -6,10 +6,10 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_most
-from mbcdm_cad.checks.knobs import Turn, down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.configurations.miso_bevel.checks.terminals import _bodies
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 
@@ -41,7 +41,7 @@ def _rim_points(d: DrumDims) -> np.ndarray:
     return np.stack([x[kept], z[kept]], axis=1)
 
 
-def box_mm(s: Subject) -> tuple[float, float, float]:
+def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
     d, f, pitch = lay.drum, lay.frame, drive.centre_distance_mm
@@ -70,7 +70,7 @@ def box_mm(s: Subject) -> tuple[float, float, float]:
     return right - left, top - bottom, max(ys) - min(ys)
 
 
-def _side(s: Subject, axis: int, name: str) -> Finding:
+def _side(s: BevelUnderTest, axis: int, name: str) -> Comparison:
     size, target = s.once("box_mm", box_mm)[axis], s.drive.targets.envelope_mm[axis]
     return at_most(
         f"box along {name}, drum centred, {size:.2f} mm: from the target of {target:g} mm",
@@ -80,34 +80,36 @@ def _side(s: Subject, axis: int, name: str) -> Finding:
     )
 
 
-def along_x(s: Subject) -> Finding:
+def along_x(s: BevelUnderTest) -> Comparison:
     """Box along X."""
     return _side(s, 0, "X")
 
 
-def along_z(s: Subject) -> Finding:
+def along_z(s: BevelUnderTest) -> Comparison:
     """Box along Z."""
     return _side(s, 1, "Z")
 
 
-def along_y(s: Subject) -> Finding:
+def along_y(s: BevelUnderTest) -> Comparison:
     """Box along Y."""
     return _side(s, 2, "Y")
 
 
 _SOURCE = "targets.envelope_mm; paper section 4.1"
-_X: tuple[Turn, ...] = (
+_X: tuple[Adjustment, ...] = (
     down("drum.sector_half_angle_deg"),
     up("drum.sector_half_angle_deg"),
     down("support.side_wall_mm"),
 )
-_Z: tuple[Turn, ...] = (
-    down("support.coupling_space_mm"), up("support.coupling_space_mm"),
-    down("support.top_plate_mm"), up("support.top_plate_mm"),
-)  # fmt: skip
-_Y: tuple[Turn, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
+_Z: tuple[Adjustment, ...] = (
+    down("support.coupling_space_mm"),
+    up("support.coupling_space_mm"),
+    down("support.top_plate_mm"),
+    up("support.top_plate_mm"),
+)
+_Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
 CHECKS = (
-    Check("envelope_x", "Box along X", _SOURCE, along_x, turns=_X, advice="set targets.envelope_mm to what is wanted"),
-    Check("envelope_z", "Box along Z", _SOURCE, along_z, turns=_Z, advice="set targets.envelope_mm to what is wanted"),
-    Check("envelope_y", "Box along Y", _SOURCE, along_y, turns=_Y, advice="set targets.envelope_mm to what is wanted"),
+    Check("envelope_x", "Box along X", _SOURCE, along_x, adjust=_X, advice="set targets.envelope_mm to what is wanted"),
+    Check("envelope_z", "Box along Z", _SOURCE, along_z, adjust=_Z, advice="set targets.envelope_mm to what is wanted"),
+    Check("envelope_y", "Box along Y", _SOURCE, along_y, adjust=_Y, advice="set targets.envelope_mm to what is wanted"),
 )

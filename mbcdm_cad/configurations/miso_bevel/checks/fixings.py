@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, told, worst
-from mbcdm_cad.checks.knobs import Turn, down, up
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.strength import rated_input_Nm
-from mbcdm_cad.checks.subject import Subject
 from mbcdm_cad.configurations.miso_bevel.checks.bearings import drum_reactions_N, input_reactions
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import Screw
 
 # Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
@@ -32,7 +32,7 @@ def clamp_force_N(screw: Screw) -> float:
     return TIGHTENED_SHARE * SCREW_YIELD_MPA * area
 
 
-def collar_grip(s: Subject) -> Finding:
+def collar_grip(s: BevelUnderTest) -> Comparison:
     """Clamp collar holds the largest torque of an input.
 
     The ring hinges opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the distances of
@@ -52,7 +52,7 @@ def collar_grip(s: Subject) -> Finding:
     )
 
 
-def hub_set_screws(s: Subject) -> Finding:
+def hub_set_screws(s: BevelUnderTest) -> Comparison:
     """Set screws turn the drum's shaft against bearing friction; the load itself never passes through the shaft."""
     radius = s.layout.drum_shaft.radius
     holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.layout.drum.set_screw)) * radius
@@ -68,7 +68,7 @@ def hub_set_screws(s: Subject) -> Finding:
     )
 
 
-def stop_pin(s: Subject) -> Finding:
+def stop_pin(s: BevelUnderTest) -> Comparison:
     """Pin in bending from the frame's front to the web, both motors stalled against it."""
     lay = s.layout
     stall = max(
@@ -86,7 +86,7 @@ def stop_pin(s: Subject) -> Finding:
     )
 
 
-def pulley_stress(s: Subject) -> Finding:
+def pulley_stress(s: BevelUnderTest) -> Comparison:
     """Bending and torsion of the input pulley's necks."""
     v, strength = s.levels, s.drive.input_pulleys.material.yield_MPa
     torque = s.loads.highest_input_Nm * 1e3
@@ -106,14 +106,14 @@ def pulley_stress(s: Subject) -> Finding:
     return worst(found)
 
 
-def shaft_twist(s: Subject) -> Finding:
+def shaft_twist(s: BevelUnderTest) -> Comparison:
     """Twist of the drum's shaft if the load were taken at its far end."""
     shaft, metal = s.layout.drum_shaft, s.drive.drum.shaft_material
     length = shaft.y_end - shaft.y_start
     shear = metal.youngs_modulus_GPa * 1e3 / (2 * (1 + metal.poisson_ratio))
     polar = pi / 2 * (shaft.radius**4 - shaft.bore_radius**4)
     twist = 1e3 * length / (shear * max(polar, 1e-9)) * 1e3
-    return told(
+    return noted(
         "twist of the whole drum shaft if the output were taken at its far end",
         twist,
         "mrad per N m",
@@ -121,15 +121,37 @@ def shaft_twist(s: Subject) -> Finding:
     )
 
 
-_LESS: tuple[Turn, ...] = (down("loads.peak_torque_Nm"),)
+_LESS: tuple[Adjustment, ...] = (down("loads.peak_torque_Nm"),)
 CHECKS = (
-    Check("collar_grip", "Clamp collars hold the torque", "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
-          collar_grip, turns=_LESS, advice="choose a gearhead with a thicker shaft"),
-    Check("hub_set_screws", "Hub's set screws hold the shaft", "mu F r; half of a cap screw's force: estimate",
-          hub_set_screws, advice="choose a smaller drum.bearing"),
-    Check("stop_pin", "Stop pin holds stalled motors", "beam theory; 1.5 on yield: usual rule", stop_pin,
-          turns=(down("drum.web_thickness_mm"), down("loads.peak_torque_Nm"), up("all radii of transmission"))),
-    Check("pulley_stress", "Input pulleys' necks hold", "beam theory; 1.5 on yield: usual rule", pulley_stress,
-          turns=(*_LESS, down("rope.preload_N")), advice="choose larger bearings"),
+    Check(
+        "collar_grip",
+        "Clamp collars hold the torque",
+        "mu N d; class 8.8 at 0.7 of yield, mu 0.15: usual values",
+        collar_grip,
+        adjust=_LESS,
+        advice="choose a gearhead with a thicker shaft",
+    ),
+    Check(
+        "hub_set_screws",
+        "Hub's set screws hold the shaft",
+        "mu F r; half of a cap screw's force: estimate",
+        hub_set_screws,
+        advice="choose a smaller drum.bearing",
+    ),
+    Check(
+        "stop_pin",
+        "Stop pin holds stalled motors",
+        "beam theory; 1.5 on yield: usual rule",
+        stop_pin,
+        adjust=(down("drum.web_thickness_mm"), down("loads.peak_torque_Nm"), up("all radii of transmission")),
+    ),
+    Check(
+        "pulley_stress",
+        "Input pulleys' necks hold",
+        "beam theory; 1.5 on yield: usual rule",
+        pulley_stress,
+        adjust=(*_LESS, down("rope.preload_N")),
+        advice="choose larger bearings",
+    ),
     Check("shaft_twist", "Twist of the drum's shaft", "derived: torsion of a tube", shaft_twist),
-)  # fmt: skip
+)

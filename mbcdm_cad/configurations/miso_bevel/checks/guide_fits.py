@@ -6,16 +6,16 @@ from math import pi
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_bevel.checks.bearings import guide_forces_N
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 
 # Yield over bending stress (usual for steady loads on ductile metal).
 STRESS_SAFETY = 1.5
 
 
-def guide_wall(s: Subject) -> Finding:
+def guide_wall(s: BevelUnderTest) -> Comparison:
     """Metal round the bearings in both ends of the guide."""
     g = s.layout.guide
     limit = s.drive.guide.material.min_wall_mm
@@ -29,7 +29,7 @@ def guide_wall(s: Subject) -> Finding:
     )
 
 
-def guide_length(s: Subject) -> Finding:
+def guide_length(s: BevelUnderTest) -> Comparison:
     """Both bearings and the shoulders between them find room in the guide."""
     g = s.layout.guide
     return at_least(
@@ -40,7 +40,7 @@ def guide_length(s: Subject) -> Finding:
     )
 
 
-def axle_stress(s: Subject) -> Finding:
+def axle_stress(s: BevelUnderTest) -> Comparison:
     """Bending of the axle by the guide's two bearings, as a beam resting on shelf and top plate."""
     g, v = s.layout.guide, s.levels
     span = v.top_plate_bottom_z - v.bearing_shelf_top_z
@@ -63,11 +63,28 @@ def axle_stress(s: Subject) -> Finding:
 
 
 CHECKS = (
-    Check("guide_wall", "Guide's wall round its bearings", "material: min_wall_mm", guide_wall,
-          turns=(up("transmission.guide_radii_mm"), up("all radii of transmission")),
-          advice="choose a smaller guide.bearing"),
-    Check("guide_length", "Guide is long enough for two bearings", "material: min_wall_mm", guide_length,
-          turns=(up("all radii of transmission"),), advice="choose a narrower guide.bearing"),
-    Check("axle_stress", "Guide axle's bending stress", "beam theory; 1.5 on yield: usual rule", axle_stress,
-          turns=(down("rope.preload_N"), down("loads.peak_torque_Nm")), advice="choose a guide.bearing of larger bore"),
-)  # fmt: skip
+    Check(
+        "guide_wall",
+        "Guide's wall round its bearings",
+        "material: min_wall_mm",
+        guide_wall,
+        adjust=(up("transmission.guide_radii_mm"), up("all radii of transmission")),
+        advice="choose a smaller guide.bearing",
+    ),
+    Check(
+        "guide_length",
+        "Guide is long enough for two bearings",
+        "material: min_wall_mm",
+        guide_length,
+        adjust=(up("all radii of transmission"),),
+        advice="choose a narrower guide.bearing",
+    ),
+    Check(
+        "axle_stress",
+        "Guide axle's bending stress",
+        "beam theory; 1.5 on yield: usual rule",
+        axle_stress,
+        adjust=(down("rope.preload_N"), down("loads.peak_torque_Nm")),
+        advice="choose a guide.bearing of larger bore",
+    ),
+)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 
@@ -20,12 +20,12 @@ GRIP_DIAMETERS = 1.0
 PASSAGE_MM = 0.1
 
 
-def _slots(s: Subject) -> list[tuple[InputPulleyDims, StopSlot, float]]:
+def _slots(s: BevelUnderTest) -> list[tuple[InputPulleyDims, StopSlot, float]]:
     """(pulley, slot, surface radius of the land round it)."""
     return [(p, slot, slot.pitch_radius - s.flank_mm) for p in s.layout.inputs for slot in p.slots]
 
 
-def stop_pocket_wall(s: Subject) -> Finding:
+def stop_pocket_wall(s: BevelUnderTest) -> Comparison:
     """Metal between the corner of a stop's pocket and the land's surface."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     return worst(
@@ -39,7 +39,7 @@ def stop_pocket_wall(s: Subject) -> Finding:
     )
 
 
-def stop_pocket_floor(s: Subject) -> Finding:
+def stop_pocket_floor(s: BevelUnderTest) -> Comparison:
     """Metal between the pockets milled from both end faces of a pulley."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
@@ -52,7 +52,7 @@ def stop_pocket_floor(s: Subject) -> Finding:
     return worst(found)
 
 
-def stop_pocket_bore(s: Subject) -> Finding:
+def stop_pocket_bore(s: BevelUnderTest) -> Comparison:
     """Metal between a stop's pocket and the bore for the gearhead's shaft, or the bore's end below the pockets."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
@@ -63,14 +63,14 @@ def stop_pocket_bore(s: Subject) -> Finding:
     return worst(found)
 
 
-def bore_wall(s: Subject) -> Finding:
+def bore_wall(s: BevelUnderTest) -> Comparison:
     """Metal round the gearhead's shaft in the slit journal."""
     p = s.layout.inputs[0]
     limit = s.drive.input_pulleys.material.min_wall_mm
     return at_least("journal's wall round the gearhead's shaft", p.lower_journal_radius - p.bore_radius, limit, "mm")
 
 
-def bearing_shoulders(s: Subject) -> Finding:
+def bearing_shoulders(s: BevelUnderTest) -> Comparison:
     """Necks stand out over the journals, so that the bearings' inner rings rest on them."""
     return worst(
         at_least(f"{end} neck of {p.name} over its journal", neck - journal, SHOULDER_MM, "mm")
@@ -82,7 +82,7 @@ def bearing_shoulders(s: Subject) -> Finding:
     )
 
 
-def encoder_fit(s: Subject) -> Finding:
+def encoder_fit(s: BevelUnderTest) -> Comparison:
     """Encoders are bored for the shafts they sit on."""
     drive = s.drive
     pairs = (
@@ -92,7 +92,7 @@ def encoder_fit(s: Subject) -> Finding:
     return worst(at_most(name, abs(off), FIT_MM, "mm") for name, off in pairs)
 
 
-def bought_depth(s: Subject) -> Finding:
+def bought_depth(s: BevelUnderTest) -> Comparison:
     """Bought parts are deep enough for the holes that are used in them."""
     drive, lay = s.drive, s.layout
     gear_screw, encoder_screw = drive.screw(drive.gearhead.screw), drive.screw(drive.encoder.screw)
@@ -117,7 +117,7 @@ def bought_depth(s: Subject) -> Finding:
     )
 
 
-def shaft_grip(s: Subject) -> Finding:
+def shaft_grip(s: BevelUnderTest) -> Comparison:
     """Length over which the collar squeezes journal and shaft."""
     lay, gear = s.layout, s.drive.gearhead
     end = s.levels.motor_shelf_bottom_z + gear.shaft_length_mm
@@ -130,7 +130,7 @@ def shaft_grip(s: Subject) -> Finding:
     )
 
 
-def pilot_room(s: Subject) -> Finding:
+def pilot_room(s: BevelUnderTest) -> Comparison:
     """Gearhead's centring boss stays below the pulley's journal, and in the shelf or beside the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
     top = s.levels.motor_shelf_bottom_z + gear.pilot_height_mm
@@ -148,7 +148,7 @@ def pilot_room(s: Subject) -> Finding:
     )
 
 
-def coupling_height(s: Subject) -> Finding:
+def coupling_height(s: BevelUnderTest) -> Comparison:
     """Coupling space takes collar and slit below the bearing; gearhead screws and collar pass on their way in."""
     lay, v, drive = s.layout, s.levels, s.drive
     shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
@@ -176,7 +176,7 @@ def coupling_height(s: Subject) -> Finding:
     )
 
 
-def _of_thinner_walls(s: Subject) -> str:
+def _of_thinner_walls(s: BevelUnderTest) -> str:
     """Steel, for pulleys of something that asks for thicker walls."""
     own, steel = s.drive.input_pulleys.material, s.drive.material("steel")
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
@@ -189,23 +189,72 @@ _RADII = (
 )
 _CHOOSE = "choose another bearing or gearhead, or a material of thinner walls"
 CHECKS = (
-    Check("stop_pocket_wall", "Wall outside the stops' pockets", "material: min_wall_mm", stop_pocket_wall,
-          turns=_RADII, advice=_of_thinner_walls),
-    Check("stop_pocket_floor", "Metal between the stops' pockets", "material: min_wall_mm", stop_pocket_floor,
-          turns=(up("rope.helix_lead_mm"), up("rope.dead_turns"), up("all radii of transmission"))),
-    Check("stop_pocket_bore", "Metal between stops and shaft bore", "material: min_wall_mm", stop_pocket_bore,
-          turns=_RADII),
+    Check(
+        "stop_pocket_wall",
+        "Wall outside the stops' pockets",
+        "material: min_wall_mm",
+        stop_pocket_wall,
+        adjust=_RADII,
+        advice=_of_thinner_walls,
+    ),
+    Check(
+        "stop_pocket_floor",
+        "Metal between the stops' pockets",
+        "material: min_wall_mm",
+        stop_pocket_floor,
+        adjust=(up("rope.helix_lead_mm"), up("rope.dead_turns"), up("all radii of transmission")),
+    ),
+    Check(
+        "stop_pocket_bore",
+        "Metal between stops and shaft bore",
+        "material: min_wall_mm",
+        stop_pocket_bore,
+        adjust=_RADII,
+    ),
     Check("bore_wall", "Journal's wall round the gearhead's shaft", "material: min_wall_mm", bore_wall, advice=_CHOOSE),
-    Check("bearing_shoulders", "Shoulders for the input pulleys' bearings", "bearing catalogue; 0.3 mm: estimate",
-          bearing_shoulders, turns=_RADII, advice="choose a smaller bearing"),
-    Check("encoder_fit", "Encoders fit their shafts", "encoder and bearing catalogue", encoder_fit,
-          advice="choose encoder and bearing of one bore"),
-    Check("bought_depth", "Bought parts are deep enough for their holes", "catalogue; 1 mm: estimate", bought_depth,
-          turns=(up("support.motor_shelf_mm"), up("support.top_plate_mm")), advice="choose a shorter screw"),
-    Check("shaft_grip", "Clamp collar grips the gearhead's shaft", "one diameter: usual rule", shaft_grip,
-          turns=(down("support.motor_shelf_mm"),), advice="choose a gearhead with a longer shaft"),
-    Check("pilot_room", "Gearhead's pilot clears pulley and screws", "clearances.running_mm", pilot_room,
-          turns=(up("support.motor_shelf_mm"),)),
-    Check("coupling_height", "Coupling space is high enough", "clearances.running_mm; 0.1 mm: estimate",
-          coupling_height, turns=(up("support.coupling_space_mm"), up("support.motor_shelf_mm"))),
-)  # fmt: skip
+    Check(
+        "bearing_shoulders",
+        "Shoulders for the input pulleys' bearings",
+        "bearing catalogue; 0.3 mm: estimate",
+        bearing_shoulders,
+        adjust=_RADII,
+        advice="choose a smaller bearing",
+    ),
+    Check(
+        "encoder_fit",
+        "Encoders fit their shafts",
+        "encoder and bearing catalogue",
+        encoder_fit,
+        advice="choose encoder and bearing of one bore",
+    ),
+    Check(
+        "bought_depth",
+        "Bought parts are deep enough for their holes",
+        "catalogue; 1 mm: estimate",
+        bought_depth,
+        adjust=(up("support.motor_shelf_mm"), up("support.top_plate_mm")),
+        advice="choose a shorter screw",
+    ),
+    Check(
+        "shaft_grip",
+        "Clamp collar grips the gearhead's shaft",
+        "one diameter: usual rule",
+        shaft_grip,
+        adjust=(down("support.motor_shelf_mm"),),
+        advice="choose a gearhead with a longer shaft",
+    ),
+    Check(
+        "pilot_room",
+        "Gearhead's pilot clears pulley and screws",
+        "clearances.running_mm",
+        pilot_room,
+        adjust=(up("support.motor_shelf_mm"),),
+    ),
+    Check(
+        "coupling_height",
+        "Coupling space is high enough",
+        "clearances.running_mm; 0.1 mm: estimate",
+        coupling_height,
+        adjust=(up("support.coupling_space_mm"), up("support.motor_shelf_mm")),
+    ),
+)

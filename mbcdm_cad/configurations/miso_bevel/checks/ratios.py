@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_most, shown, told
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted, shown
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import CableRun
 
 # 0.6 um on a radius of 6 mm, a tenth of what good turning holds: rounding of the drawing, not of the part.
@@ -24,7 +24,7 @@ MISMATCH_SHARE = 0.1
 EQ1 = "paper Eq. (1)"
 
 
-def _spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note: str = "") -> Finding:
+def _spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note: str = "") -> Comparison:
     """Largest relative deviation of the ratios from the first of them."""
     off = [abs(ratio / ratios[0] - 1.0) for ratio in ratios]
     k = int(np.argmax(off))
@@ -32,22 +32,22 @@ def _spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note
     return at_most(f"{name} = {listed}: {cables[k].name} off", off[k], RATIO_TOLERANCE, "relative", note)
 
 
-def guide_to_drum(s: Subject) -> Finding:
+def guide_to_drum(s: BevelUnderTest) -> Comparison:
     """Row 1: r_g/r_o the same for all four steps."""
     return _spread("r_g/r_o", [c.guide_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
 
 
-def _own(s: Subject, index: int) -> list[CableRun]:
+def _own(s: BevelUnderTest, index: int) -> list[CableRun]:
     return [c for c in s.steps if c.input_name == s.drive.input_names[index]]
 
 
-def first_input(s: Subject) -> Finding:
+def first_input(s: BevelUnderTest) -> Comparison:
     """Row 2: r_m/r_g the same for both cables of the first input."""
     own = _own(s, 0)
     return _spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own)
 
 
-def second_input(s: Subject) -> Finding:
+def second_input(s: BevelUnderTest) -> Comparison:
     """Row 3 as it must be: r_m/r_g the same for both cables of the second input, over its own guide steps."""
     own = _own(s, 1)
     steps = " and ".join(f"r_g{c.step}" for c in own)
@@ -55,7 +55,7 @@ def second_input(s: Subject) -> Finding:
     return _spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own, note)
 
 
-def equal_total_ratio(s: Subject) -> Finding:
+def equal_total_ratio(s: BevelUnderTest) -> Comparison:
     """i_c = r_o/r_m the same for both inputs, else the drum is over-constrained."""
     mean = [float(np.mean([c.drum_radius_mm / c.input_radius_mm for c in _own(s, i)])) for i in (0, 1)]
     names = s.drive.input_names
@@ -67,7 +67,7 @@ def equal_total_ratio(s: Subject) -> Finding:
     )
 
 
-def _surface_hint(s: Subject) -> str:
+def _surface_hint(s: BevelUnderTest) -> str:
     """Whether the radii would satisfy Eq. (1) with half a cable added: then surface radii were entered."""
     half = s.flank_mm
     pitch = [(c.drum_radius_mm + half, c.guide_radius_mm + half, c.input_radius_mm + half) for c in s.steps]
@@ -84,7 +84,7 @@ def _surface_hint(s: Subject) -> str:
     return f"with step 1 kept, guide_radii_mm: [{guide}] and input_radii_mm: [{pulley}] satisfy Eq. (1)"
 
 
-def pair_mismatch(s: Subject) -> Finding:
+def pair_mismatch(s: BevelUnderTest) -> Comparison:
     """Tension that the two cables of an input put on each other over the travel, from the model."""
     from mbcdm_cad.model.equilibrium import solve_equilibrium
     from mbcdm_cad.model.kinematics import pair_mismatch_m
@@ -107,7 +107,7 @@ def pair_mismatch(s: Subject) -> Finding:
     )
 
 
-def path_length(s: Subject) -> Finding:
+def path_length(s: BevelUnderTest) -> Comparison:
     """Length that helix and fleet angle add to a cable at the ends of travel, which no radius can take away."""
     (_, back), (_, centred), (_, forward) = s.extreme_paths
     drift = [[end[k].length_mm - centred[k].length_mm for end in (back, forward)] for k in range(len(centred))]
@@ -115,7 +115,7 @@ def path_length(s: Subject) -> Finding:
     even = [abs(sum(d)) / 2 for d in drift]
     k = int(np.argmax(even))
     stiffness = s.drive.cable.axial_stiffness_N / max(centred[k].length_mm, 1e-9)
-    return told(
+    return noted(
         f"{s.drive.cables[k].name} is longer at the ends of travel than centred by",
         even[k],
         "mm",

@@ -6,15 +6,15 @@ from math import radians, tan, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
     BLEND_DIAMETERS,
     fleet_angle_deg,
     guide_landing_walk_mm,
     winding,
 )
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
 from mbcdm_cad.design.drive import CableRun, Drive
 
@@ -27,7 +27,7 @@ _SEARCH_STEPS = 81
 _SEARCH_ROUNDS = 4
 
 
-def centre_distance(s: Subject) -> Finding:
+def centre_distance(s: BevelUnderTest) -> Comparison:
     """L beyond r_g + r_m, so that a straight span exists, with room for the blends at both ends of it."""
     blends = 2 * BLEND_DIAMETERS * s.drive.cable.diameter_mm
 
@@ -46,7 +46,7 @@ def centre_distance(s: Subject) -> Finding:
     )
 
 
-def pulley_gap(s: Subject) -> Finding:
+def pulley_gap(s: BevelUnderTest) -> Comparison:
     """Guide and input pulleys, cables on both, clear each other at whatever heights."""
     d = s.drive.cable.diameter_mm
     guide, pulley = max(c.guide_radius_mm for c in s.steps), max(c.input_radius_mm for c in s.steps)
@@ -58,14 +58,14 @@ def pulley_gap(s: Subject) -> Finding:
     )
 
 
-def fleet_angle(s: Subject) -> Finding:
+def fleet_angle(s: BevelUnderTest) -> Comparison:
     """Largest fleet angle over the travel, at both ends."""
     s.levels  # noqa: B018 - without levels there is no winding
     limit = s.drive.limits.fleet_angle_max_deg
     return worst(at_most(f"fleet angle of {c.name}", fleet_angle_deg(s.drive, c), limit, "deg") for c in s.steps)
 
 
-def helix_lead(s: Subject) -> Finding:
+def helix_lead(s: BevelUnderTest) -> Comparison:
     """Lead over the cable's diameter: turns lie side by side."""
     return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, s.drive.cable.diameter_mm, "mm")
 
@@ -93,7 +93,7 @@ def straight_span_clearance_mm(drive: Drive, cable: CableRun) -> float:
     return best - drive.cable.diameter_mm
 
 
-def self_clearance(s: Subject) -> Finding:
+def self_clearance(s: BevelUnderTest) -> Comparison:
     """Free span against the turn wound just before it, at the fully wound end."""
     s.levels  # noqa: B018 - without levels there is no winding
     return worst(
@@ -102,7 +102,7 @@ def self_clearance(s: Subject) -> Finding:
     )
 
 
-def input_walk(s: Subject) -> Finding:
+def input_walk(s: BevelUnderTest) -> Comparison:
     """Bands of the two cables of an input pulley, walk included, leave the wall between their steps free."""
     s.levels  # noqa: B018 - without levels there are no bands
     found = []
@@ -120,7 +120,7 @@ def input_walk(s: Subject) -> Finding:
     return worst(found)
 
 
-def guide_walk(s: Subject) -> Finding:
+def guide_walk(s: BevelUnderTest) -> Comparison:
     """Landing point on the guide, wandering with the input's walk, leaves the walls of its step free."""
     walls, found = s.layout.guide.walls_z, []
     for k, c in enumerate(s.steps):
@@ -131,12 +131,12 @@ def guide_walk(s: Subject) -> Finding:
     return worst(found)
 
 
-def dead_turns(s: Subject) -> Finding:
+def dead_turns(s: BevelUnderTest) -> Comparison:
     """Turns that stay on the input pulley at the unwound end."""
     return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
 
 
-def landing_angle(s: Subject) -> Finding:
+def landing_angle(s: BevelUnderTest) -> Comparison:
     """Wrap on the guide of every cable is real: it lands before the transfer point and less than a turn from it."""
     s.levels  # noqa: B018 - without levels there is no winding
     return worst(
@@ -156,62 +156,62 @@ CHECKS = (
         "Centre distance leaves a free span",
         "paper Eq. (11)",
         centre_distance,
-        turns=(up("transmission.centre_distance_mm"), down("all radii of transmission"), down("rope diameter_mm")),
+        adjust=(up("transmission.centre_distance_mm"), down("all radii of transmission"), down("rope diameter_mm")),
     ),
     Check(
         "pulley_gap",
         "Guide and input pulleys clear each other",
         "clearances.running_mm",
         pulley_gap,
-        turns=(up("transmission.centre_distance_mm"), down("all radii of transmission")),
+        adjust=(up("transmission.centre_distance_mm"), down("all radii of transmission")),
     ),
     Check(
         "guide_wrap",
         "Every cable wraps the guide",
         "derived from the figure-eight span; a degree: estimate",
         landing_angle,
-        turns=(down("all radii of transmission"), up("transmission.centre_distance_mm")),
+        adjust=(down("all radii of transmission"), up("transmission.centre_distance_mm")),
     ),
     Check(
         "fleet_angle",
         "Fleet angle on the smooth pulleys",
         "limits.fleet_angle_max_deg; usual limit for smooth drums",
         fleet_angle,
-        turns=_SHORTER_WALK,
+        adjust=_SHORTER_WALK,
     ),
     Check(
         "helix_lead",
         "Turns on the input pulley lie side by side",
         "derived: lead > d",
         helix_lead,
-        turns=(up("rope.helix_lead_mm"), down("rope diameter_mm")),
+        adjust=(up("rope.helix_lead_mm"), down("rope diameter_mm")),
     ),
     Check(
         "self_clearance",
         "Free span clears its own last turn",
         "derived: straight span, no credit for the rope's stiffness",
         self_clearance,
-        turns=(up("rope.helix_lead_mm"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),
+        adjust=(up("rope.helix_lead_mm"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),
     ),
     Check(
         "input_walk",
         "Axial walk fits the steps of the input pulleys",
         "derived; 0.1 mm: estimate",
         input_walk,
-        turns=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
+        adjust=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
     ),
     Check(
         "guide_walk",
         "Landing point's walk fits the steps of the guide",
         "derived; 0.1 mm: estimate",
         guide_walk,
-        turns=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
+        adjust=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
     ),
     Check(
         "dead_turns",
         "Dead turns protect the stop",
         "half a turn: estimate",
         dead_turns,
-        turns=(up("rope.dead_turns"),),
+        adjust=(up("rope.dead_turns"),),
     ),
 )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import hypot
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import corner_gap
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
 
@@ -22,7 +22,7 @@ MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 HEAD_ROOM_MM = 0.5
 
 
-def engagement(s: Subject) -> Finding:
+def engagement(s: BevelUnderTest) -> Comparison:
     """Every screw is engaged over its own diameter at least."""
     drive, lay, support = s.drive, s.layout, s.drive.support
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
@@ -43,14 +43,14 @@ def engagement(s: Subject) -> Finding:
     )
 
 
-def dowel_engagement(s: Subject) -> Finding:
+def dowel_engagement(s: BevelUnderTest) -> Comparison:
     """Dowels reach into the frame by their diameter."""
     return at_least(
         "dowel in the frame", DOWEL_LENGTH_MM - s.drive.support.top_plate_mm, 2 * s.layout.frame.dowel_radius, "mm"
     )
 
 
-def screw_counts(s: Subject) -> Finding:
+def screw_counts(s: BevelUnderTest) -> Comparison:
     """Gearhead and encoders are held by the two screws that the frame is drilled for."""
     drive = s.drive
     return worst(
@@ -63,7 +63,7 @@ def screw_counts(s: Subject) -> Finding:
     )
 
 
-def key_access(s: Subject) -> Finding:
+def key_access(s: BevelUnderTest) -> Comparison:
     """Key holes for the gearhead's screws lie inside the lower bearing's seat, or clear of it."""
     f = s.layout.frame
     inside = f.seat_radius - f.gear_bolt_circle - f.key_hole_radius
@@ -71,7 +71,7 @@ def key_access(s: Subject) -> Finding:
     return at_least("gearhead screws' key holes from the wall of the bearing's seat", max(inside, outside), 0.0, "mm")
 
 
-def head_seats(s: Subject) -> Finding:
+def head_seats(s: BevelUnderTest) -> Comparison:
     """Heads of the gearhead's screws stand on flat floor, not on the pocket's rounded corner."""
     v, f = s.levels, s.layout.frame
     head = s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
@@ -82,7 +82,7 @@ def head_seats(s: Subject) -> Finding:
     return at_least("gearhead screw's head from the pocket's corner", gap, -HEAD_EDGE_MM, "mm")
 
 
-def pulley_corner(s: Subject) -> Finding:
+def pulley_corner(s: BevelUnderTest) -> Comparison:
     """Input pulleys, cables on them, clear the rounded corner between bearing shelf and side wall."""
     v, f = s.levels, s.layout.frame
     found = []
@@ -102,14 +102,14 @@ def pulley_corner(s: Subject) -> Finding:
     return worst(found)
 
 
-def pocket_depth(s: Subject) -> Finding:
+def pocket_depth(s: BevelUnderTest) -> Comparison:
     """Pulleys and their cables turn clear of the back plate."""
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
     back = s.layout.frame.upper_floor_y
     return at_least("input pulleys, cables on, from the back plate", -back - reach, s.drive.clearances.running_mm, "mm")
 
 
-def mounts(s: Subject) -> Finding:
+def mounts(s: BevelUnderTest) -> Comparison:
     """Mounting screws' heads find flat floor in the coupling pockets and in the column."""
     v, f = s.levels, s.layout.frame
     head = f.mount_head_radius
@@ -127,7 +127,7 @@ def mounts(s: Subject) -> Finding:
     return worst(at_least(f"mounting screw's head: {name}", room, HEAD_ROOM_MM, "mm") for name, room in rooms)
 
 
-def drives_apart(s: Subject) -> Finding:
+def drives_apart(s: BevelUnderTest) -> Comparison:
     """Gearheads, motors and encoders clear column, boss, drum encoder and each other."""
     drive, f = s.drive, s.layout.frame
     body = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
@@ -141,7 +141,7 @@ def drives_apart(s: Subject) -> Finding:
     )
 
 
-def screwdriver(s: Subject) -> Finding:
+def screwdriver(s: BevelUnderTest) -> Comparison:
     """Plate screws can be reached beside the encoders on top of the plate."""
     p, drive = s.layout.top_plate, s.drive
     reach = drive.encoder.diameter_mm / 2 + drive.screw(PLATE_SCREW).key_mm / 3**0.5
@@ -158,25 +158,80 @@ def screwdriver(s: Subject) -> Finding:
 
 
 CHECKS = (
-    Check("engagement", "Screws engage over their diameter", "usual rule: one diameter", engagement,
-          turns=(down("support.motor_shelf_mm"), down("support.top_plate_mm"), up("support.top_plate_mm"),
-                 up("drum.hub_diameter_mm")), advice="choose longer screws"),
-    Check("dowel_engagement", "Dowels reach into the frame", "usual rule: one diameter", dowel_engagement,
-          turns=(down("support.top_plate_mm"),)),
-    Check("screw_counts", "Gearhead and encoders have two screws", "the frame is drilled for two", screw_counts,
-          advice="choose a gearhead and encoders held by two screws"),
-    Check("key_access", "Key holes for the gearheads' screws", "derived: assembly order", key_access,
-          advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle"),
-    Check("head_seats", "Gearhead screws' heads on flat floor", "derived; 0.02 mm: estimate", head_seats,
-          turns=(up("support.back_plate_mm"), up("all radii of transmission"))),
-    Check("pulley_corner", "Input pulleys clear the pocket's corner", "clearances.running_mm", pulley_corner,
-          turns=(up("support.back_plate_mm"),)),
-    Check("pocket_depth", "Input pulleys clear the back plate", "clearances.running_mm", pocket_depth,
-          turns=(down("support.back_plate_mm"), down("support.back_y_mm"))),
-    Check("mounts", "Mounting screws' heads find room", "M3 head; 0.5 mm: estimate", mounts,
-          turns=(up("support.coupling_space_mm"), down("support.rib_mm"), up("transmission.centre_distance_mm"))),
-    Check("drives_apart", "Drives clear column and each other", "clearances.running_mm", drives_apart,
-          turns=(up("transmission.centre_distance_mm"),)),
-    Check("screwdriver", "Plate screws can be reached", "clearances.running_mm", screwdriver,
-          turns=(up("support.side_wall_mm"), up("transmission.centre_distance_mm"))),
-)  # fmt: skip
+    Check(
+        "engagement",
+        "Screws engage over their diameter",
+        "usual rule: one diameter",
+        engagement,
+        adjust=(
+            down("support.motor_shelf_mm"),
+            down("support.top_plate_mm"),
+            up("support.top_plate_mm"),
+            up("drum.hub_diameter_mm"),
+        ),
+        advice="choose longer screws",
+    ),
+    Check(
+        "dowel_engagement",
+        "Dowels reach into the frame",
+        "usual rule: one diameter",
+        dowel_engagement,
+        adjust=(down("support.top_plate_mm"),),
+    ),
+    Check(
+        "screw_counts",
+        "Gearhead and encoders have two screws",
+        "the frame is drilled for two",
+        screw_counts,
+        advice="choose a gearhead and encoders held by two screws",
+    ),
+    Check(
+        "key_access",
+        "Key holes for the gearheads' screws",
+        "derived: assembly order",
+        key_access,
+        advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle",
+    ),
+    Check(
+        "head_seats",
+        "Gearhead screws' heads on flat floor",
+        "derived; 0.02 mm: estimate",
+        head_seats,
+        adjust=(up("support.back_plate_mm"), up("all radii of transmission")),
+    ),
+    Check(
+        "pulley_corner",
+        "Input pulleys clear the pocket's corner",
+        "clearances.running_mm",
+        pulley_corner,
+        adjust=(up("support.back_plate_mm"),),
+    ),
+    Check(
+        "pocket_depth",
+        "Input pulleys clear the back plate",
+        "clearances.running_mm",
+        pocket_depth,
+        adjust=(down("support.back_plate_mm"), down("support.back_y_mm")),
+    ),
+    Check(
+        "mounts",
+        "Mounting screws' heads find room",
+        "M3 head; 0.5 mm: estimate",
+        mounts,
+        adjust=(up("support.coupling_space_mm"), down("support.rib_mm"), up("transmission.centre_distance_mm")),
+    ),
+    Check(
+        "drives_apart",
+        "Drives clear column and each other",
+        "clearances.running_mm",
+        drives_apart,
+        adjust=(up("transmission.centre_distance_mm"),),
+    ),
+    Check(
+        "screwdriver",
+        "Plate screws can be reached",
+        "clearances.running_mm",
+        screwdriver,
+        adjust=(up("support.side_wall_mm"), up("transmission.centre_distance_mm")),
+    ),
+)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import inside_rounded_rectangle, web_between
-from mbcdm_cad.checks.knobs import Turn, down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, EAR_WALL_MM, PLATE_SCREW
 
 # Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
 HOLE_WEB_MM = 0.5
 
 
-def walls(s: Subject) -> Finding:
+def walls(s: BevelUnderTest) -> Comparison:
     """Every wall of frame and top plate can be made."""
     support = s.drive.support
     names = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
@@ -31,7 +31,7 @@ def walls(s: Subject) -> Finding:
     return worst(found)
 
 
-def bearing_shelf(s: Subject) -> Finding:
+def bearing_shelf(s: BevelUnderTest) -> Comparison:
     """Shelf takes the lower bearings, a shoulder under them, and the axle's set screw with walls."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
     return worst(
@@ -52,7 +52,7 @@ def bearing_shelf(s: Subject) -> Finding:
     )
 
 
-def top_plate(s: Subject) -> Finding:
+def top_plate(s: BevelUnderTest) -> Comparison:
     """Plate takes the upper bearings from below, the encoders' screws from below and its own from above."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
     plate = drive.support.top_plate_mm
@@ -70,7 +70,7 @@ def top_plate(s: Subject) -> Finding:
     )
 
 
-def front_wall(s: Subject) -> Finding:
+def front_wall(s: BevelUnderTest) -> Comparison:
     """Metal between bearing seats and the front of shelf and plate."""
     lay, front = s.layout, s.levels.front_y
     head = s.drive.screw(s.drive.encoder.screw).head_diameter_mm / 2 + 0.1
@@ -86,7 +86,7 @@ def front_wall(s: Subject) -> Finding:
     )
 
 
-def side_wall(s: Subject) -> Finding:
+def side_wall(s: BevelUnderTest) -> Comparison:
     """Top plate has a wall on both sides of the holes that its screws' heads are sunk in, above the side walls."""
     sunk = 2 * s.layout.top_plate.screw_head_radius
     wall = s.drive.support.material.min_wall_mm
@@ -94,7 +94,7 @@ def side_wall(s: Subject) -> Finding:
     return at_least(f"side wall under the {PLATE_SCREW} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall, "mm")
 
 
-def hole_webs(s: Subject) -> Finding:
+def hole_webs(s: BevelUnderTest) -> Comparison:
     """Metal between neighbouring holes of top plate and motor shelf, and to the plate's edge."""
     lay, drive, v = s.layout, s.drive, s.levels
     p, f = lay.top_plate, lay.frame
@@ -127,7 +127,7 @@ def hole_webs(s: Subject) -> Finding:
     return worst(found)
 
 
-def wall_holes(s: Subject) -> Finding:
+def wall_holes(s: BevelUnderTest) -> Comparison:
     """Threads and dowels stand inside the side walls and apart from each other."""
     f, wall = s.layout.frame, s.drive.support.side_wall_mm
     limit = s.drive.support.material.min_wall_mm
@@ -144,7 +144,7 @@ def wall_holes(s: Subject) -> Finding:
     )
 
 
-def boss(s: Subject) -> Finding:
+def boss(s: BevelUnderTest) -> Comparison:
     """Drum bearings sit apart in the boss with a shoulder between, ears and column behind the boss's front."""
     v, f = s.levels, s.layout.frame
     limit = s.drive.support.material.min_wall_mm
@@ -158,7 +158,7 @@ def boss(s: Subject) -> Finding:
     )
 
 
-def encoder_screws(s: Subject) -> Finding:
+def encoder_screws(s: BevelUnderTest) -> Comparison:
     """Drum encoder's screws miss the rear bearing's seat and stay in the encoder."""
     f, encoder = s.layout.frame, s.drive.drum_encoder
     return worst(
@@ -185,7 +185,7 @@ def encoder_screws(s: Subject) -> Finding:
     )
 
 
-def corner_radii(s: Subject) -> Finding:
+def corner_radii(s: BevelUnderTest) -> Comparison:
     """Frame and plate are larger than the corners that the pockets' tool leaves."""
     v, f = s.levels, s.layout.frame
     return worst(
@@ -197,29 +197,78 @@ def corner_radii(s: Subject) -> Finding:
     )
 
 
-_SHELF: tuple[Turn, ...] = (up("support.bearing_shelf_mm"),)
+_SHELF: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"),)
 _WALL = "material: min_wall_mm"
 _WEB = "0.5 mm between holes: estimate"
 CHECKS = (
-    Check("walls", "Walls of frame and plate can be made", _WALL, walls,
-          turns=(up("support.back_plate_mm"), up("support.side_wall_mm"), up("support.motor_shelf_mm"),
-                 up("support.bearing_shelf_mm"), up("support.top_plate_mm"), up("support.rib_mm"),
-                 down("support.back_y_mm"), up("support.coupling_space_mm"))),
-    Check("bearing_shelf", "Bearing shelf takes bearings and set screw", _WALL, bearing_shelf, turns=_SHELF),
-    Check("top_plate", "Top plate takes bearings and heads", _WALL, top_plate, turns=(up("support.top_plate_mm"),)),
-    Check("front_wall", "Front walls beside the bearing seats", _WALL, front_wall,
-          turns=(up("all radii of transmission"),), advice="choose smaller bearings"),
-    Check("side_wall", "Side walls carry the plate screws' heads", _WALL, side_wall,
-          turns=(up("support.side_wall_mm"),)),
-    Check("hole_webs", "Metal between the holes of plate and shelf", _WEB, hole_webs,
-          turns=(up("support.side_wall_mm"), up("transmission.centre_distance_mm"), up("support.top_plate_mm"),
-                 down("support.back_y_mm"))),
-    Check("wall_holes", "Threads and dowels inside the side walls", _WALL, wall_holes,
-          turns=(up("support.side_wall_mm"), down("support.back_y_mm"))),
-    Check("boss", "Boss takes both drum bearings", _WALL, boss,
-          turns=(down("support.back_y_mm"), up("all radii of transmission"), down("support.coupling_space_mm"))),
-    Check("encoder_screws", "Drum encoder's screws find metal", _WEB, encoder_screws,
-          advice="choose a drum encoder of larger bolt circle, or a smaller drum.bearing"),
-    Check("corner_radii", "Corners fit frame and pockets", _WALL.replace("wall", "internal_radius"), corner_radii,
-          turns=(down("support.back_y_mm"),), advice="choose a material of smaller internal radius"),
-)  # fmt: skip
+    Check(
+        "walls",
+        "Walls of frame and plate can be made",
+        _WALL,
+        walls,
+        adjust=(
+            up("support.back_plate_mm"),
+            up("support.side_wall_mm"),
+            up("support.motor_shelf_mm"),
+            up("support.bearing_shelf_mm"),
+            up("support.top_plate_mm"),
+            up("support.rib_mm"),
+            down("support.back_y_mm"),
+            up("support.coupling_space_mm"),
+        ),
+    ),
+    Check("bearing_shelf", "Bearing shelf takes bearings and set screw", _WALL, bearing_shelf, adjust=_SHELF),
+    Check("top_plate", "Top plate takes bearings and heads", _WALL, top_plate, adjust=(up("support.top_plate_mm"),)),
+    Check(
+        "front_wall",
+        "Front walls beside the bearing seats",
+        _WALL,
+        front_wall,
+        adjust=(up("all radii of transmission"),),
+        advice="choose smaller bearings",
+    ),
+    Check(
+        "side_wall", "Side walls carry the plate screws' heads", _WALL, side_wall, adjust=(up("support.side_wall_mm"),)
+    ),
+    Check(
+        "hole_webs",
+        "Metal between the holes of plate and shelf",
+        _WEB,
+        hole_webs,
+        adjust=(
+            up("support.side_wall_mm"),
+            up("transmission.centre_distance_mm"),
+            up("support.top_plate_mm"),
+            down("support.back_y_mm"),
+        ),
+    ),
+    Check(
+        "wall_holes",
+        "Threads and dowels inside the side walls",
+        _WALL,
+        wall_holes,
+        adjust=(up("support.side_wall_mm"), down("support.back_y_mm")),
+    ),
+    Check(
+        "boss",
+        "Boss takes both drum bearings",
+        _WALL,
+        boss,
+        adjust=(down("support.back_y_mm"), up("all radii of transmission"), down("support.coupling_space_mm")),
+    ),
+    Check(
+        "encoder_screws",
+        "Drum encoder's screws find metal",
+        _WEB,
+        encoder_screws,
+        advice="choose a drum encoder of larger bolt circle, or a smaller drum.bearing",
+    ),
+    Check(
+        "corner_radii",
+        "Corners fit frame and pockets",
+        _WALL.replace("wall", "internal_radius"),
+        corner_radii,
+        adjust=(down("support.back_y_mm"),),
+        advice="choose a material of smaller internal radius",
+    ),
+)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import CableRun
 
 # Thinnest stub that is still turned between journals of this size (estimate).
@@ -13,12 +13,12 @@ SMALLEST_SURFACE_MM = 1.0
 SURFACE_TOLERANCE_MM = 1e-6
 
 
-def ratio_if_cut_as_surface(s: Subject, cable: CableRun) -> float:
+def ratio_if_cut_as_surface(s: BevelUnderTest, cable: CableRun) -> float:
     """Total ratio of a cable if its pitch radii were cut as surface radii: (r_o + d/2) / (r_m + d/2)."""
     return (cable.drum_radius_mm + s.flank_mm) / (cable.input_radius_mm + s.flank_mm)
 
 
-def smallest_surface(s: Subject) -> Finding:
+def smallest_surface(s: BevelUnderTest) -> Comparison:
     """Every surface radius r - d/2 can be machined."""
     ratios = "/".join(f"{ratio_if_cut_as_surface(s, c):.4g}" for c in s.steps)
     meant = "/".join(f"{c.drum_radius_mm / c.input_radius_mm:.4g}" for c in s.steps)
@@ -34,7 +34,7 @@ def smallest_surface(s: Subject) -> Finding:
     )
 
 
-def cut_at_pitch(s: Subject) -> Finding:
+def cut_at_pitch(s: BevelUnderTest) -> Comparison:
     """The layout cuts every surface at the pitch radius less d/2, so that all cables keep one ratio."""
     lay = s.layout
     cut: list[tuple[str, float, float]] = []
@@ -61,7 +61,7 @@ def cut_at_pitch(s: Subject) -> Finding:
     )
 
 
-def _input_surfaces(s: Subject) -> list[float]:
+def _input_surfaces(s: BevelUnderTest) -> list[float]:
     by_name = {p.name: p for p in s.layout.inputs}
     found = []
     for c in s.steps:
@@ -77,7 +77,7 @@ CHECKS = (
         "Surfaces r - d/2 can be machined",
         "derived from paper Table 2, which gives pitch radii",
         smallest_surface,
-        turns=(down("rope diameter_mm"), up("all radii of transmission")),
+        adjust=(down("rope diameter_mm"), up("all radii of transmission")),
     ),
     Check(
         "cut_at_pitch",

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_bevel.cable_path import FREE
 from mbcdm_cad.configurations.miso_bevel.checks.spans import CABLE_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 
 # Gap between two bodies that both turn in bearings (estimate).
@@ -46,7 +46,7 @@ class Upright(NamedTuple):
     moves: bool = False
 
 
-def drum_zones(s: Subject) -> list[Ring]:
+def drum_zones(s: BevelUnderTest) -> list[Ring]:
     """Rings that together hold everything which turns with the drum in front of the frame."""
     d = s.layout.drum
     spec = s.drive.tensioner
@@ -66,7 +66,7 @@ def drum_zones(s: Subject) -> list[Ring]:
     return zones
 
 
-def uprights(s: Subject) -> list[Upright]:
+def uprights(s: BevelUnderTest) -> list[Upright]:
     """Drives and pulleys, one of each pair, since both stand alike."""
     drive, v, lay = s.drive, s.levels, s.layout
     x = drive.centre_distance_mm
@@ -95,7 +95,7 @@ def ring_gap(ring: Ring, body: Upright, want: float) -> float:
     return max(along_y, ring.inner - furthest, hypot(near_x, near_z) - ring.outer)
 
 
-def drum_sweep(s: Subject) -> Finding:
+def drum_sweep(s: BevelUnderTest) -> Comparison:
     """Drum, terminals and wound cables pass drives and pulleys over the whole travel."""
     running = s.drive.clearances.running_mm
     found = []
@@ -106,7 +106,7 @@ def drum_sweep(s: Subject) -> Finding:
     return worst(found)
 
 
-def frame_front(s: Subject) -> Finding:
+def frame_front(s: BevelUnderTest) -> Comparison:
     """Everything that turns with the drum passes in front of shelves, plate and boss."""
     v, running = s.levels, s.drive.clearances.running_mm
     found = []
@@ -119,7 +119,7 @@ def frame_front(s: Subject) -> Finding:
     return worst(found)
 
 
-def collar_space(s: Subject) -> Finding:
+def collar_space(s: BevelUnderTest) -> Comparison:
     """Clamp collars turn clear of web, side walls, back plate and the mounting screws' heads."""
     v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
     reach, x = collar_sweep_mm(s.drive), s.drive.centre_distance_mm
@@ -137,13 +137,13 @@ def collar_space(s: Subject) -> Finding:
     )
 
 
-def _step_mm(s: Subject) -> float:
+def _step_mm(s: BevelUnderTest) -> float:
     """Sampling step along cables: coarse enough that no design, however large, takes long."""
     longest = max(path.length_mm for _, paths in s.extreme_paths for path in paths)
     return max(_SAMPLE_MM, longest / _MOST_SAMPLES)
 
 
-def _sampled(s: Subject) -> list[tuple[float, list[np.ndarray], np.ndarray]]:
+def _sampled(s: BevelUnderTest) -> list[tuple[float, list[np.ndarray], np.ndarray]]:
     """(drum angle in deg, points of every cable, points of all free stretches) at centre and both ends of travel."""
     step = _step_mm(s)
     return [
@@ -162,7 +162,7 @@ def _nearest(a: np.ndarray, b: np.ndarray, step: float) -> float:
     return sqrt(max(float(squared.min()) - step**2 / 2, 0.0))
 
 
-def cables_apart(s: Subject) -> Finding:
+def cables_apart(s: BevelUnderTest) -> Comparison:
     """Centre lines of different cables stay apart, at centre and both ends of travel."""
     d, step, names, found = s.drive.cable.diameter_mm, _step_mm(s), [c.name for c in s.drive.cables], []
     for angle, lines, _ in s.once("sampled", _sampled):
@@ -172,7 +172,7 @@ def cables_apart(s: Subject) -> Finding:
     return worst(found)
 
 
-def spans_clear(s: Subject) -> Finding:
+def spans_clear(s: BevelUnderTest) -> Comparison:
     """Free spans and the cables on the guide pass the terminals at centre and both ends of travel."""
     d, step, found = s.layout.drum, _step_mm(s), []
     keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
@@ -188,18 +188,51 @@ def spans_clear(s: Subject) -> Finding:
 
 
 CHECKS = (
-    Check("drum_sweep", "Drum passes drives and pulleys",
-          "clearances.running_mm; 0.1 mm between turning bodies: estimate", drum_sweep,
-          turns=(down("transmission.centre_distance_mm"), up("transmission.centre_distance_mm"),
-                 up("all radii of transmission"), up("support.coupling_space_mm"),
-                 down("support.coupling_space_mm"), up("drum.rim_inner_radius_mm"))),
-    Check("frame_front", "Drum passes in front of the frame", "clearances.running_mm", frame_front,
-          advice="choose a smaller drum.tensioner"),
-    Check("collar_space", "Clamp collars turn freely", "clearances.running_mm", collar_space,
-          turns=(up("transmission.centre_distance_mm"), down("support.back_plate_mm"), down("support.back_y_mm"))),
-    Check("cables_apart", "Cables stay apart", "derived; 0.1 mm: estimate", cables_apart,
-          turns=(up("transmission.centre_distance_mm"), up("all radii of transmission"), down("travel.half_angle_deg"),
-                 down("rope diameter_mm"))),
-    Check("spans_clear", "Free spans pass the terminals", "derived; 0.1 mm: estimate", spans_clear,
-          turns=(down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"), up("all radii of transmission"))),
-)  # fmt: skip
+    Check(
+        "drum_sweep",
+        "Drum passes drives and pulleys",
+        "clearances.running_mm; 0.1 mm between turning bodies: estimate",
+        drum_sweep,
+        adjust=(
+            down("transmission.centre_distance_mm"),
+            up("transmission.centre_distance_mm"),
+            up("all radii of transmission"),
+            up("support.coupling_space_mm"),
+            down("support.coupling_space_mm"),
+            up("drum.rim_inner_radius_mm"),
+        ),
+    ),
+    Check(
+        "frame_front",
+        "Drum passes in front of the frame",
+        "clearances.running_mm",
+        frame_front,
+        advice="choose a smaller drum.tensioner",
+    ),
+    Check(
+        "collar_space",
+        "Clamp collars turn freely",
+        "clearances.running_mm",
+        collar_space,
+        adjust=(up("transmission.centre_distance_mm"), down("support.back_plate_mm"), down("support.back_y_mm")),
+    ),
+    Check(
+        "cables_apart",
+        "Cables stay apart",
+        "derived; 0.1 mm: estimate",
+        cables_apart,
+        adjust=(
+            up("transmission.centre_distance_mm"),
+            up("all radii of transmission"),
+            down("travel.half_angle_deg"),
+            down("rope diameter_mm"),
+        ),
+    ),
+    Check(
+        "spans_clear",
+        "Free spans pass the terminals",
+        "derived; 0.1 mm: estimate",
+        spans_clear,
+        adjust=(down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"), up("all radii of transmission")),
+    ),
+)

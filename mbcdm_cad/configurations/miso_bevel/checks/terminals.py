@@ -8,10 +8,10 @@ from math import atan2, hypot
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, polygon_gap
-from mbcdm_cad.checks.knobs import Turn, down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.terminal.dims import Tensioner
 
@@ -24,7 +24,7 @@ STUD_SAFETY = 2.0
 LUG_SAFETY = 2.0
 
 
-def _bodies(s: Subject, t: Tensioner) -> list[tuple[str, Points, float, float]]:
+def _bodies(s: BevelUnderTest, t: Tensioner) -> list[tuple[str, Points, float, float]]:
     """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug."""
     spec, d = s.drive.tensioner, s.layout.drum
     nut = spec.nut_across_flats_mm / 3**0.5
@@ -48,7 +48,7 @@ def _pairs(d: DrumDims) -> Iterator[tuple[Tensioner, Tensioner]]:
             yield a, b
 
 
-def terminals_apart(s: Subject) -> Finding:
+def terminals_apart(s: BevelUnderTest) -> Comparison:
     """Terminals and lugs of neighbours on one side do not touch, nut corners included."""
     found = []
     for a, b in _pairs(s.layout.drum):
@@ -61,7 +61,7 @@ def terminals_apart(s: Subject) -> Finding:
     return worst(found)
 
 
-def lands_intact(s: Subject) -> Finding:
+def lands_intact(s: BevelUnderTest) -> Comparison:
     """No pocket takes the land, the lug's root or the way of a neighbour's cable."""
     d, half, wall = s.layout.drum, s.flank_mm, s.drive.drum.material.min_wall_mm
     lands = {c.name: d.lands[k] for k, c in enumerate(s.steps)}
@@ -100,7 +100,7 @@ def lands_intact(s: Subject) -> Finding:
     return worst(found) if found else at_least("terminals on one side", 1.0, 0.0, "mm")
 
 
-def outer_face(s: Subject) -> Finding:
+def outer_face(s: BevelUnderTest) -> Comparison:
     """Rim's outer face lies beyond every nut and lug."""
     d = s.layout.drum
     half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum.material.min_wall_mm)
@@ -110,7 +110,7 @@ def outer_face(s: Subject) -> Finding:
     )
 
 
-def pocket_corners(s: Subject) -> Finding:
+def pocket_corners(s: BevelUnderTest) -> Comparison:
     """Rooms for swage and nuts are longer and wider than the two corners that their cutter leaves."""
     d = s.layout.drum
     rooms = [
@@ -127,7 +127,7 @@ def pocket_corners(s: Subject) -> Finding:
     )
 
 
-def stud_stress(s: Subject) -> Finding:
+def stud_stress(s: BevelUnderTest) -> Comparison:
     """Tension of the stud at the largest cable force."""
     spec = s.drive.tensioner
     strength = s.drive.material(spec.material).yield_MPa
@@ -140,7 +140,7 @@ def stud_stress(s: Subject) -> Finding:
     )
 
 
-def lug_stress(s: Subject) -> Finding:
+def lug_stress(s: BevelUnderTest) -> Comparison:
     """Bending of the lug about its root: only the metal beyond the slot, towards the outer face, is counted."""
     d = s.layout.drum
     strength = s.drive.drum.material.yield_MPa
@@ -154,18 +154,46 @@ def lug_stress(s: Subject) -> Finding:
     return worst(found)
 
 
-_ROOM: tuple[Turn, ...] = (up("all radii of transmission"), up("drum.outer_face_y_mm"))
+_ROOM: tuple[Adjustment, ...] = (up("all radii of transmission"), up("drum.outer_face_y_mm"))
 _SMALLER = "choose a smaller drum.tensioner"
 CHECKS = (
-    Check("terminals_apart", "Terminals of one side do not touch", "derived; 0.1 mm: estimate", terminals_apart,
-          turns=_ROOM, advice=_SMALLER),
-    Check("lands_intact", "Lands and lugs stand on solid rim", "derived", lands_intact, turns=_ROOM, advice=_SMALLER),
-    Check("outer_face", "Rim reaches beyond the terminals", "derived", outer_face,
-          turns=(up("drum.outer_face_y_mm"),), advice=_SMALLER),
-    Check("pocket_corners", "Pockets take their cutter", "material: min_internal_radius_mm", pocket_corners,
-          advice="choose a drum.material of smaller internal radius, or a larger drum.tensioner"),
-    Check("stud_stress", "Tensioner studs hold", "material: yield_MPa; 2: usual rule", stud_stress,
-          turns=(down("loads.peak_torque_Nm"), down("rope.preload_N")), advice="choose a larger drum.tensioner"),
-    Check("lug_stress", "Lugs hold", "material: yield_MPa; 2: usual rule", lug_stress,
-          turns=(up("drum.outer_face_y_mm"), down("loads.peak_torque_Nm"), down("rope.preload_N"))),
-)  # fmt: skip
+    Check(
+        "terminals_apart",
+        "Terminals of one side do not touch",
+        "derived; 0.1 mm: estimate",
+        terminals_apart,
+        adjust=_ROOM,
+        advice=_SMALLER,
+    ),
+    Check("lands_intact", "Lands and lugs stand on solid rim", "derived", lands_intact, adjust=_ROOM, advice=_SMALLER),
+    Check(
+        "outer_face",
+        "Rim reaches beyond the terminals",
+        "derived",
+        outer_face,
+        adjust=(up("drum.outer_face_y_mm"),),
+        advice=_SMALLER,
+    ),
+    Check(
+        "pocket_corners",
+        "Pockets take their cutter",
+        "material: min_internal_radius_mm",
+        pocket_corners,
+        advice="choose a drum.material of smaller internal radius, or a larger drum.tensioner",
+    ),
+    Check(
+        "stud_stress",
+        "Tensioner studs hold",
+        "material: yield_MPa; 2: usual rule",
+        stud_stress,
+        adjust=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
+        advice="choose a larger drum.tensioner",
+    ),
+    Check(
+        "lug_stress",
+        "Lugs hold",
+        "material: yield_MPa; 2: usual rule",
+        lug_stress,
+        adjust=(up("drum.outer_face_y_mm"), down("loads.peak_torque_Nm"), down("rope.preload_N")),
+    ),
+)

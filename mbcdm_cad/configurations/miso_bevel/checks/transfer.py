@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from math import hypot
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import down, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 
 # A tenth of what good turning holds on a step plane: rounding of the drawing, not of the part.
 PITCH_LINE_MM = 0.001
@@ -21,7 +21,7 @@ EDGE_BREAK_MM = 0.1
 RUN_OUT_MM = 0.05
 
 
-def pitch_line(s: Subject) -> Finding:
+def pitch_line(s: BevelUnderTest) -> Comparison:
     """Distance of each transfer point from the line through the apex and the outermost transfer point."""
     outer = s.steps[-1]
     length = hypot(outer.guide_radius_mm, outer.drum_radius_mm)
@@ -36,7 +36,7 @@ def pitch_line(s: Subject) -> Finding:
     )
 
 
-def radii_rise(s: Subject) -> Finding:
+def radii_rise(s: BevelUnderTest) -> Comparison:
     """Guide and drum radii rise together from step to step."""
     return worst(
         at_least(f"{body} radius of step {b.step} over step {a.step}", rise, EDGE_BREAK_MM, "mm")
@@ -48,7 +48,7 @@ def radii_rise(s: Subject) -> Finding:
     )
 
 
-def land_width(s: Subject) -> Finding:
+def land_width(s: BevelUnderTest) -> Comparison:
     """Step of the guide's radius against half a cable plus the edge margin: what is left is the flank's gap.
 
     The land's edge must lie between a cable's flank and the next cable's contact line: delta r_g >= d/2 + edge margin.
@@ -67,7 +67,7 @@ def land_width(s: Subject) -> Finding:
     )
 
 
-def land_edge(s: Subject) -> Finding:
+def land_edge(s: BevelUnderTest) -> Comparison:
     """Contact line of every cable clear of the broken edge of its land."""
     lands = s.layout.drum.lands
     return worst(
@@ -78,7 +78,7 @@ def land_edge(s: Subject) -> Finding:
     )
 
 
-def outermost_land(s: Subject) -> Finding:
+def outermost_land(s: BevelUnderTest) -> Comparison:
     """The last land carries its cable's whole flank before the drum's outer face."""
     c = s.steps[-1]
     return at_least(
@@ -89,7 +89,7 @@ def outermost_land(s: Subject) -> Finding:
     )
 
 
-def _body_gaps(s: Subject) -> list[tuple[str, float]]:
+def _body_gaps(s: BevelUnderTest) -> list[tuple[str, float]]:
     """Gap of every guide step to every drum land in the half plane x = 0: along y or along z, whichever parts them."""
     lands, guide = s.layout.drum.lands, s.layout.guide
     starts = [guide.bottom_z, *guide.walls_z]
@@ -103,12 +103,12 @@ def _body_gaps(s: Subject) -> list[tuple[str, float]]:
     ]
 
 
-def bodies_clear(s: Subject) -> Finding:
+def bodies_clear(s: BevelUnderTest) -> Comparison:
     """Guide and drum never touch, walls included."""
     return worst(at_least(name, gap, RUN_OUT_MM, "mm") for name, gap in _body_gaps(s))
 
 
-def transfer_gap(s: Subject) -> Finding:
+def transfer_gap(s: BevelUnderTest) -> Comparison:
     """At every transfer point guide and drum stand closer than half a cable, so that none slips in between."""
     lands, guide = s.layout.drum.lands, s.layout.guide
     return worst(
@@ -137,28 +137,28 @@ CHECKS = (
         "Drum lands wide enough for half a cable and the edge",
         "derived: delta r_g >= d/2 + edge margin",
         land_width,
-        turns=(down("rope diameter_mm"), down("clearances.land_edge_mm"), up("all radii of transmission")),
+        adjust=(down("rope diameter_mm"), down("clearances.land_edge_mm"), up("all radii of transmission")),
     ),
     Check(
         "land_edge",
         "Contact lines clear of the lands' edges",
         "derived: edges broken by up to 0.1 mm",
         land_edge,
-        turns=(up("clearances.land_edge_mm"), down("clearances.transfer_gap_mm")),
+        adjust=(up("clearances.land_edge_mm"), down("clearances.transfer_gap_mm")),
     ),
     Check(
         "outermost_land",
         "Outermost land carries its cable",
         "derived",
         outermost_land,
-        turns=(up("drum.outer_face_y_mm"),),
+        adjust=(up("drum.outer_face_y_mm"),),
     ),
     Check(
         "bodies_clear",
         "Guide and drum do not touch",
         "paper section 2.2 (placed closely); run-out of 0.05 mm: estimate",
         bodies_clear,
-        turns=(
+        adjust=(
             up("clearances.transfer_gap_mm"),
             down("clearances.land_edge_mm"),
             up("rope diameter_mm"),
@@ -170,6 +170,6 @@ CHECKS = (
         "Guide and drum closer than half a cable",
         "derived: a wider gap lets a cable slip in",
         transfer_gap,
-        turns=(down("clearances.transfer_gap_mm"), up("clearances.land_edge_mm"), up("rope diameter_mm")),
+        adjust=(down("clearances.transfer_gap_mm"), up("clearances.land_edge_mm"), up("rope diameter_mm")),
     ),
 )

@@ -11,9 +11,10 @@ from math import atan2, degrees
 
 import numpy as np
 
-from mbcdm_cad.checks.finding import Check, Finding, at_least, at_most, worst
-from mbcdm_cad.checks.knobs import Turn, down, floored, up
-from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.remedies import floored
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.path_figures import terminal_to_guide_mm
 
 # Land left under the cable between transfer point and terminal at the end of travel (estimate).
@@ -21,7 +22,7 @@ LEAST_WRAP_DEG = 2.0
 FULL_TURN_DEG = 360.0
 
 
-def wrap_left(s: Subject) -> Finding:
+def wrap_left(s: BevelUnderTest) -> Comparison:
     """Anchors lie beyond the travel: some wrap is left at both ends."""
     return worst(
         at_least(
@@ -34,7 +35,7 @@ def wrap_left(s: Subject) -> Finding:
     )
 
 
-def wrap_under_a_turn(s: Subject) -> Finding:
+def wrap_under_a_turn(s: BevelUnderTest) -> Comparison:
     """Cable and terminal stay under a full turn: beyond it they would come round to the transfer point again."""
     return worst(
         at_most(
@@ -47,7 +48,7 @@ def wrap_under_a_turn(s: Subject) -> Finding:
     )
 
 
-def _wrap_against_slip(s: Subject, load: str, states: tuple[np.ndarray, np.ndarray]) -> Finding:
+def _wrap_against_slip(s: BevelUnderTest, load: str, states: tuple[np.ndarray, np.ndarray]) -> Comparison:
     friction = s.drive.friction_coefficient
     found = []
     for k, c in enumerate(s.drive.cables):
@@ -66,26 +67,26 @@ def _wrap_against_slip(s: Subject, load: str, states: tuple[np.ndarray, np.ndarr
     return worst(found)
 
 
-def slip_at_test(s: Subject) -> Finding:
+def slip_at_test(s: BevelUnderTest) -> Comparison:
     """Wrap left against the slip zone of the backlash test."""
     load = f"{s.drive.loads.test_torque_Nm:g} N m"
     return _wrap_against_slip(s, load, (s.loads.test_forward, s.loads.test_back))
 
 
-def slip_at_peak(s: Subject) -> Finding:
+def slip_at_peak(s: BevelUnderTest) -> Comparison:
     """Wrap left against the slip zone at peak torque."""
     load = f"{s.drive.loads.peak_torque_Nm:g} N m"
     return _wrap_against_slip(s, load, (s.loads.peak_forward, s.loads.peak_back))
 
 
-def _travel_within(measure: Callable[[Subject], Finding], s: Subject) -> str:
+def _travel_within(measure: Callable[[BevelUnderTest], Comparison], s: BevelUnderTest) -> str:
     travel = s.drive.half_travel_deg + measure(s).margin
     if travel > 1.0:
         return f"lower travel.half_angle_deg to at most {floored(travel)} or raise rope.preload_N"
     return "no travel is short enough: take the model's figures at this load as estimates, or raise rope.preload_N"
 
 
-def terminal_clears_guide(s: Subject) -> Finding:
+def terminal_clears_guide(s: BevelUnderTest) -> Comparison:
     """Terminals stay beside the guide at the end of travel that brings them nearest."""
     return worst(
         at_least(
@@ -99,28 +100,28 @@ def terminal_clears_guide(s: Subject) -> Finding:
     )
 
 
-_MORE_WRAP: tuple[Turn, ...] = (down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"))
+_MORE_WRAP: tuple[Adjustment, ...] = (down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"))
 CHECKS = (
     Check(
         "wrap_left",
         "Wrap left on the drum at both ends of travel",
         "derived; 2 deg: estimate",
         wrap_left,
-        turns=_MORE_WRAP,
+        adjust=_MORE_WRAP,
     ),
     Check(
         "wrap_under_turn",
         "Wrap on the drum stays under a turn",
         "paper section 2.1",
         wrap_under_a_turn,
-        turns=(down("drum.sector_half_angle_deg"), down("travel.half_angle_deg")),
+        adjust=(down("drum.sector_half_angle_deg"), down("travel.half_angle_deg")),
     ),
     Check(
         "terminal_clears_guide",
         "Terminals clear the guide at the ends of travel",
         "clearances.running_mm",
         terminal_clears_guide,
-        turns=_MORE_WRAP,
+        adjust=_MORE_WRAP,
     ),
     Check(
         "wrap_slip_test",

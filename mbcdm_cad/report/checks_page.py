@@ -1,15 +1,15 @@
-"""The page that lists every check, written from the registry: docs/checks.md."""
+"""The page that lists every check of a configuration, written from its families: docs/checks.md."""
 
 from __future__ import annotations
 
 from functools import partial
 
-from mbcdm_cad.checks.finding import Check
-from mbcdm_cad.checks.registry import BUILD_IDS
+from mbcdm_cad.checks.built import BUILD_IDS
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.checks.result import figures
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.checks.subject import Subject
-from mbcdm_cad.configurations.miso_bevel.checks import FAMILIES
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 
 _HEAD = """\
@@ -38,8 +38,9 @@ _BUILD = {
 
 def checks_page(drive: Drive) -> str:
     """Markdown: id, what, figure of ``drive`` against its limit, source; one table a family."""
-    subject, lines = Subject(drive), []
-    for family in FAMILIES:
+    kind = configuration(drive.configuration)
+    design, lines = kind.design_under_test(drive), []
+    for family in kind.check_families():
         lines += [
             "",
             f"## {_first_line(family.__doc__)}",
@@ -47,7 +48,7 @@ def checks_page(drive: Drive) -> str:
             "| id | what | figure | source |",
             "| --- | --- | --- | --- |",
         ]
-        lines += [_row(check, subject) for check in family.CHECKS]
+        lines += [_row(check, design) for check in family.CHECKS]
     lines += ["", "## Checks of the build", "", "| id | what |", "| --- | --- |"]
     lines += [f"| `{name}` | {_BUILD[name]} |" for name in BUILD_IDS]
     return _HEAD + "\n".join(lines).lstrip("\n") + "\n"
@@ -57,11 +58,11 @@ def _first_line(text: str | None) -> str:
     return (text or "").strip().split("\n")[0].rstrip(".")
 
 
-def _row(check: Check, subject: Subject) -> str:
+def _row(check: Check, design: DesignUnderTest) -> str:
     measure = check.measure.func if isinstance(check.measure, partial) else check.measure
     what = f"{check.title}. {_first_line(measure.__doc__)}."
     mark = " *(warn)*" if check.severity == "warn" else ""
-    return f"| `{check.id}`{mark} | {what} | {figures(run_check(check, subject))} | {check.source} |"
+    return f"| `{check.id}`{mark} | {what} | {figures(run_check(check, design))} | {check.source} |"
 
 
 if __name__ == "__main__":

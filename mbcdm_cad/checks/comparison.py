@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import inf, isfinite
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
-if TYPE_CHECKING:
-    from mbcdm_cad.checks.knobs import Turn
-    from mbcdm_cad.checks.subject import Subject
+from mbcdm_cad.checks.design_variables import Adjustment
 
 # Rounding of sums of millimetres must not turn a gap that is exactly kept into one that is missed.
 TOLERANCE = 1e-9
@@ -23,8 +21,8 @@ def shown(value: float) -> str:
     return "0" if abs(value) < NOTHING else f"{value:.4g}"
 
 
-class Finding(NamedTuple):
-    """``actual`` of ``subject`` against ``limit``: at least (``sense`` +1) or at most (-1); no limit, only told (0)."""
+class Comparison(NamedTuple):
+    """``actual`` of ``subject`` against ``limit``: at least (``sense`` +1), at most (-1), or no limit (0)."""
 
     subject: str
     actual: float
@@ -46,37 +44,38 @@ class Finding(NamedTuple):
         return self.margin >= -TOLERANCE
 
 
-def at_least(subject: str, actual: float, limit: float, unit: str, note: str = "") -> Finding:
+def at_least(subject: str, actual: float, limit: float, unit: str, note: str = "") -> Comparison:
     """``actual`` must not fall below ``limit``."""
-    return Finding(subject, float(actual), float(limit), unit, 1, note)
+    return Comparison(subject, float(actual), float(limit), unit, 1, note)
 
 
-def at_most(subject: str, actual: float, limit: float, unit: str, note: str = "") -> Finding:
+def at_most(subject: str, actual: float, limit: float, unit: str, note: str = "") -> Comparison:
     """``actual`` must not exceed ``limit``."""
-    return Finding(subject, float(actual), float(limit), unit, -1, note)
+    return Comparison(subject, float(actual), float(limit), unit, -1, note)
 
 
-def told(subject: str, actual: float, unit: str, note: str = "") -> Finding:
+def noted(subject: str, actual: float, unit: str, note: str = "") -> Comparison:
     """A figure worth knowing, held against nothing."""
-    return Finding(subject, float(actual), 0.0, unit, 0, note)
+    return Comparison(subject, float(actual), 0.0, unit, 0, note)
 
 
-def worst(findings: Iterable[Finding]) -> Finding:
+def worst(findings: Iterable[Comparison]) -> Comparison:
     """The finding nearest to, or furthest beyond, its limit; all in one unit."""
     return min(findings, key=lambda finding: finding.margin)
 
 
 class Check(NamedTuple):
-    """One check. ``measure`` may raise :class:`~mbcdm_cad.checks.subject.NoFigureError`.
+    """One check. ``measure`` may raise :class:`~mbcdm_cad.checks.design_under_test.NoFigureError`.
 
-    ``severity``: what a broken limit amounts to. ``turns``: parameters that may mend it, tried in this order.
-    ``advice``: what else helps, or more than one number can say.
+    ``severity``: what a broken limit amounts to. ``adjust``: design variables that may mend it, tried in this order.
+    ``advice``: what else helps, or more than one number can say. ``measure`` and ``advice`` are given the design under
+    test of the configuration that the check belongs to, a :class:`~mbcdm_cad.checks.design_under_test.DesignUnderTest`.
     """
 
     id: str
     title: str
     source: str
-    measure: Callable[[Subject], Finding]
+    measure: Callable[[Any], Comparison]
     severity: str = "fail"
-    turns: tuple[Turn, ...] = ()
-    advice: str | Callable[[Subject], str] = ""
+    adjust: tuple[Adjustment, ...] = ()
+    advice: str | Callable[[Any], str] = ""

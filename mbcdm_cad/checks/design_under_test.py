@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from math import pi, radians, tau
-from typing import TYPE_CHECKING, Any, TypeVar
+from math import radians
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.configurations.miso_bevel.cable_path import CablePath
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
-from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
-from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.checks.design_variables import DesignVariable
+from mbcdm_cad.design.drive import Drive
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.si import DriveSI
@@ -57,49 +56,41 @@ class Loads:
         return float(np.abs(self.input_torque_Nm[:3]).max())
 
 
-class Subject:
-    """A drive with its levels, layout and loads, each worked out when first asked for.
+class DesignUnderTest(ABC):
+    """A drive with its layout and loads, each worked out when first asked for. Each configuration has its own kind.
 
     Every property raises :class:`NoFigureError` where there is no such thing for this design.
     """
 
-    def __init__(self, drive: Drive, given: Layout | None = None) -> None:
+    def __init__(self, drive: Drive, layout: Any = None) -> None:
+        """``layout``: the dimensions to test instead of those that follow from ``drive``."""
         self.drive = drive
-        self._given = given
+        self._given = layout
         self._kept: dict[str, Any] = {}
-        self.steps: tuple[CableRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
 
-    def once(self, name: str, make: Callable[[Subject], _Kept]) -> _Kept:
+    @property
+    @abstractmethod
+    def variables(self) -> Mapping[str, DesignVariable]:
+        """What a remedy may change, by name."""
+
+    @abstractmethod
+    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
+
+    @abstractmethod
+    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
+        """(cable, pulley, pitch radius in mm) of every pulley that a cable is bent on."""
+
+    def with_drive(self, drive: Drive) -> Self:
+        """The same tests on another drive."""
+        return type(self)(drive)
+
+    def once(self, name: str, make: Callable[[Self], _Kept]) -> _Kept:
         """``make(self)``, worked out at the first call for this ``name`` and kept for the other checks that need it."""
         if name not in self._kept:
             self._kept[name] = make(self)
         kept: _Kept = self._kept[name]
         return kept
-
-    @cached_property
-    def levels(self) -> Stack:
-        """Heights and depths."""
-        if self._given is not None:
-            return self._given.levels
-        try:
-            return stack(self.drive)
-        except ValueError as error:
-            raise NoFigureError(f"the pulleys have no place: {error}") from None
-
-    @cached_property
-    def layout(self) -> Layout:
-        """All dimensions: those given, else worked out."""
-        if self._given is not None:
-            return self._given
-        levels = self.levels
-        if levels.motor_shelf_bottom_z <= 0.0:
-            raise NoFigureError(
-                f"the motor shelf comes to z = {levels.motor_shelf_bottom_z:.4g} mm, below the drum's axis (limit 0)"
-            )
-        try:
-            return layout(self.drive)
-        except (ValueError, ZeroDivisionError) as error:
-            raise NoFigureError(f"the dimensions have no solution: {error}") from None
 
     @cached_property
     def loads(self) -> Loads:
@@ -120,12 +111,6 @@ class Subject:
         except ModelError as error:
             raise NoFigureError(f"the model has no answer: {error}") from None
 
-    @cached_property
-    def extreme_paths(self) -> tuple[tuple[float, tuple[CablePath, ...]], ...]:
-        """Cable paths at one end of travel, centred, and at the other end, with the drum angles in rad."""
-        half = self.half_travel_rad
-        return tuple((angle, self.layout.cable_paths(angle)) for angle in (-half, 0.0, half))
-
     @property
     def half_travel_rad(self) -> float:
         """Travel each way."""
@@ -135,22 +120,3 @@ class Subject:
     def flank_mm(self) -> float:
         """Half the cable's diameter."""
         return self.drive.cable.diameter_mm / 2
-
-    def anchor_rad(self, cable: CableRun) -> float:
-        """Where the cable leaves its land, drum centred."""
-        return next(t.anchor_rad for t in self.layout.drum.tensioners if t.cable_name == cable.name)
-
-    def smallest_wrap_rad(self, cable: CableRun) -> float:
-        """Wrap on the drum at the end of travel that unwinds it."""
-        return self.anchor_rad(cable) - self.half_travel_rad
-
-    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
-        cables = self.drive.cables
-        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
-        on_input = [
-            tau * self.drive.dead_turns
-            + c.drum_radius_mm / c.input_radius_mm * (self.half_travel_rad - c.drum_side * drum_angle_rad)
-            for c in cables
-        ]
-        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, 2 * pi)

@@ -1,0 +1,93 @@
+"""Parameters of a design that a remedy may change, under the names they have in the design file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import reduce
+from typing import Any, NamedTuple, cast
+
+from mbcdm_cad.design.drive import Drive
+
+ALL_RADII = "all radii of transmission"
+ROPE_DIAMETER = "rope diameter_mm"
+
+
+class DesignVariable(NamedTuple):
+    """A parameter under the name it has in the design file.
+
+    ``scale``: its value is a factor on a list of radii. ``explicit``: only for designs whose radii are (not) given
+    one by one.
+    """
+
+    path: str
+    get: Callable[[Drive], float]
+    put: Callable[[Drive, float], Drive]
+    scale: bool = False
+    explicit: bool | None = None
+
+
+class Adjustment(NamedTuple):
+    """A design variable and the sense in which to change it, +1 up or -1 down."""
+
+    path: str
+    sense: int
+
+
+def up(path: str) -> Adjustment:
+    """Raise the design variable."""
+    return Adjustment(path, 1)
+
+
+def down(path: str) -> Adjustment:
+    """Lower the design variable."""
+    return Adjustment(path, -1)
+
+
+def _read(drive: Drive, names: list[str]) -> Any:
+    return reduce(getattr, names, cast(Any, drive))
+
+
+def field(path: str, attributes: str = "") -> DesignVariable:
+    """A number of the drive; ``attributes`` is where the drive holds it, if not under ``path``."""
+    names = (attributes or path).split(".")
+
+    def put(drive: Drive, value: float) -> Drive:
+        def set_in(block: Any, rest: list[str]) -> Any:
+            inner = value if len(rest) == 1 else set_in(getattr(block, rest[0]), rest[1:])
+            return replace(block, **{rest[0]: inner})
+
+        changed: Drive = set_in(drive, names)
+        return changed
+
+    return DesignVariable(path, lambda drive: float(_read(drive, names)), put)
+
+
+def radii(path: str, attributes: tuple[str, ...]) -> DesignVariable:
+    """A factor on the radii of all cables that ``attributes`` names."""
+
+    def put(drive: Drive, factor: float) -> Drive:
+        cables = (replace(c, **{name: getattr(c, name) * factor for name in attributes}) for c in drive.cables)
+        return replace(drive, cables=tuple(cables))
+
+    return DesignVariable(path, lambda drive: 1.0, put, True, None if path == ALL_RADII else True)
+
+
+def _preload(drive: Drive, value: float) -> Drive:
+    factor = value / drive.cables[0].preload_N
+    return replace(drive, cables=tuple(replace(c, preload_N=c.preload_N * factor) for c in drive.cables))
+
+
+def by_path(variables: Iterable[DesignVariable]) -> dict[str, DesignVariable]:
+    """The variables by their names."""
+    return {variable.path: variable for variable in variables}
+
+
+SHARED = (
+    field("travel.half_angle_deg", "half_travel_deg"),
+    field("travel.stop_clearance_deg", "stop_clearance_deg"),
+    DesignVariable("rope.preload_N", lambda drive: drive.cables[0].preload_N, _preload),
+    field(ROPE_DIAMETER, "cable.diameter_mm"),
+    field("loads.test_torque_Nm"),
+    field("loads.peak_torque_Nm"),
+)

@@ -1,0 +1,126 @@
+"""What would make a check pass: the search for the value of a design variable at which it does.
+
+A remedy is never a guess: the value it names was tried on the design. Only the one check is looked at; what else the
+change does, the next run says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import ceil, floor, log10
+
+from mbcdm_cad.checks.comparison import Check, Comparison
+from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
+from mbcdm_cad.checks.design_variables import ALL_RADII, ROPE_DIAMETER, DesignVariable
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.drive import Drive
+
+SIGNIFICANT_DIGITS = 4
+BISECTIONS = 14
+# How far a variable is changed at most: to this multiple of itself, or its inverse.
+REACH = 6.0
+MOST_OFFERS = 3
+TRIALS = 600
+# A figure may be rounded by this much to be read more easily, if it still passes.
+ROUNDING = 3e-3
+
+
+class Budget:
+    """How many trials all remedies of one run may take together; a count, so that the words never depend on speed."""
+
+    def __init__(self, trials: int = TRIALS) -> None:
+        self.left = trials
+
+
+def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
+    """What would make the check pass, each number tried on the design."""
+    choices = offers(check, design, budget)
+    advice = check.advice(design) if callable(check.advice) else check.advice
+    if choices or advice:
+        return " or ".join([*choices, *([advice] if advice else [])])
+    names = ", ".join(dict.fromkeys(adjustment.path for adjustment in check.adjust))
+    if budget.left <= 0:
+        senses = " or ".join(f"{'raise' if a.sense > 0 else 'lower'} {a.path}" for a in check.adjust)
+        return f"{senses}; no figure was looked for, since so much else fails: mend that first"
+    return f"no single one of {names} mends it: change several"
+
+
+def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
+    """The first variables that can mend the check alone: ``raise X from 34.6 to at least 36.2``."""
+    found: list[str] = []
+    drive = design.drive
+    for path, sense in check.adjust:
+        if len(found) == MOST_OFFERS or budget.left <= 0:
+            break
+        variable = design.variables[path]
+        if variable.explicit is None or variable.explicit == drive.radii_explicit:
+            value = passing_value(variable, sense, design, check.measure, budget)
+            if value is not None:
+                found.append(_offer(variable, sense, drive, value))
+    return found
+
+
+def _offer(variable: DesignVariable, sense: int, drive: Drive, value: float) -> str:
+    bound, figure = "at least" if sense > 0 else "at most", f"{value:.{SIGNIFICANT_DIGITS}g}"
+    if variable.path == ROPE_DIAMETER:
+        return f"choose a rope of {bound} {figure} mm{_rope_of(drive, sense, value)}"
+    if variable.path == ALL_RADII and not drive.radii_explicit:
+        return f"scale transmission.drum_radii_mm by {bound} {figure} (the others follow)"
+    if variable.scale:
+        return f"scale {variable.path} by {bound} {figure}"
+    verb = "raise" if sense > 0 else "lower"
+    return f"{verb} {variable.path} from {variable.get(drive):.4g} to {bound} {figure}"
+
+
+def _rope_of(drive: Drive, sense: int, diameter_mm: float) -> str:
+    """The catalogue's nearest rope of the same construction on the right side, in brackets."""
+    ropes = package_entries("ropes")
+    fitting = [
+        (sense * entry["diameter_mm"], name)
+        for name, entry in ropes.items()
+        if entry["construction"] == drive.cable.construction and sense * (entry["diameter_mm"] - diameter_mm) >= 0.0
+    ]
+    return f" (such as {min(fitting)[1]})" if fitting else ""
+
+
+def passing_value(
+    variable: DesignVariable,
+    sense: int,
+    design: DesignUnderTest,
+    measure: Callable[[DesignUnderTest], Comparison],
+    budget: Budget,
+) -> float | None:
+    """The rounded value nearest to the present one, in the sense given, at which ``measure`` holds; None if none is."""
+
+    def holds(value: float) -> bool:
+        budget.left -= 1
+        try:
+            return measure(design.with_drive(variable.put(design.drive, value))).holds
+        except NoFigureError:
+            return False
+
+    now = variable.get(design.drive)
+    size = abs(now) or 1.0
+    step, before = size * 1e-3, now
+    limit = size * (REACH - 1.0) if sense * (now or 1.0) > 0 else size * (1.0 - 1.0 / REACH)
+    while not holds(now + sense * min(step, limit)):
+        if step >= limit:
+            return None
+        before = now + sense * step
+        step *= 2.0
+    after = now + sense * min(step, limit)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (before + after)
+        before, after = (before, middle) if holds(middle) else (middle, after)
+    for digits in range(2, SIGNIFICANT_DIGITS + 1):
+        unit = 10.0 ** (floor(log10(abs(after))) + 1 - digits) if after else 1.0
+        for rounded in (round(after / unit) * unit, (ceil if sense > 0 else floor)(after / unit) * unit):
+            if abs(rounded - after) <= ROUNDING * abs(after) and holds(rounded):
+                return round(rounded, 12)
+    return after
+
+
+def floored(value: float) -> str:
+    """A positive value rounded down to the digits that remedies show."""
+    unit = 10.0 ** (floor(log10(value)) + 1 - SIGNIFICANT_DIGITS)
+    return f"{floor(value / unit) * unit:.{SIGNIFICANT_DIGITS}g}"
