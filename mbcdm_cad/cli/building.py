@@ -53,3 +53,19 @@ def picture_command(path: Path, png: Path, *, angle_deg: float, view: str, use_c
     write_whole({png: data})
     click.echo(f"{png}: {view} view, drum at {angle_deg:g} deg")
     return 0
+
+
+def drawings_command(loaded: LoadedDesign, out: Path, *, part: str | None, use_cache: bool, jobs: int | None) -> int:
+    """Write the workshop drawings into a folder of their own."""
+    from mbcdm_cad.build.drawings import drawings_of
+    from mbcdm_cad.build.progress import progress
+    from mbcdm_cad.storage.files import write_whole
+
+    with progress() as tell:
+        files = drawings_of(
+            loaded.drive, Cache(cache_folder() if use_cache else None), part=part, jobs=jobs, progress=tell
+        )
+    target = out / f"{loaded.drive.name}-drawings"
+    write_whole({target / name: data for name, data in files.items()})
+    click.echo(f"{target}: {len(files)} files, {len(files) // 3} sheets as DXF, PDF and SVG")
+    return 0

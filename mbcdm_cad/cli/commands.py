@@ -256,3 +256,29 @@ def doctor(as_json: bool) -> int:
     from mbcdm_cad.cli.doctor import doctor_command
 
     return doctor_command(as_json=as_json)
+
+
+@mbcdm.command(
+    epilog=_examples("mbcdm drawings my_drive.yaml", "mbcdm drawings my_drive.yaml --part input_pulley_left")
+)
+@_DESIGN
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the drawings' folder, NAME-drawings, is written into.",
+)
+@click.option("--part", metavar="NAME", help="Only the sheet of this part.")
+@click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
+@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: int | None) -> int:
+    """Draw the workshop drawings of all made parts.
+
+    One sheet for each part, as DXF with real dimensions, as PDF and as SVG.
+    """
+    from mbcdm_cad.cli.building import drawings_command
+    from mbcdm_cad.design import load_design
+
+    return drawings_command(load_design(design), out, part=part, use_cache=not no_cache, jobs=jobs)

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
+from mbcdm_cad.measurement.finding import Finding, column_of
+from mbcdm_cad.measurement.run import Floats, Run
 
 # A step in time this many times the usual one is a gap.
 GAP_STEPS = 5.0
@@ -20,7 +21,7 @@ COLDEST_C, HOTTEST_C = -60.0, 120.0
 LEVEL_SHARE = 0.005
 
 
-def signal_findings(run: Run, ratio: float) -> list[VettingNote]:
+def signal_findings(run: Run, ratio: float) -> list[Finding]:
     """Doubts and refusals."""
     inputs = [(column_of(name), row) for name, row in zip(run.input_names, run.input_rad, strict=True)]
     angles = [*inputs, (("columns", "output"), run.output_rad)]
@@ -35,7 +36,7 @@ def signal_findings(run: Run, ratio: float) -> list[VettingNote]:
     return found
 
 
-def _gaps(run: Run) -> list[VettingNote]:
+def _gaps(run: Run) -> list[Finding]:
     steps = np.diff(run.time_s)
     gaps = np.flatnonzero(steps > GAP_STEPS * run.step_s)
     if gaps.size == 0:
@@ -45,10 +46,10 @@ def _gaps(run: Run) -> list[VettingNote]:
         f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {run.time_s[longest]:.6g} s "
         f"(usual step {run.step_s:.4g} s); what the friction did in them nobody knows"
     )
-    return [VettingNote("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
+    return [Finding("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
 
 
-def _pace(run: Run) -> list[VettingNote]:
+def _pace(run: Run) -> list[Finding]:
     """Sweeps too fast or too slow for a bench: time may be in another unit."""
     thin = run.output_rad[:: max(1, run.time_s.size // 1000)]
     sweeps = max(float(np.abs(np.diff(thin)).sum()) / max(float(np.ptp(thin)), 1e-300), 1.0)
@@ -56,14 +57,14 @@ def _pace(run: Run) -> list[VettingNote]:
     text = f"a half sweep takes some {half_s:.3g} s, a sample {run.step_s:.3g} s"
     field = ("columns", "time")
     if run.step_s >= SLOW_STEP_S or half_s > SLOW_SWEEP_S:
-        return [VettingNote("pace", "doubt", text, "is the time in ms or in sample numbers, called s?", field)]
+        return [Finding("pace", "doubt", text, "is the time in ms or in sample numbers, called s?", field)]
     if half_s < FAST_SWEEP_S:
         remedy = "is the time in s, called ms? If not, move slower: the model knows no inertia"
-        return [VettingNote("pace", "doubt", text, remedy, field)]
+        return [Finding("pace", "doubt", text, remedy, field)]
     return []
 
 
-def _temperature(run: Run) -> list[VettingNote]:
+def _temperature(run: Run) -> list[Finding]:
     if run.temperature_C is None:
         return []
     low, high = float(run.temperature_C.min()), float(run.temperature_C.max())
@@ -71,18 +72,18 @@ def _temperature(run: Run) -> list[VettingNote]:
         return []
     text = f"temperatures of {low:.4g} to {high:.4g} degC"
     return [
-        VettingNote("temperature", "doubt", text, "check its unit (K or degF called degC?)", ("columns", "temperature"))
+        Finding("temperature", "doubt", text, "check its unit (K or degF called degC?)", ("columns", "temperature"))
     ]
 
 
-def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[VettingNote]:
+def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Finding]:
     """An encoder that starts again after a turn, or a counter that runs over."""
     steps = np.diff(values)
     usual = float(np.median(np.abs(steps)))
     turns = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
     if turns.size and usual <= 0.2:
         text = f"{name} jumps by a full turn {turns.size} time(s), first after sample {int(turns[0]) + 1}"
-        return [VettingNote("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
+        return [Finding("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
     size = float(np.abs(steps).max())
     # All of one size, far from all other steps, and most of the range; a pause in logging is no jump.
     at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(run.time_s) < GAP_STEPS * run.step_s))
@@ -92,10 +93,10 @@ def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Vettin
     if float(np.ptp(np.abs(steps[at]))) > 0.1 * size:
         return []
     text = f"{name} jumps by {size:.4g} rad {at.size} time(s), first after sample {int(at[0]) + 1}: a counter runs over"
-    return [VettingNote("wrapped", "refused", text, "log more bits, or unwrap it", field)]
+    return [Finding("wrapped", "refused", text, "log more bits, or unwrap it", field)]
 
 
-def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[VettingNote]:
+def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[Finding]:
     """An angle that stays exactly at its end while the other side of the drive goes on."""
     for end, word in ((float(values.max()), "highest"), (float(values.min()), "lowest")):
         at = values == end
@@ -108,11 +109,11 @@ def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[
                 f"{name} stays at its {word} figure, {end:.6g} rad, for {int(ends[longest] - begins[longest])} samples "
                 f"while the drive goes on by {moved:.4g} rad: the sensor is at its end"
             )
-            return [VettingNote("saturated", "doubt", text, "cut these samples out, or set the sensor's range", field)]
+            return [Finding("saturated", "doubt", text, "cut these samples out, or set the sensor's range", field)]
     return []
 
 
-def _levels(load_Nm: Floats) -> list[VettingNote]:
+def _levels(load_Nm: Floats) -> list[Finding]:
     """A noisy torque that spends time exactly at its end."""
     still = float(np.mean(np.diff(load_Nm) == 0.0))
     for end, word in ((float(load_Nm.max()), "highest"), (float(load_Nm.min()), "lowest")):
@@ -120,5 +121,5 @@ def _levels(load_Nm: Floats) -> list[VettingNote]:
         if share > LEVEL_SHARE and still < 0.5 and load_Nm.size * share > 10:
             text = f"load torque is at its {word} figure, {end:.5g} N m, in {share:.1%} of the samples: it is cut off"
             remedy = "set the sensor's range higher; load-driven effects are off where it is cut"
-            return [VettingNote("saturated", "doubt", text, remedy, ("columns", "load_torque"))]
+            return [Finding("saturated", "doubt", text, remedy, ("columns", "load_torque"))]
     return []

@@ -1,0 +1,261 @@
+"""Where the views stand on the sheet, at which scale and on which paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, inf
+
+from mbcdm_cad.drawings.levels import Place, Span, placed
+from mbcdm_cad.drawings.projection import Picture
+from mbcdm_cad.drawings.strokes import box
+from mbcdm_cad.drawings.style import (
+    AXIS_OVERHANG_MM,
+    FIRST_LEVEL_MM,
+    LABEL_MM,
+    LEVEL_MM,
+    ROW_MM,
+    TEXT_MM,
+    text_width_mm,
+)
+from mbcdm_cad.parts.fits import limits
+from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Sheet, View
+
+PAPERS = {"A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1": (841.0, 594.0)}
+# Frame (ISO 5457): 20 mm at the left for filing, 10 mm elsewhere.
+FRAME_LEFT_MM, FRAME_MM = 20.0, 10.0
+TITLE_BLOCK = (170.0, 36.0)
+# Scales of ISO 5455, largest first.
+SCALES = (20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1)
+_BETWEEN_MM = 7.0
+_LABEL_ROOM_MM = 5.0
+# How far the letter at the end of a cutting line reaches.
+_CUTTING_END_MM = 8.0
+Box = tuple[float, float, float, float]
+
+
+def scale_text(scale: float) -> str:
+    """A scale as it is written: 2:1, 1:2."""
+    return f"{scale:g}:1" if scale >= 1.0 else f"1:{1.0 / scale:g}"
+
+
+def dimension_text(d: Linear) -> str:
+    """The text of a linear dimension with ``<>`` for the measured value."""
+    fit = f" {d.fit}" if d.fit else ""
+    return f"{d.prefix}<>{fit}{d.suffix}"
+
+
+def value_text(value: float, decimals: int) -> str:
+    """A value with up to ``decimals`` decimals, trailing zeros left out."""
+    text = f"{value:.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+@dataclass(frozen=True)
+class PlacedDimension:
+    """A linear dimension on paper: its ends, the coordinate of its line, and its text's place."""
+
+    dimension: Linear
+    start: tuple[float, float]
+    end: tuple[float, float]
+    line_at: float
+    place: Place
+    text_mm: float
+
+
+@dataclass(frozen=True)
+class PlacedView:
+    """A view on paper. A point (u, v) of the view lies at ``origin + scale * (u, v)``."""
+
+    view: View
+    origin: tuple[float, float]
+    scale: float
+    box: Box
+    dimensions: tuple[PlacedDimension, ...]
+
+    def paper(self, u: float, v: float) -> tuple[float, float]:
+        """Paper coordinates of a point of the view."""
+        return self.origin[0] + self.scale * u, self.origin[1] + self.scale * v
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Paper, scale and the views with their dimensions."""
+
+    paper: str
+    scale: float
+    views: tuple[PlacedView, ...]
+
+    @property
+    def size_mm(self) -> tuple[float, float]:
+        """Width and height of the paper."""
+        return PAPERS[self.paper]
+
+
+def view_box(picture: Picture, view: View) -> Box:
+    """Box of what a view shows, mm on the part about the view's origin; a detail's is its window."""
+    if view.window is not None:
+        centre, half_width, half_height = view.window
+        u, v = view.project(centre)
+        return u - half_width, v - half_height, u + half_width, v + half_height
+    return box((*picture.visible, *picture.hidden))
+
+
+def _with_axes(drawn: Box, view: View, scale: float, cutting: tuple[CuttingLine, ...]) -> Box:
+    """The box of a view with its centre lines, which reach out of it."""
+    left, bottom, right, top = drawn
+    over = AXIS_OVERHANG_MM / scale
+    for start, end in view.axes:
+        (a, b), (c, d) = view.project(start), view.project(end)
+        length = hypot(c - a, d - b)
+        if length > 0.0:
+            dx, dy = over * abs(c - a) / length, over * abs(d - b) / length
+            left, right = min(left, a - dx, c - dx), max(right, a + dx, c + dx)
+            bottom, top = min(bottom, b - dy, d - dy), max(top, b + dy, d + dy)
+    for centre, radius in view.circles:
+        u, v = view.project(centre)
+        left, right, bottom, top = (
+            min(left, u - radius),
+            max(right, u + radius),
+            min(bottom, v - radius),
+            max(top, v + radius),
+        )
+    for line in cutting:
+        (a, b), (c, d) = view.project(line.start), view.project(line.end)
+        reach = _CUTTING_END_MM / scale
+        if abs(c - a) > abs(d - b):
+            left, right = min(left, a - reach, c - reach), max(right, a + reach, c + reach)
+        else:
+            bottom, top = min(bottom, b - reach, d - reach), max(top, b + reach, d + reach)
+    return left, bottom, right, top
+
+
+@dataclass(frozen=True)
+class _Margins:
+    left: float
+    below: float
+    right: float
+    above: float
+
+
+def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[PlacedDimension], _Margins]:
+    """Dimensions of a view about its origin at ``scale`` (paper mm), and the room they take on its four sides."""
+    shown: list[PlacedDimension] = []
+    room = dict.fromkeys(("left", "below", "right", "above"), _LABEL_ROOM_MM)
+    edge = {"left": around[0], "below": around[1], "right": around[2], "above": around[3]}
+    for side in room:
+        across = side in ("above", "below")
+        kept = [d for d in sheet.dimensions if isinstance(d, Linear) and d.view == view.name and d.side == side]
+        spans, ends = [], []
+        for d in kept:
+            a, b = view.project(d.start), view.project(d.end)
+            pair = ((a[0] * scale, a[1] * scale), (b[0] * scale, b[1] * scale))
+            ends.append(pair)
+            along = sorted(p[0 if across else 1] for p in pair)
+            _agree(sheet, d, (along[1] - along[0]) / scale)
+            spans.append(Span(along[0], along[1], text_width_mm(_shown_text(d))))
+        places = placed(spans)
+        sign = 1.0 if side in ("above", "right") else -1.0
+        for d, pair, span, place in zip(kept, ends, spans, places, strict=True):
+            line = edge[side] * scale + sign * (FIRST_LEVEL_MM + LEVEL_MM * place.level)
+            shown.append(PlacedDimension(d, *pair, line, place, span.text_mm))
+        if places:
+            room[side] = FIRST_LEVEL_MM + LEVEL_MM * max(p.level for p in places) + TEXT_MM + 2.5
+            # A text beside its line may reach over the view's corner.
+            for span, place in zip(spans, places, strict=True):
+                low, high = place.text_at - span.text_mm / 2, place.text_at + span.text_mm / 2
+                first, last = ("left", "right") if across else ("below", "above")
+                room[first] = max(room[first], edge[first] * scale - low + 1.0)
+                room[last] = max(room[last], high - edge[last] * scale + 1.0)
+    if view.title:
+        room["above"] += LABEL_MM + 4.0
+    return shown, _Margins(**room)
+
+
+def _shown_text(d: Linear) -> str:
+    text = dimension_text(d).replace("<>", value_text(d.value, d.decimals))
+    return text + (" +0.000/-0.000"[: 8 + 6] if d.deviations else "")
+
+
+def _agree(sheet: Sheet, d: Linear, drawn: float) -> None:
+    if abs(drawn - d.value) > 1e-6:
+        raise ValueError(
+            f"sheet {sheet.part}: dimension {dimension_text(d)} in view {d.view} says {d.value:.6g} mm, but its points "
+            f"stand {drawn:.6g} mm apart there"
+        )
+    if d.fit:
+        limits(d.value, d.fit)
+
+
+def arranged(sheet: Sheet, pictures: dict[str, Picture], table_mm: tuple[float, float], notes_mm: float) -> Arrangement:
+    """The largest scale at which all views fit beside tables (width, height) and above the title block.
+
+    The sheet's own paper is tried first, then the next larger. Raises ``ValueError`` if nothing fits on A1.
+    """
+    papers = list(PAPERS)
+    for paper in papers[papers.index(sheet.paper) :]:
+        width, height = PAPERS[paper]
+        left, right, top = FRAME_LEFT_MM + 2.0, width - FRAME_MM - 2.0, height - FRAME_MM - 2.0
+        bottom = FRAME_MM + max(TITLE_BLOCK[1], notes_mm) + 2.0
+        if table_mm[1] > top - bottom:
+            continue
+        # Views stand beside the tables or below them, whichever lets them be larger.
+        beside = (left, bottom, right - (table_mm[0] + 4.0 if table_mm[0] else 0.0), top)
+        below = (left, bottom, right, top - table_mm[1])
+        for scale in SCALES:
+            for free in (beside, below):
+                views = _in_grid(sheet, pictures, scale, free)
+                if views is not None:
+                    return Arrangement(paper, scale, tuple(views))
+    raise ValueError(f"sheet {sheet.part}: views and tables fit on no paper up to A1")
+
+
+def _in_grid(sheet: Sheet, pictures: dict[str, Picture], scale: float, free: Box) -> list[PlacedView] | None:
+    packed = {}
+    widths: dict[int, list[float]] = {}
+    heights: dict[int, list[float]] = {}
+    for view in sheet.views:
+        own = scale * view.magnify
+        drawn = view_box(pictures[view.name], view)
+        around = _with_axes(drawn, view, own, tuple(c for c in sheet.cutting_lines if c.view == view.name))
+        shown, margins = _packed(sheet, view, around, own)
+        # Details stand by themselves: centred in their cell instead of lined up.
+        shift = (0.0, 0.0)
+        if view.magnify != 1.0:
+            shift = (own * (drawn[0] + drawn[2]) / 2, own * (drawn[1] + drawn[3]) / 2)
+        packed[view.name] = (shown, around, own, shift)
+        column = widths.setdefault(view.column, [-inf, -inf])
+        column[0] = max(column[0], shift[0] - own * around[0] + margins.left)
+        column[1] = max(column[1], own * around[2] - shift[0] + margins.right)
+        row = heights.setdefault(view.row, [-inf, -inf])
+        row[0] = max(row[0], shift[1] - own * around[1] + margins.below)
+        row[1] = max(row[1], own * around[3] - shift[1] + margins.above)
+    wide = sum(map(sum, widths.values())) + _BETWEEN_MM * (len(widths) - 1)
+    high = sum(map(sum, heights.values())) + _BETWEEN_MM * (len(heights) - 1)
+    if wide > free[2] - free[0] or high > free[3] - free[1]:
+        return None
+    # What is left over goes between the columns and rows alike.
+    gap_x = (free[2] - free[0] - wide) / (len(widths) + 1)
+    gap_y = (free[3] - free[1] - high) / (len(heights) + 1)
+    x_of: dict[int, float] = {}
+    y_of: dict[int, float] = {}
+    x, y = free[0] + gap_x, free[1] + gap_y
+    for number in sorted(widths):
+        x_of[number] = x + widths[number][0]
+        x += sum(widths[number]) + _BETWEEN_MM + gap_x
+    for number in sorted(heights):
+        y_of[number] = y + heights[number][0]
+        y += sum(heights[number]) + _BETWEEN_MM + gap_y
+    views = []
+    for view in sheet.views:
+        shown, around, own, shift = packed[view.name]
+        origin = (x_of[view.column] - shift[0], y_of[view.row] - shift[1])
+        views.append(PlacedView(view, origin, own, around, tuple(shown)))
+    return views
+
+
+def table_size_mm(columns: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> tuple[list[float], float]:
+    """Widths of the columns and height of a table with its title and heads."""
+    widths = [
+        max(text_width_mm(cell) for cell in (head, *(row[i] for row in rows))) + 2.4 for i, head in enumerate(columns)
+    ]
+    return widths, ROW_MM * (len(rows) + 2)

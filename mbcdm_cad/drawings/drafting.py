@@ -1,0 +1,284 @@
+"""Draw a sheet that is arranged: views, hatches, centre lines, dimensions, labels, cutting lines."""
+
+from __future__ import annotations
+
+from math import atan2, cos, degrees, hypot, radians, sin
+
+import numpy as np
+from ezdxf.document import Drawing
+from ezdxf.enums import TextEntityAlignment
+from ezdxf.layouts.blocklayout import BlockLayout
+from ezdxf.layouts.layout import Modelspace
+
+from mbcdm_cad.drawings.arrangement import (
+    Arrangement,
+    PlacedDimension,
+    PlacedView,
+    dimension_text,
+    scale_text,
+    value_text,
+)
+from mbcdm_cad.drawings.clipping import clipped
+from mbcdm_cad.drawings.document import APPLICATION, DIMENSION_STYLE, TEXT_STYLE
+from mbcdm_cad.drawings.labels import Box, Room
+from mbcdm_cad.drawings.projection import Picture
+from mbcdm_cad.drawings.strokes import ArcStroke, LineStroke, Point, PolyStroke, Stroke
+from mbcdm_cad.drawings.style import (
+    ARROW_MM,
+    AXIS_OVERHANG_MM,
+    GAP_MM,
+    LABEL_MM,
+    TEXT_MM,
+    text_width_mm,
+)
+from mbcdm_cad.parts.sheets.description import Angle, CuttingLine, Label, Radius, Sheet
+
+_HATCH_APART = 0.8
+_VIEW_LAYERS = ("VISIBLE", "HIDDEN")
+
+
+def draw_views(doc: Drawing, sheet: Sheet, arrangement: Arrangement, pictures: dict[str, Picture], room: Room) -> None:
+    """All views with what belongs to them. ``room`` learns what is taken."""
+    paper = doc.modelspace()
+    for placed in arrangement.views:
+        picture = pictures[placed.view.name]
+        if placed.view.window is not None:
+            picture = clipped(picture, placed.view)
+        _picture(doc, placed, picture)
+        room.add_strokes((*picture.visible, *picture.hidden), placed.origin, placed.scale)
+        for loops in picture.faces:
+            room.add_face(loops, placed.origin, placed.scale)
+        _centre_lines(paper, placed, room)
+        _title(paper, placed, arrangement, room)
+        for dimension in placed.dimensions:
+            _linear(paper, placed, dimension, arrangement.scale, room)
+    for cutting in sheet.cutting_lines:
+        _cutting_line(paper, _of(arrangement, cutting.view), cutting, room)
+    for other in sheet.dimensions:
+        if isinstance(other, Radius):
+            _radius(paper, _of(arrangement, other.view), other, arrangement.scale, room)
+        elif isinstance(other, Angle):
+            _angle(paper, _of(arrangement, other.view), other, room)
+    for label in sheet.labels:
+        _label(paper, _of(arrangement, label.view), label, room)
+
+
+def _of(arrangement: Arrangement, name: str) -> PlacedView:
+    return next(p for p in arrangement.views if p.view.name == name)
+
+
+def _picture(doc: Drawing, placed: PlacedView, picture: Picture) -> None:
+    """The view's lines and hatches as a block of its own, so that it can be moved as one."""
+    name = "VIEW_" + placed.view.name.upper().replace(" ", "_").replace("-", "_")
+    block = doc.blocks.new(name)
+    for layer, strokes in zip(_VIEW_LAYERS, (picture.visible, picture.hidden), strict=True):
+        for stroke in strokes:
+            _stroke(block, stroke, placed.scale, layer)
+    for loops in picture.faces:
+        hatch = block.add_hatch(dxfattribs={"layer": "HATCH"})
+        hatch.set_pattern_fill("ANSI31", scale=_HATCH_APART)
+        for n, loop in enumerate(loops):
+            points = [(u * placed.scale, v * placed.scale) for u, v in loop]
+            hatch.paths.add_polyline_path(points, is_closed=True, flags=1 if n == 0 else 16)
+    doc.modelspace().add_blockref(name, placed.origin, dxfattribs={"layer": "VISIBLE"})
+
+
+def _stroke(block: BlockLayout, stroke: Stroke, scale: float, layer: str) -> None:
+    attributes = {"layer": layer}
+    if isinstance(stroke, LineStroke):
+        block.add_line(_scaled(stroke.start, scale), _scaled(stroke.end, scale), dxfattribs=attributes)
+    elif isinstance(stroke, PolyStroke):
+        block.add_lwpolyline([_scaled(p, scale) for p in stroke.points], dxfattribs=attributes)
+    elif stroke.end_deg - stroke.start_deg > 359.99:
+        block.add_circle(_scaled(stroke.centre, scale), stroke.radius * scale, dxfattribs=attributes)
+    else:
+        block.add_arc(
+            _scaled(stroke.centre, scale),
+            stroke.radius * scale,
+            stroke.start_deg,
+            stroke.end_deg,
+            dxfattribs=attributes,
+        )
+
+
+def _scaled(p: Point, scale: float) -> Point:
+    return p[0] * scale, p[1] * scale
+
+
+def _centre_lines(paper: Modelspace, placed: PlacedView, room: Room) -> None:
+    for start, end in placed.view.axes:
+        a, b = np.array(placed.paper(*placed.view.project(start))), np.array(placed.paper(*placed.view.project(end)))
+        length = float(np.hypot(*(b - a)))
+        if length < 1e-6:
+            continue
+        over = (b - a) / length * AXIS_OVERHANG_MM
+        paper.add_line(tuple(a - over), tuple(b + over), dxfattribs={"layer": "CENTRE"})
+        room.add_line(np.array([a - over, b + over]))
+    for centre, radius in placed.view.circles:
+        u, v = placed.view.project(centre)
+        at, reach = placed.paper(u, v), radius * placed.scale
+        paper.add_circle(at, reach, dxfattribs={"layer": "CENTRE"})
+        room.add_strokes([ArcStroke(at, reach, 0.0, 360.0)], (0.0, 0.0), 1.0)
+
+
+def _text(paper: Modelspace, text: str, middle: Point, height: float = TEXT_MM, rotation: float = 0.0) -> None:
+    entity = paper.add_text(text, height=height, rotation=rotation, dxfattribs={"layer": "TEXT", "style": TEXT_STYLE})
+    entity.set_placement(middle, align=TextEntityAlignment.MIDDLE_CENTER)
+
+
+def _box(middle: Point, width: float, height: float) -> Box:
+    return middle[0] - width / 2, middle[1] - height / 2, middle[0] + width / 2, middle[1] + height / 2
+
+
+def _title(paper: Modelspace, placed: PlacedView, arrangement: Arrangement, room: Room) -> None:
+    if not placed.view.title:
+        return
+    text = placed.view.title
+    if placed.view.magnify != 1.0:
+        text += f" ({scale_text(placed.scale)})"
+    above = [d.line_at for d in placed.dimensions if d.dimension.side == "above"]
+    top = max(placed.box[3] * placed.scale, *(above or [float("-inf")])) + (TEXT_MM + 3.0 if above else 2.0)
+    middle = (
+        placed.origin[0] + placed.scale * (placed.box[0] + placed.box[2]) / 2,
+        placed.origin[1] + top + LABEL_MM,
+    )
+    _text(paper, text, middle, LABEL_MM)
+    room.add_box(_box(middle, text_width_mm(text, LABEL_MM) + 1.0, LABEL_MM + 1.0))
+
+
+def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, sheet_scale: float, room: Room) -> None:
+    d, (ox, oy) = shown.dimension, placed.origin
+    across = d.side in ("above", "below")
+    start, end = (shown.start[0] + ox, shown.start[1] + oy), (shown.end[0] + ox, shown.end[1] + oy)
+    line = shown.line_at + (oy if across else ox)
+    text_at = shown.place.text_at + (ox if across else oy)
+    # Text stands above its line as it is read: to the left of a line that runs upwards.
+    lift = GAP_MM + TEXT_MM / 2
+    middle = (text_at, line + lift) if across else (line - lift, text_at)
+    override = {"dimdec": d.decimals, "dimlfac": 1.0 / placed.scale}
+    if d.deviations is not None:
+        override |= {"dimtol": 1, "dimtp": d.deviations[0], "dimtm": -d.deviations[1], "dimtdec": 3, "dimtfac": 0.7}
+    made = paper.add_linear_dim(
+        base=(ox, line) if across else (line, oy),
+        p1=start,
+        p2=end,
+        angle=0.0 if across else 90.0,
+        text=dimension_text(d),
+        dimstyle=DIMENSION_STYLE,
+        override=override,
+        dxfattribs={"layer": "DIMENSION"},
+    )
+    made.set_location(middle)
+    made.render()
+    made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
+    block = made.dimension.get_geometry_block()
+    assert block is not None
+    low, high = sorted((start[0 if across else 1], end[0 if across else 1]))
+    ends = [low, high]
+    if not shown.place.inside:
+        # The line runs on under its text.
+        near, far = (high, text_at + shown.text_mm / 2) if text_at > high else (low, text_at - shown.text_mm / 2)
+        first, last = ((near, line), (far, line)) if across else ((line, near), (line, far))
+        block.add_line(first, last, dxfattribs={"layer": "DIMENSION"})
+        ends += [far]
+    size = (shown.text_mm, TEXT_MM) if across else (TEXT_MM, shown.text_mm)
+    room.add_box(_box(middle, size[0] + 0.6, size[1] + 0.6))
+    out = 2 * ARROW_MM
+    low, high = min(ends) - out, max(ends) + out
+    room.add_line(np.array([(low, line), (high, line)] if across else [(line, low), (line, high)]))
+    for point in (start, end):
+        foot = (point[0], line) if across else (line, point[1])
+        room.add_line(np.array([point, foot]))
+
+
+def _radius(paper: Modelspace, placed: PlacedView, d: Radius, sheet_scale: float, room: Room) -> None:
+    centre, at = placed.paper(*placed.view.project(d.centre)), placed.paper(*placed.view.project(d.at))
+    drawn = hypot(at[0] - centre[0], at[1] - centre[1]) / placed.scale
+    if abs(drawn - d.value) > 1e-6:
+        raise ValueError(f"radius {d.value:.6g} mm in view {d.view}: its points stand {drawn:.6g} mm apart")
+    text = f"{d.prefix}<>{d.suffix}"
+    shown = text.replace("<>", f"R{value_text(d.value, 2)}")
+    width = text_width_mm(shown)
+    middle = room.place(at, width, TEXT_MM, 3.0)
+    made = paper.add_radius_dim(
+        center=centre,
+        radius=hypot(at[0] - centre[0], at[1] - centre[1]),
+        angle=degrees(atan2(at[1] - centre[1], at[0] - centre[0])),
+        location=middle,
+        text=text,
+        dimstyle=DIMENSION_STYLE,
+        override={"dimlfac": 1.0 / placed.scale, "dimtoh": 1, "dimtih": 1, "dimtad": 0, "dimtmove": 1},
+        dxfattribs={"layer": "DIMENSION"},
+    )
+    made.render()
+    made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
+
+
+def _angle(paper: Modelspace, placed: PlacedView, d: Angle, room: Room) -> None:
+    vertex, start, end = (placed.paper(*placed.view.project(p)) for p in (d.vertex, d.start, d.end))
+    first = degrees(atan2(start[1] - vertex[1], start[0] - vertex[0]))
+    last = degrees(atan2(end[1] - vertex[1], end[0] - vertex[0]))
+    drawn = (last - first) % 360.0
+    if abs(drawn - d.value) > 1e-6:
+        raise ValueError(f"angle {d.value:.6g} deg in view {d.view}: its points stand {drawn:.6g} deg apart")
+    reach = d.reach * placed.scale
+    middle = radians(first + drawn / 2)
+    made = paper.add_angular_dim_3p(
+        base=(vertex[0] + reach * cos(middle), vertex[1] + reach * sin(middle)),
+        center=vertex,
+        p1=start,
+        p2=end,
+        text=f"<>{d.suffix}",
+        dimstyle=DIMENSION_STYLE,
+        dxfattribs={"layer": "DIMENSION"},
+    )
+    made.render()
+    made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
+    width = text_width_mm(f"{d.value:.2f}°{d.suffix}")
+    at = (vertex[0] + (reach + 2.0) * cos(middle), vertex[1] + (reach + 2.0) * sin(middle))
+    room.add_box(_box(at, width, width))
+    room.add_strokes([ArcStroke(vertex, reach, first % 360.0, first % 360.0 + drawn)], (0.0, 0.0), 1.0)
+
+
+def _label(paper: Modelspace, placed: PlacedView, label: Label, room: Room) -> None:
+    at = placed.paper(*placed.view.project(label.at))
+    width = text_width_mm(label.text)
+    clear = label.clear_mm * placed.scale + (3.0 if label.leader else 0.0)
+    middle = room.place(at, width, TEXT_MM, clear)
+    _text(paper, label.text, middle)
+    if label.leader:
+        edge = min(max(at[0], middle[0] - width / 2 - 0.5), middle[0] + width / 2 + 0.5)
+        up = min(max(at[1], middle[1] - TEXT_MM / 2 - 0.5), middle[1] + TEXT_MM / 2 + 0.5)
+        paper.add_line(at, (edge, up), dxfattribs={"layer": "DIMENSION"})
+        dot = paper.add_hatch(color=256, dxfattribs={"layer": "DIMENSION"})
+        dot.paths.add_edge_path().add_arc(at, 0.35, 0.0, 360.0)
+
+
+def _cutting_line(paper: Modelspace, placed: PlacedView, cutting: CuttingLine, room: Room) -> None:
+    a, b = (np.array(placed.paper(*placed.view.project(p))) for p in (cutting.start, cutting.end))
+    along = (b - a) / np.hypot(*(b - a))
+    looks = np.array(placed.view.project(cutting.looks))
+    paper.add_line(tuple(a), tuple(b), dxfattribs={"layer": "CENTRE"})
+    room.add_line(np.array([a, b]))
+    for end, out in ((a, -along), (b, along)):
+        corner = end + out * 6.0
+        paper.add_line(tuple(end + out * 1.0), tuple(corner), dxfattribs={"layer": "CUTTING", "linetype": "Continuous"})
+        tip = corner - out * 1.5 - looks * 1.0
+        tail = corner - out * 1.5 - looks * 8.0
+        _arrow(paper, tail, tip)
+        room.add_line(np.array([end, corner]))
+        room.add_line(np.array([tail, tip]))
+        middle = tuple(tail + out * 3.2 + looks * 2.0)
+        _text(paper, cutting.letter, middle, LABEL_MM)
+        room.add_box(_box(middle, LABEL_MM + 1.0, LABEL_MM + 1.0))
+
+
+def _arrow(paper: Modelspace, tail: np.ndarray, tip: np.ndarray) -> None:
+    direction = (tip - tail) / np.hypot(*(tip - tail))
+    across = np.array([-direction[1], direction[0]])
+    paper.add_line(tuple(tail), tuple(tip), dxfattribs={"layer": "DIMENSION"})
+    back = tip - direction * ARROW_MM
+    paper.add_solid(
+        [tuple(tip), tuple(back + across * 0.7), tuple(back - across * 0.7), tuple(back - across * 0.7)],
+        dxfattribs={"layer": "DIMENSION"},
+    )

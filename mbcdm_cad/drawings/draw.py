@@ -1,0 +1,100 @@
+"""One sheet as DXF, SVG and PDF."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import Any
+
+import cadquery as cq
+
+from mbcdm_cad.drawings.arrangement import (
+    FRAME_LEFT_MM,
+    FRAME_MM,
+    TITLE_BLOCK,
+    Arrangement,
+    arranged,
+    scale_text,
+)
+from mbcdm_cad.drawings.document import document_bytes, fixed_meta_data, new_document
+from mbcdm_cad.drawings.drafting import draw_views
+from mbcdm_cad.drawings.labels import Room
+from mbcdm_cad.drawings.projection import picture
+from mbcdm_cad.drawings.rendering import pdf_bytes, shapes_of, svg_bytes
+from mbcdm_cad.drawings.titleblock import (
+    TitleFields,
+    draw_border,
+    draw_notes,
+    draw_tables,
+    draw_title_block,
+    fits_table,
+    notes_height_mm,
+    tables_size_mm,
+    wrapped,
+)
+from mbcdm_cad.parts.sheets.description import Sheet
+
+_NOTES_LEFT_OVER_MM = 8.0
+
+
+@dataclass(frozen=True)
+class PartFacts:
+    """What the title block needs beside the sheet."""
+
+    design: str
+    material: str
+    mass_g: float
+    version: str
+
+
+def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
+    """The sheet's files by extension: ``dxf``, ``svg``, ``pdf``.
+
+    Raises ``ValueError`` naming the part where a dimension does not agree with its points or nothing fits on paper.
+    """
+    shape = cq.Shape.cast(getattr(solid, "wrapped", solid))
+    pictures = {view.name: picture(shape, view) for view in sheet.views}
+    limits = fits_table(sheet.fits)
+    tables = (*sheet.tables, *((limits,) if limits else ()))
+    size = tables_size_mm(tables)
+    paper_width = {"A4": 297.0, "A3": 420.0}[sheet.paper]
+    beside = paper_width - FRAME_LEFT_MM - FRAME_MM - TITLE_BLOCK[0] - _NOTES_LEFT_OVER_MM
+    lines = wrapped(sheet.notes, beside)
+    arrangement = arranged(sheet, pictures, size, notes_height_mm(lines))
+    with fixed_meta_data():
+        doc = new_document(arrangement.scale)
+        width, height = arrangement.size_mm
+        draw_border(doc, width, height)
+        draw_title_block(doc, _fields(sheet, facts, arrangement), width)
+        draw_notes(doc, lines)
+        right, top = width - FRAME_MM - 2.0, height - FRAME_MM - 2.0
+        draw_tables(doc, tables, right, top)
+        room = Room((FRAME_LEFT_MM + 1.0, FRAME_MM + 1.0, width - FRAME_MM - 1.0, height - FRAME_MM - 1.0))
+        room.add_box((width - FRAME_MM - TITLE_BLOCK[0], FRAME_MM, width - FRAME_MM, FRAME_MM + TITLE_BLOCK[1]))
+        room.add_box((FRAME_LEFT_MM, FRAME_MM, FRAME_LEFT_MM + beside, FRAME_MM + notes_height_mm(lines)))
+        if tables:
+            room.add_box((right - size[0], top - size[1], right, top))
+        draw_views(doc, sheet, arrangement, pictures, room)
+        shapes = shapes_of(doc)
+        dxf = document_bytes(doc)
+    return {
+        "dxf": dxf,
+        "svg": svg_bytes(shapes, width, height),
+        "pdf": pdf_bytes(shapes, width, height, f"{facts.design} {sheet.part}"),
+    }
+
+
+def _fields(sheet: Sheet, facts: PartFacts, arrangement: Arrangement) -> TitleFields:
+    revision = hashlib.sha256(repr((sheet, facts)).encode()).hexdigest()[:8]
+    mass = f"{facts.mass_g:.3g} g" if facts.mass_g < 100.0 else f"{facts.mass_g:.1f} g"
+    return TitleFields(
+        title=sheet.title,
+        part=sheet.part,
+        design=facts.design,
+        material=facts.material,
+        mass=mass,
+        scale=scale_text(arrangement.scale),
+        paper=arrangement.paper,
+        revision=revision,
+        made_by=f"mbcdm_cad {facts.version}",
+    )

@@ -1,0 +1,101 @@
+"""Room for short texts in a view: the nearest place where a text lies on no line and on no other text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import cos, radians, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.drawings.strokes import Point, Stroke, points_of
+
+_DIRECTIONS = (45, 135, 315, 225, 0, 90, 180, 270, 22, 67, 112, 157, 202, 247, 292, 337)
+_AROUND_MM = 0.5
+Box = tuple[float, float, float, float]
+
+
+class Room:
+    """What is on the paper already, as segments and boxes; grows as texts are placed."""
+
+    def __init__(self, within: Box) -> None:
+        self._within = within
+        self._segments: list[NDArray[np.float64]] = []
+        self._boxes: list[Box] = []
+        self._faces: list[list[NDArray[np.float64]]] = []
+
+    def add_strokes(self, strokes: Iterable[Stroke], origin: Point, scale: float) -> None:
+        """Lines of a view that texts keep off."""
+        for stroke in strokes:
+            points = np.array(points_of(stroke)) * scale + np.array(origin)
+            self.add_line(points)
+
+    def add_line(self, points: NDArray[np.float64]) -> None:
+        """A polyline on paper, (n, 2)."""
+        self._segments.append(np.concatenate([points[:-1], points[1:]], axis=1))
+
+    def add_face(self, loops: Iterable[tuple[Point, ...]], origin: Point, scale: float) -> None:
+        """A hatched face of a view."""
+        self._faces.append([np.array(loop) * scale + np.array(origin) for loop in loops])
+
+    def add_box(self, taken: Box) -> None:
+        """A text or table on paper."""
+        self._boxes.append(taken)
+
+    def is_free(self, wanted: Box) -> bool:
+        """Whether a box lies on the sheet and on nothing else."""
+        left, bottom, right, top = wanted
+        if left < self._within[0] or bottom < self._within[1] or right > self._within[2] or top > self._within[3]:
+            return False
+        if any(left < b[2] and right > b[0] and bottom < b[3] and top > b[1] for b in self._boxes):
+            return False
+        if any(_inside(((left + right) / 2, (bottom + top) / 2), loops) for loops in self._faces):
+            return False
+        return not self._segments or not _crossed(np.concatenate(self._segments), wanted)
+
+    def place(self, at: Point, width: float, height: float, clear: float) -> Point:
+        """Middle of a text near ``at``, at least ``clear`` away from it; that place is taken from then on."""
+        best: Point | None = None
+        for step in range(26):
+            for deg in _DIRECTIONS:
+                away = clear + 0.6 + 1.2 * step
+                dx, dy = cos(radians(deg)), sin(radians(deg))
+                x = at[0] + dx * (away + width / 2)
+                y = at[1] + dy * (away + height / 2)
+                wanted = (
+                    x - width / 2 - _AROUND_MM,
+                    y - height / 2 - _AROUND_MM,
+                    x + width / 2 + _AROUND_MM,
+                    y + height / 2 + _AROUND_MM,
+                )
+                if self.is_free(wanted):
+                    best = (x, y)
+                    self.add_box(wanted)
+                    return best
+        # A sheet this full is found by its test; the text still belongs somewhere.
+        return at[0] + clear + width, at[1] + clear + height
+
+
+def _crossed(segments: NDArray[np.float64], wanted: Box) -> bool:
+    """Whether any segment (n, 4) meets the box (separating axes: x, y and the segment's normal)."""
+    ax, ay, bx, by = segments.T
+    left, bottom, right, top = wanted
+    apart = (np.maximum(ax, bx) < left) | (np.minimum(ax, bx) > right)
+    apart |= (np.maximum(ay, by) < bottom) | (np.minimum(ay, by) > top)
+    nx, ny = ay - by, bx - ax
+    corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+    side = np.outer(nx, corners[:, 0]) + np.outer(ny, corners[:, 1]) - (nx * ax + ny * ay)[:, None]
+    apart |= (side.min(axis=1) > 0) | (side.max(axis=1) < 0)
+    return bool((~apart).any())
+
+
+def _inside(point: Point, loops: list[NDArray[np.float64]]) -> bool:
+    """Whether a point lies in a face with holes: an odd number of edges to its right."""
+    odd = False
+    for loop in loops:
+        (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
+        spans = (ay > point[1]) != (by > point[1])
+        rise = np.where(spans, by - ay, 1.0)
+        right = ax + (point[1] - ay) * (bx - ax) / rise > point[0]
+        odd ^= bool(np.count_nonzero(spans & right) % 2)
+    return odd

@@ -1,0 +1,164 @@
+"""Limits of size after ISO 286 for nominal sizes from 1 to 120 mm, and the fits that the parts of a drive use.
+
+Standard tolerances and fundamental deviations are the printed values of ISO 286-1:2010 tables 1 to 4 (micrometres);
+the deviations of holes K to P follow by the rule of clause 4.3.2.3 of ISO 286-1: ES = -ei + (IT_n - IT_n-1) above 3 mm.
+Checked against limits printed in ISO 286-2. No kernel here.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from dataclasses import dataclass
+
+SMALLEST_MM, LARGEST_MM = 1.0, 120.0
+# Upper ends of the ranges of nominal sizes; a size that is an end belongs to the range below it.
+_RANGES_MM = (3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0)
+# Standard tolerances IT5 to IT13, one column a range.
+_TOLERANCES_UM = {
+    4: (3, 4, 4, 5, 6, 7, 8, 10),
+    5: (4, 5, 6, 8, 9, 11, 13, 15),
+    6: (6, 8, 9, 11, 13, 16, 19, 22),
+    7: (10, 12, 15, 18, 21, 25, 30, 35),
+    8: (14, 18, 22, 27, 33, 39, 46, 54),
+    9: (25, 30, 36, 43, 52, 62, 74, 87),
+    10: (40, 48, 58, 70, 84, 100, 120, 140),
+    11: (60, 75, 90, 110, 130, 160, 190, 220),
+    12: (100, 120, 150, 180, 210, 250, 300, 350),
+    13: (140, 180, 220, 270, 330, 390, 460, 540),
+}
+# Upper deviation es of shafts d to h, lower deviation ei of shafts k to p.
+_ES_UM = {
+    "d": (-20, -30, -40, -50, -65, -80, -100, -120),
+    "e": (-14, -20, -25, -32, -40, -50, -60, -72),
+    "f": (-6, -10, -13, -16, -20, -25, -30, -36),
+    "g": (-2, -4, -5, -6, -7, -9, -10, -12),
+    "h": (0, 0, 0, 0, 0, 0, 0, 0),
+}
+_EI_UM = {
+    "k": (0, 1, 1, 1, 2, 2, 2, 3),  # grades 4 to 7; 0 in all others
+    "m": (2, 4, 6, 7, 8, 9, 11, 13),
+    "n": (4, 8, 10, 12, 15, 17, 20, 23),
+    "p": (6, 12, 15, 18, 22, 26, 32, 37),
+}
+# Holes J have upper deviations of their own.
+_J_ES_UM = {
+    6: (2, 5, 5, 6, 8, 10, 13, 16),
+    7: (4, 6, 8, 10, 12, 14, 18, 22),
+    8: (6, 10, 12, 15, 20, 24, 28, 34),
+}
+_CODE = re.compile(r"(JS|js|[DEFGHJKMNP]|[defghkmnp])(\d{1,2})")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of a size in mm: nominal and the two deviations from it."""
+
+    nominal_mm: float
+    upper_mm: float
+    lower_mm: float
+
+    @property
+    def largest_mm(self) -> float:
+        """Upper limit of size."""
+        return self.nominal_mm + self.upper_mm
+
+    @property
+    def smallest_mm(self) -> float:
+        """Lower limit of size."""
+        return self.nominal_mm + self.lower_mm
+
+
+def limits(nominal_mm: float, code: str) -> Limits:
+    """Limits of ``nominal_mm`` for a tolerance class such as ``H7`` (hole) or ``h6`` (shaft).
+
+    Raises ``ValueError`` with value, limit and remedy for a size outside 1 to 120 mm or a class that is not known.
+    """
+    if not SMALLEST_MM <= nominal_mm <= LARGEST_MM:
+        raise ValueError(
+            f"fit {code}: nominal size {nominal_mm:g} mm is outside {SMALLEST_MM:g} to {LARGEST_MM:g} mm; "
+            "give its limits as numbers instead"
+        )
+    found = _CODE.fullmatch(code)
+    grade = int(found.group(2)) if found else 0
+    if found is None or grade not in _TOLERANCES_UM:
+        raise ValueError(f"fit {code}: not a known tolerance class; use a letter D to P and a grade 5 to 13, as in H7")
+    upper, lower = _deviations_um(found.group(1), grade, bisect_left(_RANGES_MM, nominal_mm))
+    return Limits(nominal_mm, upper / 1e3, lower / 1e3)
+
+
+def _deviations_um(letter: str, grade: int, column: int) -> tuple[float, float]:
+    """Upper and lower deviation, um."""
+    tolerance = _TOLERANCES_UM[grade][column]
+    if letter in ("js", "JS"):
+        # Odd tolerances of IT7 to IT11 are rounded down to whole micrometres.
+        half = (tolerance - tolerance % 2) / 2 if 7 <= grade <= 11 else tolerance / 2
+        return half, -half
+    if letter in _ES_UM:
+        upper = _ES_UM[letter][column]
+        return upper, upper - tolerance
+    if letter in _EI_UM:
+        lower = 0 if letter == "k" and not 4 <= grade <= 7 else _EI_UM[letter][column]
+        return lower + tolerance, lower
+    if letter.lower() in _ES_UM:
+        lower = -_ES_UM[letter.lower()][column]
+        return lower + tolerance, lower
+    upper = _hole_upper_um(letter, grade, column)
+    return upper, upper - tolerance
+
+
+def _hole_upper_um(letter: str, grade: int, column: int) -> int:
+    """ES of holes J to P."""
+    if letter == "J":
+        if grade not in _J_ES_UM:
+            raise ValueError(f"fit J{grade}: ISO 286 has J6, J7 and J8 only; use JS{grade}")
+        return _J_ES_UM[grade][column]
+    ei = 0 if letter == "K" and grade > 8 else _EI_UM[letter.lower()][column]
+    # The rule that makes a hole and a shaft of one letter fit alike: K, M, N up to IT8, P up to IT7.
+    step_applies = column > 0 and grade <= (7 if letter == "P" else 8)
+    if letter == "N" and grade > 8:
+        return -_EI_UM["n"][0] if column == 0 else 0
+    return -ei + (_TOLERANCES_UM[grade][column] - _TOLERANCES_UM[grade - 1][column] if step_applies else 0)
+
+
+@dataclass(frozen=True)
+class RoleFit:
+    """The tolerance class chosen for one role, with the reason and where the recommendation comes from."""
+
+    code: str
+    reason: str
+    source: str
+
+
+_BEARING_MAKERS = "rolling bearing makers' tables for radial ball bearings (SKF, 'Shaft and housing fits')"
+_PINS = "ISO 2338 and common practice for dowels"
+
+# Inner ring turns against the load on the input pulleys and the drum's shaft, the outer ring on the guide.
+FITS = {
+    "guide_seat": RoleFit("N7", "outer ring turns against the load: it must not creep", _BEARING_MAKERS),
+    "guide_axle": RoleFit(
+        "h6", "inner ring stands still against the load, and slides on for assembly", _BEARING_MAKERS
+    ),
+    "spacer_bore": RoleFit("H7", "slides on the axle h6", "ISO 286 hole-basis practice"),
+    "input_journal": RoleFit("js6", "inner ring turns against a light load; up to 17 mm js", _BEARING_MAKERS),
+    "input_seat": RoleFit("H7", "outer ring stands still against the load", _BEARING_MAKERS),
+    "drum_shaft": RoleFit(
+        "h5", "inner ring turns under a light load, but the front ring is pushed on", _BEARING_MAKERS
+    ),
+    "drum_seat": RoleFit(
+        "J7", "outer ring stands still; next to no play, since play here is backlash", _BEARING_MAKERS
+    ),
+    "drum_bore": RoleFit(
+        "H7", "hub slides on the shaft h5 and is held by its set screws", "ISO 286 hole-basis practice"
+    ),
+    "axle_bore": RoleFit("H7", "axle h6 is put in by hand", "ISO 286 hole-basis practice"),
+    "gear_shaft_bore": RoleFit(
+        "H7", "slides on the gearhead's shaft; the collar closes it", "ISO 286 hole-basis practice"
+    ),
+    "pilot": RoleFit("H8", "spigot of the gearhead centres, its screws hold", "ISO 286 hole-basis practice"),
+    "collar_bore": RoleFit("H7", "slides on the slit journal and closes it", "ISO 286 hole-basis practice"),
+    "land": RoleFit("js7", "the land's radius sets the ratio: both signs alike", "tolerance of the ratio"),
+    "pin": RoleFit("m6", "parallel pin", _PINS),
+    "pin_press": RoleFit("H7", "pin m6 stays in this part", _PINS),
+    "pin_slide": RoleFit("G7", "pin m6 comes out of this part by hand", _PINS),
+}

@@ -1,0 +1,169 @@
+"""What a drawing shows, as plain data: views, dimensions, labels, tables, notes. No kernel, no paper.
+
+Points are in the part's own coordinates, mm. A view says which way of the part lies to the right and upwards on the
+paper; sections are views with a plane, through ``cut`` and facing the reader, in front of which nothing is drawn.
+Every dimension carries its value, taken from the part's parameters, beside the two points it stands between; the
+engine refuses a sheet in which the two disagree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+Vector = tuple[float, float, float]
+Side = Literal["above", "below", "left", "right"]
+X: Vector = (1.0, 0.0, 0.0)
+Y: Vector = (0.0, 1.0, 0.0)
+Z: Vector = (0.0, 0.0, 1.0)
+
+
+def minus(v: Vector) -> Vector:
+    """The opposite direction."""
+    return (-v[0] + 0.0, -v[1] + 0.0, -v[2] + 0.0)
+
+
+@dataclass(frozen=True)
+class View:
+    """One view. ``column`` and ``row`` place it in a grid, rows counted upwards; a row shares its height, a column its
+    width, so that projections line up (first angle: the view from above lies below, that from the left to the right).
+
+    ``magnify``: scale of a detail relative to the sheet's. ``window``: centre, half width and half height in mm of
+    what a detail shows. ``axes``: centre lines from point to point; ``circles``: centre and radius of pitch circles.
+    """
+
+    name: str
+    right: Vector
+    up: Vector
+    column: int = 0
+    row: int = 0
+    title: str = ""
+    cut: Vector | None = None
+    hidden: bool = False
+    magnify: float = 1.0
+    window: tuple[Vector, float, float] | None = None
+    axes: tuple[tuple[Vector, Vector], ...] = ()
+    circles: tuple[tuple[Vector, float], ...] = ()
+
+    @property
+    def toward(self) -> Vector:
+        """Direction from the part to the reader."""
+        (a, b, c), (d, e, f) = self.right, self.up
+        return (b * f - c * e, c * d - a * f, a * e - b * d)
+
+    def project(self, point: Vector) -> tuple[float, float]:
+        """Where a point of the part lies in the view, mm to the right and upwards from the part's origin."""
+        x, y, z = point
+        return (
+            x * self.right[0] + y * self.right[1] + z * self.right[2],
+            x * self.up[0] + y * self.up[1] + z * self.up[2],
+        )
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Distance between two points across (``above``, ``below``) or up (``left``, ``right``) the paper.
+
+    ``prefix`` is written before the value ("%%c" for a diameter, "M" for a thread), ``fit`` behind it as a tolerance
+    class of ISO 286, ``suffix`` last. ``deviations`` are upper and lower deviation in mm where no class applies.
+    """
+
+    view: str
+    start: Vector
+    end: Vector
+    value: float
+    side: Side
+    prefix: str = ""
+    suffix: str = ""
+    fit: str = ""
+    deviations: tuple[float, float] | None = None
+    decimals: int = 2
+
+
+@dataclass(frozen=True)
+class Radius:
+    """Radius of an arc about ``centre``, its arrow at ``at``; the R before the value is not part of ``prefix``."""
+
+    view: str
+    centre: Vector
+    at: Vector
+    value: float
+    suffix: str = ""
+    prefix: str = ""
+
+
+@dataclass(frozen=True)
+class Angle:
+    """Angle at ``vertex`` from ``start`` to ``end`` the way round that is ``value`` degrees, drawn ``reach`` mm out."""
+
+    view: str
+    vertex: Vector
+    start: Vector
+    end: Vector
+    value: float
+    reach: float
+    suffix: str = ""
+
+
+@dataclass(frozen=True)
+class Label:
+    """A short text beside a point of a view; the engine finds room for it. ``leader`` draws a line to the point.
+
+    ``clear_mm``: radius on the part round the point that the text keeps off, such as a hole's.
+    """
+
+    view: str
+    at: Vector
+    text: str
+    clear_mm: float = 0.0
+    leader: bool = False
+
+
+@dataclass(frozen=True)
+class CuttingLine:
+    """Trace of a section plane in a view, with the letter at both ends and arrows the way the section looks."""
+
+    view: str
+    start: Vector
+    end: Vector
+    letter: str
+    looks: Vector
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with a title, column heads and rows; empty cells are written as a dash."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class FitLine:
+    """A toleranced size of the sheet, for its table of limits."""
+
+    nominal_mm: float
+    code: str
+    what: str
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """All that one drawing shows."""
+
+    part: str
+    title: str
+    views: tuple[View, ...]
+    dimensions: tuple[Linear | Radius | Angle, ...] = ()
+    labels: tuple[Label, ...] = ()
+    cutting_lines: tuple[CuttingLine, ...] = ()
+    tables: tuple[Table, ...] = ()
+    fits: tuple[FitLine, ...] = ()
+    notes: tuple[str, ...] = ()
+    paper: Literal["A4", "A3"] = "A4"
+    hatched: bool = field(default=True)
+
+    def view(self, name: str) -> View:
+        """The view of that name. Raises ``KeyError``."""
+        return next(v for v in self.views if v.name == name)

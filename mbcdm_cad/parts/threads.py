@@ -1,0 +1,91 @@
+"""ISO metric threads: pitches (ISO 261, coarse), basic dimensions (ISO 724), tap drills (ISO 2306). No kernel here."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from math import sqrt
+
+# Coarse pitch and drill for tapping, mm, by nominal diameter.
+_COARSE_MM = {
+    1.0: (0.25, 0.75),
+    1.2: (0.25, 0.95),
+    1.4: (0.3, 1.1),
+    1.6: (0.35, 1.25),
+    2.0: (0.4, 1.6),
+    2.5: (0.45, 2.05),
+    3.0: (0.5, 2.5),
+    4.0: (0.7, 3.3),
+    5.0: (0.8, 4.2),
+    6.0: (1.0, 5.0),
+    8.0: (1.25, 6.8),
+    10.0: (1.5, 8.5),
+    12.0: (1.75, 10.2),
+    16.0: (2.0, 14.0),
+    20.0: (2.5, 17.5),
+}
+# Height of the fundamental triangle over the pitch.
+_TRIANGLE = sqrt(3.0) / 2.0
+# A bottoming tap cuts no full thread on its last turns.
+TAP_LEAD_PITCHES = 2.0
+# Length of engagement, in diameters, at which the screw breaks before the thread of the nut material strips.
+ENGAGEMENT_DIAMETERS = {"steel": 1.0, "aluminium": 1.5, "plastic": 2.0}
+
+
+@dataclass(frozen=True)
+class Thread:
+    """An ISO metric coarse thread. Lengths in mm."""
+
+    nominal_mm: float
+    pitch_mm: float
+    tap_drill_mm: float
+
+    @property
+    def name(self) -> str:
+        """Designation, such as M2.5."""
+        return f"M{self.nominal_mm:g}"
+
+    @property
+    def pitch_diameter_mm(self) -> float:
+        """d2 = d - 2 (3/8) H (ISO 724)."""
+        return self.nominal_mm - 0.75 * _TRIANGLE * self.pitch_mm
+
+    @property
+    def minor_diameter_mm(self) -> float:
+        """D1 = d - 2 (5/8) H, of the inside thread (ISO 724)."""
+        return self.nominal_mm - 1.25 * _TRIANGLE * self.pitch_mm
+
+    @property
+    def root_diameter_mm(self) -> float:
+        """d3 = d - 2 (17/24) H, of the screw (ISO 68-1 with a round root)."""
+        return self.nominal_mm - 17.0 / 12.0 * _TRIANGLE * self.pitch_mm
+
+    @property
+    def stress_area_mm2(self) -> float:
+        """A_s = pi/4 ((d2 + d3) / 2)^2 (ISO 898-1)."""
+        return 0.7853981633974483 * ((self.pitch_diameter_mm + self.root_diameter_mm) / 2.0) ** 2
+
+    def full_thread_mm(self, drilled_mm: float) -> float:
+        """Depth of full thread in a blind hole drilled to ``drilled_mm``."""
+        return max(0.0, drilled_mm - TAP_LEAD_PITCHES * self.pitch_mm)
+
+    def engagement_mm(self, material_kind: str) -> float:
+        """Length of engagement wanted in ``steel``, ``aluminium`` or ``plastic``."""
+        return ENGAGEMENT_DIAMETERS[material_kind] * self.nominal_mm
+
+
+def thread(nominal_mm: float) -> Thread:
+    """The coarse thread of a nominal diameter. Raises ``ValueError`` naming the sizes there are."""
+    found = next((item for item in _COARSE_MM.items() if abs(item[0] - nominal_mm) < 1e-9), None)
+    if found is None:
+        sizes = ", ".join(f"{d:g}" for d in _COARSE_MM)
+        raise ValueError(f"thread M{nominal_mm:g}: not a coarse thread of the table; choose one of {sizes} mm")
+    return Thread(found[0], *found[1])
+
+
+def thread_named(name: str) -> Thread:
+    """The thread of a designation such as ``M2.5`` (anything after ``x`` or ``-`` is left aside)."""
+    found = re.match(r"M(\d+(?:\.\d+)?)", name)
+    if found is None:
+        raise ValueError(f"thread {name!r}: not a metric thread; write it as M2.5")
+    return thread(float(found.group(1)))
