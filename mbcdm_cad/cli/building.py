@@ -55,15 +55,16 @@ def picture_command(path: Path, png: Path, *, angle_deg: float, view: str, use_c
     return 0
 
 
-def drawings_command(loaded: LoadedDesign, out: Path, *, part: str | None, use_cache: bool, jobs: int | None) -> int:
+def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool, jobs: int | None) -> int:
     """Write the workshop drawings into a folder of their own."""
+    loaded = load_design(path)
     from mbcdm_cad.build.drawings import drawings_of
     from mbcdm_cad.build.progress import progress
     from mbcdm_cad.storage.files import write_whole
 
-    with progress() as tell:
+    with progress() as note:
         files = drawings_of(
-            loaded.drive, Cache(cache_folder() if use_cache else None), part=part, jobs=jobs, progress=tell
+            loaded.drive, Cache(cache_folder() if use_cache else None), part=part, jobs=jobs, progress=note
         )
     target = out / f"{loaded.drive.name}-drawings"
     write_whole({target / name: data for name, data in files.items()})

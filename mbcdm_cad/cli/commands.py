@@ -279,6 +279,5 @@ def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: in
     One sheet for each part, as DXF with real dimensions, as PDF and as SVG.
     """
     from mbcdm_cad.cli.building import drawings_command
-    from mbcdm_cad.design import load_design
 
-    return drawings_command(load_design(design), out, part=part, use_cache=not no_cache, jobs=jobs)
+    return drawings_command(design, out, part=part, use_cache=not no_cache, jobs=jobs)
