@@ -1,0 +1,43 @@
+"""The command ``page``: builds the design where that has not been done, and writes its page beside the other files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import click
+
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.storage.cache import Cache, cache_folder
+
+
+def page_command(loaded: LoadedDesign, *, out: Path, force: bool, use_cache: bool) -> int:
+    """Write ``out/<name>/report.html``. 0 written, 1 refused or forced against a failing check."""
+    from mbcdm_cad.build.progress import progress
+    from mbcdm_cad.build.run import build, drawn
+    from mbcdm_cad.report.page import design_scene, report_page, studies
+    from mbcdm_cad.storage.files import write_whole
+
+    cache = Cache(cache_folder() if use_cache else None)
+    with progress() as tell:
+        outcome = build(loaded, out, force=force, cache=cache, progress=tell)
+        for check in outcome.failed:
+            click.echo(f"fail: {check.id}: {check.message}; {check.remedy}", err=True)
+        if outcome.folder is None or outcome.data is None:
+            text = f"{loaded.path}: no page, {len(outcome.failed)} check(s) fail; --force makes it all the same"
+            click.echo(text, err=True)
+            return 1
+        _, parts = drawn(loaded.drive, 0.0, cache, tell)
+        tell("page")
+        view = design_scene(loaded.drive, {name: part.files for name, part in parts.items()})
+        page = report_page(outcome.data, view, studies(loaded.drive), file_links(loaded.drive.name, parts))
+    target = outcome.folder / "report.html"
+    write_whole({target: page})
+    click.echo(f"{target}: {len(page) / 1e6:.1f} MB, opens in any browser, needs no network")
+    return 1 if outcome.failed else 0
+
+
+def file_links(name: str, parts: Iterable[str]) -> dict[str, list[tuple[str, str]]]:
+    """Files of the whole (key "") and of each part, by their place beside the page."""
+    whole = [("STEP", f"{name}.step"), ("GLB", f"{name}.glb"), ("report.md", "report.md"), ("JSON", "report.json")]
+    return {"": whole} | {part: [("STEP", f"parts/{part}.step"), ("STL", f"parts/{part}.stl")] for part in parts}

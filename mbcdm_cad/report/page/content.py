@@ -1,0 +1,135 @@
+"""What the page says in tables and bars, prepared from the report's data: order, shares, words. No HTML here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+_RANK = {"fail": 0, "warn": 1, "pass": 2}
+# Margins of rounding: a wall exactly as thick as its limit may come out 1e-15 under it.
+_ROUNDING = 1e-9
+CAUSES = {
+    "motor": "motor's rated torque, gearhead lossless",
+    "motor_with_efficiency": "motor's rated torque, gearhead's efficiency counted",
+    "gearhead_rated": "gearhead's continuous rating",
+    "gearhead_maximum": "gearhead's intermittent rating",
+    "strength": "tension limit of a cable",
+    "slack": "a cable goes slack",
+}
+
+
+def used_share(check: Mapping[str, Any]) -> float | None:
+    """How much of its limit a check uses: 1 at the limit, more beyond it; None where no ratio can be formed.
+
+    The figure over an upper limit, a lower limit over the figure.
+    """
+    actual, limit, margin = check["actual"], check["limit"], check["margin"]
+    if actual is None or limit is None or margin is None or actual < 0.0 or limit < 0.0:
+        return None
+    upper = abs((limit - actual) - margin) <= abs((actual - limit) - margin)
+    over, under = (actual, limit) if upper else (limit, actual)
+    return float(over / under) if under > 0.0 else None
+
+
+def sorted_checks(checks: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Checks as the page lists them: fails, warnings, then passes by the margin left; each with its ``used`` share."""
+    rows: list[dict[str, Any]] = []
+    for check in checks:
+        margin = check["margin"]
+        if margin is not None and abs(margin) < _ROUNDING:
+            margin = 0.0
+        rows.append({**check, "used": used_share(check), "margin": margin})
+
+    def order(row: dict[str, Any]) -> tuple[int, float]:
+        used = row["used"]
+        return _RANK[row["status"]], -(used if used is not None else -1.0)
+
+    return sorted(rows, key=order)
+
+
+def check_counts(checks: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """How many checks fail, warn and pass."""
+    return {status: sum(check["status"] == status for check in checks) for status in _RANK}
+
+
+def tightest(checks: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
+    """The passing check that uses most of its limit."""
+    rows = [row for row in sorted_checks(checks) if row["status"] == "pass" and row["used"] is not None]
+    return rows[0] if rows else None
+
+
+def capability(report: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Torque limits by cause, both ways side by side, N m; None where a cause sets no limit."""
+    rows: dict[str, dict[str, Any]] = {}
+    for limit in report["analysis"]["limits"]:
+        row = rows.setdefault(limit["cause"], {"cause": CAUSES.get(limit["cause"], limit["cause"])})
+        row["plus" if limit["direction"] > 0 else "minus"] = limit
+    return list(rows.values())
+
+
+def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+    """Derived values: what, value with unit, and what it follows from."""
+    a, paths, torsion = report["analysis"], report["paths"], report["torsion"]
+    spans = [c["free_span_mm"] for c in a["cables"]]
+    moving = report["inertia_moving_g_mm2"]
+    rows = [
+        (f"ratio of {b['name'].replace('_', ' ')} to drum", f"{b['ratio']:+.6g}", "pitch radii along the cable")
+        for b in bodies
+        if b["ratio"] not in (0.0, 1.0)
+    ]
+    rows += [
+        ("axial stiffness of the rope, EA", f"{a['axial_stiffness_kN']:.4g} kN",
+         f"E = {a['modulus_GPa']:g} GPa on the {a['modulus_area']} area {a['area_mm2']:.4f} mm²"),
+        ("free spans", f"{min(spans):.4g} to {max(spans):.4g} mm", "centre distance and pitch radii"),
+        ("turn at the test torque", f"{abs(a['test'][0]['turn_mrad']):.4g} mrad",
+         f"{a['test'][0]['load_Nm']:g} N m, first loading, inputs locked"),
+        ("swing at a reversal", f"{a['reversal_swing_mrad']:.4g} mrad",
+         "full reversal of the test torque; friction, preload, EA"),
+        ("stiffness, wraps sticking", f"{a['sticking_stiffness_Nm_rad']:.4g} N m/rad",
+         "EA, radii, free spans and wraps"),
+        ("stiffness at the test torque, secant", f"{a['test'][0]['secant_stiffness_Nm_rad']:.4g} N m/rad",
+         "friction lets the wraps slip"),
+        ("lowest mode, inputs held", f"{torsion['lowest_inputs_held_Hz']:.4g} Hz",
+         "stiffness and the inertia of what turns"),
+        ("modes, inputs free", ", ".join(f"{f:.4g}" for f in torsion["inputs_free_Hz"]) + " Hz",
+         "rotors of the motors through the gearheads"),
+        ("inertia at the drum, without rotors", f"{moving['at_drum_without_rotors']:.6g} g mm²",
+         "each body times its ratio squared"),
+        ("inertia at a motor's shaft", f"{moving['at_motor']:.4g} g mm²", "all of it, over the whole ratio squared"),
+        ("usable travel", f"{paths['usable_deg'][0]:.2f} to {paths['usable_deg'][1]:+.2f} deg",
+         f"ends at: {paths['limits_negative'][0]['cause']}, {paths['limits_positive'][0]['cause']}"),
+        ("preloads that leave no bias", ", ".join(f"{t:.4g}" for t in a["balanced_preload_N"]) + " N",
+         "T ~ 1/r within the cables of one input"),
+        ("peak torque with them", " / ".join(f"{t:.4g}" for t in a["balanced_peak_torque_Nm"]) + " N m",
+         "as the peak torque, both ways"),
+        ("torque to weight", f"{report['torque']['torque_to_weight_Nm_kg']:.4g} N m/kg",
+         "weaker direction over the mass as drawn"),
+        ("frame's windup", f"{report['frame']['windup_urad_Nm']:.4g} µrad per N m", "stiffness of the support's walls"),
+    ]  # fmt: skip
+    return [{"what": what, "value": value, "from": source} for what, value, source in rows]
+
+
+def groups(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The list of parts: one entry a body with its items by mass, then the cables."""
+    found = []
+    for body in scene["bodies"]:
+        items = [item for item in scene["items"] if item["body"] == body["name"]]
+        found.append({"name": body["name"], "ratio": body["ratio"], "turns": body["ratio"] != 0.0, "items": items})
+    found.append({"name": "cables", "ratio": 0.0, "turns": False, "items": list(scene["cables"])})
+    for group in found:
+        group["items"] = sorted(group["items"], key=lambda item: (-item["mass_g"], item["name"]))
+        group["mass_g"] = sum(item["mass_g"] for item in group["items"])
+    return [group for group in found if group["items"]]
+
+
+def legend_table(chart: Mapping[str, Any], rows: int = 9) -> dict[str, Any]:
+    """A chart as a short table for those who cannot see it; None where its lines do not share their places."""
+    lines = chart["lines"]
+    if any(line["x"] != lines[0]["x"] for line in lines):
+        return {"head": [], "rows": []}
+    places = lines[0]["x"]
+    chosen = sorted({round(k * (len(places) - 1) / (rows - 1)) for k in range(rows)})
+    return {
+        "head": [line["label"] for line in lines],
+        "rows": [[places[k], *(line["y"][k] for line in lines)] for k in chosen],
+    }

@@ -1,0 +1,220 @@
+"""What the page shows in 3D, as plain data and one block of binary numbers: meshes, places, bodies and cables.
+
+Everything is told by data (bodies with axis and ratio, cables as sampled centre lines), so the page knows no
+configuration. Lengths in mm, in the frame of the mechanism.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil, radians, sqrt
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.build.bodies import PROBE_DEG, Bill, Body, bodies, is_cable
+from mbcdm_cad.build.mass import item_mass
+from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.build.trianglemesh import TriangleMesh
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.drive import Drive
+
+# A centre line is drawn with chords that leave the curve by at most this much, and angles between two samples are
+# filled in linearly with at most this error. Both lie below what a screen shows.
+CHORD_ERROR_MM = 0.02
+POSE_ERROR_MM = 0.03
+_POSES = (9, 19, 37, 71, 141, 281)
+_SHORTS = 65535
+
+
+class Piece(Protocol):
+    """A piece of a centre line."""
+
+    @property
+    def length_mm(self) -> float: ...
+
+    def points(self, fraction: NDArray[np.float64], /) -> NDArray[np.float64]: ...
+
+
+class Path(Protocol):
+    """One cable at one drum angle: named pieces in order."""
+
+    @property
+    def cable(self) -> Any: ...
+
+    @property
+    def pieces(self) -> Any: ...
+
+
+Paths = Callable[[float], Sequence[Any]]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """``data`` goes into the page as JSON, ``binary`` beside it; the arrays in ``data`` name their place in it."""
+
+    data: dict[str, Any]
+    binary: bytes
+
+
+class _Binary:
+    """Arrays one after the other, each starting at a multiple of four bytes."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+
+    def add(self, values: NDArray[Any]) -> dict[str, Any]:
+        self._bytes += b"\0" * (-len(self._bytes) % 4)
+        start = len(self._bytes)
+        little = np.ascontiguousarray(values.astype(values.dtype.newbyteorder("<"), copy=False))
+        self._bytes += little.tobytes()
+        return {"type": values.dtype.name, "start": start, "count": int(values.size)}
+
+    def quantised(self, points: NDArray[np.float64]) -> dict[str, Any]:
+        """Points (..., 3) as 16-bit steps of their own box: within a hundred-thousandth of its size."""
+        flat = points.reshape(-1, 3)
+        low = flat.min(axis=0)
+        step = np.maximum(flat.max(axis=0) - low, 1e-9) / _SHORTS
+        shorts = np.round((flat - low) / step).astype(np.uint16)
+        return {**self.add(shorts), "low": _figures(low), "step": [float(f"{v:.9g}") for v in step]}
+
+    def bytes(self) -> bytes:
+        return bytes(self._bytes)
+
+
+def design_scene(drive: Drive, parts: Mapping[str, PartFiles]) -> Scene:
+    """The scene of one design from its configuration; ``parts`` by name."""
+    kind = configuration(drive.configuration)
+    dims = kind.layout(drive)
+    centred = kind.bill(dims)
+    moving = bodies(centred, kind.bill(dims, PROBE_DEG))
+    return scene(centred, moving, parts, dims.cable_paths, drive)
+
+
+def scene(
+    centred: Bill, moving: Sequence[Body], parts: Mapping[str, PartFiles], paths_at: Paths, drive: Drive
+) -> Scene:
+    """The scene of bodies, parts and cables.
+
+    ``centred`` is the bill with the drum centred; ``paths_at`` gives the cables at an angle in rad, in the order in
+    which the bill holds them.
+    """
+    half_travel_deg, cable_diameter_mm = drive.half_travel_deg, drive.cable.diameter_mm
+    binary = _Binary()
+    body_of = {item: body.name for body in moving for item in body.items}
+    rigid = [item for item in centred.items if not is_cable(centred, item)]
+    cables = [item for item in centred.items if is_cable(centred, item)]
+    data: dict[str, Any] = {
+        "half_travel_deg": half_travel_deg,
+        "bodies": [{"name": b.name, "axis": list(b.axis), "point": list(b.point_mm), "ratio": b.ratio} for b in moving],
+        "parts": {name: _mesh(binary, parts[name].mesh) for name in sorted({item.part for item in rigid})},
+        "items": [
+            {
+                "name": item.name,
+                "part": item.part,
+                "body": body_of[item.name],
+                "kind": item.kind,
+                "material": item.material.name,
+                "colour": _figures(item.material.colour),
+                "mass_g": _figure(item_mass(item, parts[item.part].shape).mass_g),
+                "place": _figures(np.array(item.location.rows).ravel(), 9),
+            }
+            for item in sorted(rigid, key=lambda item: (body_of[item.name], item.name))
+        ],
+        "cables": [],
+    }
+    lines, angles = cable_lines(paths_at, half_travel_deg)
+    for item, points in zip(cables, lines.values(), strict=True):
+        data["cables"].append(
+            {
+                "name": item.name,
+                "part": item.part,
+                "kind": item.kind,
+                "material": item.material.name,
+                "colour": _figures(item.material.colour),
+                "mass_g": _figure(item_mass(item, parts[item.part].shape).mass_g),
+                "radius_mm": cable_diameter_mm / 2,
+                "angles": len(angles),
+                "points": points.shape[1],
+                "line": binary.quantised(points),
+            }
+        )
+    return Scene(data, binary.bytes())
+
+
+def _mesh(binary: _Binary, mesh: TriangleMesh) -> dict[str, Any]:
+    small = len(mesh.points_mm) <= _SHORTS
+    kind = np.uint16 if small else np.uint32
+    return {
+        "points": binary.quantised(mesh.points_mm),
+        "normals": binary.add(np.round(mesh.normals * 127.0).astype(np.int8)),
+        "triangles": binary.add(mesh.triangles.astype(kind)),
+        "edges": binary.add(mesh.edges.astype(kind)),
+    }
+
+
+def cable_lines(paths_at: Paths, half_travel_deg: float) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
+    """Centre lines by cable name, (angles, points, 3), and the drum angles (deg) they are sampled at.
+
+    The number of points on a piece is the same at every angle, so points correspond and a surface swept along them
+    keeps its topology. There are as many angles as ``POSE_ERROR_MM`` needs.
+    """
+    ends = [paths_at(radians(angle)) for angle in (-half_travel_deg, 0.0, half_travel_deg)]
+    counts = [
+        [max(_chords(piece) for piece in same) for same in zip(*(_pieces(p) for p in path), strict=True)]
+        for path in zip(*ends, strict=True)
+    ]
+    for poses in _POSES:
+        angles = np.linspace(-half_travel_deg, half_travel_deg, poses)
+        at = [_sampled(paths_at(radians(angle)), counts) for angle in angles]
+        lines = {name: np.array([pose[name] for pose in at]) for name in at[0]}
+        if poses == _POSES[-1] or _pose_error(paths_at, lines, angles, counts) <= POSE_ERROR_MM:
+            break
+    return lines, angles
+
+
+def _pieces(path: Path) -> list[Piece]:
+    return [piece for _, piece in path.pieces]
+
+
+def _chords(piece: Piece) -> int:
+    """Chords that keep within ``CHORD_ERROR_MM`` of the piece."""
+    points = piece.points(np.linspace(0.0, 1.0, 257))
+    bend = float(np.linalg.norm(np.diff(points, n=2, axis=0), axis=1).max()) * 256.0**2
+    # A chord over a share h of a curve with second derivative b leaves it by b h^2 / 8.
+    return max(1, ceil(sqrt(bend / (8.0 * CHORD_ERROR_MM))))
+
+
+def _sampled(paths: Sequence[Path], counts: Sequence[Sequence[int]]) -> dict[str, NDArray[np.float64]]:
+    """Points of every cable; where two pieces meet there is one point, so that no chord has length zero."""
+    lines = {}
+    for path, chords in zip(paths, counts, strict=True):
+        runs = [p.points(np.linspace(0.0, 1.0, n + 1)) for p, n in zip(_pieces(path), chords, strict=True)]
+        lines[path.cable.name] = np.concatenate([runs[0], *(run[1:] for run in runs[1:])])
+    return lines
+
+
+def _pose_error(
+    paths_at: Paths,
+    lines: Mapping[str, NDArray[np.float64]],
+    angles: NDArray[np.float64],
+    counts: Sequence[Sequence[int]],
+) -> float:
+    """Largest error of linear interpolation, looked for in the middle of the first, middle and last interval."""
+    worst = 0.0
+    for k in (0, len(angles) // 2, len(angles) - 2):
+        true = _sampled(paths_at(radians((angles[k] + angles[k + 1]) / 2)), counts)
+        for name, points in lines.items():
+            between = (points[k] + points[k + 1]) / 2
+            worst = max(worst, float(np.linalg.norm(between - true[name], axis=1).max()))
+    return worst
+
+
+def _figure(value: float, digits: int = 6) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+def _figures(values: Any, digits: int = 6) -> list[float]:
+    return [_figure(float(v), digits) for v in values]

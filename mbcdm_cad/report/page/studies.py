@@ -1,0 +1,126 @@
+"""Figures that only the page shows: curves of the model over load, preload and travel, ready to be drawn."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.ratings import requirements
+from mbcdm_cad.model.sensitivity import elasticities, figure_5
+from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import Drive
+
+_PRELOAD_SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
+_POINTS = 41
+# Only the linear theory of the stack is shown, which needs no draws; `mbcdm sensitivity` has the Monte Carlo.
+_DRAWS = 2
+
+
+def studies(drive: Drive) -> dict[str, Any]:
+    """Charts by name, each with its axes and lines as plain lists. Angles in mrad or urad, torques in N m."""
+    d, need = to_si(drive), requirements(drive)
+    load = float(need.load_Nm)
+    stack = tolerance_stack(d, float(need.half_travel_rad), Tolerances(), draws=_DRAWS, poses=61)
+    charts = {
+        "load": _over_load(d, drive.loads.peak_torque_Nm),
+        "preload": _over_preload(d, load),
+        "loop": _loop(d, load),
+        "tolerance": _tolerance(stack),
+    }
+    for panel in figure_5(d, load):
+        unit = "" if panel.unit == "-" else f" {panel.unit}"
+        charts[f"figure_5_{panel.letter}"] = _chart(
+            f"Fig. 5 ({panel.letter}): {panel.parameter}",
+            ("preload", "N"), ("backlash", "mrad"), panel.preload_N,
+            [(f"{value:g}{unit}", line * 1e3) for value, line in zip(panel.value, panel.backlash_rad, strict=True)],
+        )  # fmt: skip
+    return {
+        "charts": charts,
+        "elasticities": _rounded(elasticities(d, need)),
+        "tolerance_sources": _sources(stack),
+    }
+
+
+def _chart(
+    title: str, x: tuple[str, str], y: tuple[str, str], places: Any, lines: list[tuple[str, Any]]
+) -> dict[str, Any]:
+    """A chart with one set of places for all its lines, or one each where ``places`` is a list."""
+    each = places if isinstance(places, list) else [places] * len(lines)
+    return {
+        "title": title,
+        "x": {"label": x[0], "unit": x[1]},
+        "y": {"label": y[0], "unit": y[1]},
+        "lines": [
+            {"label": label, "x": _rounded(np.asarray(at).tolist()), "y": _rounded(np.asarray(line).tolist())}
+            for at, (label, line) in zip(each, lines, strict=True)
+        ],
+    }
+
+
+def _over_load(d: DriveSI, peak_Nm: float) -> dict[str, Any]:
+    loads = np.linspace(0.0, peak_Nm, _POINTS)
+    lines = []
+    for share in _PRELOAD_SHARES:
+        pulled = d.with_(preload_N=d.preload_N * share)
+        idle = solve_equilibrium(pulled, 0.0).drum_angle_rad
+        turned = solve_equilibrium(pulled.spread(_POINTS), loads).drum_angle_rad
+        lines.append((f"{share:.0%} preload ({float(np.mean(pulled.preload_N)):g} N)", np.abs(turned - idle) * 1e3))
+    return _chart("Turn of the drum, inputs locked, first loading", ("load", "N m"), ("turn", "mrad"), loads, lines)
+
+
+def _over_preload(d: DriveSI, load_Nm: float) -> dict[str, Any]:
+    shares = np.linspace(0.3, 2.0, _POINTS)
+    many = d.spread(_POINTS)
+    many = many.with_(preload_N=many.preload_N * shares)
+    mean = np.mean(many.preload_N, axis=0)
+    idle = solve_equilibrium(many, 0.0)
+    loaded = solve_equilibrium(many, load_Nm)
+    back = solve_equilibrium(many, -load_Nm, turned_at_N=loaded.tension_N)
+    lines = [
+        ("first loading", np.abs(loaded.drum_angle_rad - idle.drum_angle_rad) * 1e3),
+        ("swing at a reversal", np.abs(back.drum_angle_rad - loaded.drum_angle_rad) * 1e3),
+    ]
+    return _chart(f"Backlash at {load_Nm:g} N m", ("mean preload", "N"), ("turn", "mrad"), mean, lines)
+
+
+def _loop(d: DriveSI, load_Nm: float) -> dict[str, Any]:
+    turns = np.array([0.0, 1.0, -1.0, 1.0, -0.2, 0.4, -0.2, 1.0]) * load_Nm
+    load = np.concatenate([np.linspace(a, b, 40)[1:] for a, b in pairwise(turns)])
+    drum = simulate(d, np.zeros((d.n_inputs, load.size)), load).drum_angle_rad * 1e3
+    parts = {"first loading": slice(0, 39), "loop": slice(38, 117), "minor loop": slice(116, None)}
+    return _chart(
+        "Friction's loop, inputs locked", ("load", "N m"), ("drum angle", "mrad"), [load[s] for s in parts.values()],
+        [(name, drum[s]) for name, s in parts.items()],
+    )  # fmt: skip
+
+
+def _tolerance(stack: ToleranceStack) -> dict[str, Any]:
+    return _chart(
+        "Transmission error from tolerances, zeroed at the centre", ("drum angle", "deg"),
+        ("standard deviation", "urad"), np.degrees(stack.pose_rad), [("linear theory", stack.linear_rad * 1e6)],
+    )  # fmt: skip
+
+
+def _sources(stack: ToleranceStack) -> list[dict[str, Any]]:
+    """RMS over the travel that one standard deviation of each source brings, urad, largest first."""
+    found = [
+        {"source": name, "rms_urad": _rounded(float(size) * 1e6)}
+        for name, size in zip(stack.contributor, stack.contribution_rad, strict=True)
+        if size > 0.0
+    ]
+    return sorted(found, key=lambda source: (-source["rms_urad"], source["source"]))
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _rounded(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_rounded(item) for item in value]
+    return float(f"{value:.6g}") if np.isfinite(value) else None

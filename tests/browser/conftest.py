@@ -1,0 +1,100 @@
+"""A browser and the page of the reference design; without Chromium these tests are skipped and say so."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcdm_cad.cli import run
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+REFERENCE = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
+# No GPU is needed: the browser draws in software.
+FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
+READY_MS = 60_000
+
+
+@dataclass
+class Opened:
+    """A page on show, and what it complained of or asked the network for."""
+
+    page: Any
+    problems: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    def value(self, script: str) -> Any:
+        """What ``script`` comes to in the page; ``v`` is the 3D view."""
+        return self.page.evaluate(f"() => {{ const v = window.drivePage.viewer; return {script}; }}")
+
+    def set_slider(self, element: str, value: float) -> None:
+        """Move a slider as a user does."""
+        self.page.eval_on_selector(
+            f"#{element}",
+            "(node, value) => { node.value = value; node.dispatchEvent(new Event('input', {bubbles: true})); }",
+            value,
+        )
+
+    def settle(self) -> None:
+        """Wait until what was asked for has been drawn."""
+        self.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the reference design's files and its page."""
+    out = tmp_path_factory.mktemp("page")
+    assert run(["page", str(REFERENCE), "--out", str(out)]) == 0
+    return out / "mbcdm"
+
+
+@pytest.fixture(scope="session")
+def report(built: Path) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads((built / "report.json").read_text("utf-8"))
+    return data
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium, which is not installed (Debian: apt-get install chromium)")
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright (pip install playwright)")
+    with playwright.sync_playwright() as driver:
+        yield driver.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+
+
+@pytest.fixture
+def opened(browser: Any, built: Path) -> Iterator[Callable[..., Opened]]:
+    """Opens the page offline at a size and colour scheme; closes it after the test."""
+    contexts = []
+
+    def show(width: int = 1280, height: int = 900, scheme: str = "light") -> Opened:
+        context = browser.new_context(
+            viewport={"width": width, "height": height}, color_scheme=scheme, offline=True, reduced_motion="reduce"
+        )
+        contexts.append(context)
+        one = Opened(context.new_page())
+        one.page.on("console", lambda m: one.problems.append(m.text) if m.type in ("error", "warning") else None)
+        one.page.on("pageerror", lambda error: one.problems.append(str(error)))
+        one.page.on("request", lambda r: one.requests.append(r.url))
+        one.page.goto((built / "report.html").as_uri())
+        one.page.wait_for_function("performance.getEntriesByName('first-picture').length", timeout=READY_MS)
+        return one
+
+    yield show
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture(scope="session")
+def artefacts() -> Path:
+    """Where screenshots are kept to be looked at: ``MBCDM_SCREENSHOTS``, or out/screenshots."""
+    folder = Path(os.environ.get("MBCDM_SCREENSHOTS", Path(__file__).parents[2] / "out" / "screenshots"))
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

@@ -1,0 +1,203 @@
+"""The page in a real browser: silent, offline, and its controls do what they say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+LARGEST_BYTES = 5_000_000
+Open = Callable[..., Any]  # see conftest.Opened
+
+
+def test_is_silent_and_asks_for_nothing_but_itself(opened: Open, built: Path) -> None:
+    one = opened()
+    assert one.problems == []
+    foreign = [url for url in one.requests if not url.startswith(("file:", "data:"))]
+    assert foreign == []
+    assert len([url for url in one.requests if url.startswith("file:")]) == 1, one.requests
+    assert (built / "report.html").stat().st_size < LARGEST_BYTES
+
+
+def test_every_item_of_the_bill_is_in_the_picture_and_in_the_list(opened: Open, report: dict[str, Any]) -> None:
+    one = opened()
+    drawn = set(one.value("v.entries.map(e => e.name)"))
+    listed = set(one.page.eval_on_selector_all("[data-pick]", "nodes => nodes.map(n => n.dataset.pick)"))
+    assert drawn == listed == set(report["items"])
+
+
+@pytest.mark.parametrize("angle", [-35.0, 12.5, 35.0])
+def test_slider_turns_each_body_by_its_ratio(opened: Open, report: dict[str, Any], angle: float) -> None:
+    one = opened()
+    one.set_slider("angle", angle)
+    turned = one.value(
+        "Object.fromEntries([...v.bodies].map(([name, b]) => {"
+        " const q = new THREE.Quaternion().setFromRotationMatrix(b.node.matrix);"
+        " const sine = b.axis.x * q.x + b.axis.y * q.y + b.axis.z * q.z;"
+        " return [name, 2 * Math.atan2(sine, q.w) * 180 / Math.PI]; }))"
+    )
+    first = report["analysis"]["shaft_turns"][0]
+    ratio = {"fixed": 0.0, "drum": 1.0, "guide": first["guide_deg"] / first["drum_deg"]}
+    for name, found in turned.items():
+        wanted = ratio.get(name, first["input_deg"] / first["drum_deg"]) * angle
+        assert abs((found - wanted + 180.0) % 360.0 - 180.0) < 1e-3, (name, found, wanted)
+    shown = one.page.text_content("[data-body-angle=guide]")
+    assert shown == f"{ratio['guide'] * angle:.1f}°".replace("-", "−")
+
+
+def test_cables_wind_with_the_drum_and_keep_their_length(opened: Open, report: dict[str, Any]) -> None:
+    one = opened()
+    for angle in (-35.0, -17.3, 0.0, 35.0):
+        one.set_slider("angle", angle)
+        lengths = one.value(
+            "Object.fromEntries(v.tubes.map(t => { const c = t.centre; let s = 0;"
+            " for (let k = 3; k < c.length; k += 3) s += Math.hypot(c[k]-c[k-3], c[k+1]-c[k-2], c[k+2]-c[k-1]);"
+            " return [t.cable.name, s]; }))"
+        )
+        for name, length in report["cable_lengths_mm"].items():
+            # chords are shorter than the curve by up to 0.1 %
+            assert 0.998 * length < lengths[name] < 1.001 * length, (name, angle, lengths[name], length)
+
+
+def test_picking_tells_part_material_mass_and_file(opened: Open, report: dict[str, Any]) -> None:
+    one = opened()
+    one.page.click("[data-view=front]")
+    one.settle()
+    place = one.value(
+        "(() => { const e = v.entry('drum'), p = e.mesh.geometry.getAttribute('position'), i = e.mesh.geometry.index;"
+        " const w = new THREE.Vector3(); v.scene.updateMatrixWorld(); let best = null;"
+        " for (let k = 0; k < i.count; k += 3) {"
+        "  w.set(0,0,0); for (let j = 0; j < 3; j++) w.add(new THREE.Vector3().fromBufferAttribute(p, i.getX(k+j)));"
+        "  w.divideScalar(3).applyMatrix4(e.mesh.matrixWorld).project(v.camera);"
+        "  if (v.at(w.x, w.y) === e) { best = [w.x, w.y]; break; } }"
+        " const r = v.canvas.getBoundingClientRect();"
+        " return [r.left + (best[0] + 1) / 2 * r.width, r.top + (1 - best[1]) / 2 * r.height]; })()"
+    )
+    one.page.mouse.click(*place)
+    assert one.page.text_content("#fact-name") == "drum"
+    assert report["bill_of_materials"][1]["material"] in one.page.text_content("#fact-material")
+    mass = float(one.page.text_content("#fact-mass").split()[0])
+    assert abs(mass - report["items"]["drum"]["mass_g"]) < 0.01
+    addresses = one.page.eval_on_selector_all("#fact-files a", "nodes => nodes.map(n => n.getAttribute('href'))")
+    assert "parts/drum.step" in addresses
+
+
+def test_links_lead_to_files_that_are_there(opened: Open, built: Path) -> None:
+    one = opened()
+    addresses = one.page.eval_on_selector_all(
+        "a[href]:not([href^='#'])", "nodes => nodes.map(n => n.getAttribute('href'))"
+    )
+    assert addresses
+    assert [a for a in addresses if not (built / a).is_file()] == []
+    inside = one.page.eval_on_selector_all("a[href^='#']", "nodes => nodes.map(n => n.getAttribute('href').slice(1))")
+    assert [i for i in inside if one.page.query_selector(f"[id='{i}']") is None] == []
+
+
+def test_section_cuts_and_closes_what_it_cuts(opened: Open) -> None:
+    one = opened()
+    one.value("v.look('right')")
+    one.settle()
+    middle = "v.at(0, 0)?.name ?? null"
+    outside = one.value(middle)
+    one.page.check("input[name=cut-axis][value=x]", force=True)
+    one.set_slider("cut", 0)
+    one.settle()
+    caps = one.value("v.section.caps.filter(c => c.face.visible).map(c => c.entry.name)")
+    assert {"frame", "drum", "guide"} <= set(caps), caps
+    assert one.value(middle) != outside or outside is None
+    assert one.value("v.section.hides(new THREE.Vector3(30, 0, 50))") is True
+    assert one.value("v.section.hides(new THREE.Vector3(-30, 0, 50))") is False
+    one.page.check("input[name=cut-axis][value='']", force=True)
+    assert one.value("v.section.group.visible") is False
+
+
+def test_section_changes_the_picture_only_on_the_side_cut_away(opened: Open) -> None:
+    one = opened()
+    one.value("v.look('front')")
+    one.settle()
+    shot = "#stage canvas"
+    before = one.page.locator(shot).screenshot()
+    one.page.check("input[name=cut-axis][value=y]", force=True)
+    one.set_slider("cut", 0)
+    one.settle()
+    after = one.page.locator(shot).screenshot()
+    assert before != after
+
+
+def test_taking_apart_leaves_the_base_and_no_two_parts_in_one_place(opened: Open) -> None:
+    one = opened()
+    one.set_slider("explode", 100)
+    one.settle()
+    offsets = one.value("Object.fromEntries([...v.offsets].map(([n, o]) => [n, o.length()]))")
+    assert offsets["frame"] == 0.0
+    moved = [name for name, far in offsets.items() if far > 5.0]
+    assert len(moved) > 0.8 * len(offsets), sorted(set(offsets) - set(moved))
+    assert one.value("v.tubes.length && v.entries.filter(e => e.tube).every(e => !e.node.visible)") is True
+
+
+def test_hiding_by_list_and_steps_of_assembly(opened: Open, report: dict[str, Any]) -> None:
+    one = opened()
+    one.page.eval_on_selector("[data-show=drum]", "box => { box.closest('details').open = true; }")
+    one.page.uncheck("[data-show=drum]")
+    assert one.value("v.entry('drum').node.visible") is False
+    one.page.click("#show-all")
+    assert one.value("v.entries.every(e => e.shown)") is True
+    first = next(k for k, items in enumerate(report["assembly_items"]) if items)
+    one.page.click(f"[data-show-step='{first}']")
+    assert set(one.value("v.entries.filter(e => e.shown).map(e => e.name)")) == set(report["assembly_items"][first])
+
+
+def test_checks_are_sorted_and_filtered(opened: Open, report: dict[str, Any]) -> None:
+    one = opened()
+    rank = {"fail": 0, "warn": 1, "pass": 2}
+    order = one.page.eval_on_selector_all("#checks tbody tr", "rows => rows.map(r => r.dataset.status)")
+    assert len(order) == len(report["checks"])
+    assert [rank[s] for s in order] == sorted(rank[s] for s in order)
+    one.page.fill("#check-words", "fleet")
+    shown = one.page.eval_on_selector_all("#checks tbody tr:not([hidden])", "rows => rows.map(r => r.id)")
+    assert shown and "check-fleet_angle" in shown and len(shown) < len(order)
+
+
+def test_works_by_keyboard(opened: Open) -> None:
+    one = opened()
+    one.page.focus("#canvas")
+    before = one.value("v.camera.position.toArray()")
+    one.page.keyboard.press("ArrowLeft")
+    assert one.value("v.camera.position.toArray()") != before
+    one.page.keyboard.press("]")
+    assert one.value("v.angle") == 1.0
+    one.page.focus("#angle")
+    one.page.keyboard.press("End")
+    assert one.value("v.angle") == one.value("v.data.half_travel_deg")
+    one.page.eval_on_selector("[data-pick=guide]", "node => { node.closest('details').open = true; }")
+    one.page.focus("[data-pick=guide]")
+    one.page.keyboard.press("Enter")
+    assert one.page.text_content("#fact-name") == "guide"
+
+
+def test_tables_have_headers_and_controls_have_names(opened: Open) -> None:
+    one = opened()
+    bare = one.page.eval_on_selector_all(
+        "table", "all => all.filter(t => !t.querySelector('thead th[scope=col]')).length"
+    )
+    assert bare == 0
+    nameless = one.page.evaluate(
+        "() => [...document.querySelectorAll('button, input, canvas, [role=img]')].filter(n => !(n.ariaLabel ||"
+        " n.textContent.trim() || n.closest('label') || document.querySelector(`label[for='${n.id}']`)))"
+        ".map(n => n.outerHTML.slice(0, 90))"
+    )
+    assert nameless == []
+    levels = one.page.eval_on_selector_all("h1, h2, h3", "all => all.map(h => Number(h.tagName[1]))")
+    assert levels[0] == 1 and levels.count(1) == 1
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 390])
+def test_fits_the_width(opened: Open, artefacts: Path, width: int, scheme: str) -> None:
+    one = opened(width, 900, scheme)
+    one.settle()
+    one.page.screenshot(path=artefacts / f"page-{width}-{scheme}.png")
+    assert one.page.evaluate("() => document.documentElement.scrollWidth") <= width
+    assert one.problems == []
