@@ -5,7 +5,8 @@ from __future__ import annotations
 import cadquery as cq
 
 from mbcdm_cad.parts.shapes import turned
-from mbcdm_cad.parts.terminal.dims import CHAMFER_MM
+
+_CHAMFER = 0.2
 
 
 def create_terminal(
@@ -18,7 +19,7 @@ def create_terminal(
     bore_radius: float,
 ) -> cq.Solid:
     """Terminal, all mm; z = 0 where the cable leaves the drum's land, ``cable_end`` the bottom of its bore."""
-    c = CHAMFER_MM
+    c = _CHAMFER
     return turned(
         [
             (0.0, cable_end),
