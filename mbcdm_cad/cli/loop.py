@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +16,12 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.measurement.finding import Finding, doubts
 from mbcdm_cad.measurement.reading import MeasurementFile, load_file, read_run
-from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.vet import refusals, vet
+from mbcdm_cad.measurement.run import Run, VettingNote, doubts
+from mbcdm_cad.measurement.vet import arranged, refusals, vet
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.storage.files import write_whole
 
-SIDES = {"left": -1, "right": 1}
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")
 
 
@@ -34,7 +32,7 @@ class Vetted:
     file: MeasurementFile
     run: Run
     notes: tuple[str, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[VettingNote, ...]
 
     @property
     def doubts(self) -> list[str]:
@@ -65,7 +63,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     from mbcdm_cad.identification.engine import (
         close_loop,  # the model and its compiled parts, once the input is known to be good
     )
-    from mbcdm_cad.identification.result_text import result_text
+    from mbcdm_cad.identification.result import result_text
 
     try:
         result = close_loop(drive, [one.run for one in vetted])
@@ -146,15 +144,6 @@ def _vetted(files: Sequence[MeasurementFile], drive: Drive | None) -> list[Vette
     if problems:
         raise InputError(problems)
     return vetted
-
-
-def arranged(run: Run, drive: Drive) -> Run:
-    """The run with its inputs in the order of the design's; left is the one at -x."""
-    order = [SIDES.get(name, 0) for name in run.input_names]
-    if len(order) < 2 or sorted(order) != sorted(drive.input_sides) or tuple(order) == drive.input_sides:
-        return run
-    rows = [order.index(side) for side in drive.input_sides]
-    return replace(run, input_rad=run.input_rad[rows], input_names=tuple(run.input_names[row] for row in rows))
 
 
 def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> int:

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Figure
+from mbcdm_cad.identification.effect import Effect, Figure
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.identification.orders import order_spectrum
+from mbcdm_cad.identification.lines import order_spectrum
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.result import Errors, Named, Traces, Value
 from mbcdm_cad.identification.unknown import Unknown
@@ -28,9 +28,14 @@ def errors(fitter: Fitter, bare: Fit, fit: Fit, floor_rad: float) -> Errors:
     did = before.value**2 - after.value**2
     share = float(np.clip(did / could, 0.0, 1.0)) if could > 0.0 else 1.0
     return Errors(
-        before, after, float(np.abs(bare.residual[test]).max()), float(np.abs(fit.residual[test]).max()),
-        floor_rad, share, "; ".join(p.held_words for p in fitter.runs),
-    )  # fmt: skip
+        before,
+        after,
+        float(np.abs(bare.residual[test]).max()),
+        float(np.abs(fit.residual[test]).max()),
+        floor_rad,
+        share,
+        "; ".join(p.held_words for p in fitter.runs),
+    )
 
 
 def _rms_interval(fitter: Fitter, fit: Fit) -> Value:
@@ -98,9 +103,18 @@ def traces(fitter: Fitter, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
         orders, before = order_spectrum(p.output_rad[used], bare.residual[part][used])
         _, after = order_spectrum(p.output_rad[used], fit.residual[part][used])
         load = None if p.load_Nm is None else p.load_Nm[::every]
-        found.append(Traces(
-            p.time_s[::every], p.output_rad[::every], load, bare.residual[part][::every],
-            fit.residual[part][::every], p.held[::every].astype(float), p.used[::every].astype(float),
-            orders, before, after,
-        ))  # fmt: skip
+        found.append(
+            Traces(
+                p.time_s[::every],
+                p.output_rad[::every],
+                load,
+                bare.residual[part][::every],
+                fit.residual[part][::every],
+                p.held[::every].astype(float),
+                p.used[::every].astype(float),
+                orders,
+                before,
+                after,
+            )
+        )
     return tuple(found)

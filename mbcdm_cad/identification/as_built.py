@@ -13,8 +13,8 @@ from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.drive import AsBuilt
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.identification.effects.base import Effect
-from mbcdm_cad.identification.effects.registry import library
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.result import LoopResult, Named
 from mbcdm_cad.measurement.run import Floats

@@ -11,16 +11,15 @@ from scipy.stats import t as t_distribution
 from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.identification.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
-from mbcdm_cad.identification.effects.base import Effect
-from mbcdm_cad.identification.effects.registry import library
+from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.identification.generic import MISTAKEN, decoys
-from mbcdm_cad.identification.prepared import Prepared, prepare_both
+from mbcdm_cad.identification.generic import regressors
+from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.result import Evidence, LoopResult, Named
 from mbcdm_cad.identification.select import LEAST_FALL, Search
-from mbcdm_cad.identification.separable import TOLD_APART, Separation, separation
 from mbcdm_cad.identification.unknown import Unknown, describe_unknown
-from mbcdm_cad.identification.wald import Estimate, cluster_estimate
 from mbcdm_cad.measurement.run import Floats, Run
 from mbcdm_cad.measurement.sweeps import smoothed
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -48,7 +47,7 @@ def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
     d = None if drive is None else to_si(drive)
     ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
     with threadpool_limits(1, "blas"):
-        prepared = [prepare_both(run, ratio) for run in runs]
+        prepared = [prepare(run, ratio) for run in runs]
         return _Loop(d, ratio, prepared, () if drive is None else drive.as_built).result()
 
 
@@ -61,7 +60,7 @@ class _Group:
 
 
 class _Loop:
-    """One pass of the loop: searched on the part of each run that ``prepare_both`` gives first, judged on the whole."""
+    """One pass of the loop: searched on the part of each run that ``prepare`` gives first, judged on the whole."""
 
     def __init__(
         self, d: DriveSI | None, ratio: float, prepared: Sequence[tuple[Prepared, Prepared]], known: Sequence[AsBuilt]
@@ -85,10 +84,12 @@ class _Loop:
         declared = [p.floor_rad for p in self.prepared]
         if all(f > 0.0 for f in declared):
             return float(np.sqrt(np.mean(np.square(declared))))
-        fast = np.concatenate([
-            self.bare.residual[part] - smoothed(self.bare.residual[part], 0.1, p.step_s)
-            for part, p in zip(self.fitter.parts, self.prepared, strict=True)
-        ])  # fmt: skip
+        fast = np.concatenate(
+            [
+                self.bare.residual[part] - smoothed(self.bare.residual[part], 0.1, p.step_s)
+                for part, p in zip(self.fitter.parts, self.prepared, strict=True)
+            ]
+        )
         return float(np.sqrt(np.mean(fast[self.fitter.used] ** 2))) or 1e-12
 
     def result(self) -> LoopResult:
@@ -97,7 +98,7 @@ class _Loop:
         unknown = self._left(fit)
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)
-        fit, groups, unknown = self._undecoyed(fit, groups, unknown)
+        fit, groups, unknown = self._not_generic(fit, groups, unknown)
         judged, bare = fit, self.bare
         if self.whole is not self.fitter:
             bare = self.whole.fit(offsets=self.bare.offsets)
@@ -120,16 +121,24 @@ class _Loop:
         else:
             verdict = "explained" if groups else "not_testable" if all(p.few for p in self.prepared) else "none"
         return LoopResult(
-            verdict, tuple(named), tuple(sets), unknown, errors(self.whole, bare, judged, self.floor_rad),
-            self._evidence(groups, fit), self._small(fit), not_testable(self.d, self.prepared),
-            next_steps(named, sets, unknown), chain_orders(self.d, self.ratio), traces(self.whole, bare, judged),
-        )  # fmt: skip
+            verdict,
+            tuple(named),
+            tuple(sets),
+            unknown,
+            errors(self.whole, bare, judged, self.floor_rad),
+            self._evidence(groups, fit),
+            self._small(fit),
+            not_testable(self.d, self.prepared),
+            next_steps(named, sets, unknown),
+            chain_orders(self.d, self.ratio),
+            traces(self.whole, bare, judged),
+        )
 
     def _located(self, fit: Fit) -> Fit:
         """The search's fit on the whole of the runs; what happened once may lie where the search saw nothing."""
         values = list(fit.values)
         for k, effect in enumerate(fit.effects):
-            if effect.starts is None or all(parameter.name != "at_s" for parameter in effect.parameters):
+            if not effect.once:
                 continue
             rest = [j for j in range(len(values)) if j != k]
             less = self.whole.fit([fit.effects[j] for j in rest], [values[j] for j in rest], fit.offsets, fresh=False)
@@ -199,7 +208,7 @@ class _Loop:
             return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.floor_rad) ** 2:
             return True
-        if not self._apart(worse, better).told:
+        if not self._apart(worse, better).apart:
             return True
         sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
         cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
@@ -250,18 +259,18 @@ class _Loop:
             unknown = left
         return fit, groups, unknown
 
-    def _undecoyed(
+    def _not_generic(
         self, fit: Fit, groups: tuple[_Group, ...], unknown: Unknown | None
     ) -> tuple[Fit, tuple[_Group, ...], Unknown | None]:
-        """Take back names of load and speed that one shape without a name does better, or several that it equals."""
-        mistaken = [group for group in groups if group.effect.name in MISTAKEN]
+        """Take back names of load and speed that one generic regressor does better, or several that it equals."""
+        mistaken = [group for group in groups if group.effect.generic]
         if not mistaken:
             return fit, groups, unknown
         kept = tuple(group for group in groups if group not in mistaken)
         effects = [group.effect for group in kept]
         values = [fit.values_of(effect) for effect in effects]
-        for decoy in decoys(all(p.load_Nm is not None for p in self.prepared)):
-            trial = self.fitter.fit((*effects, decoy), (*values, [0.0]), fit.offsets)
+        for regressor in regressors(all(p.load_Nm is not None for p in self.prepared)):
+            trial = self.fitter.fit((*effects, regressor), (*values, [0.0]), fit.offsets)
             better = trial.square < fit.square and not self._alike(fit, trial)
             if better or (len(mistaken) > 1 and self._alike(trial, fit)):
                 less = self.fitter.fit(effects, values, fit.offsets)
@@ -310,11 +319,20 @@ class _Loop:
         figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
         others = [e.form for e in self.library if e.key == effect.key and e is not effect]
         return Named(
-            effect.name, effect.form, effect.stage, effect.cables, figures,
-            {figure.name: figure.of(values) for figure in effect.physical}, tuple(others), effect.where_to_look,
-            effect.separate_by, effect.physics, fall,
+            effect.name,
+            effect.form,
+            effect.stage,
+            effect.cables,
+            figures,
+            {figure.name: figure.of(values) for figure in effect.physical},
+            tuple(others),
+            effect.where_to_look,
+            effect.separate_by,
+            effect.physics,
+            fall,
             {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
-        )  # fmt: skip
+            {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
+        )
 
     # --- words -----------------------------------------------------------------------------------------------------
     def _evidence(self, groups: Sequence[_Group], fit: Fit) -> tuple[Evidence, ...]:
@@ -326,7 +344,7 @@ class _Loop:
         for group in groups:
             for one in group.alike:
                 apart = self._apart(one, fit)
-                words = f"as good as {group.effect.label}" + ("" if apart.told else f": {apart.words}")
+                words = f"as good as {group.effect.label}" + ("" if apart.apart else f": {apart.words}")
                 lines.append(Evidence(one.effects[-1].label, self.search.held_rms(one), 0.0, words))
         return tuple(lines)
 

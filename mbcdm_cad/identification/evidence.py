@@ -10,16 +10,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from mbcdm_cad.identification.clusters import cluster_estimate
 from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.lines import line_of
 from mbcdm_cad.identification.prepared import SECTORS
-from mbcdm_cad.identification.steady import line_of
-from mbcdm_cad.identification.wald import cluster_estimate
 from mbcdm_cad.measurement.run import Floats
 
 # Probability of a chance effect, over all candidates that were looked at.
 ALPHA = 0.05
-# Parameters that say where an effect lies, not how large it is.
-PLACES = ("cycles_per_output_rev", "time_constant_s", "t0_s", "at_s")
 
 
 def chance(fitter: Fitter, fit: Fit) -> float:
@@ -32,7 +30,7 @@ def chance(fitter: Fitter, fit: Fit) -> float:
     sizes = [value.size for value in fit.values]
     start = sum(sizes[:-1])
     last = fit.effects[-1]
-    tested = [start + i for i, parameter in enumerate(last.parameters) if parameter.name not in PLACES]
+    tested = [start + i for i, parameter in enumerate(last.parameters) if parameter.role == "size"]
     theta = np.zeros(columns.shape[1])
     theta[tested] = [fit.values[-1][i - start] for i in tested]
     y = fit.residual[mask] + columns @ theta
@@ -43,7 +41,8 @@ def chance(fitter: Fitter, fit: Fit) -> float:
 
 def supported(fitter: Fitter, less: Fit, fit: Fit, candidates: int) -> bool:
     """Is the last effect of ``fit`` borne out, against ``less`` without it, one of so many ``candidates``?"""
-    if fit.effects[-1].name == "ripple" and not is_line(fitter, less, float(fit.values[-1][2])):
+    order = fit.effects[-1].order_index
+    if order is not None and not is_line(fitter, less, float(fit.values[-1][order])):
         return False
     return chance(fitter, fit) <= ALPHA / max(candidates, 1)
 

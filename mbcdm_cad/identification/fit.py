@@ -1,7 +1,7 @@
 """Joint nonlinear least squares: effects, each run's own offsets, on the samples that are not held back.
 
-Several runs share the effects' parameters. Each has two offsets of its own: where its output encoder counts from, and
-where its input encoders count from against each other (at most a step or two).
+Several runs share the effects' parameters. Each has offsets of its own: where its output encoder counts from, and where
+its input encoders count from against each other (at most a step or two; one offset less than there are inputs).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import AsBuilt
 from mbcdm_cad.identification.as_built import known_effects
-from mbcdm_cad.identification.effects.base import Effect
+from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator, declared
 from mbcdm_cad.measurement.run import Floats
@@ -110,9 +110,10 @@ class Fitter:
         self.sweep = np.concatenate([p.sweep + start for p, start in zip(self.runs, first, strict=False)])
         self.sector = np.concatenate([p.sector for p in self.runs])
         # The offset between two inputs matters only where it strains the cables.
-        strained = d is not None and d.n_inputs == 2
-        self.free = np.array([strained and p.load_Nm is not None for p in self.runs])
-        self.limit = np.array([APART_COUNTS * p.input_step_rad for p in self.runs])
+        self.apart = max(1, self.runs[0].angle_rad.shape[0] - 1)
+        strained = d is not None and d.n_inputs > 1
+        self.free = np.repeat([strained and p.load_Nm is not None for p in self.runs], self.apart)
+        self.limit = np.repeat([APART_COUNTS * p.input_step_rad for p in self.runs], self.apart)
         self._most = max(8, REMEMBERED_BYTES // (64 * self.output.size))
         self._changed: dict[tuple[Any, ...], Setup] = {}
         self._kinds: dict[Effect, int] = {}
@@ -133,13 +134,13 @@ class Fitter:
             self._kinds[effect] = 0 if strain else 1 if after.winding != before.winding else 2
         return self._kinds[effect]
 
-    def setup(self, run: int, offset_rad: float) -> Setup:
-        """The declared model of a run with its input encoders put apart."""
-        base = self.base[run]
-        if offset_rad == 0.0:
-            return base
-        half = np.full(base.p.time_s.size, 0.5 * offset_rad)
-        return base.with_shift(0, half).with_shift(1, -half)
+    def setup(self, run: int, offsets_rad: Floats) -> Setup:
+        """The declared model of a run with each input encoder put apart from the next."""
+        setup = self.base[run]
+        for index in np.flatnonzero(offsets_rad):
+            half = np.full(setup.p.time_s.size, 0.5 * offsets_rad[index])
+            setup = setup.with_shift(int(index), half).with_shift(int(index) + 1, -half)
+        return setup
 
     def predict(self, effects: Sequence[Effect], values: Sequence[Floats], offsets: Floats) -> Floats:
         """Reading of the output encoder, all runs one behind the other, up to each run's own zero.
@@ -150,8 +151,9 @@ class Fitter:
         order = sorted(zip(effects, values, strict=True), key=lambda pair: self.kind(pair[0]))
         out = []
         for k, simulate in enumerate(self.simulate):
-            key: tuple[Any, ...] = (k, float(offsets[k]))
-            s = self._remembered(key, lambda k=k: self.setup(k, float(offsets[k])))  # type: ignore[misc]
+            own = offsets[k * self.apart : (k + 1) * self.apart]
+            key: tuple[Any, ...] = (k, own.tobytes())
+            s = self._remembered(key, lambda k=k, own=own: self.setup(k, own))  # type: ignore[misc]
             for effect, value in order:
                 if self.kind(effect) == 2:
                     s = effect.apply(s, value, simulate)
@@ -195,7 +197,7 @@ class Fitter:
         good enough to rank and not to judge.
         """
         mask = self.train if mask is None else mask
-        apart = np.zeros(len(self.runs)) if offsets is None else np.array(offsets, dtype=float)
+        apart = np.zeros(self.free.size) if offsets is None else np.array(offsets, dtype=float)
         now = self._at(effects, [np.array(v, dtype=float) for v in values], apart, mask)
         taken = slopes is None
         jacobian = self.jacobian(effects, now) if slopes is None else slopes

@@ -144,12 +144,7 @@ def quiet_load(load_Nm: Floats, factor: float = 1.0) -> Floats:
     return np.where(np.abs(load_Nm - quiet) > FLANK_ERRORS * noise, load_Nm, quiet)
 
 
-def prepare(run: Run, ratio: float) -> Prepared:
-    """Make the whole of a run ready for a drive of total ratio ``ratio``, thinned where it is very long."""
-    return prepare_both(run, ratio)[1]
-
-
-def prepare_both(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
+def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     """The part of a run that the search works on, and the whole of it; the same object for a short run.
 
     The first half sweep, of the run and of every stretch, is discarded, and some half sweeps are held back before any
@@ -178,10 +173,26 @@ def prepare_both(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
         here = sweep[at]
         used = (here >= 0) & ~cut.unknown
         return Prepared(
-            time[at], run.input_rad[:, at], shaft[:, at], apart[:, at], output[at], None if load is None else load[at],
-            speed[at], None if temperature is None else temperature[at], here, sector[at], used, np.isin(here, held),
-            cut.stride * step, floor, input_step, words, few, run, cut,
-        )  # fmt: skip
+            time[at],
+            run.input_rad[:, at],
+            shaft[:, at],
+            apart[:, at],
+            output[at],
+            None if load is None else load[at],
+            speed[at],
+            None if temperature is None else temperature[at],
+            here,
+            sector[at],
+            used,
+            np.isin(here, held),
+            cut.stride * step,
+            floor,
+            input_step,
+            words,
+            few,
+            run,
+            cut,
+        )
 
     whole = taken(whole_cut(sweep, load, step))
     part = search_cut(sweep, load)

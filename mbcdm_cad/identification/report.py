@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.identification.readable import readable, share_text
 from mbcdm_cad.identification.report_figures import loop_png, orders_png, scatter_png, time_png
-from mbcdm_cad.identification.result import Evidence, LoopResult, Named, Traces
-from mbcdm_cad.measurement.finding import Finding, doubts
-from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.identification.result import Evidence, LoopResult, Named, Traces, readable, share_text
+from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 
 VERDICTS = {
     "none": "Nothing is missing",
@@ -24,11 +22,6 @@ VERDICTS = {
 # Pages of more runs than this show the plots of the first ones.
 MOST_PLOTTED = 6
 
-# What the phase of a once-per-turn error means on the bench.
-PHASES = {
-    "eccentric pulley": "where its high side points at zero travel, from +x",
-    "eccentric encoder": "minus the shaft angle at which it reads highest",
-}
 # Title of each plot, and what to look for.
 TIME = (
     "Measured against predicted, over time",
@@ -52,10 +45,10 @@ ORDERS = (
     "or on a multiple, points at that shaft.",
 )
 
-Told = tuple[Run, Sequence[Finding], Sequence[str]]
+JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]
 
 
-def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequence[Told]) -> bytes:
+def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequence[JudgedRun]) -> bytes:
     """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
     import jinja2
 
@@ -75,10 +68,10 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
         next_steps=result.next_steps,
         nothing_lacks=result.verdict == "none",
         design=design,
-        runs=[_run(told) for told in runs],
+        runs=[_run(judged) for judged in runs],
         plots=[
-            {"source": told[0].source, "images": _images(trace, result.chain_orders, told[0])}
-            for told, trace in list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED]
+            {"source": judged[0].source, "images": _images(trace, result.chain_orders, judged[0])}
+            for judged, trace in list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED]
         ],
     )
     return page.encode()
@@ -86,8 +79,20 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
 
 def _errors(result: LoopResult) -> dict[str, Any]:
     e = result.errors
-    _, shown = readable("_rad", [e.before.value, e.before.low, e.before.high, e.peak_before_rad,
-                                 e.after.value, e.after.low, e.after.high, e.peak_after_rad, e.floor_rad])  # fmt: skip
+    _, shown = readable(
+        "_rad",
+        [
+            e.before.value,
+            e.before.low,
+            e.before.high,
+            e.peak_before_rad,
+            e.after.value,
+            e.after.low,
+            e.after.high,
+            e.peak_after_rad,
+            e.floor_rad,
+        ],
+    )
     shown = [_micro(text) for text in shown]
     most = max(e.before.value, e.after.value, e.floor_rad, 1e-300)
     return {
@@ -105,8 +110,8 @@ def _effect(named: Named) -> dict[str, Any]:
     figures = []
     for name, value in named.parameters.items():
         word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
-        if name == "phase_rad" and named.form in PHASES:
-            word = f"{word}, {PHASES[named.form]}"
+        if name in named.meanings:
+            word = f"{word}, {named.meanings[name]}"
         figures.append((word, _micro(middle), _micro(f"{low} to {high}")))
     for name, figure in named.physical.items():
         if name not in named.parameters:
@@ -126,8 +131,8 @@ def _candidate(one: Evidence, small: Sequence[Evidence]) -> dict[str, str]:
     }
 
 
-def _run(told: Told) -> dict[str, Any]:
-    run, findings, notes = told
+def _run(judged: JudgedRun) -> dict[str, Any]:
+    run, findings, notes = judged
     return {
         "source": run.source,
         "samples": f"{run.time_s.size:,}".replace(",", " "),
@@ -140,9 +145,11 @@ def _run(told: Told) -> dict[str, Any]:
 def _images(trace: Traces, chain_orders: dict[str, float], run: Run) -> list[dict[str, str]]:
     ideal = np.interp(trace.time_s, run.time_s, run.input_rad.mean(axis=0) / chain_orders["input"])
     drawn = (
-        (TIME, time_png(trace)), (LOOP, loop_png(trace, ideal)),
-        (SCATTER, scatter_png(trace)), (ORDERS, orders_png(trace, chain_orders)),
-    )  # fmt: skip
+        (TIME, time_png(trace)),
+        (LOOP, loop_png(trace, ideal)),
+        (SCATTER, scatter_png(trace)),
+        (ORDERS, orders_png(trace, chain_orders)),
+    )
     return [{"title": title, "text": text, "data": b64encode(png).decode()} for (title, text), png in drawn]
 
 

@@ -11,8 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy.ndimage import uniform_filter1d
 
-from mbcdm_cad.identification.readable import size_of
-from mbcdm_cad.identification.result import Traces
+from mbcdm_cad.identification.result import Traces, size_of
 from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.measurement.vet_signals import GAP_STEPS
 
@@ -31,8 +30,14 @@ def time_png(t: Traces) -> bytes:
         figure, (above, below) = _panels(4.6, rows=2, shared=True)
         whole = _without_gaps(t.time_s)
         above.plot(t.time_s, 1e3 * t.output_rad * whole, color=MEASURED, lw=1.6, label="measured")
-        above.plot(t.time_s, 1e3 * (t.output_rad - t.residual_before_rad) * whole, color=BEFORE, lw=0.8, ls="--",
-                   label="predicted by the declared model")  # fmt: skip
+        above.plot(
+            t.time_s,
+            1e3 * (t.output_rad - t.residual_before_rad) * whole,
+            color=BEFORE,
+            lw=0.8,
+            ls="--",
+            label="predicted by the declared model",
+        )
         above.set_ylabel("output (mrad)")
         factor, unit = _size(t)
         below.plot(t.time_s, t.residual_before_rad / factor * whole, color=BEFORE, lw=0.8, label="before")
@@ -45,8 +50,9 @@ def time_png(t: Traces) -> bytes:
                 label = ""
             end = _first_used(t)
             if end:
-                axes.axvspan(t.time_s[0], t.time_s[end], fill=False, hatch="//", ec="#BBBBBB", lw=0.0, zorder=0,
-                             label="left out")  # fmt: skip
+                axes.axvspan(
+                    t.time_s[0], t.time_s[end], fill=False, hatch="//", ec="#BBBBBB", lw=0.0, zorder=0, label="left out"
+                )
             axes.set_xlim(t.time_s[0], t.time_s[-1])
             _legend(axes)
         return _png(figure)
@@ -118,8 +124,10 @@ def orders_png(t: Traces, chain_orders: dict[str, float]) -> bytes:
             axes.axvline(order, color="#444444", lw=0.8, ls=":")
             axes.annotate(name, (order, 2.0 * top), rotation=90, ha="right", va="top", fontsize=8, color="#444444")
         axes.axvspan(axes.get_xlim()[0], float(t.orders[0]), color=HELD, zorder=0)
-        axes.set(xlabel="cycles a turn of the output (grey: too few cycles over this travel to be told)",
-                 ylabel=f"amplitude ({unit})")  # fmt: skip
+        axes.set(
+            xlabel="cycles a turn of the output (grey: too few cycles over this travel to be told)",
+            ylabel=f"amplitude ({unit})",
+        )
         _legend(axes)
         return _png(figure)
 

@@ -1,16 +1,29 @@
-"""What the loop found, and the result file made of it."""
+"""What the loop found: figures in units that a person reads, the result file, the text for a terminal."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.identification.readable import readable
 from mbcdm_cad.measurement.run import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.identification.unknown import Unknown
 
+# By ending of the name, longest first: sizes to choose from, largest first.
+_SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
+    ("_rad_Nm", ((1.0, "rad/(N m)"), (1e-3, "mrad/(N m)"), (1e-6, "urad/(N m)"))),
+    ("_rad", ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "urad"))),
+    ("_Nm", ((1.0, "N m"), (1e-3, "mN m"))),
+    ("_m", ((1e-3, "mm"), (1e-6, "um"))),
+    ("_N", ((1.0, "N"),)),
+    ("_s", ((1.0, "s"), (1e-3, "ms"))),
+    ("share", ((1e-2, "%"),)),
+)
+# Angles that say where and not how much.
+_PLACES = ("phase", "angle", "at_")
 VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
 
 
@@ -31,7 +44,8 @@ class Value:
 class Named:
     """An effect that was named: figures by name (SI, the unit in the name), what it means in metal, what else is alike.
 
-    ``fitted`` are the values that the effect's own parameters took, ``form`` which form they belong to.
+    ``fitted`` are the values that the effect's own parameters took, ``form`` which form they belong to, ``meanings``
+    what figures mean on the bench where their names do not say it.
     """
 
     name: str
@@ -46,6 +60,7 @@ class Named:
     physics: str
     fall_rad: float
     fitted: dict[str, float]
+    meanings: dict[str, str] = field(default_factory=dict)
 
     @property
     def words(self) -> str:
@@ -181,3 +196,88 @@ class LoopResult:
             word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
             figures.append(f"{word} {middle} ({low.split(' ')[0]} to {high})")
         return f"{named.words} [{named.form}: {', '.join(figures)}]"
+
+
+def size_of(name: str, values: Sequence[float]) -> tuple[float, str]:
+    """Factor and unit that suit the largest of the values of a figure called ``name``; (1, "") where it has none."""
+    for ending, sizes in _SIZES:
+        if name.endswith(ending):
+            if ending == "_rad" and name.startswith(_PLACES):
+                sizes = ((math.pi / 180.0, "deg"),)
+            most = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+            return next((size for size in sizes if most >= size[0]), sizes[-1])
+    return 1.0, ""
+
+
+def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
+    """A figure's name without its unit and its values with one, all in the unit that suits the largest."""
+    factor, unit = size_of(name, values)
+    if not unit:
+        return name.replace("_", " "), [f"{v:.5g}" for v in values]
+    ending = next(ending for ending, _ in _SIZES if name.endswith(ending))
+    word = name if ending == "share" else name.removesuffix(ending)
+    return word.replace("_", " ").strip(), [f"{v / factor:.4g} {unit}" for v in values]
+
+
+def share_text(share: float) -> str:
+    """A share in per cent; what is not quite the whole is not called so."""
+    return "over 99%" if 0.99 < share < 0.9999 else f"{share:.0%}"
+
+
+def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
+    """The finding in one sentence, doubts of the runs right below, then the tables.
+
+    Angles are in the unit that suits the error of the declared model.
+    """
+    e = result.errors
+    size, unit = size_of("_rad", [e.before.value])
+    lines = [result.sentence, *doubts, ""]
+    lines += [
+        f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
+        _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),
+        _error_line("with what was found", size, e.after.value, e.after.low, e.after.high, e.peak_after_rad),
+        f"{'noise floor':<24}{e.floor_rad / size:>10.3g}",
+        f"explained: {share_text(e.explained_share)} of what lies above the floor; held out: {e.held_out}",
+    ]
+    for named in result.effects:
+        lines += ["", *named_lines(named)]
+    for group in result.one_of:
+        lines += ["", "one of these, the data cannot tell which:"]
+        for named in group:
+            lines += ["  " + line for line in named_lines(named)]
+    candidates = (*result.evidence, *result.small)
+    if candidates:
+        width = max(len(c.label) for c in candidates)
+        lines += ["", f"{'candidate':<{width}}{'held out':>12}{'takes off':>12}  {unit}"]
+        # A candidate that was left out was not fitted on what is held out.
+        held = [f"{c.held_out_rad / size:.3g}" for c in result.evidence] + [""] * len(result.small)
+        lines += [
+            f"{c.label:<{width}}{rms:>12}{c.fall_rad / size:>12.3g}  {c.outcome}"
+            for c, rms in zip(candidates, held, strict=True)
+        ]
+    lines += [f"not testable: {words}" for words in result.not_testable]
+    lines += [f"next: {words}" for words in result.next_steps]
+    return "\n".join(lines)
+
+
+def named_lines(named: Named) -> list[str]:
+    """An effect with its figures, one a line."""
+    lines = [f"{named.words} ({named.form}): {named.physics}"]
+    for name, value in named.parameters.items():
+        word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        lines.append(f"  {word} {middle} (95 %: {low} to {high})")
+    for name, figure in named.physical.items():
+        if name not in named.parameters:
+            lines.append("  {} {}".format(*_one(name, figure)))
+    lines += [f"  looks the same: {words}" for words in named.equivalent]
+    return [*lines, f"  look at: {named.where_to_look}"]
+
+
+def _one(name: str, figure: float) -> tuple[str, str]:
+    word, shown = readable(name, [figure])
+    return word, shown[0]
+
+
+def _error_line(word: str, size: float, *errors_rad: float) -> str:
+    rms, low, high, peak = (error / size for error in errors_rad)
+    return f"{word:<24}{rms:>10.3g}{low:>12.3g}{high:>10.3g}{peak:>10.3g}"

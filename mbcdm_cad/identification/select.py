@@ -15,7 +15,7 @@ from queue import Queue
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect
+from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.evidence import supported
 from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.measurement.run import Floats
@@ -91,11 +91,11 @@ class Search:
         basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
         found = []
         for effect in self.library:
-            if effect.key in taken and effect.name != "ripple":
+            if effect.key in taken and not effect.several:
                 continue
             for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
-                # There may be several ripples: each is an effect of its own.
-                one = replace(effect) if effect.name == "ripple" else effect
+                # Of what may be there several times, each is an effect of its own.
+                one = replace(effect) if effect.several else effect
                 try:
                     promise = self._promise(fit, one, np.array(start), basis)
                 except ModelError:
@@ -164,21 +164,30 @@ class Search:
     def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
         """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
         own = sum(v.size for v in fit.values)
-        begun = self._each([
-            partial(
-                Fitter.fit, effects=(*fit.effects, c.effect), values=(*fit.values, c.start), offsets=fit.offsets,
-                iterations=4, settled=1e-3, fresh=False,
-                slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]),
-            )
-            for c in chosen
-        ])  # fmt: skip
+        begun = self._each(
+            [
+                partial(
+                    Fitter.fit,
+                    effects=(*fit.effects, c.effect),
+                    values=(*fit.values, c.start),
+                    offsets=fit.offsets,
+                    iterations=4,
+                    settled=1e-3,
+                    fresh=False,
+                    slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]),
+                )
+                for c in chosen
+            ]
+        )
         # Those that a few steps leave far behind do not win; the others go on to the end.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
-        ended = self._each([
-            partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
-            for one in near
-        ])  # fmt: skip
+        ended = self._each(
+            [
+                partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
+                for one in near
+            ]
+        )
         return sorted(ended, key=lambda one: one.square)
 
     def _each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
@@ -221,7 +230,7 @@ class Search:
             if not self.too_much(now):
                 break
             for sibling in self.library:
-                if sibling.key != effect.key or sibling.form == effect.form or effect.name == "ripple":
+                if sibling.key != effect.key or sibling.form == effect.form or effect.several:
                     continue
                 if effect not in now.effects:  # another form has taken its place
                     break

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.identification.readable import readable
+from mbcdm_cad.identification.result import readable
 from mbcdm_cad.measurement.run import Floats
 
 # Shapes within this of the best one's share are listed too.

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.identification.orders import order_spectrum
+from mbcdm_cad.identification.lines import order_spectrum
 from mbcdm_cad.identification.prepared import Prepared
-from mbcdm_cad.identification.readable import readable
+from mbcdm_cad.identification.result import readable
 from mbcdm_cad.identification.shapes import Shape, best_shapes
 from mbcdm_cad.measurement.run import Floats
 

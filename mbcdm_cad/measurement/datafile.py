@@ -59,13 +59,19 @@ def read_table(path: Path, layout: Format, columns: Sequence[int], skip_broken: 
     parts = [reader.block(first_line, text) for first_line, text in _blocks(path, layout.begin_line)]
     kept = sum(part.shape[0] for part in parts)
     if reader.broken > MOST_BROKEN * (kept + reader.broken):
-        raise InputError([
-            Problem(
-                str(path), reader.broken_lines[0], "", "too many broken rows",
-                f"{reader.broken} of {kept + reader.broken}", f"{MOST_BROKEN:.0%} of the rows",
-                f"the first has {reader.first_fault}; check delimiter, decimal, comment, skip_rows and columns",
-            )
-        ])  # fmt: skip
+        raise InputError(
+            [
+                Problem(
+                    str(path),
+                    reader.broken_lines[0],
+                    "",
+                    "too many broken rows",
+                    f"{reader.broken} of {kept + reader.broken}",
+                    f"{MOST_BROKEN:.0%} of the rows",
+                    f"the first has {reader.first_fault}; check delimiter, decimal, comment, skip_rows and columns",
+                )
+            ]
+        )
     values = np.empty((len(columns), kept))
     for part in reversed(parts):  # each part is let go once it is copied
         values[:, kept - part.shape[0] : kept] = part.T

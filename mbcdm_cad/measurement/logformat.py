@@ -44,9 +44,13 @@ class Format:
 def too_long(path: Path, number: int) -> InputError:
     """What has no line end is no table."""
     remedy = "give a text file with one row a line, ended by LF or CR LF"
-    return InputError([
-        Problem(str(path), number, "", "a line too long", f"over {LONGEST_LINE} bytes", f"{LONGEST_LINE} bytes", remedy)
-    ])  # fmt: skip
+    return InputError(
+        [
+            Problem(
+                str(path), number, "", "a line too long", f"over {LONGEST_LINE} bytes", f"{LONGEST_LINE} bytes", remedy
+            )
+        ]
+    )
 
 
 def split(line: str, sign: str | None) -> list[str]:
@@ -59,9 +63,9 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
     comma = decimal == "comma"
     comments, rows = _first_lines(path, comment, skip_rows)
     if not rows:
-        raise InputError([
-            Problem(str(path), skip_rows + 1, "", "no rows", remedy="check the file, skip_rows and comment")
-        ])  # fmt: skip
+        raise InputError(
+            [Problem(str(path), skip_rows + 1, "", "no rows", remedy="check the file, skip_rows and comment")]
+        )
     sign = SIGNS[delimiter] if delimiter != "auto" else _likely_sign(rows, comma)
     names, names_line = _names(path, comments, rows, sign, comma, header)
     begin = rows[0][0] + 1 if names_line == rows[0][0] else rows[0][0]
@@ -71,9 +75,9 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
         begin = units_line + 1
         body = [line for number, line in rows if number >= begin]
     if not body:
-        raise InputError([
-            Problem(str(path), begin, "", "no rows below the header", remedy="check the file and header")
-        ])  # fmt: skip
+        raise InputError(
+            [Problem(str(path), begin, "", "no rows below the header", remedy="check the file and header")]
+        )
     fields = Counter(len(split(line, sign)) for line in body).most_common(1)[0][0]
     # Rows with quotes may have the delimiter within a cell.
     full = [cells for cells in (split(line, sign) for line in body if '"' not in line) if len(cells) == fields]
@@ -187,10 +191,17 @@ def _names(
         if header == "comment" or len(named) > 1:
             return tuple(named), number
     if header == "comment":
-        raise InputError([
-            Problem(str(path), number, "", "no comment line with the names before the data",
-                    remedy="set header: none and give columns by number from 1")
-        ])  # fmt: skip
+        raise InputError(
+            [
+                Problem(
+                    str(path),
+                    number,
+                    "",
+                    "no comment line with the names before the data",
+                    remedy="set header: none and give columns by number from 1",
+                )
+            ]
+        )
     return (), 0
 
 

@@ -18,8 +18,8 @@ from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.datafile import DECIMALS, Table, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
 from mbcdm_cad.measurement.run import Floats, Run, Sensors
-from mbcdm_cad.measurement.schema import Column, Measurement, node_at
-from mbcdm_cad.measurement.units import COUNTS, ENCODERS, Unit, known_units, unit_of
+from mbcdm_cad.measurement.schema import Column, Columns, Measurement, is_column, node_at
+from mbcdm_cad.measurement.units import COUNTS, ENCODERS, Unit, kind_of, known_units, unit_of
 from mbcdm_cad.measurement.unusable import refuse_unusable
 
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
@@ -60,12 +60,15 @@ def load_file(path: str | Path) -> MeasurementFile:
         remedy = "give the YAML file that says which column of the data is what" + _KIND[1]
         raise InputError([Problem(str(path), 1, "", "no measurement file: it has no fields", remedy=remedy)])
     tree = yamltree.parse(text, str(path), *_KIND)
+    strange = _strange_columns(path, tree)
     try:
         content = Measurement.model_validate(tree.data)
     except ValidationError as error:
-        raise InputError(schema_problems(error, tree, str(path), node_at)) from None
+        said = {problem.field for problem in strange}
+        found = [p for p in schema_problems(error, tree, str(path), node_at) if _top(p.field) not in said]
+        raise InputError(sorted([*strange, *found], key=lambda problem: problem.line)) from None
     file = MeasurementFile(path, content, tree)
-    problems = _broken_rules(file)
+    problems = strange or _broken_rules(file)
     if problems:
         raise InputError(problems)
     return file
@@ -107,6 +110,28 @@ def _has_fields(text: str) -> bool:
     return ":" in first or first.lstrip().startswith("{") or not first
 
 
+def _strange_columns(path: Path, tree: yamltree.Tree) -> list[Problem]:
+    """Columns that are neither a quantity nor an input."""
+    columns = tree.data.get("columns") if isinstance(tree.data, dict) else None
+    strange = [key for key in columns if not is_column(str(key))] if isinstance(columns, dict) else []
+    known = [*Columns.model_fields, "input_<name of an input of the design>"]
+    return [
+        Problem(
+            str(path),
+            tree.line_of(("columns", key)),
+            yamltree.dotted(("columns", key)),
+            "unknown field",
+            remedy=did_you_mean(str(key), known),
+        )
+        for key in strange
+    ]
+
+
+def _top(field: str) -> str:
+    """The column that a field is of."""
+    return ".".join(field.split(".")[:2])
+
+
 def _broken_rules(file: MeasurementFile) -> list[Problem]:
     """What no single field can show."""
     content = file.content
@@ -128,16 +153,16 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
     if content.columns is None:
         return problems
     asked = _columns_asked(file)
-    if "input" in asked and ("input_left" in asked or "input_right" in asked):
-        remedy = "give input for a drive that has one, input_left and input_right for one that has two"
-        problems.append(file.problem(("columns", "input"), "given beside input_left or input_right", remedy=remedy))
-    elif "input" not in asked and ("input_left" not in asked or "input_right" not in asked):
-        remedy = "give input for a drive that has one, input_left and input_right for one that has two"
+    named = [key for key in asked if key.startswith("input_")]
+    remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
+    if "input" in asked and named:
+        problems.append(file.problem(("columns", "input"), f"given beside {named[0]}", remedy=remedy))
+    elif "input" not in asked and (not named or named in (["input_left"], ["input_right"])):
         problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
     for quantity, column in asked.items():
         where: FieldPath = ("columns", quantity)
         if unit_of(quantity, column.unit, column.counts_per_turn) is None:
-            counts = column.unit.strip() in (COUNTS, "count") and quantity in ENCODERS
+            counts = column.unit.strip() in (COUNTS, "count") and kind_of(quantity) in ENCODERS
             remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
             what = "counts without counts_per_turn" if counts else f"no unit of {quantity}"
             problems.append(file.problem((*where, "unit"), what, shortened(column.unit), remedy=remedy))
@@ -193,11 +218,8 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
 
 
 def _columns_asked(file: MeasurementFile) -> dict[str, Column]:
-    """The columns given, in the order in which the table holds them: time, inputs, output, the rest."""
-    columns = file.content.columns
-    names = ("time", "input_left", "input_right", "input", "output", "load_torque", "temperature")
-    found = {name: getattr(columns, name) for name in names}
-    return {name: column for name, column in found.items() if column is not None}
+    """The columns given, in the order in which the table holds them."""
+    return file.content.columns.given() if file.content.columns is not None else {}
 
 
 def _data_path(file: MeasurementFile, data: str) -> Path:
@@ -266,9 +288,17 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source
         given.torque_noise_Nm,
     )
     return Run(
-        rows["time"], inputs, rows["output"], rows.get("load_torque"), rows.get("temperature"), sensors,
-        names, source, sha256, file.content.ratio,
-    )  # fmt: skip
+        rows["time"],
+        inputs,
+        rows["output"],
+        rows.get("load_torque"),
+        rows.get("temperature"),
+        sensors,
+        names,
+        source,
+        sha256,
+        file.content.ratio,
+    )
 
 
 def _step_of_counts(asked: dict[str, Column], names: list[str]) -> float | None:

@@ -47,6 +47,10 @@ columns:
 ratio: 35                     # only the ratio of this drive is known
 ```
 
+A drive with one input has `input`; one with more has a column `input_<name>` for each, by the names that the design
+file gives its inputs. `input_left` and `input_right` may also stand for the inputs at -x and at +x, whatever they are
+called.
+
 A figure becomes `(figure - zero) * scale` in the column's unit. Inputs are positive when they drive the drum positive.
 Rows are told from their file: comments and blank lines may stand anywhere, cells may be in quotes, line ends may be of
 any system, bytes beyond ASCII matter only in names. Rows of units below the names are left out; where they, or

@@ -1,14 +1,20 @@
-"""One measured run in SI units, as every later step sees it."""
+"""One measured run in SI units, as every later step sees it, and a sentence of its vetting."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
+from dataclasses import field as with_default
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.design.loaded import FieldPath
+
 Floats = NDArray[np.float64]
+Level = Literal["refused", "doubt", "fact"]
 
 
 @dataclass(frozen=True)
@@ -34,7 +40,7 @@ class Run:
     output_rad: Floats
     load_Nm: Floats | None = None
     temperature_C: Floats | None = None
-    sensors: Sensors = field(default_factory=Sensors)
+    sensors: Sensors = with_default(default_factory=Sensors)
     input_names: tuple[str, ...] = ("left", "right")
     source: str = ""
     sha256: str = ""
@@ -44,3 +50,34 @@ class Run:
     def step_s(self) -> float:
         """Time between samples, s: the median."""
         return float(np.median(np.diff(self.time_s)))
+
+
+@dataclass(frozen=True)
+class VettingNote:
+    """One sentence about a run, before any residual is looked at.
+
+    ``kind`` names it for programs; ``field`` is the field of the measurement file that it speaks of.
+
+    ``refused``: the run cannot be judged as it is declared. ``doubt``: judged, with this in mind. ``fact``: what the
+    experiment can and cannot tell.
+    """
+
+    kind: str
+    level: Level
+    text: str
+    remedy: str = ""
+    field: FieldPath = ()
+
+    def __str__(self) -> str:
+        """Sentence and remedy on one line."""
+        return self.text + (f"; {self.remedy}" if self.remedy else "")
+
+
+def doubts(notes: Sequence[str], findings: Sequence[VettingNote]) -> list[str]:
+    """What speaks against taking a result at its word: notes of the reading, doubts of the vetting."""
+    return [*notes, *(str(finding) for finding in findings if finding.level == "doubt")]
+
+
+def column_of(input_name: str) -> FieldPath:
+    """Field of the measurement file that describes one input."""
+    return ("columns", "input" if input_name == "input" else f"input_{input_name}")

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import Any, Literal
+
+from pydantic import ConfigDict
 
 from mbcdm_cad.design.describe import Node
 from mbcdm_cad.design.fields import Block, Integer, Number, Text, choice
 from mbcdm_cad.design.fields import quantity as figure
 from mbcdm_cad.design.loaded import FieldPath
 
+# The column of an input: input_ and the name that the design file gives it.
+INPUT_COLUMN = r"^input_[a-z0-9][a-z0-9_-]{0,63}$"
 SENSORS = "data sheet"
 LOGGER = "the logger's file"
 
@@ -20,20 +25,40 @@ class Column(Block):
     column: Text | Integer = choice("name in the header, or number from 1", source=LOGGER, example="q_left")
     unit: Text = choice("unit of the figures, after zero and scale", source=LOGGER, example="rad")
     scale: Number = figure(
-        "factor on the figures; -1 turns the sign round", unit="-", source=LOGGER, example=-1.0, default=1.0,
-        ge=-1e12, le=1e12,
-    )  # fmt: skip
+        "factor on the figures; -1 turns the sign round",
+        unit="-",
+        source=LOGGER,
+        example=-1.0,
+        default=1.0,
+        ge=-1e12,
+        le=1e12,
+    )
     zero: Number = figure(
-        "figure that the sensor shows at zero, taken off before scale", unit="-", source=LOGGER, example=338.56,
+        "figure that the sensor shows at zero, taken off before scale",
+        unit="-",
+        source=LOGGER,
+        example=338.56,
         default=0.0,
-    )  # fmt: skip
+    )
     counts_per_turn: Number | None = figure(
-        "counts a turn, for unit counts", unit="1/turn", source=SENSORS, example=8192.0, default=None, gt=0.0, le=1e12,
-    )  # fmt: skip
+        "counts a turn, for unit counts",
+        unit="1/turn",
+        source=SENSORS,
+        example=8192.0,
+        default=None,
+        gt=0.0,
+        le=1e12,
+    )
 
 
 class Columns(Block):
-    """What was measured. Inputs are positive when they drive the drum positive."""
+    """What was measured. Inputs are positive when they drive the drum positive.
+
+    An input of any other name than left and right is ``input_<name>``, the name being that of the design file.
+    """
+
+    model_config = ConfigDict(extra="allow", frozen=True, defer_build=True)
+    __pydantic_extra__: dict[str, Column]
 
     time: Column = choice("time", source=LOGGER, example="{column: t, unit: s}")
     input_left: Column | None = choice("input at -x", source=LOGGER, default=None)
@@ -42,23 +67,55 @@ class Columns(Block):
     output: Column = choice("drum", source=LOGGER, example="{column: q_out, unit: rad}")
     load_torque: Column | None = choice(
         "load on the drum, > 0 where it opposes positive rotation; without it load-driven effects are not testable",
-        source=LOGGER, default=None,
-    )  # fmt: skip
+        source=LOGGER,
+        default=None,
+    )
     temperature: Column | None = choice("temperature at the drive", source=LOGGER, default=None)
+
+    def given(self) -> dict[str, Column]:
+        """The columns given, in the order in which a table holds them: time, inputs, output, the rest."""
+        named = self.__pydantic_extra__ or {}
+        inputs = {key: getattr(self, key) for key in ("input_left", "input_right")} | named | {"input": self.input}
+        rest = {key: getattr(self, key) for key in ("output", "load_torque", "temperature")}
+        found = {"time": self.time, **inputs, **rest}
+        return {key: column for key, column in found.items() if column is not None}
+
+
+def is_column(key: str) -> bool:
+    """Whether a measurement file may have a column of this name."""
+    return key in Columns.model_fields or re.match(INPUT_COLUMN, key) is not None
 
 
 class SensorFigures(Block):
     """What the sensors resolve; the noise floor follows from it. Counts give the resolution where it is left out."""
 
     input_resolution_rad: Number | None = figure(
-        "one step of the input encoders", unit="rad", source=SENSORS, example=1.9175e-4, default=None, gt=0.0, le=1.0,
-    )  # fmt: skip
+        "one step of the input encoders",
+        unit="rad",
+        source=SENSORS,
+        example=1.9175e-4,
+        default=None,
+        gt=0.0,
+        le=1.0,
+    )
     output_resolution_rad: Number | None = figure(
-        "one step of the output encoder", unit="rad", source=SENSORS, example=1.3635e-6, default=None, gt=0.0, le=1.0,
-    )  # fmt: skip
+        "one step of the output encoder",
+        unit="rad",
+        source=SENSORS,
+        example=1.3635e-6,
+        default=None,
+        gt=0.0,
+        le=1.0,
+    )
     torque_noise_Nm: Number | None = figure(
-        "RMS noise of the torque sensor", unit="N m", source=SENSORS, example=0.005, default=None, ge=0.0, le=1e6,
-    )  # fmt: skip
+        "RMS noise of the torque sensor",
+        unit="N m",
+        source=SENSORS,
+        example=0.005,
+        default=None,
+        ge=0.0,
+        le=1e6,
+    )
 
 
 Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "ripple_order"]
@@ -100,9 +157,14 @@ class Measurement(Block):
     columns: Columns | None = choice("what stands in which column", source=LOGGER, default=None)
     sensors: SensorFigures = choice("what the sensors resolve", source=SENSORS, default=SensorFigures())
     ratio: Number | None = figure(
-        "total ratio, for a drive of which nothing else is known; the design file is then not used", unit="-",
-        source="data sheet of the drive", example=35.0, default=None, gt=0.0, le=1e6,
-    )  # fmt: skip
+        "total ratio, for a drive of which nothing else is known; the design file is then not used",
+        unit="-",
+        source="data sheet of the drive",
+        example=35.0,
+        default=None,
+        gt=0.0,
+        le=1e6,
+    )
     delimiter: Literal["auto", "comma", "semicolon", "tab", "space"] = choice(
         "what stands between two columns", source=LOGGER, example="semicolon", default="auto"
     )
@@ -113,12 +175,16 @@ class Measurement(Block):
     )
     header: Literal["auto", "row", "comment", "none"] = choice(
         "where the names stand: the first row, the last comment line before the data, nowhere; auto looks",
-        source=LOGGER, example="comment", default="auto",
-    )  # fmt: skip
+        source=LOGGER,
+        example="comment",
+        default="auto",
+    )
     broken_rows: Literal["refuse", "skip"] = choice(
         "what to do with rows of another length, with text or with NaN: skip leaves out up to one in fifty and says so",
-        source=LOGGER, example="skip", default="refuse",
-    )  # fmt: skip
+        source=LOGGER,
+        example="skip",
+        default="refuse",
+    )
     published: tuple[Published, ...] | None = choice(
         "figures printed in a paper, in place of data", source="paper", default=None, min_length=1, max_length=100
     )
@@ -130,6 +196,9 @@ def json_schema() -> Node:
     schema: Node = Measurement.model_json_schema()
     definitions = schema.pop("$defs", {})
     written: Node = _written_out(schema, definitions)
+    columns = written["properties"]["columns"]
+    columns["patternProperties"] = {INPUT_COLUMN: columns["properties"]["time"]}
+    columns["additionalProperties"] = False
     return written
 
 
@@ -154,5 +223,10 @@ def node_at(path: FieldPath) -> Node | None:
     for part in path:
         if node is None:
             return None
-        node = node.get("items") if isinstance(part, int) else node.get("properties", {}).get(part)
+        if isinstance(part, int):
+            node = node.get("items")
+            continue
+        patterns = node.get("patternProperties", {})
+        named = next((found for pattern, found in patterns.items() if re.match(pattern, part)), None)
+        node = node.get("properties", {}).get(part, named)
     return node

@@ -57,8 +57,6 @@ ORDER = _scaled(("cycle/rad cycles/rad 1/rad", 1.0), ("cycle/turn cycles/turn 1/
 KINDS = {
     "time": TIME,
     "input": ANGLE,
-    "input_left": ANGLE,
-    "input_right": ANGLE,
     "output": ANGLE,
     "load_torque": TORQUE,
     "temperature": TEMPERATURE,
@@ -68,17 +66,24 @@ KINDS = {
     "ripple_amplitude": ANGLE,
     "ripple_order": ORDER,
 }
-ENCODERS = ("input", "input_left", "input_right", "output")
+ENCODERS = ("input", "output")
 
 
 def unit_of(quantity: str, name: str, counts_per_turn: float | None = None) -> Unit | None:
     """The unit called ``name`` of a column ``quantity``, None if there is no such unit; encoder counts need a turn."""
+    kind = kind_of(quantity)
     spelt = name.strip().replace(" ", "").replace("·", "*").replace("μ", "µ")
-    if spelt in (COUNTS, "count") and quantity in ENCODERS and counts_per_turn is not None:
+    if spelt in (COUNTS, "count") and kind in ENCODERS and counts_per_turn is not None:
         return Unit(2.0 * math.pi / counts_per_turn)
-    return KINDS[quantity].get(spelt)
+    return KINDS[kind].get(spelt)
 
 
 def known_units(quantity: str) -> list[str]:
     """Names to offer for a column."""
-    return [*KINDS[quantity], *([COUNTS] if quantity in ENCODERS else [])]
+    kind = kind_of(quantity)
+    return [*KINDS[kind], *([COUNTS] if kind in ENCODERS else [])]
+
+
+def kind_of(quantity: str) -> str:
+    """What a column measures: the inputs of a drive are alike, whatever they are called."""
+    return "input" if quantity.startswith("input_") else quantity

@@ -86,10 +86,15 @@ def _not_moved(file: MeasurementFile, run: Run) -> list[Problem]:
     """Shafts that stand, or turn by few of the steps that their encoders are said to have."""
     given = file.content.sensors
     shafts = [
-        (f"input {n}".removesuffix(" input"), "input" if n == "input" else f"input_{n}", row,
-         run.sensors.input_resolution_rad, "input_resolution_rad" if given.input_resolution_rad else "")
+        (
+            f"input {n}".removesuffix(" input"),
+            "input" if n == "input" else f"input_{n}",
+            row,
+            run.sensors.input_resolution_rad,
+            "input_resolution_rad" if given.input_resolution_rad else "",
+        )
         for n, row in zip(run.input_names, run.input_rad, strict=True)
-    ]  # fmt: skip
+    ]
     resolution = "output_resolution_rad" if given.output_resolution_rad else ""
     shafts.append(("output", "output", run.output_rad, run.sensors.output_resolution_rad, resolution))
     problems, standing = [], 0
@@ -106,9 +111,15 @@ def _not_moved(file: MeasurementFile, run: Run) -> list[Problem]:
             )
         else:
             remedy = "check that its encoder is driven and connected, and column, unit and scale"
-            problems.append(file.problem(
-                ("columns", column), f"no motion of the {name}", f"{travel:.3g} rad", f"{least:.3g} rad", remedy=remedy
-            ))  # fmt: skip
+            problems.append(
+                file.problem(
+                    ("columns", column),
+                    f"no motion of the {name}",
+                    f"{travel:.3g} rad",
+                    f"{least:.3g} rad",
+                    remedy=remedy,
+                )
+            )
     if standing == len(shafts) and not any(problem.field.startswith("sensors") for problem in problems):
         most = max(float(np.ptp(values)) for _, _, values, _, _ in shafts)
         remedy = "move the drive while logging; if it did move, check columns, units and scales"

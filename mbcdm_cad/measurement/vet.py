@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.finding import Finding
-from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.run import Floats, Run, VettingNote
 from mbcdm_cad.measurement.vet_columns import column_findings
 from mbcdm_cad.measurement.vet_reach import reach_findings
 from mbcdm_cad.measurement.vet_signals import signal_findings
@@ -16,6 +15,8 @@ from mbcdm_cad.model.si import DriveSI, to_si
 
 # Samples that the comparison of columns needs; longer runs are thinned.
 MOST_SAMPLES = 20_000
+# Columns of these names are the inputs at -x and at +x of a design that calls its inputs otherwise.
+SIDES = {"left": -1, "right": 1}
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,21 @@ def declared_of(run: Run, drive: Drive | None) -> Declared:
     return Declared(float(np.mean(d.total_ratio)), d, float(travel))
 
 
-def vet(run: Run, drive: Drive | None) -> list[Finding]:
+def arranged(run: Run, drive: Drive) -> Run:
+    """The run with its inputs in the order of the design's: by name, else left and right by the side they stand on."""
+    names = run.input_names
+    if sorted(names) == sorted(drive.input_names):
+        rows = [names.index(name) for name in drive.input_names]
+    elif sorted(names) == sorted(SIDES) and sorted(drive.input_sides) == sorted(SIDES.values()):
+        rows = [[SIDES[name] for name in names].index(side) for side in drive.input_sides]
+    else:
+        return run
+    if rows == list(range(len(rows))):
+        return run
+    return replace(run, input_rad=run.input_rad[rows], input_names=tuple(names[row] for row in rows))
+
+
+def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     """All findings, refusals first. What the columns say is not looked into once the inputs do not fit the drive."""
     known = declared_of(run, drive)
     wrong = _inputs(run, known)
@@ -54,19 +69,25 @@ def vet(run: Run, drive: Drive | None) -> list[Finding]:
     return sorted(found, key=lambda finding: order.index(finding.level))
 
 
-def refusals(findings: list[Finding]) -> list[Finding]:
+def refusals(findings: list[VettingNote]) -> list[VettingNote]:
     """Those for which the run cannot be judged."""
     return [finding for finding in findings if finding.level == "refused"]
 
 
-def _inputs(run: Run, known: Declared) -> list[Finding]:
+def _inputs(run: Run, known: Declared) -> list[VettingNote]:
     count = run.input_rad.shape[0]
-    if known.d is None or known.d.n_inputs == count:
+    if known.d is None:
         return []
     names = ", ".join(known.d.input_names)
+    if known.d.n_inputs == count:
+        if count == 1 or sorted(run.input_names) in (sorted(known.d.input_names), sorted(SIDES)):
+            return []
+        text = f"inputs {', '.join(run.input_names)} are not those of the design ({names})"
+        remedy = "call the columns input_ and the name that the design file gives each input"
+        return [VettingNote("inputs", "refused", text, remedy, ("columns",))]
     text = f"the run has {count} input column(s), the design {known.d.n_inputs} ({names})"
     remedy = "give a column for each input of the design, or ratio for a drive of which only that is known"
-    return [Finding("inputs", "refused", text, remedy, ("columns",))]
+    return [VettingNote("inputs", "refused", text, remedy, ("columns",))]
 
 
 def _thinned(run: Run) -> Run:
@@ -76,6 +97,10 @@ def _thinned(run: Run) -> Run:
         return None if values is None else values[..., ::stride]
 
     return replace(
-        run, time_s=run.time_s[::stride], input_rad=run.input_rad[:, ::stride], output_rad=run.output_rad[::stride],
-        load_Nm=every(run.load_Nm), temperature_C=every(run.temperature_C),
-    )  # fmt: skip
+        run,
+        time_s=run.time_s[::stride],
+        input_rad=run.input_rad[:, ::stride],
+        output_rad=run.output_rad[::stride],
+        load_Nm=every(run.load_Nm),
+        temperature_C=every(run.temperature_C),
+    )

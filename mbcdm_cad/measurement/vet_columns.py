@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.measurement.finding import Finding, column_of
-from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
 from mbcdm_cad.model.si import DriveSI
 
 # A slope this near the declared ratio needs no word; beyond FARTHEST it is another drive or another unit.
@@ -55,7 +54,7 @@ def robust_slope(x: Floats, y: Floats) -> tuple[float, float]:
     return middle, float(np.mean(np.sign(slope) == np.sign(middle))) if middle else 0.0
 
 
-def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[Finding]:
+def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[VettingNote]:
     """Refusals and doubts about what the columns are."""
     factors = [_factor(run.output_rad, row, ratio) for row in run.input_rad]
     if all(factor is not None and abs(factor - 1.0) <= NEAR for factor in factors):
@@ -69,7 +68,7 @@ def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI
     if all(factor is not None and factor < 0.0 for factor in factors) and len(factors) > 1:
         # Of two wrong inputs and one wrong output, the one is likelier.
         text = "the output turns against both inputs: its sign is reversed"
-        found.append(Finding("reversed_output", "refused", text, _TURN_ROUND, ("columns", "output")))
+        found.append(VettingNote("reversed_output", "refused", text, _TURN_ROUND, ("columns", "output")))
         factors = [None if factor is None else -factor for factor in factors]
     off = [factor for factor in factors if factor is not None and abs(abs(factor) - 1.0) > NEAR]
     if len(off) == len(factors) and max(off) < min(off) * (1.0 + NEAR):
@@ -79,13 +78,13 @@ def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI
             if factor is None:
                 text = f"the output does not follow the {_shaft(name)}: no steady slope between the two"
                 remedy = "check that both columns are of this drive and of one run, and their units"
-                found.append(Finding("unrelated", "refused", text, remedy, column_of(name)))
+                found.append(VettingNote("unrelated", "refused", text, remedy, column_of(name)))
             elif abs(abs(factor) - 1.0) > NEAR:
                 found.append(_off(abs(factor), run, ratio, travel_rad, name))
     for name, factor in zip(run.input_names, factors, strict=True):
         if factor is not None and factor < 0.0:
             text = f"the {_shaft(name)} turns against the output: the sign of one of the two is reversed"
-            found.append(Finding("reversed_input", "refused", text, _TURN_ROUND, column_of(name)))
+            found.append(VettingNote("reversed_input", "refused", text, _TURN_ROUND, column_of(name)))
     return found
 
 
@@ -98,7 +97,7 @@ def _factor(output: Floats, shaft: Floats, ratio: float) -> float | None:
     return slope / ratio if slope and agreement >= LEAST_AGREEMENT else None
 
 
-def _swapped(run: Run, ratio: float) -> Finding | None:
+def _swapped(run: Run, ratio: float) -> VettingNote | None:
     """A column in the place of another: does the exchange put every slope right?"""
     columns: dict[FieldPath, Floats] = {("columns", "output"): run.output_rad}
     for name, row in zip(run.input_names, run.input_rad, strict=True):
@@ -118,11 +117,11 @@ def _swapped(run: Run, ratio: float) -> Finding | None:
             if all(factor is not None and abs(abs(factor) - 1.0) <= NEAR for factor in factors):
                 text = f"columns of {first[1]} and {second[1]} look swapped: exchanged they give the declared ratio"
                 remedy = "exchange the two column entries, or mend the ratio if the drive was driven from its output"
-                return Finding("swapped", "refused", text, remedy, first)
+                return VettingNote("swapped", "refused", text, remedy, first)
     return None
 
 
-def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: str | None) -> Finding:
+def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: str | None) -> VettingNote:
     """What a slope of ``factor`` times the declared ratio means; ``name`` is the one input it is about."""
     fields = column_of(name if name is not None else run.input_names[0])
     shafts = "inputs" if name is None and len(run.input_names) > 1 else _shaft(name or run.input_names[0])
@@ -141,18 +140,18 @@ def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: 
             remedy = "mend unit, scale or counts_per_turn of that column"
             if run.ratio is not None:
                 remedy += ", or ratio in this file"
-            return Finding("unit", "refused", text, remedy, field)
+            return VettingNote("unit", "refused", text, remedy, field)
     remedy = "check counts_per_turn, scale and unit, and that this is the drive of the design"
     turn = 2.0 * math.pi * max(factor, 1.0 / factor)
     if turn > LEAST_COUNTS:
         fields = fields if factor > 1.0 else ("columns", "output")
         remedy = f"are these counts, some {turn:.5g} a turn? Give unit: counts with counts_per_turn; or " + remedy
     if 1.0 / FARTHEST < factor < FARTHEST:
-        return Finding("ratio", "doubt", figures, remedy, fields)
-    return Finding("ratio", "refused", figures, remedy, fields)
+        return VettingNote("ratio", "doubt", figures, remedy, fields)
+    return VettingNote("ratio", "refused", figures, remedy, fields)
 
 
-def _travel(run: Run, travel_rad: float | None) -> list[Finding]:
+def _travel(run: Run, travel_rad: float | None) -> list[VettingNote]:
     """An output that turns farther than the stops let it: all angles may be in the wrong unit together."""
     travel = float(np.ptp(run.output_rad))
     if travel_rad is None or travel <= 1.1 * travel_rad:
@@ -162,10 +161,10 @@ def _travel(run: Run, travel_rad: float | None) -> list[Finding]:
     remedy = (
         "all angles look like degrees called radians: mend the units" if degrees else "check the units of all angles"
     )
-    return [Finding("travel", "refused", text, remedy, ("columns", "output"))]
+    return [VettingNote("travel", "refused", text, remedy, ("columns", "output"))]
 
 
-def _load_size(run: Run, d: DriveSI | None) -> list[Finding]:
+def _load_size(run: Run, d: DriveSI | None) -> list[VettingNote]:
     """A load that would slacken the cables many times over is in another unit."""
     if d is None or run.load_Nm is None:
         return []
@@ -177,12 +176,12 @@ def _load_size(run: Run, d: DriveSI | None) -> list[Finding]:
     text = f"loads up to {most:.4g} N m, where the preload of the cables holds some {holds:.3g} N m"
     if most <= MOST_LOAD * holds:
         remedy = "cables go slack, or load_torque is in another unit or another column"
-        return [Finding("load", "doubt", text, remedy, ("columns", "load_torque"))]
+        return [VettingNote("load", "doubt", text, remedy, ("columns", "load_torque"))]
     remedy = "check the unit of load_torque (mN*m called N*m?) and its scale"
-    return [Finding("load", "refused", text, remedy, ("columns", "load_torque"))]
+    return [VettingNote("load", "refused", text, remedy, ("columns", "load_torque"))]
 
 
-def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
+def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
     """The drum gives way to its load; one that comes towards it has the sign of the torque reversed."""
     if d is None or run.load_Nm is None or np.ptp(run.load_Nm) == 0.0:
         return []
@@ -202,19 +201,19 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
         f"the drum moves towards its load, {share:.2g} times as far as it should give way: load torque of reversed sign"
     )
     remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
-    return [Finding("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
+    return [VettingNote("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
 
 
-def _wrong_give(share: float) -> Finding:
+def _wrong_give(share: float) -> VettingNote:
     """The drum gives way to its load by ``share`` of what it should: all angles, or the load, in another unit."""
     text = f"the drum gives way to its load {share:.2g} times as far as its cables must"
     if share > 1.0:
         remedy = "check the unit of load_torque (N*m called mN*m?); or a coupling is very soft"
-        return Finding(
+        return VettingNote(
             "load", "doubt" if share < FARTHEST_GIVE else "refused", text, remedy, ("columns", "load_torque")
         )
     remedy = "check the units of all angles (radians called degrees?), of load_torque, and modulus_GPa of the design"
-    return Finding("unit", "refused", text, remedy, ("columns", "output"))
+    return VettingNote("unit", "refused", text, remedy, ("columns", "output"))
 
 
 def _shaft(name: str) -> str:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
 
-from mbcdm_cad.measurement.finding import Finding
-from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.run import Floats, Run, VettingNote
 from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed
 from mbcdm_cad.model.si import DriveSI
 
@@ -37,7 +36,7 @@ def order_left(angle_rad: Floats, order: float) -> float:
         return 0.0
 
 
-def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
+def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
     """Facts and doubts about the experiment."""
     output = smoothed(run.output_rad, SPEED_WINDOW_S, run.step_s)
     sweeps = int(half_sweeps(output).max()) + 1
@@ -50,27 +49,29 @@ def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
         f"{sweeps} half sweep(s) over {travel:.4g} rad ({np.degrees(travel):.3g} deg) in "
         f"{float(run.time_s[-1] - run.time_s[0]):.4g} s, speeds up to {fastest:.3g} rad/s"
     )
-    found = [Finding("sweeps", "fact", text)]
+    found = [VettingNote("sweeps", "fact", text)]
     if sweeps < FEWEST_HALF_SWEEPS:
         text = f"{sweeps} half sweep(s): nothing repeats, so an effect cannot be told from a one-time event"
-        found.append(Finding("one_sweep", "doubt", text, f"record {FEWEST_HALF_SWEEPS} half sweeps or more, best 12"))
+        found.append(
+            VettingNote("one_sweep", "doubt", text, f"record {FEWEST_HALF_SWEEPS} half sweeps or more, best 12")
+        )
     if rate * travel / max(fastest, 1e-12) < 20.0:
         text = f"fewer than 20 samples a sweep at {rate:.3g} Hz"
-        found.append(Finding("sampling", "doubt", text, "log faster or move slower", ("columns", "time")))
+        found.append(VettingNote("sampling", "doubt", text, "log faster or move slower", ("columns", "time")))
     return [*found, *_orders(run, ratio, d), *_loads(run, speed, d), *_temperature(run), *_sensors(run)]
 
 
-def _orders(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
+def _orders(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
     left = float(np.sqrt(order_left(run.output_rad, 1.0)))
     travel = float(np.ptp(run.output_rad))
     if left < ONE_WITH_RATIO:
         text = (
             f"drum order 1 and ratio_error are one over this travel: {left:.1g} of its amplitude differs from a ratio"
         )
-        found = [Finding("drum_order", "fact", text, "only a longer travel separates them")]
+        found = [VettingNote("drum_order", "fact", text, "only a longer travel separates them")]
     else:
         text = f"drum order 1 differs from a ratio error by {left:.2g} of its amplitude: that must rise above the floor"
-        found = [Finding("drum_order", "fact", text)]
+        found = [VettingNote("drum_order", "fact", text)]
     stages = [("input", ratio)]
     if d is not None:
         stages.insert(0, ("guide", float(np.mean(d.drum_radius_m / d.guide_radius_m))))
@@ -79,25 +80,25 @@ def _orders(run: Run, ratio: float, d: DriveSI | None) -> list[Finding]:
     words = f"; too short for once_per_rev of {' and '.join(short)}" if short else ""
     spacing = 2.0 * np.pi / travel
     text = f"{turns}{words}; neighbouring orders of ripple are {spacing:.3g} cycles per output turn apart at least"
-    return [*found, Finding("orders", "fact", text)]
+    return [*found, VettingNote("orders", "fact", text)]
 
 
-def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[Finding]:
+def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
     if run.load_Nm is None:
         text = (
             "no load_torque: kinematics only, load-driven effects (stiffness, preload, friction of cables) not testable"
         )
-        return [Finding("no_load", "fact", text, "log the torque at the output")]
+        return [VettingNote("no_load", "fact", text, "log the torque at the output")]
     low, high = np.percentile(run.load_Nm, (2.0, 98.0))
     span, size = float(high - low), float(np.abs(run.load_Nm).max())
     noise = 5.0 * (run.sensors.torque_noise_Nm or 0.0)
     if span <= max(CONSTANT_SHARE * size, noise):
         text = f"the load is constant ({float(np.median(run.load_Nm)):.4g} N m): stiffness and preload are not testable"
-        return [Finding("constant_load", "doubt", text, "add a load that changes, a brake or two weights")]
+        return [VettingNote("constant_load", "doubt", text, "add a load that changes, a brake or two weights")]
     levels = load_levels(run.load_Nm)
     words = ", ".join(f"{level:.3g}" for level in levels)
     text = f"load levels {words} N m" if levels else f"the load varies from {low:.3g} to {high:.3g} N m"
-    found = [Finding("load_levels", "fact", text)]
+    found = [VettingNote("load_levels", "fact", text)]
     sense = np.sign(speed)
     moving = np.abs(speed) > 0.2 * np.quantile(np.abs(speed), 0.99)
     # About zero and not about the mean: with a bias the load does not turn round with the motion.
@@ -106,7 +107,7 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[Finding]:
         text = "the load follows the sense of motion: friction looks like lash" + (
             ", winding_history like ratio_error" if d is not None else ""
         )
-        found.append(Finding("load_follows_speed", "fact", text, "a bias load tells them apart"))
+        found.append(VettingNote("load_follows_speed", "fact", text, "a bias load tells them apart"))
     return found
 
 
@@ -123,15 +124,15 @@ def load_levels(load_Nm: Floats) -> list[float]:
     return [float(np.median(load_Nm[(load_Nm >= edges[a]) & (load_Nm <= edges[b])])) for a, b in groups]
 
 
-def _temperature(run: Run) -> list[Finding]:
+def _temperature(run: Run) -> list[VettingNote]:
     if run.temperature_C is None:
         text = "no temperature: thermal drift and creep are told by their course in time alone"
-        return [Finding("no_temperature", "fact", text)]
+        return [VettingNote("no_temperature", "fact", text)]
     span = float(np.ptp(run.temperature_C))
-    return [Finding("temperature", "fact", f"temperature varies by {span:.3g} K")]
+    return [VettingNote("temperature", "fact", f"temperature varies by {span:.3g} K")]
 
 
-def _sensors(run: Run) -> list[Finding]:
+def _sensors(run: Run) -> list[VettingNote]:
     s = run.sensors
     missing = [name for name in ("input_resolution_rad", "output_resolution_rad") if getattr(s, name) is None]
     if run.load_Nm is not None and s.torque_noise_Nm is None:
@@ -139,4 +140,4 @@ def _sensors(run: Run) -> list[Finding]:
     if not missing:
         return []
     text = f"{', '.join(missing)} not given: the noise floor comes from the scatter between sweeps alone"
-    return [Finding("sensors", "fact", text, "give it under sensors, from the data sheet", ("sensors",))]
+    return [VettingNote("sensors", "fact", text, "give it under sensors, from the data sheet", ("sensors",))]

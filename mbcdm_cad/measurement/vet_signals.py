@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.measurement.finding import Finding, column_of
-from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
 
 # A step in time this many times the usual one is a gap.
 GAP_STEPS = 5.0
@@ -21,7 +20,7 @@ COLDEST_C, HOTTEST_C = -60.0, 120.0
 LEVEL_SHARE = 0.005
 
 
-def signal_findings(run: Run, ratio: float) -> list[Finding]:
+def signal_findings(run: Run, ratio: float) -> list[VettingNote]:
     """Doubts and refusals."""
     inputs = [(column_of(name), row) for name, row in zip(run.input_names, run.input_rad, strict=True)]
     angles = [*inputs, (("columns", "output"), run.output_rad)]
@@ -36,7 +35,7 @@ def signal_findings(run: Run, ratio: float) -> list[Finding]:
     return found
 
 
-def _gaps(run: Run) -> list[Finding]:
+def _gaps(run: Run) -> list[VettingNote]:
     steps = np.diff(run.time_s)
     gaps = np.flatnonzero(steps > GAP_STEPS * run.step_s)
     if gaps.size == 0:
@@ -46,10 +45,10 @@ def _gaps(run: Run) -> list[Finding]:
         f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {run.time_s[longest]:.6g} s "
         f"(usual step {run.step_s:.4g} s); what the friction did in them nobody knows"
     )
-    return [Finding("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
+    return [VettingNote("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
 
 
-def _pace(run: Run) -> list[Finding]:
+def _pace(run: Run) -> list[VettingNote]:
     """Sweeps too fast or too slow for a bench: time may be in another unit."""
     thin = run.output_rad[:: max(1, run.time_s.size // 1000)]
     sweeps = max(float(np.abs(np.diff(thin)).sum()) / max(float(np.ptp(thin)), 1e-300), 1.0)
@@ -57,14 +56,14 @@ def _pace(run: Run) -> list[Finding]:
     text = f"a half sweep takes some {half_s:.3g} s, a sample {run.step_s:.3g} s"
     field = ("columns", "time")
     if run.step_s >= SLOW_STEP_S or half_s > SLOW_SWEEP_S:
-        return [Finding("pace", "doubt", text, "is the time in ms or in sample numbers, called s?", field)]
+        return [VettingNote("pace", "doubt", text, "is the time in ms or in sample numbers, called s?", field)]
     if half_s < FAST_SWEEP_S:
         remedy = "is the time in s, called ms? If not, move slower: the model knows no inertia"
-        return [Finding("pace", "doubt", text, remedy, field)]
+        return [VettingNote("pace", "doubt", text, remedy, field)]
     return []
 
 
-def _temperature(run: Run) -> list[Finding]:
+def _temperature(run: Run) -> list[VettingNote]:
     if run.temperature_C is None:
         return []
     low, high = float(run.temperature_C.min()), float(run.temperature_C.max())
@@ -72,18 +71,18 @@ def _temperature(run: Run) -> list[Finding]:
         return []
     text = f"temperatures of {low:.4g} to {high:.4g} degC"
     return [
-        Finding("temperature", "doubt", text, "check its unit (K or degF called degC?)", ("columns", "temperature"))
+        VettingNote("temperature", "doubt", text, "check its unit (K or degF called degC?)", ("columns", "temperature"))
     ]
 
 
-def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Finding]:
+def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[VettingNote]:
     """An encoder that starts again after a turn, or a counter that runs over."""
     steps = np.diff(values)
     usual = float(np.median(np.abs(steps)))
     turns = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
     if turns.size and usual <= 0.2:
         text = f"{name} jumps by a full turn {turns.size} time(s), first after sample {int(turns[0]) + 1}"
-        return [Finding("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
+        return [VettingNote("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
     size = float(np.abs(steps).max())
     # All of one size, far from all other steps, and most of the range; a pause in logging is no jump.
     at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(run.time_s) < GAP_STEPS * run.step_s))
@@ -93,10 +92,10 @@ def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Findin
     if float(np.ptp(np.abs(steps[at]))) > 0.1 * size:
         return []
     text = f"{name} jumps by {size:.4g} rad {at.size} time(s), first after sample {int(at[0]) + 1}: a counter runs over"
-    return [Finding("wrapped", "refused", text, "log more bits, or unwrap it", field)]
+    return [VettingNote("wrapped", "refused", text, "log more bits, or unwrap it", field)]
 
 
-def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[Finding]:
+def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[VettingNote]:
     """An angle that stays exactly at its end while the other side of the drive goes on."""
     for end, word in ((float(values.max()), "highest"), (float(values.min()), "lowest")):
         at = values == end
@@ -109,11 +108,11 @@ def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[
                 f"{name} stays at its {word} figure, {end:.6g} rad, for {int(ends[longest] - begins[longest])} samples "
                 f"while the drive goes on by {moved:.4g} rad: the sensor is at its end"
             )
-            return [Finding("saturated", "doubt", text, "cut these samples out, or set the sensor's range", field)]
+            return [VettingNote("saturated", "doubt", text, "cut these samples out, or set the sensor's range", field)]
     return []
 
 
-def _levels(load_Nm: Floats) -> list[Finding]:
+def _levels(load_Nm: Floats) -> list[VettingNote]:
     """A noisy torque that spends time exactly at its end."""
     still = float(np.mean(np.diff(load_Nm) == 0.0))
     for end, word in ((float(load_Nm.max()), "highest"), (float(load_Nm.min()), "lowest")):
@@ -121,5 +120,5 @@ def _levels(load_Nm: Floats) -> list[Finding]:
         if share > LEVEL_SHARE and still < 0.5 and load_Nm.size * share > 10:
             text = f"load torque is at its {word} figure, {end:.5g} N m, in {share:.1%} of the samples: it is cut off"
             remedy = "set the sensor's range higher; load-driven effects are off where it is cut"
-            return [Finding("saturated", "doubt", text, remedy, ("columns", "load_torque"))]
+            return [VettingNote("saturated", "doubt", text, remedy, ("columns", "load_torque"))]
     return []

@@ -50,18 +50,34 @@ def _peak_torque(drive: Drive, d: DriveSI, item: Published, measured: float) -> 
     candidates = (
         Candidate("bias of the preload on the inputs", "preload_error", needed, weaker, plausible),
         Candidate("uneven sharing by the cables alone, bias tuned away", None, "no free size", even, False),
-        Candidate("losses in the gearheads on top of the bias", None,
-                  f"efficiency {lossy / lossless * measured / limit(d, lossy):.2f} where the data sheet has "
-                  f"{lossy / lossless:.2f}", limit(d, lossy), bool(measured <= limit(d, lossy) * 1.15)),
-        Candidate("the two motors' loops sharing unevenly", None,
-                  f"the busier input carries {busiest:.0%} of the load", None, shared),
-    )  # fmt: skip
+        Candidate(
+            "losses in the gearheads on top of the bias",
+            None,
+            f"efficiency {lossy / lossless * measured / limit(d, lossy):.2f} where the data sheet has "
+            f"{lossy / lossless:.2f}",
+            limit(d, lossy),
+            bool(measured <= limit(d, lossy) * 1.15),
+        ),
+        Candidate(
+            "the two motors' loops sharing unevenly",
+            None,
+            f"the busier input carries {busiest:.0%} of the load",
+            None,
+            shared,
+        ),
+    )
     return Judged(
-        "peak_torque", item.where, "N m", measured, weaker, _stated(item), candidates,
+        "peak_torque",
+        item.where,
+        "N m",
+        measured,
+        weaker,
+        _stated(item),
+        candidates,
         f"the ramp run both ways (bias: {weaker:.2f} and {stronger:.2f} N m; losses and loops: alike), the currents of "
         "both motors, and a run with preloads T ~ 1/r",
         f"sum of both motors without losses or bias {ideal:.3f} N m, which is the authors' expectation",
-    )  # fmt: skip
+    )
 
 
 def _backlash(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
@@ -79,16 +95,29 @@ def _backlash(drive: Drive, d: DriveSI, item: Published, measured: float) -> Jud
     stiff = swing / measured
     preload_words, preload_plausible = _preload_words(d, preload)
     candidates = [
-        Candidate("modulus of the rope", "stiffness_error", f"E = {stiff * modulus / 1e9:.1f} GPa instead of "
-                  f"{modulus / 1e9:.1f}", None, abs(stiff - 1.0) < MODULUS_SHARE),
+        Candidate(
+            "modulus of the rope",
+            "stiffness_error",
+            f"E = {stiff * modulus / 1e9:.1f} GPa instead of {modulus / 1e9:.1f}",
+            None,
+            abs(stiff - 1.0) < MODULUS_SHARE,
+        ),
         Candidate("preload", "preload_error", preload_words, None, preload_plausible),
-        Candidate("friction of the cable", "cable_friction", _share_words(
-            "mu", float(d.friction_coefficient), friction, ""), None,
-            friction is not None and abs(friction - 1.0) < FRICTION_SHARE),
-        Candidate("the figure meant as one-sided turn", None,
-                  f"E = {single / measured * modulus / 1e9:.1f} GPa, softer than such a rope is", single,
-                  abs(single / measured - 1.0) < MODULUS_SHARE),
-    ]  # fmt: skip
+        Candidate(
+            "friction of the cable",
+            "cable_friction",
+            _share_words("mu", float(d.friction_coefficient), friction, ""),
+            None,
+            friction is not None and abs(friction - 1.0) < FRICTION_SHARE,
+        ),
+        Candidate(
+            "the figure meant as one-sided turn",
+            None,
+            f"E = {single / measured * modulus / 1e9:.1f} GPa, softer than such a rope is",
+            single,
+            abs(single / measured - 1.0) < MODULUS_SHARE,
+        ),
+    ]
     travel = item.conditions.half_travel_rad
     if travel is not None:
         wound = swing * _winding_factor(d, load, travel)
@@ -96,12 +125,18 @@ def _backlash(drive: Drive, d: DriveSI, item: Published, measured: float) -> Jud
         plausible = abs(wound / measured - 1.0) < MODULUS_SHARE
         candidates.append(Candidate("winding history left out", "winding_history", words, wound, plausible))
     return Judged(
-        "backlash", item.where, "rad", measured, swing, _stated(item), tuple(candidates),
+        "backlash",
+        item.where,
+        "rad",
+        measured,
+        swing,
+        _stated(item),
+        tuple(candidates),
         "a run with its torque: the shape of the loop tells E (scales all) from preload and friction (slip part only); "
         "two travels tell winding history (grows with travel); preload and friction stay a set until the tension of "
         "a cable is measured",
         "read as the swing at a reversal; a modulus calibrated on this very figure would prove nothing",
-    )  # fmt: skip
+    )
 
 
 def _ripple_amplitude(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
@@ -110,14 +145,25 @@ def _ripple_amplitude(drive: Drive, d: DriveSI, item: Published, measured: float
     stages = f"{measured * _ratio(d) * 1e6:.0f} urad on the input shafts"
     candidates = (
         Candidate("once a turn of a shaft of the chain", "ripple", stages, None, True),
-        Candidate("sub-division of the input encoder", "ripple",
-                  f"{measured / step:.2f} of its steps, which is {step * 1e6:.1f} urad at the drum", None,
-                  bool(measured < 2.0 * step)),
-    )  # fmt: skip
+        Candidate(
+            "sub-division of the input encoder",
+            "ripple",
+            f"{measured / step:.2f} of its steps, which is {step * 1e6:.1f} urad at the drum",
+            None,
+            bool(measured < 2.0 * step),
+        ),
+    )
     return Judged(
-        "ripple_amplitude", item.where, "rad", measured, 0.0, _stated(item), candidates,
-        "its order: see ripple_order; another input encoder, or the same one turned by a part of a line", "",
-    )  # fmt: skip
+        "ripple_amplitude",
+        item.where,
+        "rad",
+        measured,
+        0.0,
+        _stated(item),
+        candidates,
+        "its order: see ripple_order; another input encoder, or the same one turned by a part of a line",
+        "",
+    )
 
 
 def _ripple_order(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
@@ -142,20 +188,32 @@ def _ripple_order(drive: Drive, d: DriveSI, item: Published, measured: float) ->
         candidates.append(Candidate(word, "ripple" if plausible else None, words, None, plausible))
     per_motor = measured * 2.0 * np.pi / motor
     return Judged(
-        "ripple_order", item.where, "cycle/rad", measured, None, _stated(item), tuple(candidates),
+        "ripple_order",
+        item.where,
+        "cycle/rad",
+        measured,
+        None,
+        _stated(item),
+        tuple(candidates),
         "a run over a longer travel, whose bins are narrower, with the motors' angle logged; the ripple's amplitude at "
         "two speeds",
         f"as printed {per_motor:.3f} a turn of the motor, which no stage has",
-    )  # fmt: skip
+    )
 
 
 def _mass(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
     """Nothing that a run could show: the build reckons it from its parts."""
     return Judged(
-        "mass", item.where, "kg", measured, None, _stated(item), (),
+        "mass",
+        item.where,
+        "kg",
+        measured,
+        None,
+        _stated(item),
+        (),
         "weighing the parts against the bill of materials of 'mbcdm build'",
         "the loop's model has no mass",
-    )  # fmt: skip
+    )
 
 
 JUDGES: dict[str, Judge] = {

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from mbcdm_cad.cli import run
 from mbcdm_cad.design import load_design
-from mbcdm_cad.identification.effects import registry
+from mbcdm_cad.identification import effects
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.result import LoopResult
 from mbcdm_cad.measurement.reading import load_measurement
@@ -70,7 +70,16 @@ def test_the_drive_as_built_leaves_nothing_in_either_run(folder: Path) -> None:
         assert result.verdict == "none", f"{name}: {result.sentence}"
 
 
-def test_an_effect_kept_out_is_unknown_until_its_file_is_there(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def effect_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder whose files count as files of ``effects/``."""
+    monkeypatch.setattr(effects, "__path__", [*effects.__path__, str(tmp_path)])
+    yield tmp_path
+    effects.offers.cache_clear()
+    sys.modules.pop(f"{effects.__name__}.frame_bending", None)
+
+
+def test_an_effect_kept_out_is_unknown_until_its_file_is_there(folder: Path, effect_folder: Path) -> None:
     from bench_data import write_case
 
     path = write_case(folder, "out_square", 0, load_design(DESIGN).drive)
@@ -79,9 +88,8 @@ def test_an_effect_kept_out_is_unknown_until_its_file_is_there(folder: Path, mon
     words = before.unknown.sentence()
     described = float(re.search(r"square of load: (\S+) ", words).group(1))  # type: ignore[union-attr]
     source = (ROOT / "docs" / "worked-example-new-effect.md").read_text("utf-8")
-    file: dict[str, Any] = {}
-    exec(re.findall(r"```python\n(.*?)```", source, re.DOTALL)[0], file)
-    monkeypatch.setattr(registry, "OFFERS", (*registry.OFFERS, file["offer"]))
+    (effect_folder / "frame_bending.py").write_text(re.findall(r"```python\n(.*?)```", source, re.DOTALL)[0])
+    effects.offers.cache_clear()
     after = closed(DESIGN, path)
     assert after.verdict == "explained" and [e.name for e in after.effects] == ["frame_bending"], after.sentence
     found = after.effects[0].parameters["compliance_rad_Nm2"]

@@ -10,8 +10,7 @@ import pytest
 from mbcdm_cad.design import load_design
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.identification.engine import close_loop
-from mbcdm_cad.identification.result import VERDICTS
-from mbcdm_cad.identification.result_text import result_text
+from mbcdm_cad.identification.result import VERDICTS, result_text
 from mbcdm_cad.measurement.run import Floats, Run, Sensors
 from mbcdm_cad.measurement.vet import refusals, vet
 

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Figure, Parameter
+from mbcdm_cad.identification.effect import Effect, Figure, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -40,20 +40,44 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     each = [Figure("preload_N", lambda v, t=t: float(t * (1.0 + v[0]))) for t in d.preload_N]  # type: ignore[misc]
     mu = Figure("friction_coefficient", lambda v: float(d.friction_coefficient * (1.0 + v[0])))
     everything = Effect(
-        name, "all cables", "the tension set at all tensioners differs: slip goes with 1/T_pre",
-        "tension of each cable by plucking or a gauge", SEPARATE, SHARE, partial(_preload, range(d.n_cables)),
-        cables=d.cable_names, figures=(share, mean), physical=(mean,),
-    )  # fmt: skip
+        name,
+        "all cables",
+        "the tension set at all tensioners differs: slip goes with 1/T_pre",
+        "tension of each cable by plucking or a gauge",
+        SEPARATE,
+        SHARE,
+        partial(_preload, range(d.n_cables)),
+        cables=d.cable_names,
+        figures=(share, mean),
+        physical=(mean,),
+        generic=True,
+    )
     single = [
         Effect(
-            name, "one cable", "the tension of one cable differs: its slip, and the balance of its input",
-            f"tension of {cable} by plucking or a gauge", SEPARATE, SHARE, partial(_preload, (j,)), cables=(cable,),
-            figures=(share, each[j]), physical=(each[j],),
+            name,
+            "one cable",
+            "the tension of one cable differs: its slip, and the balance of its input",
+            f"tension of {cable} by plucking or a gauge",
+            SEPARATE,
+            SHARE,
+            partial(_preload, (j,)),
+            cables=(cable,),
+            figures=(share, each[j]),
+            physical=(each[j],),
+            generic=True,
         )
         for j, cable in enumerate(d.cable_names)
-    ]  # fmt: skip
+    ]
     friction = Effect(
-        "cable_friction", "rope on pulley", "mu differs: to second order only mu T_pre counts",
-        "lubrication, wear and dirt on the wraps", SEPARATE, SHARE, _friction, figures=(share, mu), physical=(mu,),
-    )  # fmt: skip
+        "cable_friction",
+        "rope on pulley",
+        "mu differs: to second order only mu T_pre counts",
+        "lubrication, wear and dirt on the wraps",
+        SEPARATE,
+        SHARE,
+        _friction,
+        figures=(share, mu),
+        physical=(mu,),
+        generic=True,
+    )
     return [everything, *single, friction]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Parameter, elapsed_s
+from mbcdm_cad.identification.effect import Effect, Parameter, elapsed_s
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -37,18 +37,42 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     warming = ("thermal_drift", "temperature of rope, frame or encoder mount", "warm motors, sun, draught", COOL)
     found = []
     if p.temperature_C is not None and np.ptp(p.temperature_C) > 0.0:
-        found.append(Effect(
-            warming[0], "with the temperature", *warming[1:], (Parameter("turn_rad_K", 1e-6),), _by_temperature,
-        ))  # fmt: skip
+        found.append(
+            Effect(
+                warming[0],
+                "with the temperature",
+                *warming[1:],
+                (Parameter("turn_rad_K", 1e-6),),
+                _by_temperature,
+            )
+        )
     else:
-        found.append(Effect(
-            warming[0], "with time", *warming[1:],
-            (Parameter("turn_rad", 1e-5), Parameter("time_constant_s", 0.01 * duration, 0.02 * duration, duration)),
-            _by_time, starts=_times,
-        ))  # fmt: skip
-    found.append(Effect(
-        "creep", "settling of the rope", "strands bed in: log(1 + t/t0)", "preload again after some hours of running",
-        COOL, (Parameter("amplitude_rad", 1e-5), Parameter("t0_s", 0.002 * duration, 1e-3 * duration, duration)),
-        _settling, starts=_times,
-    ))  # fmt: skip
+        found.append(
+            Effect(
+                warming[0],
+                "with time",
+                *warming[1:],
+                (
+                    Parameter("turn_rad", 1e-5),
+                    Parameter("time_constant_s", 0.01 * duration, 0.02 * duration, duration, role="place"),
+                ),
+                _by_time,
+                starts=_times,
+            )
+        )
+    found.append(
+        Effect(
+            "creep",
+            "settling of the rope",
+            "strands bed in: log(1 + t/t0)",
+            "preload again after some hours of running",
+            COOL,
+            (
+                Parameter("amplitude_rad", 1e-5),
+                Parameter("t0_s", 0.002 * duration, 1e-3 * duration, duration, role="place"),
+            ),
+            _settling,
+            starts=_times,
+        )
+    )
     return found

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Parameter
+from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator, input_torque_Nm
 from mbcdm_cad.measurement.run import Floats
@@ -74,22 +74,45 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     found = []
     play = (Parameter("play_rad", 1e-5, 0.0),)
     if p.load_Nm is not None:
-        found.append(Effect(
-            "lash", "play at the output", "a coupling or gearhead rests on one flank or the other, by the load's sign",
-            "coupling and key between drum and load", SEPARATE, play, _output,
-        ))  # fmt: skip
+        found.append(
+            Effect(
+                "lash",
+                "play at the output",
+                "a coupling or gearhead rests on one flank or the other, by the load's sign",
+                "coupling and key between drum and load",
+                SEPARATE,
+                play,
+                _output,
+                generic=True,
+            )
+        )
     if d is not None and p.load_Nm is not None:
         found += [
             Effect(
-                "lash", "play at an input", "play between input encoder and pulley; the preload's bias holds one side",
-                f"gearhead and collar of input {name}", SEPARATE, (Parameter("play_rad", 1e-4, 0.0),),
-                partial(_input, index), stage=f"input_{name}",
+                "lash",
+                "play at an input",
+                "play between input encoder and pulley; the preload's bias holds one side",
+                f"gearhead and collar of input {name}",
+                SEPARATE,
+                (Parameter("play_rad", 1e-4, 0.0),),
+                partial(_input, index),
+                stage=f"input_{name}",
+                generic=True,
             )
             for index, name in enumerate(d.input_names)
-        ]  # fmt: skip
+        ]
     if d is None:
-        found.append(Effect(
-            "lash", "play taken up by motion", "friction holds the output until the play is taken up",
-            "gears and couplings between input and output", SEPARATE, play, _operator, starts=_width,
-        ))  # fmt: skip
+        found.append(
+            Effect(
+                "lash",
+                "play taken up by motion",
+                "friction holds the output until the play is taken up",
+                "gears and couplings between input and output",
+                SEPARATE,
+                play,
+                _operator,
+                starts=_width,
+                generic=True,
+            )
+        )
     return found

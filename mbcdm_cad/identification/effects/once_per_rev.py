@@ -11,8 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Figure
-from mbcdm_cad.identification.effects.waves import PHASE, length, pair, wave
+from mbcdm_cad.identification.effect import Effect, Figure, length, pair, phase, wave
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.identification.spans import path_change
@@ -44,21 +43,39 @@ def _input_encoder(index: int, setup: Setup, values: Floats, _: Simulator) -> Se
 
 def _encoder(stage: str, size: float, apply: object, seen: float) -> Effect:
     return Effect(
-        NAME, "eccentric encoder", "the disc of the encoder sits off centre on its shaft",
-        f"runout of the encoder's disc on the shaft of the {stage}", TURN, pair(size, "rad"), apply,  # type: ignore[arg-type]
-        stage=stage, figures=(Figure("amplitude_rad", lambda v: seen * length(v)), PHASE),
+        NAME,
+        "eccentric encoder",
+        "the disc of the encoder sits off centre on its shaft",
+        f"runout of the encoder's disc on the shaft of the {stage}",
+        TURN,
+        pair(size, "rad"),
+        apply,  # type: ignore[arg-type]
+        stage=stage,
+        figures=(
+            Figure("amplitude_rad", lambda v: seen * length(v)),
+            Figure("phase_rad", phase, "minus the shaft angle at which it reads highest"),
+        ),
         physical=(Figure("encoder_error_rad", length),),
-    )  # fmt: skip
+    )
 
 
 def _eccentric(stage: str, lever_m: float) -> Effect:
     return Effect(
-        NAME, "eccentric pulley", "the pitch circle runs out: each cable's path changes by e . u_j",
-        f"runout of the pulley on the {stage}, with a dial gauge on its steps", TURN, pair(1e-6, "m"),
-        partial(_pulley, stage), stage=stage,
-        figures=(Figure("amplitude_rad", lambda v: length(v) / lever_m), Figure("eccentricity_m", length), PHASE),
+        NAME,
+        "eccentric pulley",
+        "the pitch circle runs out: each cable's path changes by e . u_j",
+        f"runout of the pulley on the {stage}, with a dial gauge on its steps",
+        TURN,
+        pair(1e-6, "m"),
+        partial(_pulley, stage),
+        stage=stage,
+        figures=(
+            Figure("amplitude_rad", lambda v: length(v) / lever_m),
+            Figure("eccentricity_m", length),
+            Figure("phase_rad", phase, "where its high side points at zero travel, from +x"),
+        ),
         physical=(Figure("eccentricity_m", length),),
-    )  # fmt: skip
+    )
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.identification.effects.base import Effect, Parameter
+from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -17,9 +17,12 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """Always."""
     return [
         Effect(
-            "ratio_error", "pitch radius or encoder scale", "output over input differs from the declared ratio",
+            "ratio_error",
+            "pitch radius or encoder scale",
+            "output over input differs from the declared ratio",
             "pitch radii of drum and input pulleys with a micrometer over the cable; counts per turn of the encoders",
             "a full turn of each encoder against a reference tells the scale from the radii",
-            (Parameter("share", 1e-5, -0.5, 0.5),), _apply,
+            (Parameter("share", 1e-5, -0.5, 0.5),),
+            _apply,
         )
-    ]  # fmt: skip
+    ]

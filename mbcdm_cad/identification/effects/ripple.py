@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Figure, Parameter
-from mbcdm_cad.identification.effects.waves import PHASE, length, pair
-from mbcdm_cad.identification.orders import strongest_orders
+from mbcdm_cad.identification.effect import Effect, Figure, Parameter, length, pair, phase
+from mbcdm_cad.identification.lines import strongest_orders
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -26,12 +25,22 @@ def _starts(setup: Setup, residual: Floats) -> list[list[float]]:
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """Always."""
-    order = Parameter("cycles_per_output_rev", 0.05, 2.0)
+    order = Parameter("cycles_per_output_rev", 0.05, 2.0, role="order")
     return [
         Effect(
-            "ripple", "line in angle", "something turns or meshes so many times a turn of the output",
-            "gear meshes, motor turns, encoder sub-division of that order", "the same travel at another speed",
-            (*pair(1e-6, "rad"), order), _apply, starts=_starts,
-            figures=(Figure("cycles_per_output_rev", lambda v: float(v[2])), Figure("amplitude_rad", length), PHASE),
+            "ripple",
+            "line in angle",
+            "something turns or meshes so many times a turn of the output",
+            "gear meshes, motor turns, encoder sub-division of that order",
+            "the same travel at another speed",
+            (*pair(1e-6, "rad"), order),
+            _apply,
+            starts=_starts,
+            figures=(
+                Figure("cycles_per_output_rev", lambda v: float(v[2])),
+                Figure("amplitude_rad", length),
+                Figure("phase_rad", phase),
+            ),
+            several=True,
         )
-    ]  # fmt: skip
+    ]

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Parameter, elapsed_s
+from mbcdm_cad.identification.effect import Effect, Parameter, elapsed_s
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -47,18 +47,35 @@ def _jumps(size: float, setup: Setup, residual: Floats) -> list[list[float]]:
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """At the output's mount always; at a cable's anchor where the drive is known and loaded."""
     duration = float(p.time_s[-1] - p.time_s[0])
-    when = Parameter("at_s", 0.02, 0.0, duration)
-    found = [Effect(
-        "slip_step", "mount or coupling", "the output's reading jumps once", "screws of encoder, hub and coupling",
-        SEPARATE, (Parameter("step_rad", 1e-5), when), _mount, starts=partial(_jumps, 0.0),
-    )]  # fmt: skip
+    when = Parameter("at_s", 0.02, 0.0, duration, role="place")
+    found = [
+        Effect(
+            "slip_step",
+            "mount or coupling",
+            "the output's reading jumps once",
+            "screws of encoder, hub and coupling",
+            SEPARATE,
+            (Parameter("step_rad", 1e-5), when),
+            _mount,
+            starts=partial(_jumps, 0.0),
+            once=True,
+            generic=True,
+        )
+    ]
     if d is not None and p.load_Nm is not None:
         found += [
             Effect(
-                "slip_step", f"anchor of {cable}", "one cable gives way at its anchor and loses tension",
-                f"anchor and tensioner of {cable}", SEPARATE, (Parameter("slip_m", 1e-6), when), partial(_anchor, j),
+                "slip_step",
+                f"anchor of {cable}",
+                "one cable gives way at its anchor and loses tension",
+                f"anchor and tensioner of {cable}",
+                SEPARATE,
+                (Parameter("slip_m", 1e-6), when),
+                partial(_anchor, j),
                 starts=partial(_jumps, 0.0),
+                once=True,
+                generic=True,
             )
             for j, cable in enumerate(d.cable_names)
-        ]  # fmt: skip
+        ]
     return found

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mbcdm_cad.identification.effects.base import Effect, Parameter, sign_of_speed
+from mbcdm_cad.identification.effect import Effect, Parameter, sign_of_speed
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -33,25 +33,46 @@ def _viscous(setup: Setup, values: Floats, _: Simulator) -> Setup:
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """Delay always; friction through the cables' stiffness where it is known, else as a shift with the sense."""
     late = Effect(
-        "delay", "late sensor", "the output is read late: an error in proportion to speed",
-        "filters and time stamps of the logger", "an output sensor of known latency, or none of its filters",
-        (Parameter("delay_s", 1e-5),), _late,
-    )  # fmt: skip
+        "delay",
+        "late sensor",
+        "the output is read late: an error in proportion to speed",
+        "filters and time stamps of the logger",
+        "an output sensor of known latency, or none of its filters",
+        (Parameter("delay_s", 1e-5),),
+        _late,
+        generic=True,
+    )
     bias = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
     if d is None or p.load_Nm is None:
         shift = Effect(
-            "friction", "shift with the sense of motion", "friction behind a stiffness that is not known",
-            "bearings and seals between input and output", bias, (Parameter("half_width_rad", 1e-5),), _hysteresis,
-        )  # fmt: skip
+            "friction",
+            "shift with the sense of motion",
+            "friction behind a stiffness that is not known",
+            "bearings and seals between input and output",
+            bias,
+            (Parameter("half_width_rad", 1e-5),),
+            _hysteresis,
+            generic=True,
+        )
         return [late, shift]
     bearing = Effect(
-        "friction", "bearing torque", "a torque against the motion that the sensor does not see",
-        "drum bearings and seals: turn the drum by hand with the cables off", bias, (Parameter("torque_Nm", 0.01),),
+        "friction",
+        "bearing torque",
+        "a torque against the motion that the sensor does not see",
+        "drum bearings and seals: turn the drum by hand with the cables off",
+        bias,
+        (Parameter("torque_Nm", 0.01),),
         _bearing,
-    )  # fmt: skip
+        generic=True,
+    )
     viscous = Effect(
-        "delay", "viscous drag", "a torque in proportion to speed, through the stiffness",
-        "grease of the bearings", "the same motion with a filter-free sensor", (Parameter("drag_Nm_s", 0.05),),
+        "delay",
+        "viscous drag",
+        "a torque in proportion to speed, through the stiffness",
+        "grease of the bearings",
+        "the same motion with a filter-free sensor",
+        (Parameter("drag_Nm_s", 0.05),),
         _viscous,
-    )  # fmt: skip
+        generic=True,
+    )
     return [late, viscous, bearing]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbcdm_cad.identification.effects.base import Effect, Parameter
+from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -28,13 +28,25 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     if p.load_Nm is None:
         return []
     series = Effect(
-        NAME, "compliance in series", "something between drum and torque sensor twists in proportion to load",
-        "output shaft, hub clamp and coupling", SEPARATE, (Parameter("compliance_rad_Nm", 1e-6),), _series,
-    )  # fmt: skip
+        NAME,
+        "compliance in series",
+        "something between drum and torque sensor twists in proportion to load",
+        "output shaft, hub clamp and coupling",
+        SEPARATE,
+        (Parameter("compliance_rad_Nm", 1e-6),),
+        _series,
+        generic=True,
+    )
     if d is None:
         return [series]
     modulus = Effect(
-        NAME, "modulus of the rope", "E A of the rope or its free length differs: the whole loop scales",
-        "a pull test of the rope after bedding in", SEPARATE, (Parameter("share", 0.02, -0.8, 4.0),), _modulus,
-    )  # fmt: skip
+        NAME,
+        "modulus of the rope",
+        "E A of the rope or its free length differs: the whole loop scales",
+        "a pull test of the rope after bedding in",
+        SEPARATE,
+        (Parameter("share", 0.02, -0.8, 4.0),),
+        _modulus,
+        generic=True,
+    )
     return [modulus, series]

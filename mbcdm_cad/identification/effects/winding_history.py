@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbcdm_cad.identification.effects.base import Effect, Parameter
+from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats
@@ -21,10 +21,12 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         return []
     return [
         Effect(
-            "winding_history", "profiles move with the pulleys",
+            "winding_history",
+            "profiles move with the pulleys",
             "the tension profiles on the wraps travel with the pulleys; strength 1 is the whole of it",
             "no part of the bench: the paper's model leaves it out",
             "the same load at a shorter travel, or a bias load",
-            (Parameter("strength", 0.5, 0.0),), _apply,
+            (Parameter("strength", 0.5, 0.0),),
+            _apply,
         )
-    ]  # fmt: skip
+    ]

@@ -44,7 +44,7 @@ def run() -> Prepared:
     t = np.arange(0.0, 40.0, 0.02)
     angle = 0.45 * np.sin(2.0 * np.pi * t / 8.0)
     load = 0.5 * np.cos(2.0 * np.pi * t / 11.0)
-    return prepare(Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, load), 9.0)
+    return prepare(Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, load), 9.0)[1]
 
 
 def test_written_and_read_again() -> None:

@@ -10,8 +10,8 @@ import pytest
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.identification import setup
-from mbcdm_cad.identification.effects.base import Effect
-from mbcdm_cad.identification.effects.registry import library
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.fit import Fitter
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.measurement.run import Floats, Run, Sensors
@@ -33,7 +33,7 @@ def fitter() -> Fitter:
     drum = simulate(D.with_(modulus_Pa=1.1 * D.modulus_Pa), inputs, load).drum_angle_rad + 2e-4 * angle
     read = STEP * np.floor(inputs / STEP + rng.random((2, 1)))
     run = Run(t, read, 1.3635e-6 * np.round(drum / 1.3635e-6), load, sensors=Sensors(STEP, 1.3635e-6, 0.005))
-    return Fitter(D, RATIO, [prepare(run, RATIO)])
+    return Fitter(D, RATIO, [prepare(run, RATIO)[1]])
 
 
 def effect(f: Fitter, label: str) -> Effect:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.design import load_design
-from mbcdm_cad.identification.effects.base import Effect
+from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects.lash import offer
 from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.setup import Setup, Simulator, declared, input_torque_Nm
@@ -24,7 +24,7 @@ def run(load_Nm: float) -> Prepared:
     t = np.arange(0.0, 40.0, 0.05)
     angle = 1e-3 * np.sin(2.0 * np.pi * t / 8.0)
     load = load_Nm * np.sin(2.0 * np.pi * t / 20.0)
-    return prepare(Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, load), 9.0)
+    return prepare(Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, load), 9.0)[1]
 
 
 def at_input(name: str, p: Prepared) -> Effect:

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from mbcdm_cad.design import load_design
-from mbcdm_cad.identification.effects.base import Effect
-from mbcdm_cad.identification.effects.registry import library
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.result import VERDICTS
 from mbcdm_cad.measurement.run import Run
@@ -25,7 +25,7 @@ def offered() -> list[Effect]:
     run = Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, 0.5 * np.cos(t), 20.0 + 0.1 * t)
     d = to_si(load_design(ROOT / "params" / "mbcdm.yaml").drive)
     ways = [(d, run), (d, replace(run, temperature_C=None)), (None, replace(run, load_Nm=None))]
-    return [effect for drive, one in ways for effect in library(drive, prepare(one, 9.0))]
+    return [effect for drive, one in ways for effect in library(drive, prepare(one, 9.0)[1])]
 
 
 def test_every_name_stage_and_figure_is_there() -> None:

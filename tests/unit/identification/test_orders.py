@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcdm_cad.identification.orders import MOST_ORDER, order_spectrum
+from mbcdm_cad.identification.lines import MOST_ORDER, order_spectrum
 
 
 def swept(samples: int = 16_000) -> np.ndarray:

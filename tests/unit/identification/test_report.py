@@ -13,13 +13,20 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from mbcdm_cad.identification.readable import readable, share_text
 from mbcdm_cad.identification.report import report_page
 from mbcdm_cad.identification.report_figures import AFTER, BEFORE, scatter_png, time_png
-from mbcdm_cad.identification.result import Errors, Evidence, LoopResult, Named, Traces, Value
-from mbcdm_cad.identification.result_text import result_text
-from mbcdm_cad.measurement.finding import Finding
-from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.identification.result import (
+    Errors,
+    Evidence,
+    LoopResult,
+    Named,
+    Traces,
+    Value,
+    readable,
+    result_text,
+    share_text,
+)
+from mbcdm_cad.measurement.run import Run, VettingNote
 from mbcdm_cad.measurement.sweeps import half_sweeps
 
 TIME = np.linspace(0.0, 60.0, 3000)
@@ -42,12 +49,13 @@ RUN = Run(TIME, np.stack([9.0 * DRUM, 9.0 * DRUM]), DRUM, source="a<b>.csv", sha
 DESIGN = {"name": "mbcdm", "file": "mbcdm.yaml", "sha256": "6" * 64}
 
 
-TOLD = (RUN, [Finding("gaps", "doubt", "2 gaps"), Finding("sweeps", "fact", "12 half sweeps")], ["3 broken rows"])
+NOTES = [VettingNote("gaps", "doubt", "2 gaps"), VettingNote("sweeps", "fact", "12 half sweeps")]
+JUDGED = (RUN, NOTES, ["3 broken rows"])
 
 
 @cache
 def whole_page() -> str:
-    return report_page(RESULT, DESIGN, [TOLD]).decode()
+    return report_page(RESULT, DESIGN, [JUDGED]).decode()
 
 
 def words_of(result: LoopResult) -> str:

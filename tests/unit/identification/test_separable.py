@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
-from mbcdm_cad.identification.separable import confusion_probability, separation
+from mbcdm_cad.identification.clusters import separation
 
 N = 1600
 SWEEP = np.arange(N) // 80
@@ -28,7 +29,7 @@ def test_wrong_choices_happen_as_often_as_said(likeness: float, strength: float)
     rng = np.random.default_rng(3)
     noise = rng.standard_normal((4000, N))
     wrong = float(np.mean(((first + noise - second) ** 2).sum(axis=1) < (noise**2).sum(axis=1)))
-    white = confusion_probability(strength, likeness)
+    white = float(norm.sf(np.sqrt(strength**2 * (1.0 - likeness) / 2.0)))
     said = [separation(first, second, one, SWEEP, SECTOR).probability for one in noise[:200]]
     print(f"counted {wrong:.4f}, white formula {white:.4f}, clustered {np.median(said):.4f}")
     assert abs(wrong - white) < 4.0 * np.sqrt(white * (1.0 - white) / 4000)
@@ -40,10 +41,10 @@ def test_factor_is_what_would_separate() -> None:
     residual = rng.standard_normal(N)
     first, second = pair(0.9, 4.0)
     now = separation(first, second, residual, SWEEP, SECTOR)
-    assert not now.told, now
+    assert not now.apart, now
     assert "times as large" in now.words
     larger = 1.01 * now.factor
-    assert separation(larger * first, larger * second, residual, SWEEP, SECTOR).told
+    assert separation(larger * first, larger * second, residual, SWEEP, SECTOR).apart
 
 
 def test_noise_of_whole_sweeps_makes_it_harder() -> None:

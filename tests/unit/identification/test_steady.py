@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.identification.orders import order_spectrum
-from mbcdm_cad.identification.steady import hotelling, line_of
+from mbcdm_cad.identification.lines import hotelling, line_of, order_spectrum
 from mbcdm_cad.measurement.run import Floats
 
 ORDER = 80.0

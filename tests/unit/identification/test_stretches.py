@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.design import load_design
 from mbcdm_cad.identification.fit import Fitter
-from mbcdm_cad.identification.prepared import prepare_both
+from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.stretches import SEARCH_SAMPLES, Cut, search_cut, whole_cut
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.sweeps import half_sweeps
@@ -81,7 +81,7 @@ def test_stretches_remember_what_the_whole_remembers() -> None:
     inputs = RATIO * np.stack([output, output])
     time_s = np.arange(n, dtype=float) * STEP_S
     run = Run(time_s, inputs, output, load, sensors=Sensors(1e-4, 1e-6))
-    part, whole = prepare_both(run, RATIO)
+    part, whole = prepare(run, RATIO)
     assert part.cut.starts.size == 4
     at_all = Fitter(D, RATIO, [whole]).predict((), (), np.zeros(1))
     at_part = Fitter(D, RATIO, [part]).predict((), (), np.zeros(1))

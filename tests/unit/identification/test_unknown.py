@@ -35,7 +35,7 @@ def run_with(kind: str, seed: int) -> tuple[Prepared, Floats]:
     run = Run(
         t, np.stack([9.0 * angle, 9.0 * angle]), angle + residual, load, None, Sensors(1.9175e-4, 1.3635e-6, 5e-3)
     )
-    return prepare(run, 9.0), residual
+    return prepare(run, 9.0)[1], residual
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from mbcdm_cad.identification.cells import cell_grams
-from mbcdm_cad.identification.wald import cluster_estimate
+from mbcdm_cad.identification.clusters import cell_grams, cluster_estimate
 from mbcdm_cad.measurement.run import Floats
 
 SWEEPS, SECTORS, IN_CELL = 20, 8, 40

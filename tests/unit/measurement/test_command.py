@@ -154,20 +154,6 @@ def test_runs_of_different_drives_are_not_judged_together(
     assert "other.yaml:" in said and "another ratio" in said and "value 9.0, limit none" in said, said
 
 
-def test_inputs_come_in_the_order_of_the_design(bare: Path) -> None:
-    from dataclasses import replace
-
-    from mbcdm_cad.cli.loop import arranged
-    from mbcdm_cad.design import load_design
-    from mbcdm_cad.measurement.reading import load_measurement
-
-    run, drive = load_measurement(bare), load_design(DESIGN).drive
-    turned = replace(drive, input_sides=tuple(-side for side in drive.input_sides))
-    first, second = arranged(run, drive), arranged(run, turned)
-    assert first.input_names == ("left", "right") and second.input_names == ("right", "left")
-    assert (second.input_rad == first.input_rad[::-1]).all()
-
-
 def test_no_file_is_touched_unless_all_can_be_written(tmp_path: Path) -> None:
     from mbcdm_cad.storage.files import write_whole
 

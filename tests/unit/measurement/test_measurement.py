@@ -230,6 +230,25 @@ def test_refusals_of_the_data(write: Write) -> None:
     assert "2 columns of that name" in refused(write(table(data).replace("tau", "drum", 1)))
 
 
+def renamed(first: str, second: str) -> dict[str, Any]:
+    """The usual content with other names for the two inputs."""
+    columns = mapping()["columns"]
+    columns[f"input_{first}"], columns[f"input_{second}"] = columns.pop("input_left"), columns.pop("input_right")
+    return mapping(columns=columns)
+
+
+def test_inputs_are_called_as_the_design_calls_them(write: Write) -> None:
+    run = load_measurement(write(table(signals()), renamed("port", "star")))
+    assert run.input_names == ("port", "star"), run.input_names
+    np.testing.assert_allclose(run.input_rad[1], signals()["right"], atol=1e-9)
+    said = refused(write(table(signals()), renamed("port", "star") | {"data": "run.csv", "columns": {
+        **renamed("port", "star")["columns"], "torque": {"column": "tau", "unit": "N*m"}}}))  # fmt: skip
+    assert "columns.torque: unknown field; did you mean load_torque?" in said, said
+    wrong = renamed("port", "star")
+    wrong["columns"]["input_star"]["unit"] = "furlong"
+    assert "columns.input_star.unit: no unit" in refused(write(table(signals()), wrong))
+
+
 def test_one_input_and_a_ratio(write: Write) -> None:
     columns = mapping()["columns"]
     columns["input"] = columns.pop("input_left")

@@ -9,7 +9,7 @@ import pytest
 from sound_runs import DRIVE, sound_run
 
 from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.measurement.vet import refusals, vet
+from mbcdm_cad.measurement.vet import arranged, refusals, vet
 from mbcdm_cad.measurement.vet_reach import load_levels, order_left
 
 RUN = sound_run()
@@ -17,6 +17,26 @@ RUN = sound_run()
 
 def kinds(run: Run, level: str | None = None) -> set[str]:
     return {finding.kind for finding in vet(run, DRIVE) if level in (None, finding.level)}
+
+
+@pytest.mark.parametrize(
+    ("design", "columns", "first"),
+    [
+        (("left", "right"), ("right", "left"), "left"),
+        (("port", "star"), ("star", "port"), "port"),
+        (("port", "star"), ("left", "right"), "left"),
+    ],
+)
+def test_inputs_come_in_the_order_of_the_design(design: tuple[str, str], columns: tuple[str, str], first: str) -> None:
+    cables = tuple(replace(c, input_name=design[DRIVE.input_names.index(c.input_name)]) for c in DRIVE.cables)
+    drive = replace(DRIVE, input_names=design, cables=cables)
+    run = replace(RUN, input_names=columns, input_rad=RUN.input_rad * np.array([[1.0], [1.001]]))
+    found = arranged(run, drive)
+    assert found.input_names[0] == first, found.input_names
+    assert (found.input_rad[0] == run.input_rad[columns.index(first)]).all()
+    assert not refusals(vet(found, drive)), refusals(vet(found, drive))
+    strange = refusals(vet(replace(found, input_names=("one", "two")), drive))
+    assert strange and "are not those of the design" in str(strange[0]), strange
 
 
 def with_inputs(factor_left: float, factor_right: float) -> Run:

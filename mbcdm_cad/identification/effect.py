@@ -1,9 +1,14 @@
-"""What an effect is to the loop: a name of the vocabulary, one physical form of it, and how it changes a run."""
+"""What an effect is: a name of the vocabulary, one physical form of it, how it changes a run, and how it is judged.
+
+Everything that the search, the judgement and the report must know of an effect is a field here, so that an effect is
+one file of ``effects/``. Shapes that several effects share stand below.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -17,20 +22,29 @@ Starts = Callable[[Setup, Floats], list[list[float]]]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One figure that the fit turns: its name with unit, a typical small size, and bounds."""
+    """One figure that the fit turns: its name with unit, a typical small size, and bounds.
+
+    ``role``: "size" says how large the effect is, and only sizes are tested against zero; "place" says where it lies (a
+    time, a time constant), "order" is the cycles a turn of the output of a line in the spectrum.
+    """
 
     name: str
     size: float
     low: float = -np.inf
     high: float = np.inf
+    role: Literal["size", "place", "order"] = "size"
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure as it is reported: a function of the fitted values, whose interval follows by linear propagation."""
+    """One figure as it is reported: a function of the fitted values, whose interval follows by linear propagation.
+
+    ``meaning`` says, for the page, what the figure means on the bench where its name does not.
+    """
 
     name: str
     of: Callable[[Floats], float]
+    meaning: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +54,10 @@ class Effect:
     ``apply`` changes the setup of a run; ``starts`` gives first guesses from the residual (rad, all samples), by
     default one at zero. ``figures`` are what is reported, ``physical`` what it means in metal; both default to the
     parameters themselves. ``cables`` are names.
+
+    ``several``: there may be more than one of it in a run. ``once``: it happened once, at a time that the search, which
+    may have seen only a part of the run, need not know. ``generic``: a single curve of load or speed without a name may
+    look like it, so it is tried against such curves (:mod:`mbcdm_cad.identification.generic`).
     """
 
     name: str
@@ -54,6 +72,9 @@ class Effect:
     starts: Starts | None = None
     figures: tuple[Figure, ...] = ()
     physical: tuple[Figure, ...] = ()
+    several: bool = False
+    once: bool = False
+    generic: bool = False
 
     @property
     def key(self) -> tuple[str, str | None, tuple[str, ...]]:
@@ -65,6 +86,11 @@ class Effect:
         """For people: name, stage, cables, form."""
         words = [self.name, self.stage or "", *(self.cables if len(self.cables) == 1 else ())]
         return " ".join(filter(None, words)) + f" ({self.form})"
+
+    @property
+    def order_index(self) -> int | None:
+        """Which parameter is the order of a line; None where the effect is no line."""
+        return next((k for k, p in enumerate(self.parameters) if p.role == "order"), None)
 
     def first_guesses(self, setup: Setup, residual: Floats) -> list[list[float]]:
         """Values to begin with."""
@@ -78,7 +104,7 @@ class Effect:
         )
 
 
-# What a file of this folder offers: the effects that make sense for a drive (None: only the ratio is known) and a run.
+# What a file of ``effects/`` offers: the effects that make sense for a drive (None: only the ratio is known) and a run.
 Offer = Callable[[DriveSI | None, Prepared], list[Effect]]
 
 
@@ -91,3 +117,24 @@ def sign_of_speed(setup: Setup) -> Floats:
 def elapsed_s(setup: Setup) -> Floats:
     """Time since the run began."""
     return np.asarray(setup.p.time_s - setup.p.time_s[0])
+
+
+def wave(values: Floats, angle_rad: Floats) -> tuple[Floats, Floats]:
+    """(x, y) of a point at ``values`` in the turning frame, from where it stands at angle zero; same unit as values."""
+    c, s = np.cos(angle_rad) - 1.0, np.sin(angle_rad)
+    return values[0] * c - values[1] * s, values[0] * s + values[1] * c
+
+
+def pair(size: float, unit: str) -> tuple[Parameter, Parameter]:
+    """Cosine and sine that vanish at zero angle, the two coordinates of every once-per-turn error, as parameters."""
+    return Parameter(f"cosine_{unit}", size), Parameter(f"sine_{unit}", size)
+
+
+def length(values: Floats) -> float:
+    """Size of the wave."""
+    return float(np.hypot(values[0], values[1]))
+
+
+def phase(values: Floats) -> float:
+    """Shaft angle at which the wave is highest is minus this; rad."""
+    return float(np.arctan2(values[1], values[0]))

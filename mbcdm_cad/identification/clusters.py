@@ -1,0 +1,218 @@
+"""Statistics clustered by sweep and by angle sector: estimates, tests, intervals, and telling two fits apart.
+
+Residuals of a drive are coloured, and what repeats in angle comes back in every sweep. An ordinary test counts each
+sample as new evidence and fires on everything. Here the evidence is what whole sweeps, and whole sectors, agree upon.
+Two-way clusters: A. C. Cameron, J. B. Gelbach, D. L. Miller, J. Business & Economic Statistics 29 (2011).
+
+A cell is the part of one sweep that lies in one sector of angle. For columns X and a residual y it keeps the Gram
+matrix [1 X y]^T [1 X y] of its samples: one pass over the samples, after which every test needs only the cells.
+
+Two effects that change the prediction by a and b are told apart by their difference d = a - b against the residual's
+noise along d. The probability to take the wrong one is Phi(-|d|^2 / (2 s)), s the standard deviation of d . r; for
+white noise and equal sizes that is Phi(-sqrt(t^2 (1 - rho) / 2)), t the effect's strength and rho the cosine of a
+and b.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
+from scipy.stats import norm
+from scipy.stats import t as t_distribution
+
+from mbcdm_cad.measurement.run import Floats
+
+# Samples multiplied at one time: what keeps the copy small however long the run.
+BLOCK = 65_536
+# Below this probability of a wrong choice two effects count as told apart.
+TOLD_APART = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Grams (cells, k + 2, k + 2) of [1, X, y], y last, and the sweep and sector number of each cell."""
+
+    gram: Floats
+    sweep: NDArray[np.int64]
+    sector: NDArray[np.int64]
+
+    @property
+    def total(self) -> Floats:
+        """Gram of all samples."""
+        return np.asarray(self.gram.sum(axis=0))
+
+
+def cell_grams(columns: Floats, y: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> Cells:
+    """Grams of ``columns`` (n, k) and ``y`` (n,) over the cells given by ``sweep`` and ``sector``, each (n,)."""
+    _, sweep_number = np.unique(sweep, return_inverse=True)
+    sectors, sector_number = np.unique(sector, return_inverse=True)
+    cell = sweep_number * sectors.size + sector_number
+    wide = columns.shape[1] + 2
+    gram = np.zeros((int(cell.max()) + 1, wide, wide))
+    for start in range(0, y.size, BLOCK):
+        part = slice(start, start + BLOCK)
+        order = np.argsort(cell[part], kind="stable")
+        here = cell[part][order]
+        table = np.column_stack([np.ones(here.size), columns[part], y[part]])[order]
+        edges = np.flatnonzero(np.diff(here)) + 1
+        for rows in np.split(np.arange(here.size), edges):
+            some = table[rows[0] : rows[-1] + 1]
+            gram[here[rows[0]]] += some.T @ some
+    filled = np.flatnonzero(gram[:, 0, 0] > 0.0)
+    return Cells(gram[filled], filled // sectors.size, filled % sectors.size)
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Least squares of a residual on columns, a level besides.
+
+    ``value`` (k,), ``covariance`` (k, k) clustered two ways, ``freedom``: degrees of freedom, one less than the smaller
+    number of clusters. A column that the others make up has value 0 and infinite variance.
+    """
+
+    value: Floats
+    covariance: Floats
+    freedom: int
+
+    def probability(self, which: Sequence[int]) -> float:
+        """Probability that the columns ``which`` are all zero and only look as they do (Wald, as F)."""
+        chosen = list(which)
+        block = self.covariance[np.ix_(chosen, chosen)]
+        if not np.all(np.isfinite(block)):
+            return 1.0
+        value = self.value[chosen]
+        if not value.any():
+            return 1.0
+        rank = min(len(chosen), self.freedom)
+        square = float(value @ np.linalg.pinv(block, rcond=1e-12, hermitian=True) @ value)
+        # Hotelling's correction: with few clusters the covariance is itself a guess.
+        freedom = self.freedom - rank + 1
+        if freedom < 1:
+            return 1.0
+        return float(f_distribution.sf(square * freedom / (self.freedom * rank), rank, freedom))
+
+    def half_width(self) -> Floats:
+        """Half the width of the 95 % interval of each value, (k,)."""
+        return np.asarray(t_distribution.ppf(0.975, self.freedom) * np.sqrt(np.diag(self.covariance)))
+
+
+def cluster_estimate(columns: Floats, y: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> Estimate:
+    """Estimate with covariance clustered by ``sweep`` and ``sector``; ``columns`` (n, k), the others (n,).
+
+    Nuisance columns are simply among the columns: what they can explain is no evidence for the rest.
+    """
+    return estimate(cell_grams(columns, y, sweep, sector))
+
+
+def estimate(cells: Cells) -> Estimate:
+    """The same from sums over cells.
+
+    The covariance of each kind of cluster is a jackknife: how far the estimate moves when one cluster is left out. With
+    as few clusters as there are sectors the plain sandwich is far too sure.
+    """
+    gram = cells.total
+    size = np.sqrt(np.diag(gram))
+    size[size == 0.0] = 1.0
+    scale = np.outer(size, size)
+    each = cells.gram / scale
+    whole = each.sum(axis=0)
+    solved = _solve(whole[None])[0]
+    by_sweep, sweeps = _jackknife(whole, each, cells.sweep, solved)
+    by_sector, sectors = _jackknife(whole, each, cells.sector, solved)
+    by_cell, _ = _jackknife(whole, each, np.arange(each.shape[0]), solved)
+    covariance = _at_least(by_sweep + by_sector - by_cell, by_cell)
+    to_unit = size[-1] / size[:-1]
+    value = solved * to_unit
+    covariance = covariance * np.outer(to_unit, to_unit)
+    inverse = np.linalg.pinv(whole[:-1, :-1], rcond=1e-12, hermitian=True)
+    lost = np.abs(np.diag(inverse @ whole[:-1, :-1]) - 1.0) > 1e-6
+    value[lost] = 0.0
+    covariance[lost, lost] = np.inf
+    return Estimate(value[1:], covariance[1:, 1:], max(1, min(sweeps, sectors) - 1))
+
+
+def _solve(grams: Floats) -> Floats:
+    """Least squares from a stack of grams (m, k + 1, k + 1), the response last; (m, k)."""
+    inverse = np.linalg.pinv(grams[:, :-1, :-1], rcond=1e-12, hermitian=True)
+    return np.asarray(np.einsum("mij,mj->mi", inverse, grams[:, :-1, -1]))
+
+
+def _jackknife(whole: Floats, each: Floats, group: NDArray[np.int64], solved: Floats) -> tuple[Floats, int]:
+    """Covariance from leaving out one group of cells at a time, and the number of groups."""
+    groups, number = np.unique(group, return_inverse=True)
+    left_out = np.zeros((groups.size, *whole.shape))
+    np.add.at(left_out, number, each)
+    moved = _solve(whole - left_out) - solved
+    return np.asarray((groups.size - 1) / groups.size * moved.T @ moved), int(groups.size)
+
+
+def _at_least(covariance: Floats, least: Floats) -> Floats:
+    """The difference of clusters need not be a covariance: no direction may fall below that of the cells alone."""
+    root = np.linalg.cholesky(least + 1e-12 * max(np.trace(least), 1e-300) / least.shape[0] * np.eye(least.shape[0]))
+    back = np.linalg.inv(root)
+    values, vectors = np.linalg.eigh(back @ covariance @ back.T)
+    return np.asarray(root @ (vectors * np.maximum(values, 1.0)) @ vectors.T @ root.T)
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How well two effects are told apart.
+
+    ``probability`` of taking the wrong one (0.5: a toss); ``factor`` by which the effect must be larger, all else
+    equal, to be told apart at 1 % (below 1: the data tell them apart now).
+    """
+
+    probability: float
+    factor: float
+
+    @property
+    def apart(self) -> bool:
+        """Do these data tell them apart?"""
+        return self.probability <= TOLD_APART
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        if self.apart:
+            return f"told apart, {self.probability:.2g} to be wrong"
+        if not np.isfinite(self.factor) or self.factor > 100.0:
+            return "the same in this experiment at any size"
+        return f"{self.probability:.0%} to be wrong; told apart if it were {self.factor:.2g} times as large"
+
+
+def separation(
+    first: Floats, second: Floats, residual: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]
+) -> Separation:
+    """Compare the changes that two effects, each refitted with all else, make to the prediction.
+
+    ``first`` and ``second`` (n,) in rad; ``residual`` (n,) what is left with the better one; the noise along their
+    difference is taken from sums over sweeps and over sectors, at least that over their cells.
+    """
+    difference = first - second
+    square = float(difference @ difference)
+    sizes = float(np.linalg.norm(first) * np.linalg.norm(second))
+    if square <= 1e-12 * sizes:
+        return Separation(0.5, np.inf)
+    noise = clustered_deviation(difference * residual, sweep, sector)
+    if noise == 0.0:
+        return Separation(0.0, 0.0)
+    reach = square / (2.0 * noise)
+    return Separation(float(norm.sf(reach)), float(norm.isf(TOLD_APART) / reach))
+
+
+def clustered_deviation(terms: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> float:
+    """Standard deviation of the sum of ``terms`` (n,), correlated within sweeps and within sectors."""
+    sweeps, sweep_number = np.unique(sweep, return_inverse=True)
+    sectors, sector_number = np.unique(sector, return_inverse=True)
+    table = np.bincount(sweep_number * sectors.size + sector_number, terms, sweeps.size * sectors.size)
+    sums = np.asarray(table, dtype=float).reshape(sweeps.size, sectors.size)
+
+    def variance(of: Floats) -> float:
+        return float(np.sum(of**2)) * of.size / max(of.size - 1, 1)
+
+    cells = variance(sums.ravel())
+    return float(np.sqrt(max(cells, variance(sums.sum(axis=0)) + variance(sums.sum(axis=1)) - cells)))
