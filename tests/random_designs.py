@@ -31,10 +31,11 @@ from mbcdm_cad.build.interference import interferences
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.poses import travel_poses
-from mbcdm_cad.configurations.miso_bevel.bill import CABLE, bill
+from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.layout import layout
+from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 
 STAGES = ("draw", "sound", "mesh", "interference", "box")

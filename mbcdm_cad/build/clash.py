@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.configurations.miso_bevel.bill import cable_item
-from mbcdm_cad.configurations.miso_bevel.cable_path import CablePath
+from mbcdm_cad.parts.bill import cable_item
+from mbcdm_cad.routes.cable_path import CablePath
 
 Points = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ from importlib import metadata
 import mbcdm_cad
 from mbcdm_cad.build.run import drawn
 from mbcdm_cad.build.store import MadePart, Progress
-from mbcdm_cad.configurations.miso_bevel.bill import PartSpec, bill
-from mbcdm_cad.configurations.miso_bevel.layout import layout
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive, Material
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_module, sheet_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
@@ -50,9 +50,14 @@ class _Job:
         return draw_sheet(sheet_of(self.spec.name, self.spec.maker, self.spec.args), self.made.solid(), facts)
 
 
+def _centred(drive: Drive) -> Bill:
+    kind = configuration(drive.configuration)
+    return kind.bill(kind.layout(drive))
+
+
 def drawn_parts(drive: Drive) -> tuple[str, ...]:
     """Names of the made parts that have a sheet."""
-    whole = bill(layout(drive))
+    whole = _centred(drive)
     made = dict.fromkeys(item.part for item in whole.items if item.kind == "made")
     return tuple(name for name in made if has_sheet(whole.parts[name].maker))
 
@@ -76,7 +81,7 @@ def drawings_of(
             f"{did_you_mean(part, names) or 'choose one of them'}"
         )
     _, parts = drawn(drive, 0.0, cache, progress)
-    posed = bill(layout(drive))
+    posed = _centred(drive)
     materials = {item.part: item.material for item in posed.items}
     wanted = [
         _Job(posed.parts[name], materials[name], parts[name], drive.name) for name in ((part,) if part else names)

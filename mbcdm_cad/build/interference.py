@@ -24,10 +24,11 @@ from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.build.clash import Clash, cable_clashes
 from mbcdm_cad.build.kernel import kernel_shape, location
-from mbcdm_cad.configurations.miso_bevel.bill import CABLE, bill, cable_item
-from mbcdm_cad.configurations.miso_bevel.cable_path import FREE, ON_DRUM, WOUND, CablePath, winding
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.interface import Layout
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.parts.bill import CABLE, cable_item
 from mbcdm_cad.parts.cable import create_cable
+from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.storage.parallel import fork_map
 
 # Two bodies that share less than this touch; they do not overlap.
@@ -66,7 +67,7 @@ def _common(first: TopoDS_Shape, second: TopoDS_Shape) -> tuple[float, tuple[flo
 
 def _bodies(layout: Layout, solids: Mapping[str, Any], angle_deg: float) -> list[_Body]:
     placed = []
-    for item in bill(layout, angle_deg).items:
+    for item in configuration(layout.drive.configuration).bill(layout, angle_deg).items:
         if not item.name.startswith(CABLE) and item.part in solids:
             shape = kernel_shape(solids[item.part]).Moved(location(item.location))
             placed.append(_Body(item.name, item.group, shape, _box(shape)))
@@ -113,10 +114,9 @@ def _pose_clashes(layout: Layout, solids: Mapping[str, Any], angle_deg: float) -
     with threadpool_limits(1, "blas"):
         found += cable_clashes(paths, layout.drive.cable.diameter_mm, angle_deg)
     for path in paths:
-        own = f"input_{path.cable.input_name}"
-        found += _rod_clashes(layout, path.only(WOUND), [b for b in bodies if b.group != own], angle_deg)
-        found += _rod_clashes(layout, path.only(FREE), bodies, angle_deg)
-        found += _rod_clashes(layout, path.only(ON_DRUM), [b for b in bodies if b.group != "drum"], angle_deg)
+        for stretch in path.stretches:
+            others = [b for b in bodies if b.group != stretch.body]
+            found += _rod_clashes(layout, path.only(stretch.pieces), others, angle_deg)
     return found
 
 
@@ -126,11 +126,13 @@ def _static_clashes(layout: Layout, solids: Mapping[str, Any]) -> list[Clash]:
     half = layout.drive.half_travel_deg
     for angle in (-half, half):
         bodies = _bodies(layout, solids, angle)
-        for path in layout.cable_paths(radians(angle)):
-            # A cable that runs off its pulley as the drum turns positive is wound longest at the negative end.
-            wound_longest = winding(layout.drive, path.cable).payout * angle < 0
-            pieces, group = (WOUND, f"input_{path.cable.input_name}") if wound_longest else (ON_DRUM, "drum")
-            found += _rod_clashes(layout, path.only(pieces), [b for b in bodies if b.group == group], angle)
+        paths, opposite = layout.cable_paths(radians(angle)), layout.cable_paths(radians(-angle))
+        for path, other in zip(paths, opposite, strict=True):
+            for stretch in (s for s in path.stretches if s.body is not None):
+                here = path.only(stretch.pieces)
+                if here.length_mm >= other.only(stretch.pieces).length_mm:
+                    own = [b for b in bodies if b.group == stretch.body]
+                    found += _rod_clashes(layout, here, own, angle)
     return found
 
 

@@ -14,11 +14,12 @@ from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.miso_bevel.bill import Bill, bill
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.configurations.interface import Layout
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, package_hash
@@ -69,10 +70,11 @@ def build(
     checks = run_checks(loaded)
     if _failed(checks) and not force:
         return Outcome(None, checks, None, ())
-    dims = layout(drive)
+    kind = configuration(drive.configuration)
+    dims = kind.layout(drive)
     processes = jobs or os.cpu_count() or 1
     store = Store(cache, progress)
-    posed, centred = bill(dims, angle_deg), bill(dims)
+    posed, centred = kind.bill(dims, angle_deg), kind.bill(dims)
     parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes)
     from mbcdm_cad.build.poses import travel_poses
 
@@ -89,7 +91,7 @@ def build(
         mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
         envelope_check(drive, data["envelope"]["size_mm"]),
         interference_check(drive, clashes),
-        frame_windup_check(drive, frame.windup_mrad(drive.loads.test_torque_Nm)),
+        *([frame_windup_check(drive, frame.windup_mrad(drive.loads.test_torque_Nm))] if frame else []),
     )
     failed = _failed(checks)
     if failed and not force:
@@ -105,7 +107,8 @@ def drawn(
 ) -> tuple[tuple[Item, ...], dict[str, MadePart]]:
     """Items and parts with the drum at ``angle_deg``, checked by nobody: for pictures."""
     _refuse_angle(drive, angle_deg)
-    posed = bill(layout(drive), angle_deg)
+    kind = configuration(drive.configuration)
+    posed = kind.bill(kind.layout(drive), angle_deg)
     return posed.items, _parts(Store(cache, progress), posed, drive.export.mesh_tolerance_mm, os.cpu_count() or 1)
 
 

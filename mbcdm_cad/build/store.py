@@ -9,17 +9,15 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from functools import partial
 from math import radians
 from typing import Any
 
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.configurations.miso_bevel.bill import CABLE, PartSpec, bill
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support import stiffness as frame_stiffness
-from mbcdm_cad.configurations.miso_bevel.support.stiffness import FrameCompliance
+from mbcdm_cad.configurations.interface import FrameCompliance, Layout
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Material
+from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
@@ -97,28 +95,30 @@ class Store:
 
     def judged(
         self, layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...], jobs: int
-    ) -> tuple[tuple[Clash, ...], FrameCompliance]:
+    ) -> tuple[tuple[Clash, ...], FrameCompliance | None]:
         """Interference run over ``poses_deg`` and compliance of the frame, side by side where both have to be made.
 
         Cables are drawn anew at every pose, so their paths are in the run's key; of the parts only their solids count:
         another material or mesh repeats nothing.
         """
+        kind = configuration(layout.drive.configuration)
         rigid = {n: p for n, p in parts.items() if not n.startswith(CABLE)}
         shapes = {n: hashlib.sha256(p.files.brep).hexdigest() for n, p in rigid.items()}
         source = source_hash("mbcdm_cad.build.interference")
         moving = [
             (
-                [(i.name, i.part, i.group, i.location) for i in bill(layout, a).items],
+                [(i.name, i.part, i.group, i.location) for i in kind.bill(layout, a).items],
                 [(p.cable.name, p.cable.input_name, p.pieces) for p in layout.cable_paths(radians(a))],
             )
             for a in poses_deg
         ]
         run_key = content_key("interference", (moving, layout.drive.cable.diameter_mm, shapes), source, versions())
-        frame_key = content_key("frame", _frame_inputs(layout), source_hash(frame_stiffness.__name__), versions())
-        run, frame = self._cache.get(run_key), self._cache.get(frame_key)
+        study = kind.frame_study(layout)
+        frame_key = content_key("frame", study.inputs, source_hash(study.module), versions()) if study else ""
+        run, frame = self._cache.get(run_key), self._cache.get(frame_key) if study else None
         tasks: list[Callable[[], Any]] = []
-        if frame is None:
-            tasks.append(partial(_frame_compliance, layout))
+        if study and frame is None:
+            tasks.append(study.compliance)
             self._note("stiffness of the frame")
         if run is None:
             from mbcdm_cad.build.interference import interference_tasks
@@ -126,14 +126,14 @@ class Store:
             self._note(f"interference at {len(poses_deg)} poses")
             tasks += interference_tasks(layout, self.solids(rigid), poses_deg)
         results = fork_map(lambda task: task(), tasks, jobs)
-        if frame is None:
+        if study and frame is None:
             frame = {"compliance": json.dumps(asdict(results.pop(0))).encode()}
             self._cache.put(frame_key, frame)
         if run is None:
             run = {"clashes": json.dumps([asdict(clash) for found in results for clash in found]).encode()}
             self._cache.put(run_key, run)
         clashes = tuple(Clash(**{**c, "place_mm": tuple(c["place_mm"])}) for c in json.loads(run["clashes"]))
-        return clashes, frame_stiffness.FrameCompliance(**json.loads(frame["compliance"]))
+        return clashes, FrameCompliance(**json.loads(frame["compliance"])) if frame else None
 
     def solids(self, parts: dict[str, MadePart]) -> dict[str, Any]:
         """Kernel shapes of ``parts``, each read once."""
@@ -145,20 +145,6 @@ class Store:
     def _note(self, *names: str) -> None:
         self.made += names
         self._progress(", ".join(names))
-
-
-def _frame_compliance(layout: Layout) -> FrameCompliance:
-    """The frame's compliance, infinite where it has no metal to carry a load: its check then fails."""
-    try:
-        return frame_stiffness.frame_compliance(layout)
-    except (ValueError, ArithmeticError):
-        return FrameCompliance(float("inf"), {})
-
-
-def _frame_inputs(layout: Layout) -> Any:
-    drive = layout.drive
-    cables = [(c.input_side, c.drum_side, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm) for c in drive.cables]
-    return layout.frame, layout.top_plate, layout.drum_shaft, drive.support, drive.bearings, cables
 
 
 def _keys(parts: dict[str, MadePart]) -> dict[str, str]:

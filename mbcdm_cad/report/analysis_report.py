@@ -38,6 +38,7 @@ class AnalysisReport:
     figures: Analysis
     paths: dict[str, Any] | None
     no_paths: str
+    configuration: str
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
@@ -50,7 +51,7 @@ class AnalysisReport:
     def text(self, width: int | None = None) -> str:
         """What ``mbcdm analyse`` prints: figures by subject, no line longer than ``width``."""
         lines = [line for block in self._blocks(width) for line in (*block, "")]
-        paths = path_lines(self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
+        paths = path_lines(self.configuration, self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
         return "\n".join([*lines, *(line for text in paths for line in _filled(text, width))])
 
     def __str__(self) -> str:
@@ -173,7 +174,8 @@ class AnalysisReport:
 
 def analyse_design(drive: Drive) -> AnalysisReport:
     """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
-    return AnalysisReport(analyse(drive), *path_data_or_reason(drive))
+    paths, reason = path_data_or_reason(drive)
+    return AnalysisReport(analyse(drive), paths, reason, drive.configuration)
 
 
 def _model_notes(a: Analysis) -> Iterator[str]:

@@ -12,26 +12,29 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.mass import MassProperties, combined
 from mbcdm_cad.build.store import MadePart
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.configurations.miso_bevel.assembly_order import assembly_order
-from mbcdm_cad.configurations.miso_bevel.bill import Bill
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.stiffness import FrameCompliance
+from mbcdm_cad.configurations.interface import Conventions, FrameCompliance, Layout
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import analyse, measured
+from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
 from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.torsion import torsion_data
 
 REPORT_FORMAT = 1
 _SWEPT_POSES = 29
-CONVENTIONS = (
-    "Frame: origin where drum axis (Y) and guide axis (Z) meet; input pulleys at x = -L and +L; lengths in mm.",
-    "Radii of the design file are pitch radii, to the cable's centre line; surfaces are cut at r - d/2.",
-    "Threads, outside and inside, are drawn as plain cylinders at the nominal diameter; "
-    "tap drills are in the catalogue.",
-    "Cables are round rods at the nominal diameter; on the guide they lie in their step planes.",
-    "The box is taken over all solids with the drum centred, without leads; the swept box over the whole travel.",
-    "Bought parts have their catalogue mass spread evenly over their simplified solid.",
-)
+
+
+def _conventions(own: Conventions) -> list[str]:
+    return [
+        own.frame,
+        "Radii of the design file are pitch radii, to the cable's centre line; surfaces are cut at r - d/2.",
+        "Threads, outside and inside, are drawn as plain cylinders at the nominal diameter; "
+        "tap drills are in the catalogue.",
+        own.cables,
+        "The box is taken over all solids with the drum centred, without leads; the swept box over the whole travel.",
+        "Bought parts have their catalogue mass spread evenly over their simplified solid.",
+    ]
 
 
 def _rounded(value: Any, digits: int = 9) -> Any:
@@ -43,6 +46,15 @@ def _rounded(value: Any, digits: int = 9) -> Any:
     if isinstance(value, list | tuple):
         return [_rounded(v, digits) for v in value]
     return value
+
+
+def _frame(frame: FrameCompliance, drive: Drive) -> dict[str, Any]:
+    return {
+        "windup_urad_Nm": frame.windup_urad_Nm,
+        "windup_at_test_torque_mrad": frame.windup_mrad(drive.loads.test_torque_Nm),
+        "limit_mrad": drive.limits.frame_windup_max_mrad,
+        "shares_urad_Nm": frame.shares_urad_Nm,
+    }
 
 
 def _mass(m: MassProperties) -> dict[str, Any]:
@@ -71,7 +83,7 @@ def report_data(
     parts: Mapping[str, MadePart],
     clashes: Sequence[Clash],
     poses_deg: Sequence[float],
-    frame: FrameCompliance,
+    frame: FrameCompliance | None,
     *,
     drum_angle_deg: float,
     design_sha256: str,
@@ -86,7 +98,8 @@ def report_data(
     lines = bill_lines(centred, parts, drive)
     low, high = box_mm(layout, parts, 0.0)
     size = high - low
-    analysis, order = analyse(drive), assembly_order(layout)
+    kind = configuration(drive.configuration)
+    analysis, order = analyse(drive), kind.assembly_order(layout)
     moving = inertias(layout, centred, by_item)
     kilograms = whole.mass_g / 1e3
     data = {
@@ -102,7 +115,7 @@ def report_data(
             "tolerance_g": drive.targets.mass_tolerance_g,
             "prototype_measured_g": drive.targets.prototype_mass_g,
         },
-        "inertia_moving_g_mm2": asdict(moving),
+        "inertia_moving_g_mm2": moving.to_dict(),
         "torsion": torsion_data(drive, moving),
         "envelope": {
             "axes": ["X", "Z", "Y"],
@@ -117,12 +130,7 @@ def report_data(
             "poses_deg": list(poses_deg),
             "clashes": [asdict(c) for c in clashes],
         },
-        "frame": {
-            "windup_urad_Nm": frame.windup_urad_Nm,
-            "windup_at_test_torque_mrad": frame.windup_mrad(drive.loads.test_torque_Nm),
-            "limit_mrad": drive.limits.frame_windup_max_mrad,
-            "shares_urad_Nm": frame.shares_urad_Nm,
-        },
+        "frame": _frame(frame, drive) if frame else None,
         "torque": {
             "peak_positive_Nm": analysis.peak_torque_Nm[0],
             "peak_negative_Nm": analysis.peak_torque_Nm[1],
@@ -151,7 +159,7 @@ def report_data(
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
         "assembly_order": [step.text for step in order],
         "assembly_items": [list(step.items) for step in order],
-        "conventions": list(CONVENTIONS),
+        "conventions": _conventions(kind.conventions),
     }
     plain = _rounded(data)
     assert isinstance(plain, dict)

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from mbcdm_cad.configurations.registry import configuration
+
+_AT_DRUM = "_at_drum"
+
 
 def _figure(value: Any) -> str:
     if isinstance(value, float):
@@ -25,4 +29,12 @@ def report_markdown(data: dict[str, Any]) -> str:
     )
     environment.filters["figure"] = _figure
     environment.filters["figures"] = _figure
-    return environment.get_template("report.md.j2").render(r=data, a=data["analysis"])
+    kind = configuration(data["configuration"])
+    paths = environment.from_string(kind.paths_template).render(r=data)
+    moving = data["inertia_moving_g_mm2"]
+    passed = {
+        name.removesuffix(_AT_DRUM): value
+        for name, value in moving.items()
+        if name.endswith(_AT_DRUM) and name not in ("inputs_at_drum", "rotors_at_drum")
+    }
+    return environment.get_template("report.md.j2").render(r=data, a=data["analysis"], paths=paths, passed=passed)

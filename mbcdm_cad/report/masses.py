@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.store import MadePart
-from mbcdm_cad.configurations.miso_bevel.bill import CABLE, Bill, bill
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.interface import Layout
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
@@ -22,8 +24,6 @@ ESTIMATE_SIGMA = 0.10
 CATALOGUE_SIGMA = 0.02
 MADE_SIGMA = 0.01
 _MASS = re.compile(r"\bmass\b|\d\s?g\b(?!/cm3)", re.IGNORECASE)
-_DRUM_AXIS = (0.0, 1.0, 0.0)
-_GUIDE_AXIS = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,23 @@ class BillLine:
 class Inertias:
     """Moments of inertia of what moves, g mm^2: seen at the drum's axis, and reflected to one motor's shaft.
 
-    ``input_shafts`` are each input's about its own axis, its rotor reflected to it.
+    ``passed_at_drum`` holds the bodies that cables pass; ``input_shafts`` are each input's about its own axis, its
+    rotor reflected to it.
     """
 
     drum_group: float
-    guide_at_drum: float
+    passed_at_drum: dict[str, float]
     inputs_at_drum: float
     rotors_at_drum: float
     at_drum_without_rotors: float
     at_drum: float
     at_motor: float
     input_shafts: tuple[float, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As the report holds it, a key ``NAME_at_drum`` for each body that cables pass."""
+        plain = asdict(self)
+        return {**{f"{name}_at_drum": value for name, value in plain.pop("passed_at_drum").items()}, **plain}
 
 
 def _source(item: Item, parts_list: Bill, drive: Drive) -> str:
@@ -127,25 +133,28 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
     groups: dict[str, list[MassProperties]] = {}
     for item in centred.items:
         groups.setdefault(item.group, []).append(by_item[item.name])
-    first = drive.cables[0]
-    drum = combined(groups["drum"]).about_axis(_DRUM_AXIS)
-    guide_ratio = first.drum_radius_mm / first.guide_radius_mm
-    guide = combined(groups["guide"]).about_axis(_GUIDE_AXIS) * guide_ratio**2
-    pulleys = rotors = 0.0
+    drum = rotors = 0.0
+    passed: dict[str, float] = {}
+    inputs = 0.0
     shafts = []
-    for pulley in layout.inputs:
-        cable = next(c for c in drive.cables if c.input_name == pulley.name)
-        ratio = cable.drum_radius_mm / cable.input_radius_mm
-        body = combined(groups[f"input_{pulley.name}"]).about_axis(_GUIDE_AXIS, (pulley.x, 0.0, 0.0))
-        # g cm^2 to g mm^2.
-        rotor = drive.motor.rotor_inertia_g_cm2 * 100.0 * drive.gearhead.ratio**2
-        pulleys += body * ratio**2
-        rotors += rotor * ratio**2
-        shafts.append(body + rotor)
+    for body in configuration(drive.configuration).moving_bodies(layout):
+        own = combined(groups[body.name]).about_axis(body.axis, body.origin_mm)
+        at_drum = own * body.turns_per_drum**2
+        if body.kind == "drum":
+            drum = own
+        elif body.kind == "passed":
+            passed[body.name] = at_drum
+        else:
+            # g cm^2 to g mm^2.
+            rotor = drive.motor.rotor_inertia_g_cm2 * 100.0 * drive.gearhead.ratio**2
+            inputs += at_drum
+            rotors += rotor * body.turns_per_drum**2
+            shafts.append(own + rotor)
+    first = drive.cables[0]
     motor_ratio = first.drum_radius_mm / first.input_radius_mm * drive.gearhead.ratio
-    without = drum + guide + pulleys
+    without = drum + sum(passed.values()) + inputs
     everything = without + rotors
-    return Inertias(drum, guide, pulleys, rotors, without, everything, everything / motor_ratio**2, tuple(shafts))
+    return Inertias(drum, passed, inputs, rotors, without, everything, everything / motor_ratio**2, tuple(shafts))
 
 
 def box_mm(
@@ -156,7 +165,7 @@ def box_mm(
     Solids from their meshes (within the mesh tolerance), cables from their centre lines and radius.
     """
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for item in bill(layout, drum_angle_deg).items:
+    for item in configuration(layout.drive.configuration).bill(layout, drum_angle_deg).items:
         if not item.name.startswith(CABLE):
             points = item.location.apply(parts[item.part].files.mesh.points_mm)
             low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
-from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures, path_figures
+from mbcdm_cad.configurations.interface import Layout, PathFigures
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import DriveSI, ModelError, to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -18,12 +18,12 @@ from mbcdm_cad.model.stiffness import sticking_response
 
 def path_data(dims: Layout) -> dict[str, Any]:
     """Plain data of the paths, as the report and ``mbcdm analyse --json`` hold them."""
-    figures = path_figures(dims)
+    figures = configuration(dims.drive.configuration).path_figures(dims)
     length_m = np.array([cable.length_um for cable in figures.cables]) * 1e-6
     d = to_si(dims.drive)
     turn, pull = sticking_response(d, length_m)
     return {
-        **asdict(figures),
+        **asdict(figures),  # type: ignore[call-overload]
         "usable_deg": list(figures.usable_deg),
         "test_turn_mrad": _turns_with_real_wraps(d, figures, dims.drive.loads.test_torque_Nm),
         "drum_turn_urad": [float(v) for v in turn * 1e6],
@@ -46,29 +46,17 @@ def _turns_with_real_wraps(d: DriveSI, figures: PathFigures, load_Nm: float) -> 
 def path_data_or_reason(drive: Drive) -> tuple[dict[str, Any] | None, str]:
     """As :func:`path_data`; (None, why) where the dimensions have no solution, which ``mbcdm check`` tells in full."""
     try:
-        return path_data(layout(drive)), ""
+        return path_data(configuration(drive.configuration).layout(drive)), ""
     except (ValueError, ZeroDivisionError, ModelError) as error:
         return None, str(error)
 
 
-def path_lines(paths: dict[str, Any]) -> Iterator[str]:
-    """The paths for a terminal: one line a cable, then the travel."""
+def path_lines(kind: str, paths: dict[str, Any]) -> Iterator[str]:
+    """The paths for a terminal: what the configuration says of each cable, then the travel."""
     ends = paths["drum_angle_deg"][0], paths["drum_angle_deg"][-1]
     yield "cable paths (wraps in deg with the drum centred and at its travel's ends; walk and fleet angle there):"
     for c in paths["cables"]:
-        middle = len(c["drum_wrap_deg"]) // 2
-        wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
-        yield (
-            f"  {c['name']:<10} length {c['length_mm']:.2f} mm, span {c['free_span_mm']:.2f} mm, guide "
-            f"{c['guide_wrap_deg']:.1f}, input {wound[middle]:.0f} ({wound[0]:.0f}, {wound[-1]:.0f}), drum "
-            f"{on_drum[middle]:.1f} ({on_drum[0]:.1f}, {on_drum[-1]:.1f}); walk {max(c['axial_walk_mm']):.3f} mm, "
-            f"fleet angle {max(c['fleet_angle_deg']):.3f} deg"
-        )
-        points = ("input_contact_mm", "guide_landing_mm", "transfer_mm", "drum_leaving_mm")
-        yield "    tangent points (x, y, z) mm: " + "; ".join(
-            f"{name.removesuffix('_mm').replace('_', ' ')} ({', '.join(f'{v:.3f}' for v in c[name])})"
-            for name in points
-        )
+        yield from configuration(kind).path_lines(c)
     longest = max(max(map(abs, c["length_um"])) for c in paths["cables"])
     pull = max(max(map(abs, row)) for row in paths["tension_change_N"])
     yield (

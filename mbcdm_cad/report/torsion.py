@@ -17,14 +17,14 @@ _KG_M2 = 1e-9  # of a g mm^2
 def torsion_data(drive: Drive, moving: Inertias) -> dict[str, Any]:
     """Frequencies (Hz) with every wrap sticking: inputs held, and inputs free with pulley and rotor.
 
-    The guide turns with the drum, since no free span lies between them. Free inputs leave the rigid turn at 0 Hz out.
+    Bodies that cables pass are taken to turn with the drum. Free inputs leave the rigid turn at 0 Hz out.
     """
     d = to_si(drive)
-    drum = (moving.drum_group + moving.guide_at_drum) * _KG_M2
+    drum = (moving.drum_group + sum(moving.passed_at_drum.values())) * _KG_M2
     inputs = np.array(moving.input_shafts) * _KG_M2
     free = torsional_modes_Hz(d, drum, inputs)
     return {
-        "drum_and_guide_g_mm2": drum / _KG_M2,
+        "_and_".join(["drum", *moving.passed_at_drum]) + "_g_mm2": drum / _KG_M2,
         "input_shafts_g_mm2": list(moving.input_shafts),
         "stiffness_Nm_rad": float(sticking_stiffness_Nm_rad(d)),
         "lowest_inputs_held_Hz": float(torsional_modes_Hz(d, drum)[0]),

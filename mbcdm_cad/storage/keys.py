@@ -12,6 +12,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -58,12 +59,13 @@ def _plain(value: Any) -> Any:
 def source_hash(*modules: str) -> str:
     """SHA-256 (hex) of the sources of the modules and of all modules of this package that they import.
 
-    Imports are read from the text, wherever in it they stand; nothing is imported. Raises ``ValueError`` for a module
-    that this package does not have.
+    Imports are read from the text, wherever in it they stand; nothing is imported. A module outside this package, as a
+    configuration from elsewhere has them, counts with those modules of its own folder that it imports. Raises
+    ``ValueError`` for a module that does not exist.
     """
     missing = [module for module in modules if _path(module) is None]
     if missing:
-        raise ValueError(f"no module {missing[0]!r} in the package {_PACKAGE}")
+        raise ValueError(f"no module {missing[0]!r}")
     found: set[str] = set()
     waiting = set(modules)
     while waiting:
@@ -90,12 +92,13 @@ def package_hash() -> str:
 
 @cache
 def _imports(module: str) -> frozenset[str]:
-    """Modules of this package that ``module`` imports, with the packages they lie in."""
+    """Modules of this package and of the module's own that ``module`` imports, with the packages they lie in."""
     path = _path(module)
     package = module if path is not None and path.name == "__init__.py" else module.rpartition(".")[0]
     named = {name for node in ast.walk(ast.parse(_source(module))) for name in _names(node, package)}
     with_packages = {name.rsplit(".", up)[0] for name in named for up in range(name.count(".") + 1)}
-    return frozenset(name for name in with_packages if _path(name) is not None)
+    own = (f"{_PACKAGE}.", f"{package or module}.")
+    return frozenset(name for name in with_packages if f"{name}.".startswith(own) and _path(name) is not None)
 
 
 def _names(node: ast.AST, package: str) -> Iterator[str]:
@@ -113,12 +116,21 @@ def _names(node: ast.AST, package: str) -> Iterator[str]:
 
 @cache
 def _path(module: str) -> Path | None:
-    """The file of a module of this package; None for any other name."""
+    """The file of a module; None where there is none."""
     if module.partition(".")[0] != _PACKAGE:
-        return None
+        return _outside(module)
     base = _ROOT.joinpath(*module.split(".")[1:])
     files = (base / "__init__.py", base.with_suffix(".py"))
     return next((file for file in files if file.is_file()), None)
+
+
+def _outside(module: str) -> Path | None:
+    """The file of a module of another package, found as an import would find it."""
+    try:
+        spec = find_spec(module)
+    except (ImportError, ValueError):
+        return None
+    return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
 
 
 def _source(module: str) -> bytes:

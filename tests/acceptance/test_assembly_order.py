@@ -14,13 +14,14 @@ import pytest
 from numpy.typing import NDArray
 
 from mbcdm_cad.build.kernel import kernel_shape, location
-from mbcdm_cad.configurations.miso_bevel.assembly_order import Step, assembly_order
-from mbcdm_cad.configurations.miso_bevel.bill import CABLE, bill, cable_item
+from mbcdm_cad.configurations.miso_bevel.assembly_order import assembly_order
+from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.cable_path import FREE
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.design import load_design
 from mbcdm_cad.design.drive import Screw
+from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.parts.make import make
 
@@ -142,7 +143,7 @@ def matches(name: str, move: Move) -> bool:
     return any(fnmatch(name, pattern) for pattern in move.patterns)
 
 
-def step_faults(shop: Workshop, step: Step, ways: Sequence[Move]) -> Iterator[str]:
+def step_faults(shop: Workshop, step: AssemblyStep, ways: Sequence[Move]) -> Iterator[str]:
     """What stands in the way of one step's items and keys; afterwards they are in place."""
     solid = [name for name in step.items if not name.startswith(CABLE)]
     left = list(solid)
@@ -165,7 +166,7 @@ def step_faults(shop: Workshop, step: Step, ways: Sequence[Move]) -> Iterator[st
                 yield from shop.key(name, [n for n in shop.placed if n != name])
 
 
-def faults(shop: Workshop, order: Sequence[Step]) -> list[str]:
+def faults(shop: Workshop, order: Sequence[AssemblyStep]) -> list[str]:
     ways, found = moves(shop.dims), []
     for step in order:
         found += step_faults(shop, step, ways)

@@ -5,16 +5,19 @@ Imports stand inside the methods, since each command needs only some of these mo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from mbcdm_cad.configurations.interface import Conventions, FrameStudy
 from mbcdm_cad.design.drive import Drive
 
 if TYPE_CHECKING:
-    from mbcdm_cad.configurations.miso_bevel.assembly_order import Step
-    from mbcdm_cad.configurations.miso_bevel.bill import Bill
     from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
     from mbcdm_cad.configurations.miso_bevel.layout import Layout
+    from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures
+    from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
 
 
 class MisoBevel:
@@ -47,11 +50,46 @@ class MisoBevel:
 
         return bill(layout, drum_angle_deg)
 
-    def assembly_order(self, layout: Layout) -> tuple[Step, ...]:
+    def moving_bodies(self, layout: Layout) -> tuple[MovingBody, ...]:
+        """Drum, guide and inputs."""
+        from mbcdm_cad.configurations.miso_bevel.bill import moving_bodies
+
+        return moving_bodies(layout)
+
+    def assembly_order(self, layout: Layout) -> tuple[AssemblyStep, ...]:
         """Steps in which the parts go together."""
         from mbcdm_cad.configurations.miso_bevel.assembly_order import assembly_order
 
         return assembly_order(layout)
+
+    def frame_study(self, layout: Layout) -> FrameStudy:
+        """How far the frame's deflection turns the drum."""
+        from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_study
+
+        return frame_study(layout)
+
+    def path_figures(self, layout: Layout) -> PathFigures:
+        """Figures of the cables' true paths over the travel."""
+        from mbcdm_cad.configurations.miso_bevel.path_figures import path_figures
+
+        return path_figures(layout)
+
+    def path_lines(self, cable: dict[str, Any]) -> Iterator[str]:
+        """One cable's path figures for the terminal."""
+        from mbcdm_cad.configurations.miso_bevel.path_figures import path_lines
+
+        return path_lines(cable)
+
+    @property
+    def paths_template(self) -> str:
+        """The report's table of cable paths."""
+        return Path(__file__).with_name("paths.md.j2").read_text("utf-8")
+
+    conventions = Conventions(
+        frame="Frame: origin where drum axis (Y) and guide axis (Z) meet; input pulleys at x = -L and +L; "
+        "lengths in mm.",
+        cables="Cables are round rods at the nominal diameter; on the guide they lie in their step planes.",
+    )
 
 
 CONFIGURATION = MisoBevel()

@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
-from mbcdm_cad.configurations.miso_bevel.bill import cable_item
 from mbcdm_cad.configurations.miso_bevel.cable_path import winding
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, PLATE_SCREW
+from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 
 
-@dataclass(frozen=True)
-class Step:
-    """One step: what to do, and the items of the assembly that stand in place after it, in the order they join."""
-
-    text: str
-    items: tuple[str, ...] = ()
-
-
-def assembly_order(layout: Layout) -> tuple[Step, ...]:
+def assembly_order(layout: Layout) -> tuple[AssemblyStep, ...]:
     """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
     return (*_bench(layout), *_drives(layout), *_pulleys(layout), *_drum(layout))
 
@@ -43,15 +34,15 @@ def _behind_the_guide(layout: Layout) -> tuple[str, ...]:
     return tuple(c.name for c in layout.drive.cables if winding(layout.drive, c).guide_wrap_rad > pi)
 
 
-def _bench(layout: Layout) -> tuple[Step, ...]:
+def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
     rope, ring = drive.cable, drive.drum_encoder
     return (
-        Step(
+        AssemblyStep(
             f"Swage the stops on one end of each cable ({rope.name}, {rope.diameter_mm:g} mm) and the threaded "
             f"terminals ({drive.tensioner.name}) on the other, to the cut lengths of the bill of materials."
         ),
-        Step(
+        AssemblyStep(
             f"Press the drum bearings ({drive.bearings.drum.name}) into the frame's boss from both sides, push the "
             "drum shaft in from behind until its flange rests on the rear bearing, and screw the ring encoder on "
             f"behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}). "
@@ -61,24 +52,24 @@ def _bench(layout: Layout) -> tuple[Step, ...]:
                 *_numbered("drum_encoder_screw", 2),
             ),
         ),
-        Step(
+        AssemblyStep(
             f"Bolt the frame to its base with {len(layout.frame.mounts)} {MOUNT_SCREW} through the back plate, "
             f"from the front ({MOUNT_SCREW_KEY_MM:g} mm key): collars and drum will stand before their heads."
         ),
     )
 
 
-def _drives(layout: Layout) -> tuple[Step, ...]:
+def _drives(layout: Layout) -> tuple[AssemblyStep, ...]:
     gear, collar_screw = layout.drive.gearhead, layout.collar.screw
     return (
-        Step(
+        AssemblyStep(
             "Screw the gearheads with their motors under the motor shelf "
             f"({gear.screw_count} x {gear.screw} each). The screws go in through the open front of the coupling space; "
             f"the {_key(layout, gear.screw)} reaches their heads from above, through the key holes in the shoulder of "
             "the empty lower bearing seats.",
             _each("gearhead", layout) + _each("motor", layout) + _each("gearhead_screw", layout, 2),
         ),
-        Step(
+        AssemblyStep(
             f"Pass the clamp collars, their screws ({collar_screw}) loose, over the gearhead shafts through the open "
             f"front. Press the lower bearings ({layout.drive.bearings.input_lower.name}) into the bearing shelf "
             "from above.",
@@ -87,14 +78,14 @@ def _drives(layout: Layout) -> tuple[Step, ...]:
     )
 
 
-def _pulleys(layout: Layout) -> tuple[Step, ...]:
+def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive, bearings, collar_screw = layout.drive, layout.drive.bearings, layout.collar.screw
     encoder = drive.encoder
     names = tuple(c.name for c in drive.cables)
     behind = " and ".join(_behind_the_guide(layout))
     loop = f"Lay the free ends of {behind} behind the axle. " if behind else ""
     return (
-        Step(
+        AssemblyStep(
             "Hook the stops of each cable into the slots in the end faces of its input pulley, wind the dead turns and "
             "half of the live turns and hold them with tape. Lower the pulleys through bearing and collar onto the "
             f"gearhead shafts and close the collars from the front ({_key(layout, collar_screw)}).",
@@ -102,13 +93,13 @@ def _pulleys(layout: Layout) -> tuple[Step, ...]:
             + tuple(f"stop_{name}" for name in names)
             + tuple(cable_item(name) for name in names),
         ),
-        Step(
+        AssemblyStep(
             f"Set the guide axle into the bearing shelf and fix it with its set screw ({AXLE_SCREW}, "
             f"{_key(layout, AXLE_SCREW)}, from the front). {loop}"
             f"Slide on the guide with its two bearings ({bearings.guide.name}), then the spacer.",
             ("guide_axle", "axle_set_screw", "guide", "guide_bearing_lower", "guide_bearing_upper", "guide_spacer"),
         ),
-        Step(
+        AssemblyStep(
             "Press the two dowels into the side walls. On the bench, press the upper bearings "
             f"({bearings.input_upper.name}) into the top plate from below and screw the encoders to it from below "
             f"({encoder.screw_count} x {encoder.screw} each, {_key(layout, encoder.screw)}). Lower the "
@@ -126,24 +117,24 @@ def _pulleys(layout: Layout) -> tuple[Step, ...]:
     )
 
 
-def _drum(layout: Layout) -> tuple[Step, ...]:
+def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive, hub_screw = layout.drive, layout.drum.set_screw
     names = tuple(c.name for c in drive.cables)
     preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
     return (
-        Step(
+        AssemblyStep(
             "Lead each cable round the guide on its own step and out to its side, and hold it taut there: between "
             "guide and drum there will be no room to lay it in. Push the drum onto the shaft until its spigot touches "
             "the front bearing, then press the stop pin through the slot into the web between the shelves. Tighten the "
             f"hub's two set screws ({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the web).",
             ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
         ),
-        Step(
+        AssemblyStep(
             "Lay each cable onto its land. With nut and lock nut run on to the stud's end, drop its terminal sideways "
             "into the slotted lug from the drum's inner side.",
             tuple(item for name in names for item in (f"terminal_{name}", f"nut_{name}_1", f"nut_{name}_2")),
         ),
-        Step(
+        AssemblyStep(
             f"With the drum centred and the motors holding, tension the cables in turn to {preloads} N with a "
             f"{drive.tensioner.nut_across_flats_mm:g} mm spanner, holding the swage; lock the nuts."
         ),

@@ -5,15 +5,15 @@ No kernel here: with all parts in the cache, a build never draws.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import atan2, cos, degrees, radians, sin
 from typing import Any
 
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
-from mbcdm_cad.design.drive import Drive, Material, Screw
+from mbcdm_cad.design.drive import Bearing, Drive, Screw
+from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, cable_item
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, StopSlot
-from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement
 
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
@@ -24,7 +24,6 @@ _ALONG_Y = Placement.about(_X, -90.0)
 _AGAINST_Y = Placement.about(_X, 90.0)
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
 RING_ENCODER_GRIP_MM = 2.0
-CABLE = "cable_"
 # Colours (linear RGB) that tell bought bodies and cables from machined metal.
 _MOTOR_COLOUR = (0.02, 0.02, 0.025)
 _GEARHEAD_COLOUR = (0.22, 0.2, 0.15)
@@ -32,79 +31,39 @@ _ENCODER_COLOUR = (0.01, 0.12, 0.06)
 _CABLE_COLOUR = (0.85, 0.3, 0.02)
 
 
-@dataclass(frozen=True)
-class PartSpec:
-    """How one part is drawn: ``module:function`` and its arguments (plain data only)."""
-
-    name: str
-    maker: str
-    args: tuple[Any, ...]
-
-
-@dataclass(frozen=True)
-class Bill:
-    """Parts by name and all their instances at one drum angle."""
-
-    drum_angle_deg: float
-    parts: dict[str, PartSpec]
-    items: tuple[Item, ...]
-
-
-def group_motions(layout: Layout, drum_angle_deg: float) -> dict[str, Placement]:
-    """Motion of each group from the drum's centred position: theta_g = -theta_o r_o/r_g, theta_m = theta_o r_o/r_m."""
+def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
+    """Drum, guide and inputs: theta_g = -theta_o r_o/r_g, theta_m = theta_o r_o/r_m."""
     first = layout.drive.cables[0]
-    motions = {
-        "fixed": Placement.identity(),
-        "drum": Placement.about(_Y, drum_angle_deg),
-        "guide": Placement.about(_Z, -drum_angle_deg * first.drum_radius_mm / first.guide_radius_mm),
-    }
+    inputs = []
     for pulley in layout.inputs:
         cable = next(c for c in layout.drive.cables if c.input_name == pulley.name)
-        turn = drum_angle_deg * cable.drum_radius_mm / cable.input_radius_mm
-        motions[f"input_{pulley.name}"] = Placement.translation(pulley.x, 0.0, 0.0) @ Placement.about(_Z, turn)
-    return motions
+        inputs.append(
+            MovingBody(
+                f"input_{pulley.name}", "input", (pulley.x, 0.0, 0.0), _Z, cable.drum_radius_mm, cable.input_radius_mm
+            )
+        )
+    return (
+        MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y),
+        MovingBody("guide", "passed", (0.0, 0.0, 0.0), _Z, -first.drum_radius_mm, first.guide_radius_mm),
+        *inputs,
+    )
 
 
-class _Builder:
-    """Collects parts and items; a part is registered by its first instance."""
+class _Builder(BillBuilder):
+    """Knows the layout and what bought parts are made of."""
 
     def __init__(self, layout: Layout, drum_angle_deg: float) -> None:
+        super().__init__(moving_bodies(layout), drum_angle_deg)
         self.layout = layout
         self.drive: Drive = layout.drive
-        self.angle_deg = drum_angle_deg
-        self.motions = group_motions(layout, drum_angle_deg)
-        self.parts: dict[str, PartSpec] = {}
-        self.items: list[Item] = []
 
-    def add(
-        self,
-        name: str,
-        maker: str,
-        args: tuple[Any, ...],
-        *,
-        part: str | None = None,
-        material: Material,
-        group: str = "fixed",
-        place: Placement | None = None,
-        mass_g: float | None = None,
-    ) -> None:
-        stem = part or name
-        self.parts.setdefault(stem, PartSpec(stem, maker, args))
-        location = self.motions[group] @ (place or Placement.identity())
-        kind = "made" if mass_g is None else "bought"
-        self.items.append(Item(name, stem, material, kind, location, group, mass_g))  # type: ignore[arg-type]
+    def steel_screw(self, name: str, screw: Screw, place: Placement, group: str = FIXED) -> None:
+        """A screw of the catalogue's steel."""
+        self.screw(name, screw, self.drive.material("steel"), place, group)
 
-    def screw(self, name: str, screw: Screw, place: Placement, group: str = "fixed") -> None:
-        self.add(
-            name,
-            "mbcdm_cad.parts.bought.draw:create_screw",
-            (screw,),
-            part=f"screw_{screw.name}",
-            material=self.drive.material("steel"),
-            group=group,
-            place=place,
-            mass_g=screw.mass_g,
-        )
+    def steel_bearing(self, name: str, bearing: Bearing, place: Placement, group: str = FIXED) -> None:
+        """A bearing of the catalogue's bearing steel."""
+        self.bearing(name, bearing, self.drive.material("bearing-steel"), place, group)
 
 
 def _at(x: float, y: float, z: float) -> Placement:
@@ -144,36 +103,27 @@ def _support(b: _Builder) -> None:
         )
     plate_screw = drive.screw(PLATE_SCREW)
     for n, (x, y) in enumerate(lay.frame.plate_screws, 1):
-        b.screw(f"plate_screw_{n}", plate_screw, _at(x, y, v.top_plate_top_z - lay.top_plate.screw_head_depth))
+        b.steel_screw(f"plate_screw_{n}", plate_screw, _at(x, y, v.top_plate_top_z - lay.top_plate.screw_head_depth))
     shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
     axle_screw = drive.screw(AXLE_SCREW)
-    b.screw("axle_set_screw", axle_screw, _at(0.0, lay.frame.axle_radius + axle_screw.length_mm, shelf_z) @ _ALONG_Y)
-
-
-def _bearing(b: _Builder, name: str, bearing: Any, place: Placement, group: str = "fixed") -> None:
-    b.add(
-        name,
-        "mbcdm_cad.parts.bought.draw:create_bearing",
-        (bearing,),
-        part="bearing_" + bearing.name.replace("/", "-"),
-        material=b.drive.material("bearing-steel"),
-        group=group,
-        place=place,
-        mass_g=bearing.mass_g,
+    b.steel_screw(
+        "axle_set_screw", axle_screw, _at(0.0, lay.frame.axle_radius + axle_screw.length_mm, shelf_z) @ _ALONG_Y
     )
 
 
 def _bearings(b: _Builder) -> None:
     lay, v, bearings = b.layout, b.layout.levels, b.drive.bearings
     shaft = lay.drum_shaft
-    _bearing(b, "drum_bearing_rear", bearings.drum, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
-    _bearing(b, "drum_bearing_front", bearings.drum, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
-    _bearing(b, "guide_bearing_lower", bearings.guide, _at(0.0, 0.0, v.guide_bottom_z), "guide")
-    _bearing(b, "guide_bearing_upper", bearings.guide, _at(0.0, 0.0, v.guide_top_z - bearings.guide.width_mm), "guide")
+    b.steel_bearing("drum_bearing_rear", bearings.drum, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
+    b.steel_bearing("drum_bearing_front", bearings.drum, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
+    b.steel_bearing("guide_bearing_lower", bearings.guide, _at(0.0, 0.0, v.guide_bottom_z), "guide")
+    b.steel_bearing(
+        "guide_bearing_upper", bearings.guide, _at(0.0, 0.0, v.guide_top_z - bearings.guide.width_mm), "guide"
+    )
     for p in lay.inputs:
         low = v.bearing_shelf_top_z - bearings.input_lower.width_mm
-        _bearing(b, f"input_bearing_lower_{p.name}", bearings.input_lower, _at(p.x, 0.0, low))
-        _bearing(b, f"input_bearing_upper_{p.name}", bearings.input_upper, _at(p.x, 0.0, v.top_plate_bottom_z))
+        b.steel_bearing(f"input_bearing_lower_{p.name}", bearings.input_lower, _at(p.x, 0.0, low))
+        b.steel_bearing(f"input_bearing_upper_{p.name}", bearings.input_upper, _at(p.x, 0.0, v.top_plate_bottom_z))
 
 
 def _drives(b: _Builder) -> None:
@@ -214,10 +164,10 @@ def _drives(b: _Builder) -> None:
         )
         for n, sign in enumerate((-1, 1), 1):
             x = p.x + sign * lay.frame.gear_bolt_circle
-            b.screw(f"gearhead_screw_{p.name}_{n}", gear_screw, _at(x, 0.0, v.motor_shelf_top_z))
+            b.steel_screw(f"gearhead_screw_{p.name}_{n}", gear_screw, _at(x, 0.0, v.motor_shelf_top_z))
             x = p.x + sign * lay.top_plate.encoder_circle_radius
             place = _at(x, 0.0, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
-            b.screw(f"encoder_screw_{p.name}_{n}", encoder_screw, place)
+            b.steel_screw(f"encoder_screw_{p.name}_{n}", encoder_screw, place)
     floor = lay.frame.encoder_pocket_floor_y
     b.add(
         "drum_encoder",
@@ -229,7 +179,7 @@ def _drives(b: _Builder) -> None:
     )
     for n, sign in enumerate((-1, 1), 1):
         place = _at(sign * lay.frame.encoder_screw_circle, floor - RING_ENCODER_GRIP_MM, 0.0) @ _AGAINST_Y
-        b.screw(f"drum_encoder_screw_{n}", ring_screw, place)
+        b.steel_screw(f"drum_encoder_screw_{n}", ring_screw, place)
 
 
 def _drum(b: _Builder) -> None:
@@ -253,7 +203,7 @@ def _drum(b: _Builder) -> None:
     for n, deg in enumerate((45.0, 135.0), 1):
         out = d.set_screw_radius + set_screw.length_mm
         place = _at(out * sin(radians(deg)), d.set_screw_y, out * cos(radians(deg))) @ Placement.about(_Y, deg)
-        b.screw(f"hub_set_screw_{n}", set_screw, place, "drum")
+        b.steel_screw(f"hub_set_screw_{n}", set_screw, place, "drum")
     steel = drive.material(t.material)
     for p in d.tensioners:
         turn = Placement.about(_Y, degrees(atan2(p.side * cos(p.anchor_rad), -sin(p.anchor_rad))))
@@ -325,7 +275,7 @@ def _pulleys(b: _Builder) -> None:
             group=group,
         )
         place = _at(c.screw_offset, c.head_seat, (c.bottom_z + c.top_z) / 2) @ _ALONG_Y
-        b.screw(f"collar_screw_{p.name}", screw, place, group)
+        b.steel_screw(f"collar_screw_{p.name}", screw, place, group)
         for s in p.slots:
             length = s.stop_start - s.stop_end
             b.add(
@@ -337,11 +287,6 @@ def _pulleys(b: _Builder) -> None:
                 group=group,
                 place=_stop_place(s),
             )
-
-
-def cable_item(cable_name: str) -> str:
-    """Name of a cable's item and part: whatever the design calls it, no other item's name begins like this."""
-    return CABLE + cable_name.removeprefix(CABLE)
 
 
 def _cables(b: _Builder) -> None:
@@ -361,4 +306,4 @@ def bill(layout: Layout, drum_angle_deg: float = 0.0) -> Bill:
     b = _Builder(layout, drum_angle_deg)
     for section in (_support, _bearings, _drives, _drum, _pulleys, _cables):
         section(b)
-    return Bill(drum_angle_deg, b.parts, tuple(b.items))
+    return b.bill()

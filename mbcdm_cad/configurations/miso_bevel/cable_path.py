@@ -11,11 +11,12 @@ pulley; `guide_landing_walk_mm` gives how far it wanders in a full sweep.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, atan2, ceil, cos, degrees, hypot, pi, radians, sin, sqrt, tau
+from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 
 import numpy as np
 
 from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 
 # The rope's bending stiffness rounds the change of slope where span meets pulley over a few sqrt(EI/T), about 0.7 mm
@@ -117,40 +118,6 @@ FREE = ("span_in", "span", "span_out", "guide")
 ON_DRUM = ("drum", "tail")
 
 
-@dataclass(frozen=True)
-class CablePath:
-    """Pieces of one cable's centre line from the swaged stop in the input pulley to the tensioner on the drum."""
-
-    cable: CableRun
-    drum_angle_rad: float
-    pieces: tuple[tuple[str, Piece], ...]
-
-    def piece(self, name: str) -> Piece:
-        """The piece called ``name`` (chord, bend, helix, span_in, span, span_out, guide, drum, tail)."""
-        return dict(self.pieces)[name]
-
-    @property
-    def line(self) -> tuple[Piece, ...]:
-        """The pieces without their names: all that a rod along the path depends on."""
-        return tuple(p for _, p in self.pieces)
-
-    @property
-    def length_mm(self) -> float:
-        """Length of the whole centre line."""
-        return sum(p.length_mm for _, p in self.pieces)
-
-    def only(self, names: tuple[str, ...]) -> CablePath:
-        """The path made of the pieces called ``names`` alone."""
-        return CablePath(self.cable, self.drum_angle_rad, tuple(p for p in self.pieces if p[0] in names))
-
-    def sample(self, step_mm: float) -> Vector:
-        """Points (n, 3) along the pieces, no further apart than ``step_mm``."""
-        counts = [max(2, ceil(piece.length_mm / step_mm) + 1) for _, piece in self.pieces]
-        return np.concatenate(
-            [p.points(np.linspace(0.0, 1.0, n)) for (_, p), n in zip(self.pieces, counts, strict=True)]
-        )
-
-
 def axial_walk_mm(drive: Drive, cable: CableRun, drum_angle_rad: float) -> float:
     """Offset of the input contact from the step plane, positive away from the dead turn. p (r_o/r_m) theta / 2 pi."""
     w = winding(drive, cable)
@@ -222,7 +189,8 @@ def cable_path(drive: Drive, cable: CableRun, anchor_rad: float, tail_mm: float,
     leave = np.array([side * r_o * sin(drum_end), r_g, r_o * cos(drum_end)])
     along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
     pieces.append(("tail", Line(_t(leave), _t(leave + tail_mm * along))))
-    return CablePath(cable, drum_angle_rad, tuple(pieces))
+    stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch(None, FREE), Stretch("drum", ON_DRUM))
+    return CablePath(cable, drum_angle_rad, tuple(pieces), stretches)
 
 
 def fleet_angle_at_deg(drive: Drive, cable: CableRun, drum_angle_rad: float) -> float:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.checks.design_variables import DesignVariable
-from mbcdm_cad.configurations.miso_bevel.cable_path import CablePath
 from mbcdm_cad.configurations.miso_bevel.design_variables import VARIABLES
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
 from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.routes.cable_path import CablePath
 
 
 class BevelUnderTest(DesignUnderTest):

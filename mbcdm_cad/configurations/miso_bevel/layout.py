@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mbcdm_cad.configurations.miso_bevel.cable_path import CablePath, cable_path
+from mbcdm_cad.configurations.miso_bevel.cable_path import cable_path
 from mbcdm_cad.configurations.miso_bevel.drum import drum, drum_shaft
 from mbcdm_cad.configurations.miso_bevel.pulleys import axle, guide, input_pulley
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
@@ -16,6 +16,7 @@ from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.routes.cable_path import CablePath
 
 
 @dataclass(frozen=True)

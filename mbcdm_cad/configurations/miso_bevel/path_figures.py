@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, hypot, pi, radians, sin, tan, tau
+from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.miso_bevel.cable_path import CablePath, axial_walk_mm, fleet_angle_at_deg, winding
+from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, winding
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
 
 STATIONS = 9
@@ -162,3 +164,19 @@ def _fleet_limits(layout: Layout, run: CableRun) -> Iterator[TravelLimit]:
     most = drive.limits.fleet_angle_max_deg
     angle = min(tan(radians(most)) * w.free_span_mm / per_rad, pi)
     yield from (_limit(way * angle, f"fleet angle of {run.name} reaches {most:g} deg") for way in (1, -1))
+
+
+def path_lines(c: dict[str, Any]) -> Iterator[str]:
+    """One cable's figures for a terminal."""
+    middle = len(c["drum_wrap_deg"]) // 2
+    wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
+    yield (
+        f"  {c['name']:<10} length {c['length_mm']:.2f} mm, span {c['free_span_mm']:.2f} mm, guide "
+        f"{c['guide_wrap_deg']:.1f}, input {wound[middle]:.0f} ({wound[0]:.0f}, {wound[-1]:.0f}), drum "
+        f"{on_drum[middle]:.1f} ({on_drum[0]:.1f}, {on_drum[-1]:.1f}); walk {max(c['axial_walk_mm']):.3f} mm, "
+        f"fleet angle {max(c['fleet_angle_deg']):.3f} deg"
+    )
+    points = ("input_contact_mm", "guide_landing_mm", "transfer_mm", "drum_leaving_mm")
+    yield "    tangent points (x, y, z) mm: " + "; ".join(
+        f"{name.removesuffix('_mm').replace('_', ' ')} ({', '.join(f'{v:.3f}' for v in c[name])})" for name in points
+    )

@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.configurations.miso_bevel.bill import CABLE, bill
+from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.design import load_design
+from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 
 ROOT = Path(__file__).parents[3]

@@ -15,8 +15,9 @@ from mbcdm_cad.build import interference
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import interferences
 from mbcdm_cad.build.poses import travel_poses
-from mbcdm_cad.configurations.miso_bevel.bill import CABLE, Bill, bill
+from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement

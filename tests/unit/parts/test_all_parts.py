@@ -11,8 +11,8 @@ import trimesh
 
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.validate import validate_solid
-from mbcdm_cad.configurations.miso_bevel.bill import Bill
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.parts.bill import Bill
 
 from .golden import golden_volumes
 

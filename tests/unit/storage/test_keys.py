@@ -133,6 +133,23 @@ def test_only_what_is_imported_matters(package: Path, changed: str, matters: boo
 
 def test_unknown_module_is_refused() -> None:
     assert len(source_hash("mbcdm_cad.storage.keys")) == 64
-    for name in ("mbcdm_cad.no_such_part", "numpy"):
+    for name in ("mbcdm_cad.no_such_part", "no_such_package", "no_such_package.part"):
         with pytest.raises(ValueError, match="no module"):
             source_hash(name)
+
+
+def test_a_module_of_another_package_counts_with_those_of_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "elsewhere"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("")
+    (folder / "sizes.py").write_text("WIDTH = 1.0\n")
+    (folder / "other.py").write_text("")
+    (folder / "draw.py").write_text("import json\nfrom elsewhere.sizes import WIDTH\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    before = fresh_hash("elsewhere.draw")
+    (folder / "other.py").write_text("# not imported\n")
+    assert fresh_hash("elsewhere.draw") == before
+    (folder / "sizes.py").write_text("WIDTH = 2.0\n")
+    assert fresh_hash("elsewhere.draw") != before

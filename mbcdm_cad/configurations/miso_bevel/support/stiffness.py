@@ -18,11 +18,11 @@ On the whole it stays within 12 % of finite elements for ribs, back plate and si
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
+from mbcdm_cad.configurations.interface import FrameCompliance, FrameStudy
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
 from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Floats, Ints, freedoms, sides, solve, stiffness
@@ -35,18 +35,6 @@ _GPA_TO_MPA = 1e3
 _SHEAR_FACTOR = 5.0 / 6.0
 # N mm of work per (N m)^2 is a compliance in mrad per N m.
 _URAD_PER_MRAD = 1e3
-
-
-@dataclass(frozen=True)
-class FrameCompliance:
-    """Turning of the drum per N m by the support's deflection, whole and by the part whose strain causes it."""
-
-    windup_urad_Nm: float
-    shares_urad_Nm: dict[str, float]
-
-    def windup_mrad(self, torque_Nm: float) -> float:
-        """Turning of the drum under an external torque, mrad: linear in it."""
-        return self.windup_urad_Nm * torque_Nm * 1e-3
 
 
 def _statically(points: Floats, at: Floats, force: Floats, moment: Floats) -> Floats:
@@ -208,3 +196,18 @@ def frame_compliance(layout: Layout) -> FrameCompliance:
 def frame_windup_mrad(layout: Layout, torque_Nm: float) -> float:
     """Turning of the drum by the support's deflection under ``torque_Nm`` on the drum, mrad."""
     return frame_compliance(layout).windup_mrad(torque_Nm)
+
+
+def frame_study(layout: Layout) -> FrameStudy:
+    """The compliance as a study for the cache; infinite where the frame has no metal to carry a load."""
+
+    def compliance() -> FrameCompliance:
+        try:
+            return frame_compliance(layout)
+        except (ValueError, ArithmeticError):
+            return FrameCompliance(float("inf"), {})
+
+    drive = layout.drive
+    cables = [(c.input_side, c.drum_side, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm) for c in drive.cables]
+    inputs = (layout.frame, layout.top_plate, layout.drum_shaft, drive.support, drive.bearings, cables)
+    return FrameStudy(__name__, inputs, compliance)

@@ -9,8 +9,9 @@ from math import radians
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.miso_bevel.bill import bill, cable_item, group_motions
+from mbcdm_cad.configurations.miso_bevel.bill import bill, moving_bodies
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.parts.bill import cable_item
 from mbcdm_cad.parts.item import Item, sorted_items
 
 
@@ -54,14 +55,16 @@ def point(item: Item) -> np.ndarray:
 @pytest.mark.parametrize("angle_deg", [-35.0, 10.0, 35.0])
 def test_groups_turn_as_the_cables_make_them(dims: Layout, angle_deg: float) -> None:
     """theta_g = -6 theta_o, theta_m = +9 theta_o: a mark on each rim moves as far as the cable on it."""
-    motions = group_motions(dims, angle_deg)
+    motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
     theta = radians(angle_deg)
     for cable in dims.drive.cables:
         mark = np.array([0.0, 0.0, cable.drum_radius_mm])
         drum = motions["drum"].apply(mark)
         assert np.arctan2(drum[0], drum[2]) == pytest.approx(theta, abs=1e-12)
-        for group, radius, ratio in (("guide", cable.guide_radius_mm, -6.0),
-                                     (f"input_{cable.input_name}", cable.input_radius_mm, 9.0)):  # fmt: skip
+        for group, radius, ratio in (
+            ("guide", cable.guide_radius_mm, -6.0),
+            (f"input_{cable.input_name}", cable.input_radius_mm, 9.0),
+        ):
             turned = motions[group].rotation @ np.array([radius, 0.0, 0.0])
             moved = radius * (np.arctan2(turned[1], turned[0]) - ratio * theta)
             assert moved / radius % (2 * np.pi) == pytest.approx(0.0, abs=1e-9) or moved / radius % (

@@ -1,0 +1,57 @@
+"""The true centre line of one cable at one drum angle, as pieces of known curves: what is drawn and measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from mbcdm_cad.design.drive import CableRun
+from mbcdm_cad.routes.curves import Piece, Vector
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Neighbouring pieces of a cable that move together with ``body``; None: they run free, or slide over a body."""
+
+    body: str | None
+    pieces: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CablePath:
+    """Pieces of one cable's centre line, each under its own name, from its end on the input to its end on the drum.
+
+    ``stretches`` says what carries them and names every piece once.
+    """
+
+    cable: CableRun
+    drum_angle_rad: float
+    pieces: tuple[tuple[str, Piece], ...]
+    stretches: tuple[Stretch, ...] = ()
+
+    def piece(self, name: str) -> Piece:
+        """The piece called ``name``."""
+        return dict(self.pieces)[name]
+
+    @property
+    def line(self) -> tuple[Piece, ...]:
+        """The pieces without their names: all that a rod along the path depends on."""
+        return tuple(p for _, p in self.pieces)
+
+    @property
+    def length_mm(self) -> float:
+        """Length of the whole centre line."""
+        return sum(p.length_mm for _, p in self.pieces)
+
+    def only(self, names: tuple[str, ...]) -> CablePath:
+        """The path made of the pieces called ``names`` alone."""
+        return CablePath(self.cable, self.drum_angle_rad, tuple(p for p in self.pieces if p[0] in names))
+
+    def sample(self, step_mm: float) -> Vector:
+        """Points (n, 3) along the pieces, no further apart than ``step_mm``."""
+        counts = [max(2, ceil(piece.length_mm / step_mm) + 1) for _, piece in self.pieces]
+        return np.concatenate(
+            [p.points(np.linspace(0.0, 1.0, n)) for (_, p), n in zip(self.pieces, counts, strict=True)]
+        )
