@@ -2,42 +2,20 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
-import numpy as np
 
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.measurement.reading import MeasurementFile, load_file, read_run
-from mbcdm_cad.measurement.run import Run, VettingNote, doubts
-from mbcdm_cad.measurement.vet import arranged, refusals, vet
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.identification.judge import drive_of, json_bytes, judge
+from mbcdm_cad.measurement.reading import MeasurementFile, load_file
 from mbcdm_cad.storage.files import write_whole
 
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")
-
-
-@dataclass(frozen=True, eq=False)
-class Vetted:
-    """A run that can be judged: what it was read from, what its reading met, what was found of it."""
-
-    file: MeasurementFile
-    run: Run
-    notes: tuple[str, ...]
-    findings: tuple[VettingNote, ...]
-
-    @property
-    def doubts(self) -> list[str]:
-        """What speaks against taking the finding at its word."""
-        return doubts(self.notes, self.findings)
 
 
 @dataclass(frozen=True)
@@ -55,95 +33,28 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     _refuse_outputs(loaded, files, wanted)
     if any(file.content.published is not None for file in files):
         return _published(loaded, files, wanted)
-    drive = _drive_of(loaded, files)
-    if drive is None and wanted.as_built is not None:
+    if wanted.as_built is not None and drive_of(loaded, files) is None:
         remedy = "leave --apply out, or judge runs of the design"
         raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
-    vetted = _vetted(files, drive)
-    from mbcdm_cad.identification.engine import (
-        close_loop,  # the model and its compiled parts, once the input is known to be good
-    )
-    from mbcdm_cad.identification.result import result_text
-
-    try:
-        result = close_loop(drive, [one.run for one in vetted])
-    except ModelError as error:
-        names = ", ".join(str(file.path) for file in files)
-        raise MbcdmError(f"{names}: the declared model cannot follow the run: {error}") from None
-    click.echo(result_text(result, [f"doubt: {words}" for one in vetted for words in one.doubts]))
-    for one in vetted:
-        click.echo("")
-        click.echo("\n".join(vetting_lines(one)))
-    content = {**result.to_json(), "design": _design(loaded, drive), "runs": [_run_json(one) for one in vetted]}
+    report = judge(loaded, files)
+    click.echo(report.text())
+    content, vetted = report.to_dict(), report.runs
     outputs, applied = {} if wanted.json is None else {wanted.json: json_bytes(content)}, ""
     if wanted.as_built is not None:
         from mbcdm_cad.identification.as_built import applied_words, as_built_text
 
-        text = as_built_text(loaded, result, ", ".join(one.run.source for one in vetted))
+        text = as_built_text(loaded, report.result, ", ".join(one.run.source for one in vetted))
         outputs[wanted.as_built] = text.encode()
-        applied = applied_words(result)
+        applied = applied_words(report.result)
     if wanted.report is not None:
         from mbcdm_cad.identification.report import report_page
 
-        page = report_page(result, _design(loaded, drive), [(one.run, one.findings, one.notes) for one in vetted])
+        page = report_page(report.result, report.design(), [(one.run, one.findings, one.notes) for one in vetted])
         outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: json_bytes(content)}
     write_whole(outputs)
     for path in outputs:
         click.echo(f"{path} written" + (f": {applied}" if path == wanted.as_built else ""))
     return 0
-
-
-def vetting_lines(one: Vetted) -> list[str]:
-    """What the run is and what it can tell, one sentence a line, doubts first."""
-    lines = [f"{one.file.path}: {one.run.time_s.size} samples of {one.run.source}"]
-    lines += [f"  doubt: {words}" for words in one.doubts]
-    return lines + [f"  run: {finding}" for finding in one.findings if finding.level == "fact"]
-
-
-def json_bytes(content: dict[str, Any]) -> bytes:
-    """JSON text; what is no number is null."""
-    return (json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [_finite(item) for item in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value
-
-
-def _drive_of(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> Drive | None:
-    """The drive that all runs are of; None for one of which only the ratio is known."""
-    first = files[0].content.ratio
-    for file in files[1:]:
-        if file.content.ratio != first:
-            remedy = "judge runs of one drive together, each with the same ratio or none"
-            value, limit = (str(v) if v else "none" for v in (file.content.ratio, first))
-            what = f"another ratio than in {files[0].path}"
-            raise InputError([file.problem(("ratio",), what, value, limit, remedy=remedy)])
-    return loaded.drive if first is None else None
-
-
-def _vetted(files: Sequence[MeasurementFile], drive: Drive | None) -> list[Vetted]:
-    """All runs, read and vetted. Raises InputError with the refusals of all of them."""
-    vetted: list[Vetted] = []
-    problems = []
-    for file in files:
-        reading = read_run(file)
-        run = reading.run if drive is None else arranged(reading.run, drive)
-        findings = vet(run, drive)
-        problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
-        for one in vetted:
-            if one.run.sha256 == run.sha256:
-                what, remedy = f"the same data as {one.file.path}", "give each run once: twice the same proves nothing"
-                problems.append(file.problem(("data",), what, run.source, remedy=remedy))
-        vetted.append(Vetted(file, run, reading.notes, tuple(findings)))
-    if problems:
-        raise InputError(problems)
-    return vetted
 
 
 def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
@@ -207,18 +118,3 @@ def _same_file(one: Path, other: Path) -> bool:
         return one.resolve() == other.resolve() or (one.exists() and other.exists() and one.samefile(other))
     except (OSError, ValueError, RuntimeError):  # a path that leads nowhere, or round in a circle
         return False
-
-
-def _design(loaded: LoadedDesign, drive: Drive | None) -> dict[str, str] | None:
-    return None if drive is None else {"name": drive.name, "file": loaded.path.name, "sha256": loaded.sha256}
-
-
-def _run_json(one: Vetted) -> dict[str, Any]:
-    return {
-        "file": one.file.path.name,
-        "data": one.run.source,
-        "sha256": one.run.sha256,
-        "samples": one.run.time_s.size,
-        "notes": list(one.notes),
-        "findings": [{"kind": f.kind, "level": f.level, "text": f.text, "remedy": f.remedy} for f in one.findings],
-    }

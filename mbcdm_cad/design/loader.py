@@ -28,16 +28,25 @@ def load_design(path: str | Path) -> LoadedDesign:
 
 def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
     """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
-    tree, sigmas = _read(text, str(path))
-    design = _validated(tree, path)
-    _refuse_broken_rules(design, tree, path)
-    drive = resolve(design, sigmas)
+    return load_tree(yamltree.parse(text, str(path)), text, path)
+
+
+def load_tree(tree: yamltree.Tree, text: str, path: str | Path) -> LoadedDesign:
+    """As :func:`load_text`, from a tree that was read from ``text`` or holds the same values."""
+    design, drive = resolved(tree, path)
     return LoadedDesign(drive, Path(path), _sha256(design, drive), design, text, tree.lines)
 
 
-def _read(text: str, file: str) -> tuple[yamltree.Tree, dict[FieldPath, float]]:
+def resolved(tree: yamltree.Tree, path: str | Path) -> tuple[Design, Drive]:
+    """The design and its ``Drive`` from a tree of the file's values. Raises as :func:`load_design`."""
+    tree, sigmas = _split(tree, str(path))
+    design = _validated(tree, path)
+    _refuse_broken_rules(design, tree, path)
+    return design, resolve(design, sigmas)
+
+
+def _split(tree: yamltree.Tree, file: str) -> tuple[yamltree.Tree, dict[FieldPath, float]]:
     """The tree with plain values, and the sigmas."""
-    tree = yamltree.parse(text, file)
     if isinstance(tree.data, dict) and tree.data.get("as_built", ()) is None:
         tree.data["as_built"] = []  # all entries are comments still, as 'mbcdm loop --apply' writes what is undecided
     return split_sigmas(tree, file)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.report.check_report import CheckReport
+from mbcdm_cad.report.table import preformatted
 
 if TYPE_CHECKING:
     from mbcdm_cad.build.run import Outcome
@@ -63,7 +64,7 @@ class BuildReport:
 
     def _repr_html_(self) -> str:
         """For notebooks: the text, then the checks that do not simply pass."""
-        return f"<pre>{self.text()}</pre>{self.checks._repr_html_()}"
+        return preformatted(self.text()) + self.checks._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json, ready for JSON; of a refused build only what the checks found."""

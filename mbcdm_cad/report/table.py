@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -62,7 +62,7 @@ class ReportTable:
         return data_frame({name: [row[k] for row in self.rows] for k, name in enumerate(self.columns)})
 
 
-def data_frame(columns: dict[str, Sequence[Any]]) -> pandas.DataFrame:
+def data_frame(columns: Mapping[str, Any]) -> pandas.DataFrame:
     """A pandas frame of the columns. Raises ``MbcdmError`` where pandas is not installed: nothing else needs it."""
     try:
         import pandas  # optional
@@ -71,6 +71,11 @@ def data_frame(columns: dict[str, Sequence[Any]]) -> pandas.DataFrame:
             "pandas is not installed, and to_pandas() needs it; install it ('pip install pandas') or use to_dict()"
         ) from None
     return pandas.DataFrame(columns)
+
+
+def preformatted(text: str) -> str:
+    """Text for a notebook, its columns kept."""
+    return f"<pre>{html.escape(text)}</pre>"
 
 
 def shown_cell(cell: object) -> str:

@@ -16,8 +16,8 @@ from logger_samples import Write, table
 from sound_runs import DRIVE, SENSORS, sound_run
 
 from mbcdm_cad.cli import run as mbcdm
-from mbcdm_cad.cli.loop import _vetted, vetting_lines
 from mbcdm_cad.measurement.reading import load_file
+from mbcdm_cad.measurement.vetted import vetted_runs, vetting_lines
 
 DESIGN = str(Path(__file__).parents[3] / "params" / "mbcdm.yaml")
 DEG = 180.0 / np.pi
@@ -280,7 +280,7 @@ def test_judged_and_said(which: str, write: Write, monkeypatch: pytest.MonkeyPat
     mistake = {**SAID, **PLAIN}[which]
     path, code = said_of(write, mistake, monkeypatch)
     assert code == 0, which
-    doubts = [line for one in _vetted([load_file(path)], DRIVE) for line in vetting_lines(one) if "doubt: " in line]
+    doubts = [line for one in vetted_runs([load_file(path)], DRIVE) for line in vetting_lines(one) if "doubt: " in line]
     assert any(mistake.words in line for line in doubts) if mistake.words else not doubts, doubts
 
 

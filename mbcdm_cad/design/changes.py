@@ -1,0 +1,102 @@
+"""A design with some fields changed by a program, validated as if the file had been edited there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import yaml
+
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loaded import FieldPath, LoadedDesign
+from mbcdm_cad.design.loader import load_tree, resolved
+from mbcdm_cad.design.sigmas import SIGMA, VALUE
+from mbcdm_cad.errors import InputError, Problem, shortened
+
+SEPARATOR = "__"
+
+
+def with_changes(loaded: LoadedDesign, changes: Mapping[str, Any]) -> LoadedDesign:
+    """The design with ``changes`` laid over its file's content; ``loaded`` stays as it is.
+
+    Keys are fields, ``transmission__centre_distance_mm`` or ``transmission.centre_distance_mm``, or blocks whose value
+    is a mapping of their fields; the item of a list is named by its index from 0, ``cables__0__preload_N``. A value
+    that carries a sigma keeps it. Raises ``InputError`` with the messages that the edited file would get; lines are
+    those of ``loaded``'s file.
+    """
+    tree = yamltree.parse(loaded.text, str(loaded.path))
+    data = _changed(tree.data, changes, loaded)
+    text = yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
+    return load_tree(yamltree.Tree(data, tree.lines), text, loaded.path)
+
+
+def changed_drives(loaded: LoadedDesign, rows: Iterable[Mapping[str, Any]]) -> Iterator[Drive]:
+    """As :func:`with_changes` for each of many rows, but only the drives: some thousand a second."""
+    tree = yamltree.parse(loaded.text, str(loaded.path))
+    for changes in rows:
+        yield resolved(yamltree.Tree(_changed(tree.data, changes, loaded), tree.lines), loaded.path)[1]
+
+
+def _changed(data: Any, changes: Mapping[str, Any], loaded: LoadedDesign) -> Any:
+    copy = _plain(data)
+    for key, value in changes.items():
+        _put(copy, tuple(key.replace(SEPARATOR, ".").split(".")), _plain(value), loaded, key)
+    return copy
+
+
+def _plain(value: Any) -> Any:
+    """A copy of dicts, lists and plain scalars alone, each node its own; numpy's numbers and arrays become these."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _put(data: Any, path: tuple[str, ...], value: Any, loaded: LoadedDesign, key: str) -> None:
+    """Lay ``value`` over what stands at ``path``; blocks on the way are made where the file leaves them out."""
+    at, passed = data, list[str | int]()
+    for part in path[:-1]:
+        at = _child(at, part, tuple(passed), loaded, key)
+        passed.append(part)
+    last = _index(at, path[-1], tuple(passed), loaded, key)
+    there = at[last] if isinstance(at, list) else at.get(last)
+    at[last] = _merged(there, value)
+
+
+def _child(at: Any, part: str, passed: FieldPath, loaded: LoadedDesign, key: str) -> Any:
+    index = _index(at, part, passed, loaded, key)
+    if isinstance(at, list):
+        return at[index]
+    if at.get(index) is None:
+        at[index] = {}
+    return at[index]
+
+
+def _index(at: Any, part: str, passed: FieldPath, loaded: LoadedDesign, key: str) -> Any:
+    """``part`` as the key of a block or the index of a list. Raises ``InputError`` where there is neither."""
+    where = yamltree.dotted(passed)
+    if isinstance(at, dict):
+        return part
+    if not isinstance(at, list):
+        what, limit = f"{where} is no block", ""
+        remedy = f"give {where} itself"
+    elif part.isdigit() and int(part) < len(at):
+        return int(part)
+    else:
+        what, limit = f"{where} has no item {part}", f"0 to {len(at) - 1}"
+        remedy = "give an index within the list, or the whole list"
+    problem = Problem(str(loaded.path), loaded.line_of(*passed), key, what, shortened(at), limit, remedy)
+    raise InputError([problem])
+
+
+def _merged(there: Any, value: Any) -> Any:
+    """``value`` over what was there: blocks field by field; a number over a value with a sigma keeps the sigma."""
+    if isinstance(there, dict) and isinstance(value, dict):
+        return {**there, **{key: _merged(there.get(key), item) for key, item in value.items()}}
+    if isinstance(there, dict) and set(there) == {VALUE, SIGMA} and isinstance(value, int | float):
+        return {VALUE: value, SIGMA: there[SIGMA]}
+    return value

@@ -1,0 +1,279 @@
+"""The Python API: its names and signatures, changes of a design, results as data, and what importing it loads."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mbcdm_cad as mc
+from mbcdm_cad import api, cli
+from mbcdm_cad.errors import MbcdmError
+
+ROOT = Path(__file__).parents[3]
+PARAMS = ROOT / "params" / "mbcdm.yaml"
+
+# The promise to scripts: a change here is a change of the API and belongs into the notes of a release.
+SIGNATURES = {
+    "load": "(path: 'str | Path') -> 'DriveDesign'",
+    "reference_design": "(name: 'str' = 'mbcdm') -> 'DriveDesign'",
+    "analyse_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'Sweep'",
+    "load_run": "(path: 'str | Path') -> 'MeasuredRun'",
+    "close_loop": "(design: 'DriveDesign', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path]')"
+    " -> 'LoopReport'",
+    "DriveDesign.with_": "(self, changes: 'Mapping[str, Any] | None' = None, /, **fields: 'Any') -> 'DriveDesign'",
+    "DriveDesign.check": "(self) -> 'CheckReport'",
+    "DriveDesign.analyse": "(self) -> 'AnalysisReport'",
+    "DriveDesign.part_names": "(self) -> 'tuple[str, ...]'",
+    "DriveDesign.part": "(self, name: 'str') -> 'cadquery.Solid'",
+    "DriveDesign.assembly": "(self, angle_deg: 'float' = 0.0) -> 'cadquery.Assembly'",
+    "DriveDesign.build": "(self, out: 'str | Path' = 'out', *, angle_deg: 'float' = 0.0, force: 'bool' = False,"
+    " jobs: 'int | None' = None) -> 'BuildReport'",
+    "DriveDesign.save": "(self, path: 'str | Path') -> 'None'",
+    "MeasuredRun.to_dict": "(self) -> 'dict[str, Any]'",
+    "MeasuredRun.to_pandas": "(self) -> 'pandas.DataFrame'",
+}
+NAMES = ["load", "reference_design", "DriveDesign", "analyse_many", "load_run", "MeasuredRun", "close_loop",
+         "MbcdmError", "InputError"]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def design() -> mc.DriveDesign:
+    return mc.load(PARAMS)
+
+
+def test_names_and_signatures_are_those_promised() -> None:
+    assert api.__all__ == NAMES
+    found = {}
+    for name in SIGNATURES:
+        owner, _, method = name.partition(".")
+        target = getattr(mc, owner)
+        found[name] = str(inspect.signature(getattr(target, method) if method else target))
+    assert found == SIGNATURES
+    public = {f"{c.__name__}.{n}" for c in (mc.DriveDesign, mc.MeasuredRun) for n, f in vars(c).items()
+              if inspect.isfunction(f) and not n.startswith("_")}  # fmt: skip
+    assert public == {name for name in SIGNATURES if "." in name}
+    assert set(NAMES) <= set(dir(mc)) and all(inspect.getdoc(getattr(mc, name)) for name in NAMES)
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'loads'"):
+        mc.loads  # noqa: B018
+
+
+def test_results_can_be_printed_shown_and_turned_into_data(design: mc.DriveDesign) -> None:
+    swept = mc.analyse_many(design, {"rope.preload_N": [60.0, 70.0]})
+    for result in (design.check(), design.analyse(), swept):
+        assert design.name in str(result) and "<table>" in result._repr_html_()
+        json.dumps(result.to_dict(), allow_nan=False)
+
+
+def test_check_and_analyse_say_what_the_commands_say(
+    design: mc.DriveDesign, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for command, result in (("check", design.check()), ("analyse", design.analyse())):
+        assert cli.run([command, str(PARAMS)]) == 0
+        assert capsys.readouterr().out == f"{result}\n"
+        assert cli.run([command, "--json", str(PARAMS)]) == 0
+        assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(result.to_dict()))
+
+
+def test_with_changes_one_field_and_leaves_the_design_alone(design: mc.DriveDesign) -> None:
+    for changed in (
+        design.with_(transmission__centre_distance_mm=36.0),
+        design.with_({"transmission": {"centre_distance_mm": 36.0}}),
+        design.with_({"transmission.centre_distance_mm": np.float64(36.0)}),
+    ):
+        assert changed.drive.centre_distance_mm == 36.0 and design.drive.centre_distance_mm == 34.6
+        assert changed.drive.cables == design.drive.cables
+        assert changed.loaded.sha256 != design.loaded.sha256
+    one = design.with_(cables__1__preload_N=65.0).drive
+    assert [cable.preload_N for cable in one.cables] == [70.0, 65.0, 70.0, 70.0]
+    assert design.with_().drive == design.drive and design.with_().loaded.sha256 == design.loaded.sha256
+
+
+def test_a_value_with_a_sigma_keeps_it(design: mc.DriveDesign) -> None:
+    uncertain = design.with_(rope__preload_N={"value": 70.0, "sigma": 3.0})
+    changed = uncertain.with_(rope__preload_N=80.0)
+    assert set(changed.drive.sigmas.preload_N) == {3.0} and changed.drive.cables[0].preload_N == 80.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "in_file"),
+    [
+        ("transmission.centre_distance_mm", 0.5, "centre_distance_mm: 0.5 "),
+        ("rope.preload_N", "70 N", 'preload_N: "70 N"'),
+        ("rope.type", "FF-08", "type: FF-08 "),
+    ],
+)
+def test_messages_are_those_of_the_edited_file(field: str, value: object, in_file: str, tmp_path: Path) -> None:
+    path = tmp_path / "d.yaml"
+    text = PARAMS.read_text("utf-8")
+    path.write_text(text, "utf-8")
+    design = mc.load(path)
+    with pytest.raises(mc.InputError) as by_program:
+        design.with_({field: value})
+    name = field.rpartition(".")[2]
+    lines = [in_file if line.strip().startswith(f"{name}:") else line for line in text.splitlines()]
+    lines = ["  " + line if line == in_file else line for line in lines]
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+    with pytest.raises(mc.InputError) as by_hand:
+        mc.load(path)
+    assert str(by_program.value) == str(by_hand.value)
+
+
+def test_unknown_fields_and_items_are_refused_with_a_remedy(design: mc.DriveDesign) -> None:
+    for field, words in (
+        ("transmission__centre_distanc_mm", "unknown field; did you mean centre_distance_mm"),
+        ("cables__7__step", "cables has no item 7 (value a list of 4, limit 0 to 3)"),
+        ("name__x", "name is no block (value 'mbcdm')"),
+    ):
+        with pytest.raises(mc.InputError) as error:
+            design.with_(**{field: 1})
+        assert words in str(error.value), error.value
+
+
+def test_a_saved_design_loads_as_it_was(design: mc.DriveDesign, tmp_path: Path) -> None:
+    design.with_(rope__preload_N=66.0).save(tmp_path / "new.yaml")
+    again = mc.load(tmp_path / "new.yaml")
+    assert again.drive == design.with_(rope__preload_N=66.0).drive
+    design.save(tmp_path / "same.yaml")
+    assert (tmp_path / "same.yaml").read_bytes() == PARAMS.read_bytes()
+
+
+def test_many_designs_have_the_figures_of_each(design: mc.DriveDesign) -> None:
+    spans = [34.6, 40.0, 55.0]
+    many = mc.analyse_many(design, {"transmission__centre_distance_mm": spans})
+    assert len(many) == 3 and list(many["transmission.centre_distance_mm"]) == spans
+    for k, span in enumerate(spans):
+        figures = design.with_(transmission__centre_distance_mm=span).analyse().figures
+        assert many["reversal_swing_mrad"][k] == pytest.approx(figures.reversal_swing_mrad, rel=1e-9)
+        assert many["turn_plus_mrad"][k] == pytest.approx(figures.test[0].turn_mrad, rel=1e-9)
+        assert many["peak_torque_minus_Nm"][k] == pytest.approx(figures.peak_torque_Nm[1], rel=1e-9)
+        assert many["cable_backlash_mrad[cable_2]"][k] == pytest.approx(figures.cables[1].backlash_mrad, rel=1e-9)
+
+
+def test_ranges_are_paired_or_combined(design: mc.DriveDesign) -> None:
+    ranges = {"rope.preload_N": [50.0, 60.0, 70.0], "transmission.centre_distance_mm": [35.0, 36.0]}
+    grid = mc.analyse_many(design, ranges, grid=True)
+    assert len(grid) == 6 and list(grid["transmission.centre_distance_mm"][:3]) == [35.0, 36.0, 35.0]
+    assert len(mc.analyse_many(design, {**ranges, "transmission.centre_distance_mm": 35.0})) == 3
+    with pytest.raises(MbcdmError, match=r"transmission.centre_distance_mm: values of shape \(2,\) beside others"):
+        mc.analyse_many(design, ranges)
+    with pytest.raises(MbcdmError, match="no designs to analyse"):
+        mc.analyse_many(design, {})
+    with pytest.raises(mc.InputError, match=r"rope.preload_N: out of bounds \(value -1"):
+        mc.analyse_many(design, {"rope.preload_N": [70.0, -1.0]})
+    with pytest.raises(MbcdmError, match="did you mean reversal_swing_mrad"):
+        grid["reversal_swing"]
+
+
+def test_a_design_without_a_free_span_is_marked(design: mc.DriveDesign) -> None:
+    many = mc.analyse_many(design, {"transmission.centre_distance_mm": [17.0, 34.6]})
+    assert list(many["valid"]) == [False, True] and np.isnan(many["reversal_swing_mrad"][0])
+    assert many.to_dict()["reversal_swing_mrad"][0] is None
+
+
+def test_parts_are_cadquery_solids(design: mc.DriveDesign) -> None:
+    cq = pytest.importorskip("cadquery")
+    assert {"drum", "frame"} <= set(design.part_names())
+    spacer = design.part("guide_spacer")
+    assert isinstance(spacer, cq.Solid) and spacer.isValid() and spacer.Volume() > 1.0
+    with pytest.raises(MbcdmError, match=r"drumm: no such part; did you mean drum\?"):
+        design.part("drumm")
+
+
+@pytest.mark.slow
+def test_the_assembly_and_the_build(design: mc.DriveDesign, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every instance in its place; the build by the API is that of the command."""
+    monkeypatch.setenv("MBCDM_CACHE_DIR", str(tmp_path / "cache"))
+    box = design.assembly(20.0).toCompound().BoundingBox()
+    assert 100.0 < box.xlen < 150.0, f"{box.xlen:.1f} mm long"
+    with pytest.raises(MbcdmError, match="beyond the travel"):
+        design.assembly(90.0)
+    built = design.build(tmp_path)
+    assert built.passed and built.folder == tmp_path / "mbcdm" and "interference: 0 clashes" in str(built)
+    assert design.build(tmp_path).unchanged
+
+
+def test_a_design_that_fails_is_not_built(design: mc.DriveDesign, tmp_path: Path) -> None:
+    refused = design.with_(transmission__centre_distance_mm=45.0).build(tmp_path)
+    assert refused.folder is None and not refused.passed and "not built" in str(refused), refused
+    assert list(tmp_path.iterdir()) == [] and refused.to_dict()["checks"]
+
+
+def test_without_pandas_the_message_says_what_to_do(design: mc.DriveDesign, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MbcdmError, match=r"pandas is not installed.*pip install pandas"):
+        design.check().to_pandas()
+    stand_in = types.ModuleType("pandas")
+    stand_in.DataFrame = lambda columns: columns  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pandas", stand_in)
+    frame: dict[str, list[object]] = design.check().to_pandas()  # type: ignore[assignment]
+    assert len(frame["id"]) == len(design.check())
+    assert list(design.analyse().to_pandas()["name"]) == ["cable_1", "cable_2", "cable_3", "cable_4"]
+
+
+def test_a_run_is_read_and_judged(design: mc.DriveDesign, tmp_path: Path) -> None:
+    """A perfect run: the API's answer is the command's file, and the declared model explains it."""
+    time_s = np.arange(0.0, 20.0, 0.02)
+    output = np.radians(30.0) * np.sin(2.0 * np.pi * time_s / 10.0)
+    ratio = design.drive.cables[0].drum_radius_mm / design.drive.cables[0].input_radius_mm
+    rows = np.column_stack([time_s, output * ratio, output * ratio, output])
+    rows[:, 1:] += 1e-6 * np.random.default_rng(0).standard_normal((len(time_s), 3))
+    np.savetxt(tmp_path / "run.csv", rows, delimiter=",", header="t,a,b,q", comments="")
+    columns = {"time": ("t", "s"), "input_left": ("a", "rad"), "input_right": ("b", "rad"), "output": ("q", "rad")}
+    lines = [f"  {key}: {{column: {name}, unit: {unit}}}" for key, (name, unit) in columns.items()]
+    (tmp_path / "run.yaml").write_text("\n".join(["data: run.csv", "columns:", *lines]) + "\n", "utf-8")
+    run = mc.load_run(tmp_path / "run.yaml")
+    assert list(run.to_dict()) == ["time_s", "input_left_rad", "input_right_rad", "output_rad"]
+    assert "1000 samples over 19.98 s" in repr(run)
+    report = mc.close_loop(design, run)
+    assert report.verdict == report.to_dict()["verdict"] == "none", str(report)
+    assert report.result.sentence in str(report)
+    code = cli.run(["loop", str(PARAMS), str(tmp_path / "run.yaml"), "--json", str(tmp_path / "result.json")])
+    assert code == 0 and json.loads((tmp_path / "result.json").read_text("utf-8")) == report.to_dict()
+    with pytest.raises(mc.InputError, match="the same data as"):
+        mc.close_loop(design, [run, tmp_path / "run.yaml"])
+
+
+def test_no_runs_and_published_figures_are_refused(design: mc.DriveDesign, tmp_path: Path) -> None:
+    with pytest.raises(MbcdmError, match="no runs to judge"):
+        mc.close_loop(design, [])
+    with pytest.raises(MbcdmError, match="no-such"):
+        mc.close_loop(design, tmp_path / "no-such.yaml")
+
+
+def loaded_by(code: str) -> set[str]:
+    watched = "{'cadquery', 'OCP', 'scipy', 'matplotlib', 'vtkmodules', 'numba', 'numpy', 'pydantic', 'pandas', 'rich'}"
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys\n{code}\nprint(*({watched} & set(sys.modules)))"],
+        capture_output=True, text=True, timeout=60, check=True, cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    return set(done.stdout.split())
+
+
+def test_importing_is_light_and_cad_is_loaded_only_when_asked_for() -> None:
+    assert loaded_by("import mbcdm_cad as mc; mc.load, mc.close_loop, dir(mc)") == set()
+    checked = loaded_by("import mbcdm_cad as mc; d = mc.load('params/mbcdm.yaml'); d.check(); d.analyse()")
+    assert checked <= {"numpy", "pydantic"}, checked
+
+
+def test_the_ten_line_sweep_runs(tmp_path: Path) -> None:
+    script = ROOT / "docs" / "examples" / "sweep.py"
+    code = [line for line in script.read_text("utf-8").splitlines() if line and not line.startswith(("#", '"""'))]
+    assert len(code) <= 12, code
+    done = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, timeout=120, check=False, cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"},
+    )  # fmt: skip
+    assert done.returncode == 0 and "1000 designs, 1000 with a free span" in done.stdout, done.stderr
+    assert (tmp_path / "sweep.png").stat().st_size > 5000
