@@ -109,21 +109,30 @@ def picture(design: Path, png: Path, angle_deg: float, view: str, no_cache: bool
     return picture_command(design, png, angle_deg=angle_deg, view=view, use_cache=not no_cache)
 
 
-@mbcdm.command(epilog=_examples("mbcdm analyse my_drive.yaml", "mbcdm analyse my_drive.yaml --json > figures.json"))
+@mbcdm.command(epilog=_examples("mbcdm page my_drive.yaml"))
 @_DESIGN
 @click.option("--force", is_flag=True, help="Make the page although a check fails; it then says so.")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("out"), show_default=True, metavar="DIR",
-              help="Folder that the design's folder is written into.")  # fmt: skip
-@click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the design's folder is written into.",
+)
+@_NO_CACHE
 def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
-    """Build DESIGN and write report.html: the drive in 3D, checks, figures, plots, lists; one file, no network."""
+    """Write a page with the drive in 3D and all figures.
+
+    Builds the design and writes report.html: checks, figures, plots and lists in one file that needs no network.
+    """
     from mbcdm_cad.cli.page import page_command
     from mbcdm_cad.design import load_design
 
     return page_command(load_design(design), out=out, force=force, use_cache=not no_cache)
 
 
-@mbcdm.command()
+@mbcdm.command(epilog=_examples("mbcdm analyse my_drive.yaml", "mbcdm analyse my_drive.yaml --json > figures.json"))
 @_DESIGN
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 def analyse(design: Path, as_json: bool) -> int:
