@@ -127,9 +127,35 @@ def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
     Builds the design and writes report.html: checks, figures, plots and lists in one file that needs no network.
     """
     from mbcdm_cad.cli.page import page_command
-    from mbcdm_cad.design import load_design
 
-    return page_command(load_design(design), out=out, force=force, use_cache=not no_cache)
+    return page_command(design, out=out, force=force, use_cache=not no_cache)
+
+
+@mbcdm.command(
+    epilog=_examples("mbcdm export my_drive.yaml --format urdf", "mbcdm export my_drive.yaml --format mjcf --elastic")
+)
+@_DESIGN
+@click.option("--format", "form", type=click.Choice(("urdf", "mjcf")), required=True, help="For which simulators.")
+@click.option("--elastic", is_flag=True, help="Cables as springs instead of a rigid ratio (MJCF only).")
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the description's folder, NAME-FORMAT, is written into.",
+)
+@_NO_CACHE
+def export(design: Path, form: str, elastic: bool, out: Path, no_cache: bool) -> int:
+    """Describe a design for robot simulators.
+
+    Links with mass and inertia, joints with the drive's ratios, meshes in metres; see docs/robot-formats.md.
+    """
+    if elastic and form != "mjcf":
+        raise click.UsageError("--elastic: URDF has no springs between joints; give --format mjcf")
+    from mbcdm_cad.cli.robot import export_command
+
+    return export_command(design, form=form, elastic=elastic, out=out, use_cache=not no_cache)
 
 
 @mbcdm.command(epilog=_examples("mbcdm analyse my_drive.yaml", "mbcdm analyse my_drive.yaml --json > figures.json"))

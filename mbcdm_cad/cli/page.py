@@ -7,12 +7,13 @@ from pathlib import Path
 
 import click
 
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design import load_design
 from mbcdm_cad.storage.cache import Cache, cache_folder
 
 
-def page_command(loaded: LoadedDesign, *, out: Path, force: bool, use_cache: bool) -> int:
+def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
     """Write ``out/<name>/report.html``. 0 written, 1 refused or forced against a failing check."""
+    loaded = load_design(path)
     from mbcdm_cad.build.progress import progress
     from mbcdm_cad.build.run import build, drawn
     from mbcdm_cad.report.page import design_scene, report_page, studies

@@ -1,0 +1,201 @@
+"""Links, joints and cables of a design in SI, from its bill and its model: what both robot formats are written from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.build.bodies import PROBE_DEG, Body, bodies, is_cable
+from mbcdm_cad.build.mass import MassProperties, combined, item_mass
+from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.build.trianglemesh import TriangleMesh
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Vector
+
+MM = 1e-3
+G = 1e-3
+G_MM2 = 1e-9
+G_CM2 = 1e-7
+# More than any known reader of meshes refuses (MuJoCo).
+LARGEST_FACES = 200_000
+
+
+@dataclass(frozen=True)
+class Link:
+    """One body. Lengths in m, kg, kg m^2, in the link's frame: on the joint's axis, directions of the mechanism.
+
+    ``inertia`` is the tensor about the centre of gravity. ``origin`` is the frame's place in the mechanism's frame.
+    """
+
+    name: str
+    origin: Vector
+    mass: float
+    cog: Vector
+    inertia: tuple[Vector, Vector, Vector]
+    colour: Vector
+    mesh: TriangleMesh  # mm, in the mechanism's frame
+
+
+@dataclass(frozen=True)
+class Joint:
+    """How a link turns on the base: about ``axis`` by ``ratio`` times the drum; ``armature``: inertia of its rotor."""
+
+    link: str
+    axis: Vector
+    ratio: float
+    limit_rad: float
+    armature: float  # kg m^2
+
+
+@dataclass(frozen=True)
+class Cable:
+    """A cable as a spring between input and drum: stretch = drum_lever * drum + input_lever * input (m, rad)."""
+
+    name: str
+    input_link: str
+    drum_lever: float
+    input_lever: float
+    stiffness_N_m: float
+    preload_N: float
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """The whole drive. ``base`` stands still and carries the cables' mass; ``drum`` is the joint that leads."""
+
+    name: str
+    base: Link
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    drum: str
+    cables: tuple[Cable, ...]
+    peak_torque_Nm: float
+
+    def link(self, name: str) -> Link:
+        """The moving link called ``name``."""
+        return next(link for link in self.links if link.name == name)
+
+
+def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
+    """The drive as links and joints; ``parts`` by name. Raises ``MbcdmError`` where a body has too fine a mesh, or the
+    bill has no body that turns as the drum does."""
+    kind = configuration(drive.configuration)
+    dims = kind.layout(drive)
+    centred = kind.bill(dims)
+    items = {item.name: item for item in centred.items}
+    cables = [item for item in centred.items if is_cable(centred, item)]
+    moving = bodies(centred, kind.bill(dims, PROBE_DEG))
+    still = [body for body in moving if body.ratio == 0.0]
+    turning = [body for body in moving if body.ratio != 0.0]
+    drum = next((body.name for body in turning if body.ratio == 1.0), None)
+    if drum is None or len(still) != 1:
+        raise MbcdmError(
+            f"{drive.name}: one body must stand still and one turn as the drum (ratio 1), found {len(still)} and "
+            f"ratios {[body.ratio for body in turning]}; the configuration's bill names its groups wrongly"
+        )
+    fixed = [items[name] for name in still[0].items]
+    links = tuple(_link(body, [items[name] for name in body.items], parts, drive) for body in turning)
+    base = _link(still[0], fixed, parts, drive, extra=cables)
+    return Mechanism(
+        name=drive.name,
+        base=base,
+        links=links,
+        joints=tuple(_joint(body, drive) for body in turning),
+        drum=drum,
+        cables=_cables(drive, {body.name: body for body in turning}),
+        peak_torque_Nm=drive.loads.peak_torque_Nm,
+    )
+
+
+def _link(
+    body: Body, shown: list[Item], parts: Mapping[str, PartFiles], drive: Drive, extra: Sequence[Item] = ()
+) -> Link:
+    """``extra`` adds its mass but is not drawn."""
+    whole = combined(item_mass(item, parts[item.part].shape) for item in [*shown, *extra])
+    origin = np.array(body.point_mm)
+    heaviest = max(shown, key=lambda item: item_mass(item, parts[item.part].shape).mass_g)
+    faces = sum(len(parts[item.part].mesh.triangles) for item in shown)
+    if faces >= LARGEST_FACES:
+        raise MbcdmError(
+            f"export.mesh_tolerance_mm: the mesh of {body.name} has too many faces for simulators (value {faces}, "
+            f"limit {LARGEST_FACES}, at {drive.export.mesh_tolerance_mm:g} mm); raise the tolerance"
+        )
+    return Link(
+        name=body.name,
+        origin=_metres(origin),
+        mass=whole.mass_g * G,
+        cog=_metres(np.array(whole.cog_mm) - origin),
+        inertia=_inertia(whole),
+        colour=heaviest.material.colour,
+        mesh=_joined([(item, parts[item.part].mesh) for item in shown]),
+    )
+
+
+def _joint(body: Body, drive: Drive) -> Joint:
+    rotor = drive.motor.rotor_inertia_g_cm2 * G_CM2 * drive.gearhead.ratio**2
+    driven = body.name in {input_link(name) for name in drive.input_names}
+    limit = radians(abs(body.ratio) * (drive.half_travel_deg + drive.stop_clearance_deg))
+    return Joint(body.name, body.axis, body.ratio, limit, rotor if driven else 0.0)
+
+
+def input_link(name: str) -> str:
+    """Name of the body that an input turns."""
+    return f"input_{name}"
+
+
+def _cables(drive: Drive, turning: Mapping[str, Body]) -> tuple[Cable, ...]:
+    d = to_si(drive)
+    found = []
+    for j, name in enumerate(d.cable_names):
+        link = input_link(d.input_names[d.input_of[j]])
+        lever = float(d.sigma[j] * d.drum_radius_m[j])
+        found.append(
+            Cable(
+                name=name,
+                input_link=link,
+                drum_lever=-lever,
+                input_lever=lever / turning[link].ratio,
+                stiffness_N_m=float(d.axial_stiffness_N / d.free_span_m[j]),
+                preload_N=float(d.preload_N[j]),
+            )
+        )
+    return tuple(found)
+
+
+def _joined(pieces: list[tuple[Item, TriangleMesh]]) -> TriangleMesh:
+    """One mesh of many, each at its place."""
+    points, normals, triangles, count = [], [], [], 0
+    for item, mesh in pieces:
+        points.append(item.location.apply(mesh.points_mm))
+        normals.append(mesh.normals @ item.location.rotation.T)
+        triangles.append(mesh.triangles + np.int32(count))
+        count += len(mesh.points_mm)
+    return TriangleMesh(
+        np.concatenate(points),
+        np.concatenate(normals),
+        np.concatenate(triangles),
+        np.empty((0, 2), np.int32),
+        max(mesh.deviation_mm for _, mesh in pieces),
+    )
+
+
+def _inertia(whole: MassProperties) -> tuple[Vector, Vector, Vector]:
+    first, second, third = (_vector(np.array(row) * G_MM2) for row in whole.inertia_g_mm2)
+    return first, second, third
+
+
+def _metres(values_mm: NDArray[np.float64]) -> Vector:
+    return _vector(values_mm * MM)
+
+
+def _vector(values: NDArray[np.float64]) -> Vector:
+    x, y, z = (float(v) + 0.0 for v in values)
+    return x, y, z

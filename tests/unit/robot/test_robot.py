@@ -1,0 +1,199 @@
+"""URDF and MJCF read back by other people's software: mass, inertia, ratio, stiffness."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.build.run import drawn
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design import load_design
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.model import analyse
+from mbcdm_cad.report.masses import inertias, masses_by_item
+from mbcdm_cad.robot import mechanism as mechanism_module
+from mbcdm_cad.robot.formats import robot_files
+from mbcdm_cad.robot.mechanism import LARGEST_FACES, Mechanism, mechanism
+from mbcdm_cad.storage.cache import Cache, cache_folder
+
+REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+G_MM2 = 1e-9
+
+
+@pytest.fixture(scope="module")
+def loaded() -> Any:
+    return load_design(REFERENCE)
+
+
+@pytest.fixture(scope="module")
+def parts(loaded: Any) -> Any:
+    return drawn(loaded.drive, 0.0, Cache(cache_folder()), lambda name: None)[1]
+
+
+@pytest.fixture(scope="module")
+def robot(loaded: Any, parts: Any) -> Mechanism:
+    return mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
+
+
+@pytest.fixture(scope="module")
+def masses(loaded: Any, parts: Any) -> dict[str, Any]:
+    """The report's own sums: mass of the whole (g), inertia at the drum with and without rotors (g mm^2)."""
+    kind = configuration(loaded.drive.configuration)
+    dims = kind.layout(loaded.drive)
+    centred = kind.bill(dims)
+    by_item = masses_by_item(centred, parts)
+    moving = inertias(dims, centred, by_item)
+    return {
+        "mass_g": sum(m.mass_g for m in by_item.values()),
+        "without": moving.at_drum_without_rotors,
+        "with": moving.at_drum,
+    }
+
+
+@pytest.fixture(scope="module")
+def folder(robot: Mechanism, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """urdf/, mjcf/ and elastic/, written out."""
+    out = tmp_path_factory.mktemp("robot")
+    for name, files in {
+        "urdf": robot_files(robot, "urdf"),
+        "mjcf": robot_files(robot, "mjcf"),
+        "elastic": robot_files(robot, "mjcf", elastic=True),
+    }.items():
+        for path, content in files.items():
+            (out / name / path).parent.mkdir(parents=True, exist_ok=True)
+            (out / name / path).write_bytes(content)
+    return out
+
+
+@pytest.fixture(scope="module")
+def urdf(folder: Path) -> Any:
+    yourdfpy = pytest.importorskip("yourdfpy")
+    return yourdfpy.URDF.load(str(folder / "urdf" / "mbcdm.urdf"), build_collision_scene_graph=False)
+
+
+@pytest.fixture(scope="module")
+def mujoco() -> Any:
+    return pytest.importorskip("mujoco")
+
+
+@pytest.fixture(scope="module")
+def rigid(mujoco: Any, folder: Path) -> Any:
+    return mujoco.MjModel.from_xml_path(str(folder / "mjcf" / "mbcdm.xml"))
+
+
+def test_the_same_drive_gives_the_same_bytes(robot: Mechanism) -> None:
+    assert robot_files(robot, "mjcf") == robot_files(robot, "mjcf")
+
+
+@pytest.mark.parametrize(("form", "elastic"), [("sdf", False), ("urdf", True)])
+def test_unknown_forms_are_refused(robot: Mechanism, form: str, elastic: bool) -> None:
+    with pytest.raises(ValueError, match="no such form"):
+        robot_files(robot, form, elastic)
+
+
+def test_meshes_are_in_metres_and_small_enough(robot: Mechanism, folder: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    for link in (robot.base, *robot.links):
+        mesh = trimesh.load(folder / "urdf" / "meshes" / f"{link.name}.stl")
+        assert 0 < len(mesh.faces) < LARGEST_FACES, (link.name, len(mesh.faces))
+        assert 0.001 < mesh.extents.max() < 0.5, (link.name, mesh.extents)
+
+
+def test_a_mesh_too_fine_for_simulators_is_refused(loaded: Any, parts: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mechanism_module, "LARGEST_FACES", 100)
+    with pytest.raises(MbcdmError, match=r"export\.mesh_tolerance_mm.*raise the tolerance"):
+        mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
+
+
+class TestUrdf:
+    def test_is_valid_and_weighs_what_the_report_says(self, urdf: Any, masses: dict[str, Any]) -> None:
+        assert urdf.validate(), urdf.errors
+        whole = sum(link.inertial.mass for link in urdf.robot.links)
+        assert abs(whole * 1e3 / masses["mass_g"] - 1.0) < 1e-9, (whole, masses["mass_g"])
+
+    def test_one_joint_leads_and_the_others_follow_by_the_ratios(self, urdf: Any, loaded: Any) -> None:
+        turns = analyse(loaded.drive).shaft_turns[0]
+        ratio = {"guide": turns.guide_deg / turns.drum_deg}
+        assert urdf.actuated_joint_names == ["drum"]
+        urdf.update_cfg([0.3])
+        for joint in urdf.robot.joints:
+            if joint.name == "drum":
+                continue
+            wanted = ratio.get(joint.name, turns.input_deg / turns.drum_deg)
+            assert abs(joint.mimic.multiplier / wanted - 1.0) < 1e-9, (joint.name, joint.mimic.multiplier, wanted)
+            frame = urdf.get_transform(joint.child)
+            angle = np.arctan2(frame[1, 0], frame[0, 0])
+            error = (angle - wanted * 0.3 + np.pi) % (2 * np.pi) - np.pi
+            assert abs(error) < 1e-9, (joint.name, angle, error)
+
+
+class TestMujoco:
+    def test_weighs_what_the_report_says(self, rigid: Any, masses: dict[str, Any]) -> None:
+        whole = float(rigid.body_mass.sum())
+        assert abs(whole * 1e3 / masses["mass_g"] - 1.0) < 1e-6, (whole, masses["mass_g"])
+
+    @pytest.mark.parametrize("rotors", ["without", "with"])
+    def test_inertia_at_the_drum_is_the_reports(
+        self, mujoco: Any, rigid: Any, robot: Mechanism, masses: dict[str, Any], rotors: str
+    ) -> None:
+        data = mujoco.MjData(rigid)
+        mujoco.mj_forward(rigid, data)
+        full = np.zeros((rigid.nv, rigid.nv))
+        mujoco.mj_fullM(rigid, data, full)
+        names = [rigid.joint(k).name for k in range(rigid.njnt)]
+        ratio = np.array([next(j.ratio for j in robot.joints if j.link == name) for name in names])
+        if rotors == "without":
+            full -= np.diag(rigid.dof_armature)
+        seen = float(ratio @ full @ ratio) / G_MM2
+        assert abs(seen / masses[rotors] - 1.0) < 1e-6, (seen, masses[rotors])
+
+    def test_the_ratio_holds_in_a_swing(self, mujoco: Any, rigid: Any, robot: Mechanism) -> None:
+        data = mujoco.MjData(rigid)
+        worst = reached = 0.0
+        for step in range(4000):
+            data.qfrc_applied[rigid.joint("input_left").dofadr[0]] = 0.02 * np.sin(2 * np.pi * step * 0.0005 / 0.5)
+            mujoco.mj_step(rigid, data)
+            drum = data.joint("drum").qpos[0]
+            reached = max(reached, abs(drum))
+            for joint in robot.joints:
+                # seen at the drum
+                worst = max(worst, abs(data.joint(joint.link).qpos[0] / joint.ratio - drum))
+        assert reached > np.radians(2.0), reached
+        assert worst < 20e-6, (worst, reached)
+
+    def test_cables_as_springs_give_the_models_stiffness(
+        self, mujoco: Any, folder: Path, robot: Mechanism, loaded: Any
+    ) -> None:
+        model = mujoco.MjModel.from_xml_path(str(folder / "elastic" / "mbcdm.xml"))
+        model.opt.gravity[:] = 0.0
+        stiffness = analyse(loaded.drive).sticking_stiffness_Nm_rad
+        torque, drum = 0.91, model.joint("drum").dofadr[0]
+        rest = mujoco.MjData(model)
+        mujoco.mj_forward(model, rest)
+        # At rest the cables pull with their preload; the torques of one input's cables need not cancel there.
+        tensions = {c.name: c.preload_N for c in robot.cables}
+        levers = {c.name: c.drum_lever for c in robot.cables}
+        held = -sum(tensions[name] * levers[name] for name in tensions)
+        assert abs(rest.qfrc_passive[drum] - held) < 1e-6, (rest.qfrc_passive[drum], held)
+        turned = mujoco.MjData(model)
+        turned.qpos[model.joint("drum").qposadr[0]] = torque / stiffness
+        mujoco.mj_forward(model, turned)
+        resists = rest.qfrc_passive[drum] - turned.qfrc_passive[drum]
+        assert abs(resists / torque - 1.0) < 1e-6, (resists, torque, stiffness)
+
+    def test_elastic_drive_swings_without_blowing_up(self, mujoco: Any, folder: Path, robot: Mechanism) -> None:
+        model = mujoco.MjModel.from_xml_path(str(folder / "elastic" / "mbcdm.xml"))
+        data = mujoco.MjData(model)
+        left = model.joint("input_left").dofadr[0]
+        worst = reached = 0.0
+        for step in range(8000):
+            data.qfrc_applied[left] = 0.05 * np.sin(2 * np.pi * step * model.opt.timestep / 0.2)
+            mujoco.mj_step(model, data)
+            drum = data.joint("drum").qpos[0]
+            reached = max(reached, abs(drum))
+            worst = max(worst, abs(data.joint("input_left").qpos[0] / 9.0 - drum))
+        assert np.isfinite(reached) and reached > 0.005, reached
+        assert 1e-6 < worst < 2e-3, (worst, reached)
