@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.design.loader import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many
 from mbcdm_cad.model.hysteresis import simulate

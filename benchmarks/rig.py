@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.dynamic.motion import sine
 from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, rig_of

@@ -123,9 +123,9 @@ def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
     import cadquery as cq
 
     from mbcdm_cad.build.meshing import kernel_tolerances
+    from mbcdm_cad.configurations.loader import load_design
     from mbcdm_cad.configurations.miso_bevel.bill import bill
     from mbcdm_cad.configurations.miso_bevel.layout import layout
-    from mbcdm_cad.design import load_design
 
     drive = load_design(design).drive
     assembly = bill(layout(drive))

@@ -21,12 +21,12 @@ from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.configurations.loader import load_text, reference_data
 from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
 from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.design import LoadedDesign, load_text
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.template import reference_data
+from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
 
 Data = dict[str, Any]

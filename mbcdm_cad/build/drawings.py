@@ -11,7 +11,8 @@ import mbcdm_cad
 from mbcdm_cad.build.run import drawn
 from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.configurations.registry import configuration
-from mbcdm_cad.design.drive import Drive, Material
+from mbcdm_cad.design.bought import Material
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_module, sheet_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.design.drive import Material
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.bill import PartSpec
 from mbcdm_cad.parts.make import make
 

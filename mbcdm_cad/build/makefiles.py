@@ -8,7 +8,7 @@ from mbcdm_cad.build.measure import measure
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.validate import validate_solid
-from mbcdm_cad.design.drive import Material
+from mbcdm_cad.design.bought import Material
 
 
 def make_part_files(

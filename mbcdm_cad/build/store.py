@@ -16,7 +16,7 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.configurations.interface import FrameCompliance, Layout
 from mbcdm_cad.configurations.registry import configuration
-from mbcdm_cad.design.drive import Material
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.cli.files import refuse_missing_folder
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.storage.cache import Cache, cache_folder
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.cli.screen import coloured, screen_width
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.report.check_report import CheckReport, Shown, check_design
 

@@ -220,7 +220,7 @@ def loop(
 
     Judges all runs together; each is described by a MEASUREMENTS file (YAML), which names the columns of its CSV file.
     """
-    from mbcdm_cad.design import load_design
+    from mbcdm_cad.configurations.loader import load_design
 
     loaded = load_design(design)  # before the rest is imported, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
@@ -244,7 +244,7 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 
     Writes the measured run as 'mbcdm loop' reads it, and in a file of its own the truth that the loop must not see.
     """
-    from mbcdm_cad.design import load_design
+    from mbcdm_cad.configurations.loader import load_design
 
     loaded = load_design(design)
     from mbcdm_cad.rig.reading import read_experiment
@@ -255,29 +255,36 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
     click.echo(simulate_command(loaded.drive, wanted, out))
 
 
+_CONFIGURATION = click.option(
+    "--configuration", metavar="NAME", help="Layout of the drive; that of the reference design by default."
+)
+
+
 @mbcdm.command(epilog=_examples("mbcdm init my_drive.yaml"))
 @click.argument("new", type=_FILE)
-def init(new: Path) -> int:
+@_CONFIGURATION
+def init(new: Path, configuration: str | None) -> int:
     """Write a new design file with the reference values.
 
     Each value has its unit, meaning and source beside it. Never overwrites a file.
     """
     from mbcdm_cad.cli.files import init_command
 
-    return init_command(new)
+    return init_command(new, configuration)
 
 
 @mbcdm.command(epilog=_examples("mbcdm schema > design.schema.json", "mbcdm schema --reference --measurement | less"))
 @click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
 @click.option("--measurement", is_flag=True, help="Of measurement files, which 'mbcdm loop' reads.")
-def schema(reference: bool, measurement: bool) -> int:
+@_CONFIGURATION
+def schema(reference: bool, measurement: bool, configuration: str | None) -> int:
     """Print the JSON Schema of design files.
 
     An editor completes and checks a design file with it.
     """
     from mbcdm_cad.cli.files import schema_command
 
-    return schema_command(reference=reference, measurement=measurement)
+    return schema_command(reference=reference, measurement=measurement, configuration=configuration)
 
 
 @mbcdm.command(

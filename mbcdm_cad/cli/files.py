@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -18,13 +19,17 @@ def refuse_missing_folder(path: Path) -> None:
         raise InputError([Problem(str(path), 1, "", what, remedy="make it first, or choose another path")])
 
 
-def init_command(new: Path) -> int:
+def init_command(new: Path, configuration: str | None) -> int:
     """Write the new design file. Raises ``InputError`` where there is one already or none can be written."""
     refuse_missing_folder(new)
-    from mbcdm_cad.design.template import new_design_text, slug  # the schema: a wrong path need not wait for it
+    from mbcdm_cad.configurations.loader import (  # the schema: a wrong path need not wait for it
+        DEFAULT,
+        new_design_text,
+    )
+    from mbcdm_cad.design.template import slug
 
     name = slug(new.stem)
-    text = new_design_text(name)
+    text = new_design_text(name, configuration or DEFAULT)
     try:
         with open(new, "x", encoding="utf-8", newline="\n") as file:
             file.write(text)
@@ -37,16 +42,23 @@ def init_command(new: Path) -> int:
     return 0
 
 
-def schema_command(*, reference: bool, measurement: bool) -> int:
-    """Print the JSON Schema, or the reference page, of design or measurement files."""
-    if reference:
-        from mbcdm_cad.design.reference import reference_page
+def schema_command(*, reference: bool, measurement: bool, configuration: str | None) -> int:
+    """Print the JSON Schema, or the reference page, of one configuration's design files or of measurement files."""
+    if measurement:
         from mbcdm_cad.measurement.reference import measurement_page
+        from mbcdm_cad.measurement.schema import json_schema
 
-        click.echo(measurement_page() if measurement else reference_page(), nl=False)
-        return 0
-    from mbcdm_cad.design.editor import editor_schema
-    from mbcdm_cad.measurement.schema import json_schema
+        text = measurement_page() if reference else _json(json_schema())
+    else:
+        from mbcdm_cad.configurations.loader import DEFAULT, design_file
+        from mbcdm_cad.design.editor import editor_schema
+        from mbcdm_cad.design.reference import reference_page
 
-    click.echo(json.dumps(json_schema() if measurement else editor_schema(), indent=2, ensure_ascii=False))
+        nodes = design_file(configuration or DEFAULT).nodes
+        text = reference_page(nodes) if reference else _json(editor_schema(nodes))
+    click.echo(text, nl=False)
     return 0
+
+
+def _json(schema: dict[str, Any]) -> str:
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"

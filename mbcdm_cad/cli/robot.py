@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.storage.cache import Cache, cache_folder
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.cli.screen import screen_width
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 
 
 def analyse_command(path: Path, *, as_json: bool) -> int:
@@ -49,8 +49,7 @@ def sensitivity_command(path: Path, *, out: Path) -> int:
 
 def reproduce_command(path: Path | None) -> int:
     """Print the paper table; 1 if a figure leaves its tolerance."""
-    from mbcdm_cad.design.loader import load_text
-    from mbcdm_cad.design.template import new_design_text
+    from mbcdm_cad.configurations.loader import load_text, new_design_text
     from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 
     loaded = load_text(new_design_text("mbcdm")) if path is None else load_design(path)

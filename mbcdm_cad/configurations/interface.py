@@ -15,6 +15,7 @@ from mbcdm_cad.design.drive import Drive
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.design_under_test import DesignUnderTest
+    from mbcdm_cad.design.design_file import DesignFile
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
     from mbcdm_cad.routes.cable_path import CablePath
 
@@ -92,6 +93,9 @@ class Configuration(Protocol):
     @property
     def title(self) -> str:
         """One line for people."""
+
+    def design_file(self) -> DesignFile:
+        """Schema, reference values and rules of its design files, and how a drive is made of one."""
 
     def layout(self, drive: Drive) -> Layout:
         """All derived dimensions of ``drive``, without CAD.

@@ -15,6 +15,8 @@ from mbcdm_cad.configurations.interface import Configuration
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 
 ENTRY_POINTS = "mbcdm_cad.configurations"
+# Of new design files, where no other is asked for.
+DEFAULT = "miso_bevel"
 _FOLDER = Path(__file__).parent
 _added: dict[str, Configuration] = {}
 

@@ -1,17 +1,18 @@
-"""What the schema says about a field, read off its JSON Schema: for messages, the reference page and new files."""
+"""What a schema says about a field, read off its JSON Schema: for messages, the reference page and new files."""
 
 from __future__ import annotations
 
 import json
 import re
-from functools import cache
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
+from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
+from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import PATTERN_WORDS
-from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.design.schema import Design
 
 Node = dict[str, Any]
 
@@ -21,44 +22,79 @@ _PLAIN = re.compile(
 
 
 class _InOrder(GenerateJsonSchema):
-    """Keeps everything in the order of the schema's source, examples too."""
+    """Keeps everything in the order of the schema's source, examples too, and blocks in the order that they ask for."""
 
     def sort(self, value: Any, parent_key: str | None = None) -> Any:
         return value
 
-
-@cache
-def json_schema() -> Node:
-    """JSON Schema of the design file; do not change it."""
-    schema: Node = Design.model_json_schema(schema_generator=_InOrder)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
-
-
-def node_at(path: FieldPath) -> Node | None:
-    """The schema's node for a field path, with references followed and "or nothing" dropped; None if unknown."""
-    node: Node | None = solid(json_schema())
-    for part in path:
-        if node is None:
-            return None
-        if isinstance(part, int):
-            child = _item(node, part)
-        else:
-            child = node.get("properties", {}).get(part) or named_values(node)
-        node = solid(child) if isinstance(child, dict) else None
-    return node
+    def model_schema(self, schema: Any) -> Any:
+        node = super().model_schema(schema)
+        order = getattr(schema["cls"], "ORDER", ())
+        if order:
+            node["properties"] = {name: node["properties"][name] for name in order}
+            node["required"] = [name for name in order if name in node["required"]]
+        return node
 
 
-def solid(node: Node) -> Node:
-    """The node with its ``$ref`` followed and its non-null branch merged in; the field's own words win."""
-    merged = dict(node)
-    for branch in merged.pop("anyOf", []):
-        if branch.get("type") != "null":
-            merged = {**branch, **merged}
-    reference = merged.pop("$ref", None)
-    if reference is not None:
-        target = json_schema()["$defs"][reference.rsplit("/", 1)[1]]
-        merged = {**solid(target), **merged}
-    return merged
+@dataclass(frozen=True)
+class Given:
+    """Value of the reference design for a field of a shared block, and where it comes from."""
+
+    value: Any = None
+    source: str = "-"
+
+
+class SchemaNodes:
+    """The JSON Schema of one kind of design file, and what it says of each field."""
+
+    def __init__(self, schema: type[BaseModel], reference: Mapping[str, Given]) -> None:
+        """``reference``: values for fields of shared blocks by their place, ``"rope.preload_N"`` or ``"cables.name"``.
+
+        Raises ``KeyError`` for a place that the schema has not.
+        """
+        root: Node = schema.model_json_schema(schema_generator=_InOrder)
+        self.root: Node = {"$schema": "https://json-schema.org/draft/2020-12/schema", **root}
+        for place, given in reference.items():
+            node = self._raw(place.split("."))
+            node["source"] = given.source
+            if given.value is not None:
+                node |= {"examples": [given.value], "in_reference": True}
+
+    def at(self, path: FieldPath) -> Node | None:
+        """The node for a field path, with references followed and "or nothing" dropped; None if unknown."""
+        node: Node | None = self.solid(self.root)
+        for part in path:
+            if node is None:
+                return None
+            if isinstance(part, int):
+                child = _item(node, part)
+            else:
+                child = node.get("properties", {}).get(part) or named_values(node)
+            node = self.solid(child) if isinstance(child, dict) else None
+        return node
+
+    def solid(self, node: Node) -> Node:
+        """The node with its ``$ref`` followed and its non-null branch merged in; the field's own words win."""
+        merged = dict(node)
+        for branch in merged.pop("anyOf", []):
+            if branch.get("type") != "null":
+                merged = {**branch, **merged}
+        reference = merged.pop("$ref", None)
+        if reference is not None:
+            merged = {**self.solid(self._definition(reference)), **merged}
+        return merged
+
+    def _definition(self, reference: str) -> Node:
+        found: Node = self.root["$defs"][reference.rsplit("/", 1)[1]]
+        return found
+
+    def _raw(self, place: list[str]) -> Node:
+        """The field's node as the schema holds it, reached through blocks and the items of lists."""
+        node = self.root
+        for name in place:
+            node = node.get("items", node)
+            node = (self._definition(node["$ref"]) if "$ref" in node else node)["properties"][name]
+        return node
 
 
 def named_values(node: Node) -> Node | None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import copy
 
-from mbcdm_cad.design.describe import Node, json_schema
+from mbcdm_cad.design.describe import Node, SchemaNodes
 
 
-def editor_schema() -> Node:
+def editor_schema(nodes: SchemaNodes) -> Node:
     """JSON Schema of the files a user may write; a field or list item that may carry a sigma has both forms."""
-    schema = copy.deepcopy(json_schema())
+    schema = copy.deepcopy(nodes.root)
     for block in (schema, *schema["$defs"].values()):
         properties = block.get("properties", {})
         for name, node in properties.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints
 
@@ -27,15 +27,25 @@ class Block(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
+    # Order of the fields in files and on pages, where a block that extends another puts its own between them.
+    ORDER: ClassVar[tuple[str, ...]] = ()
+
 
 def quantity(
-    meaning: str, *, unit: str, source: str, reference: Any = None, example: Any = None, uncertain: bool = False,
+    meaning: str,
+    *,
+    unit: str,
+    source: str = "-",
+    reference: Any = None,
+    example: Any = None,
+    uncertain: bool = False,
     **bounds: Any,
-) -> Any:  # fmt: skip
+) -> Any:
     """A field with its meaning, unit, source and bounds in one place.
 
-    ``reference`` is the value of the reference design, from which ``mbcdm init`` writes a starting file; a field
-    with ``example`` instead is written there as a comment. Either is shown to the user as an example. ``uncertain``
+    ``reference`` is the value of the reference design, from which ``mbcdm init`` writes a starting file, and ``source``
+    says where it comes from; both are given elsewhere for a block that several configurations share. A field with
+    ``example`` instead is written there as a comment. Either is shown to the user as an example. ``uncertain``
     allows ``{value: ..., sigma: ...}`` in place of the number, or of each number of a list. ``bounds`` go to
     pydantic (``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``); a ``default`` among them makes the field
     optional.
@@ -50,6 +60,6 @@ def quantity(
     return Field(**{"default": ..., **bounds}, description=meaning, json_schema_extra=extra)
 
 
-def choice(meaning: str, *, source: str, reference: Any = None, example: Any = None, **bounds: Any) -> Any:
+def choice(meaning: str, *, source: str = "-", reference: Any = None, example: Any = None, **bounds: Any) -> Any:
     """A field without a unit: a name, a word of a fixed set, a list of names."""
     return quantity(meaning, unit="-", source=source, reference=reference, example=example, **bounds)

@@ -1,18 +1,14 @@
-"""A design that was read: what :func:`mbcdm_cad.design.load_design` gives."""
+"""A design that was read: what :func:`mbcdm_cad.configurations.loader.load_design` gives."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import Drive
-
-if TYPE_CHECKING:
-    from mbcdm_cad.design.schema import Design
-
-FieldPath = tuple[str | int, ...]
+from mbcdm_cad.design.fieldpath import FieldPath, nearest_line
 
 
 @dataclass(frozen=True)
@@ -33,10 +29,3 @@ class LoadedDesign:
     def line_of(self, *field_path: str | int) -> int:
         """Line of a field, as in ``line_of("cables", 0, "step")``; of the block above it where it is not given."""
         return nearest_line(self.lines, field_path)
-
-
-def nearest_line(lines: Mapping[FieldPath, int], path: FieldPath) -> int:
-    """Line of the field, or of the nearest block above it that the file holds."""
-    while path and path not in lines:
-        path = path[:-1]
-    return lines.get(path, 1)

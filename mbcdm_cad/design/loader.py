@@ -1,73 +1,77 @@
-"""Reading a design file: bytes, YAML, schema, rules, ``Drive``; every fault becomes an ``InputError``."""
+"""Reading a design file: YAML, schema, rules, ``Drive``; every fault becomes an ``InputError``.
+
+Which configuration the file is of, and so its :class:`~mbcdm_cad.design.design_file.DesignFile`, is for the caller to
+say: this room knows of no configuration (:mod:`mbcdm_cad.configurations.loader`).
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.as_built import with_as_built
+from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import FieldPath, LoadedDesign
-from mbcdm_cad.design.resolve import resolve
-from mbcdm_cad.design.rules import broken_rules
-from mbcdm_cad.design.schema import Design
+from mbcdm_cad.design.fieldpath import FieldPath, dotted
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.problems import schema_problems
+from mbcdm_cad.design.resolve import as_built
+from mbcdm_cad.design.rules import Broken, broken_names, broken_shared_rules, named_by_shared_blocks
 from mbcdm_cad.design.sigmas import split_sigmas
-from mbcdm_cad.design.source import read_text
+from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, Problem
 
 
-def load_design(path: str | Path) -> LoadedDesign:
-    """Read, validate and resolve a design file. Raises InputError with all problems found at one stage."""
-    path = Path(path)
-    return load_text(read_text(path), path)
+def loaded(tree: Tree, text: str, path: Path, file: DesignFile) -> LoadedDesign:
+    """The design in ``tree``, which was parsed from ``text`` or holds the same values. Raises as :func:`resolved`."""
+    design, drive = resolved(tree, path, file)
+    return LoadedDesign(drive, path, _sha256(design, drive), design, text, tree.lines)
 
 
-def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
-    """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
-    return load_tree(yamltree.parse(text, str(path)), text, path)
+def resolved(tree: Tree, path: Path, file: DesignFile) -> tuple[Design, Drive]:
+    """The design and its drive from a tree of the file's values. Raises InputError with all problems of one stage.
+
+    The stages are: sigmas, schema, rules between fields.
+    """
+    tree, sigmas = _split(tree, str(path), file)
+    design = _validated(tree, str(path), file)
+    catalogue = Catalogue(design)
+    _refuse_broken_rules(_broken(design, catalogue, file), tree, str(path))
+    return design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design))
 
 
-def load_tree(tree: yamltree.Tree, text: str, path: str | Path) -> LoadedDesign:
-    """As :func:`load_text`, from a tree that was read from ``text`` or holds the same values."""
-    design, drive = resolved(tree, path)
-    return LoadedDesign(drive, Path(path), _sha256(design, drive), design, text, tree.lines)
-
-
-def resolved(tree: yamltree.Tree, path: str | Path) -> tuple[Design, Drive]:
-    """The design and its ``Drive`` from a tree of the file's values. Raises as :func:`load_design`."""
-    tree, sigmas = _split(tree, str(path))
-    design = _validated(tree, path)
-    _refuse_broken_rules(design, tree, path)
-    return design, resolve(design, sigmas)
-
-
-def _split(tree: yamltree.Tree, file: str) -> tuple[yamltree.Tree, dict[FieldPath, float]]:
+def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPath, float]]:
     """The tree with plain values, and the sigmas."""
     if isinstance(tree.data, dict) and tree.data.get("as_built", ()) is None:
         tree.data["as_built"] = []  # all entries are comments still, as 'mbcdm loop --apply' writes what is undecided
-    return split_sigmas(tree, file)
+    return split_sigmas(tree, path, lambda field: bool((file.nodes.at(field) or {}).get("uncertain")))
 
 
-def _validated(tree: yamltree.Tree, path: str | Path) -> Design:
+def _validated(tree: Tree, path: str, file: DesignFile) -> Design:
     try:
-        return Design.model_validate(tree.data)
+        return file.schema.model_validate(tree.data)
     except ValidationError as error:
-        from mbcdm_cad.design.problems import schema_problems  # costs a start nothing while the file is right
-
-        raise InputError(schema_problems(error, tree, str(path))) from None
+        raise InputError(schema_problems(error, tree, path, file.nodes.at)) from None
 
 
-def _refuse_broken_rules(design: Design, tree: yamltree.Tree, path: str | Path) -> None:
-    broken = [
-        Problem(str(path), tree.line_of(rule.path), yamltree.dotted(rule.path), *rule[1:])
-        for rule in broken_rules(design)
-    ]
-    if broken:
-        raise InputError(sorted(broken, key=lambda problem: problem.line))
+def _broken(design: Design, catalogue: Catalogue, file: DesignFile) -> Iterator[Broken]:
+    yield from file.rules(design)
+    yield from broken_shared_rules(design)
+    yield from broken_names(catalogue, named_by_shared_blocks(design))
+    yield from broken_names(catalogue, file.named(design))
+
+
+def _refuse_broken_rules(broken: Iterator[Broken], tree: Tree, path: str) -> None:
+    problems = [Problem(path, tree.line_of(rule.path), dotted(rule.path), *rule[1:]) for rule in broken]
+    if problems:
+        raise InputError(sorted(problems, key=lambda problem: problem.line))
 
 
 def _sha256(design: Design, drive: Drive) -> str:

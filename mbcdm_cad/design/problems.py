@@ -7,10 +7,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mbcdm_cad.design.describe import Node, flow, limit_text, node_at
+from mbcdm_cad.design.describe import Node, flow, limit_text
+from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.fields import PATTERN_WORDS
-from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.design.yamltree import Tree, dotted
+from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import Problem, did_you_mean, shortened
 
 MAX_LISTED = 50
@@ -24,10 +24,10 @@ _NO_FIELDS = ("[key]", "constrained-str", "int")
 NodeAt = Callable[[FieldPath], Node | None]
 
 
-def schema_problems(error: ValidationError, tree: Tree, file: str, node_at: NodeAt = node_at) -> list[Problem]:
+def schema_problems(error: ValidationError, tree: Tree, file: str, node_at: NodeAt) -> list[Problem]:
     """All findings by line, cut after ``MAX_LISTED`` with a word on how many more there are.
 
-    ``node_at`` looks up what the file's schema says of a field, that of the design file by default.
+    ``node_at`` looks up what the file's schema says of a field.
     """
     items = [item for item in error.errors(include_url=False) if not _follows(item)]
     # Every branch of "a name or a number" complains alike.

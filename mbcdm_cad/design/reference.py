@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.describe import Node, flow, json_schema, limit_text, named_values, solid
+from mbcdm_cad.design.describe import Node, SchemaNodes, flow, limit_text, named_values
 from mbcdm_cad.design.entries import KINDS
 
 _INTRO = """\
@@ -26,30 +26,30 @@ to catalogue entries, radii are given either by ratios or explicitly, a modulus 
 """
 
 
-def reference_page() -> str:
+def reference_page(nodes: SchemaNodes) -> str:
     """The whole page."""
-    schema = solid(json_schema())
-    top = {key: solid(raw) for key, raw in schema["properties"].items()}
+    schema = nodes.solid(nodes.root)
+    top = {key: nodes.solid(raw) for key, raw in schema["properties"].items()}
     blocks = {key: node for key, node in top.items() if "properties" in node and key != "catalogue"}
-    lines = [_INTRO, "## Top level", "", *_table({key: node for key, node in top.items() if key not in blocks})]
+    lines = [_INTRO, "## Top level", "", *_table(nodes, {key: node for key, node in top.items() if key not in blocks})]
     for key, node in blocks.items():
-        lines += [f"## {key}", "", _sentence(node), "", *_table(_flattened(node))]
+        lines += [f"## {key}", "", _sentence(node), "", *_table(nodes, _flattened(nodes, node))]
     for key in ("inputs", "cables", "waivers", "as_built"):
-        lines += [f"## Items of {key}", "", *_table(_flattened(solid(top[key]["items"])))]
+        lines += [f"## Items of {key}", "", *_table(nodes, _flattened(nodes, nodes.solid(top[key]["items"])))]
     lines.append("## Catalogue\n")
     lines.append("A design may add or override entries under `catalogue: {KIND: {NAME: {...}}}`, with these fields.\n")
     for kind in KINDS:
-        entry = solid(named_values(solid(top["catalogue"]["properties"][kind])) or {})
-        lines += [f"### {kind}", "", _sentence(entry), "", *_fields(entry), *_entries(kind)]
+        entry = nodes.solid(named_values(nodes.solid(top["catalogue"]["properties"][kind])) or {})
+        lines += [f"### {kind}", "", _sentence(entry), "", *_fields(nodes, entry), *_entries(kind)]
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _flattened(node: Node, prefix: str = "") -> dict[str, Node]:
+def _flattened(nodes: SchemaNodes, node: Node, prefix: str = "") -> dict[str, Node]:
     rows: dict[str, Node] = {}
     for key, raw in node["properties"].items():
-        child = solid(raw)
+        child = nodes.solid(raw)
         if "properties" in child and child.get("in_reference"):
-            rows |= _flattened(child, f"{prefix}{key}.")
+            rows |= _flattened(nodes, child, f"{prefix}{key}.")
         else:
             rows[prefix + key] = child
     return rows
@@ -59,12 +59,12 @@ def _sentence(node: Node) -> str:
     return str(node.get("description", "")).split("\n")[0].rstrip(".") + "."
 
 
-def _table(rows: dict[str, Node]) -> Iterator[str]:
+def _table(nodes: SchemaNodes, rows: dict[str, Node]) -> Iterator[str]:
     yield "| field | unit | limits | reference | meaning | source |"
     yield "| --- | --- | --- | --- | --- | --- |"
     for key, node in rows.items():
         reference = f"`{flow(node['examples'][0])}`" if node.get("in_reference") else ""
-        if node.get("type") == "array" and "properties" in solid(node.get("items", {})):
+        if node.get("type") == "array" and "properties" in nodes.solid(node.get("items", {})):
             reference = "see `mbcdm init`" if node["examples"][0] else reference
         cells = (f"`{key}`", node.get("unit", "-"), _limits(node), reference, node.get("description", ""),
                  node.get("source", "-"))  # fmt: skip
@@ -72,11 +72,11 @@ def _table(rows: dict[str, Node]) -> Iterator[str]:
     yield ""
 
 
-def _fields(entry: Node) -> Iterator[str]:
+def _fields(nodes: SchemaNodes, entry: Node) -> Iterator[str]:
     yield "| field | unit | limits | meaning |"
     yield "| --- | --- | --- | --- |"
     for key, raw in entry["properties"].items():
-        node = solid(raw)
+        node = nodes.solid(raw)
         yield _row((f"`{key}`", node.get("unit", "-"), _limits(node), node.get("description", "")))
     yield ""
 

@@ -6,10 +6,11 @@ them, by field path, to those who ask for intervals. Only fields that the schema
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from mbcdm_cad.design.loaded import FieldPath
-from mbcdm_cad.design.yamltree import Tree, dotted
+from mbcdm_cad.design.fieldpath import FieldPath, dotted
+from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, Problem, shortened
 
 VALUE, SIGMA = "value", "sigma"
@@ -17,9 +18,11 @@ VALUE, SIGMA = "value", "sigma"
 WIDEST_SHARE = 1 / 3
 
 
-def split_sigmas(tree: Tree, file: str) -> tuple[Tree, dict[FieldPath, float]]:
+def split_sigmas(
+    tree: Tree, file: str, may_carry_sigma: Callable[[FieldPath], bool]
+) -> tuple[Tree, dict[FieldPath, float]]:
     """The tree with plain values, and the sigma of each field that gave one. Raises InputError with all problems."""
-    splitter = _Splitter(tree, file)
+    splitter = _Splitter(tree, file, may_carry_sigma)
     data = splitter.plain(tree.data, ())
     if splitter.problems:
         raise InputError(sorted(splitter.problems, key=lambda problem: problem.line))
@@ -27,8 +30,8 @@ def split_sigmas(tree: Tree, file: str) -> tuple[Tree, dict[FieldPath, float]]:
 
 
 class _Splitter:
-    def __init__(self, tree: Tree, file: str) -> None:
-        self.tree, self.file = tree, file
+    def __init__(self, tree: Tree, file: str, may_carry_sigma: Callable[[FieldPath], bool]) -> None:
+        self.tree, self.file, self.may_carry_sigma = tree, file, may_carry_sigma
         self.sigmas: dict[FieldPath, float] = {}
         self.problems: list[Problem] = []
 
@@ -38,7 +41,7 @@ class _Splitter:
         if not isinstance(node, dict):
             return node
         if SIGMA in node or VALUE in node:
-            if _may_carry_sigma(path):
+            if self.may_carry_sigma(path):
                 return self._measured(node, path)
             if set(node) == {VALUE, SIGMA}:
                 self._problem(path, "carries a sigma, which nothing here would use", remedy="give the bare value")
@@ -68,9 +71,3 @@ class _Splitter:
     def _problem(self, path: FieldPath, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
         line = self.tree.line_of(path)
         self.problems.append(Problem(self.file, line, dotted(path), what, value, limit, remedy))
-
-
-def _may_carry_sigma(path: FieldPath) -> bool:
-    from mbcdm_cad.design.describe import node_at  # the schema's tables are made only where a file holds a sigma
-
-    return bool((node_at(path) or {}).get("uncertain"))

@@ -23,11 +23,7 @@ def read_text(path: Path, kind: str = "design file", hint: str = NEW_DESIGN) -> 
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise _file_error(
-            path,
-            f"cannot be read: {error.strerror or error}",
-            remedy="check the path" + hint,
-        ) from None
+        raise _file_error(path, f"cannot be read: {error.strerror or error}", remedy="check the path" + hint) from None
     except ValueError as error:
         raise _file_error(path, f"cannot be read: {error}", remedy="check the path") from None
     if len(content) > MAX_BYTES:

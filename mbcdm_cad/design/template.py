@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterator
 from typing import Any
 
-from mbcdm_cad.design.describe import Node, flow, json_schema, solid
+from mbcdm_cad.design.describe import Node, SchemaNodes, flow
 from mbcdm_cad.design.entries import OwnEntries
 
 WIDTH = 120
@@ -24,9 +24,9 @@ _HEADER = """\
 """
 
 
-def new_design_text(name: str) -> str:
+def new_text(nodes: SchemaNodes, name: str) -> str:
     """Text of a design file called ``name`` (a slug) that loads and equals the reference design but for the name."""
-    lines = list(_block(solid(json_schema()), indent=0, given={"name": name}))
+    lines = list(_block(nodes, nodes.solid(nodes.root), indent=0, given={"name": name}))
     return _HEADER + "\n".join(lines) + "\n"
 
 
@@ -36,17 +36,17 @@ def slug(text: str) -> str:
     return plain[:64] or "design"
 
 
-def reference_data() -> dict[str, Any]:
+def reference_values(nodes: SchemaNodes) -> dict[str, Any]:
     """The reference design as plain data, as its file would be read."""
-    return _data(solid(json_schema()))
+    return _data(nodes, nodes.solid(nodes.root))
 
 
-def _data(node: Node) -> dict[str, Any]:
+def _data(nodes: SchemaNodes, node: Node) -> dict[str, Any]:
     data: dict[str, Any] = {}
     for key, raw in node["properties"].items():
-        child = solid(raw)
+        child = nodes.solid(raw)
         if _is_block(child):
-            data[key] = _data(child)
+            data[key] = _data(nodes, child)
         elif child.get("in_reference"):
             data[key] = copy.deepcopy(child["examples"][0])  # the schema keeps its own
     return data
@@ -59,14 +59,14 @@ def _is_block(node: Node) -> bool:
     return "default" not in node or bool(node.get("in_reference"))
 
 
-def _block(node: Node, indent: int, given: dict[str, Any]) -> Iterator[str]:
+def _block(nodes: SchemaNodes, node: Node, indent: int, given: dict[str, Any]) -> Iterator[str]:
     """The lines of a block: its scalars with comments in one column, its inner blocks below their heading."""
-    rows = [(key, solid(raw)) for key, raw in node["properties"].items()]
-    entries = [(_entry(key, child, given), child) for key, child in rows if not _is_heading(child)]
+    rows = [(key, nodes.solid(raw)) for key, raw in node["properties"].items()]
+    entries = [(_entry(key, child, given), child) for key, child in rows if not _is_heading(nodes, child)]
     column = min(max((len(text) for text, _ in entries if text), default=0) + 2, _MAX_COLUMN)
     for key, child in rows:
-        if _is_heading(child):
-            yield from _heading(key, child, indent)
+        if _is_heading(nodes, child):
+            yield from _heading(nodes, key, child, indent)
         elif text := _entry(key, child, given):
             yield from _commented(" " * indent + text, _comment(child), indent + column)
             if not child.get("in_reference") and "properties" in child:
@@ -74,11 +74,11 @@ def _block(node: Node, indent: int, given: dict[str, Any]) -> Iterator[str]:
                 yield from (f"{pad}{name}: {flow(value)}" for name, value in child["examples"][0].items())
 
 
-def _is_heading(node: Node) -> bool:
-    return _is_block(node) or (node.get("type") == "array" and "properties" in solid(node.get("items", {})))
+def _is_heading(nodes: SchemaNodes, node: Node) -> bool:
+    return _is_block(node) or (node.get("type") == "array" and "properties" in nodes.solid(node.get("items", {})))
 
 
-def _heading(key: str, node: Node, indent: int) -> Iterator[str]:
+def _heading(nodes: SchemaNodes, key: str, node: Node, indent: int) -> Iterator[str]:
     if indent == 0:
         yield ""
         comment = _comment(node)
@@ -86,7 +86,7 @@ def _heading(key: str, node: Node, indent: int) -> Iterator[str]:
     pad = " " * indent
     if _is_block(node):
         yield f"{pad}{key}:" + (f"  # {_comment(node)}" if indent else "")
-        yield from _block(node, indent + 2, {})
+        yield from _block(nodes, node, indent + 2, {})
     elif items := node["examples"][0]:
         yield f"{pad}{key}:"
         yield from (f"{pad}  - {flow(item)}" for item in items)

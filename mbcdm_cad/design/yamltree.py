@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from mbcdm_cad.design.loaded import FieldPath, nearest_line
+from mbcdm_cad.design.fieldpath import FieldPath, dotted, nearest_line
 from mbcdm_cad.design.source import NEW_DESIGN
 from mbcdm_cad.errors import InputError, Problem, shortened
 
@@ -254,18 +254,6 @@ class _Builder:
         if path is None:
             path = self.stack[-1].path if self.stack else ()
         return _error(self.file, line, dotted(path), what, **more)
-
-
-def dotted(path: FieldPath) -> str:
-    """``('cables', 0, 'step')`` as ``cables[0].step``, the form used in messages."""
-    text = ""
-    for part in path:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        else:
-            name = part if len(part) <= 40 else part[:37] + "..."
-            text += ("." if text else "") + (name if name.isprintable() else repr(name))
-    return text
 
 
 def _error(file: str, line: int, where: str, what: str, *, value: str = "", limit: str = "", remedy: str) -> InputError:

@@ -11,7 +11,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
-from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
@@ -36,7 +36,7 @@ class MeasurementFile:
 
     def problem(self, field: FieldPath, what: str, value: str = "", limit: str = "", *, remedy: str) -> Problem:
         """A problem with one field."""
-        return Problem(str(self.path), self.tree.line_of(field), yamltree.dotted(field), what, value, limit, remedy)
+        return Problem(str(self.path), self.tree.line_of(field), dotted(field), what, value, limit, remedy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ def _strange_columns(path: Path, tree: yamltree.Tree) -> list[Problem]:
         Problem(
             str(path),
             tree.line_of(("columns", key)),
-            yamltree.dotted(("columns", key)),
+            dotted(("columns", key)),
             "unknown field",
             remedy=did_you_mean(str(key), known),
         )

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.design.fieldpath import FieldPath
 
 Floats = NDArray[np.float64]
 Level = Literal["refused", "doubt", "fact"]

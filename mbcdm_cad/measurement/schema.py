@@ -9,9 +9,9 @@ from typing import Any, Literal
 from pydantic import ConfigDict
 
 from mbcdm_cad.design.describe import Node
+from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import Block, Integer, Number, Text, choice
 from mbcdm_cad.design.fields import quantity as figure
-from mbcdm_cad.design.loaded import FieldPath
 
 # The column of an input: input_ and the name that the design file gives it.
 INPUT_COLUMN = r"^input_[a-z0-9][a-z0-9_-]{0,63}$"

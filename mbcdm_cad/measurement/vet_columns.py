@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mbcdm_cad.design.loaded import FieldPath
+from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
 from mbcdm_cad.model.si import DriveSI
 

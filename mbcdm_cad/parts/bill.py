@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from mbcdm_cad.design.drive import Bearing, Material, Screw
+from mbcdm_cad.design.bought import Bearing, Material, Screw
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from mbcdm_cad.design.drive import Material
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.placement import Placement
 
 # Names become file stems, STEP products and nodes of the GLB: one plain alphabet for all three. Long enough for a name

@@ -68,6 +68,6 @@ def _row(check: Check, design: DesignUnderTest) -> str:
 if __name__ == "__main__":
     from pathlib import Path
 
-    from mbcdm_cad.design import load_design
+    from mbcdm_cad.configurations.loader import load_design
 
     print(checks_page(load_design(Path("params/mbcdm.yaml")).drive), end="")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.design.changes import changed_drives
+from mbcdm_cad.configurations.changes import changed_drives
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many, stack_designs
 from mbcdm_cad.model.ratings import requirements
@@ -110,8 +110,8 @@ def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False
     """Analyse the designs that ``ranges`` describe: for each field an array of values, one a design, or one for all.
 
     ``grid`` makes all combinations of the values instead, the last field varying fastest. Fields are named and
-    validated as in :func:`mbcdm_cad.design.changes.with_changes`. Errors: ``InputError`` for a value that the file
-    could not hold, ``MbcdmError`` for arrays of different lengths or none.
+    validated as in :func:`mbcdm_cad.configurations.changes.with_changes`. Errors: ``InputError`` for a value that the
+    file could not hold, ``MbcdmError`` for arrays of different lengths or none.
     """
     names = [name.replace("__", ".") for name in ranges]
     arrays = [np.atleast_1d(np.asarray(values)) for values in ranges.values()]

@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.effects.registry import AnyEffect

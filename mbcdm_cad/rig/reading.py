@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
@@ -58,7 +59,7 @@ def _problem(item: Any, tree: yamltree.Tree, file: str) -> Problem:
     }.get(item["type"], _remedy(item))  # fmt: skip
     shown = item["input"].get("effect") if item["type"] == "union_tag_invalid" else item["input"]
     value = "" if item["type"] == "missing" else shortened(shown)
-    return Problem(file, tree.line_of(where), yamltree.dotted(where), what, value, limit, remedy)
+    return Problem(file, tree.line_of(where), dotted(where), what, value, limit, remedy)
 
 
 def _remedy(item: Any) -> str:

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads, unit_tensions_N
 from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
-from mbcdm_cad.design import load_design
 from mbcdm_cad.model.si import to_si
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))

@@ -9,7 +9,7 @@ import cadquery as cq
 import pytest
 
 from mbcdm_cad.build.export.step import assembly_step
-from mbcdm_cad.design.drive import Material
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.cli import run
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification import effects
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.result import LoopResult

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
 
 PARAMS = Path(__file__).parents[2] / "params" / "mbcdm.yaml"

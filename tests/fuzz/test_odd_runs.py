@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.result import VERDICTS, result_text

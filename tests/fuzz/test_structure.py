@@ -10,9 +10,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.design import load_text
+from mbcdm_cad.configurations.loader import load_text, reference_data
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.template import reference_data
 from mbcdm_cad.errors import InputError
 
 BIG = "x" * 3000

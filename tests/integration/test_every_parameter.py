@@ -12,15 +12,15 @@ import pytest
 import yaml
 
 from mbcdm_cad.configurations.check_design import run_checks
+from mbcdm_cad.configurations.loader import design_file, load_text, reference_data
 from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.layout import layout
-from mbcdm_cad.design import load_text
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.describe import json_schema, named_values, node_at, solid
-from mbcdm_cad.design.template import reference_data
+from mbcdm_cad.design.describe import named_values
 from mbcdm_cad.model import analyse
 
 Path = tuple[str | int, ...]
+NODES = design_file().nodes
 
 # Not numbers of the mechanism: the file's version, its free names and the only configuration there is so far.
 FREE = {("schema_version",), ("name",), ("configuration",), ("waivers",), ("as_built",), ("catalogue",)}
@@ -108,7 +108,7 @@ def changed(path: Path) -> Any:
         return next(name for name in package_entries(kind) if name != value) if kind else value + "-2"
     if isinstance(value, list):
         return [item * 1.01 for item in value]
-    node = node_at(path) or {}
+    node = NODES.at(path) or {}
     return value * 1.01 if value * 1.01 <= node["maximum"] else value * 0.99
 
 
@@ -139,13 +139,13 @@ def test_each_value_does_something(path: Path) -> None:
 def uncertain_fields(node: dict[str, Any], path: Path = ()) -> list[Path]:
     """Every field of the schema that may carry a sigma, the first item of a list standing for it."""
     found: list[Path] = []
-    for key, raw in solid(node).get("properties", {}).items():
-        child = solid(raw)
+    for key, raw in NODES.solid(node).get("properties", {}).items():
+        child = NODES.solid(raw)
         here = (*path, key)
         if child.get("uncertain"):
             found.append((*here, 0) if child.get("type") == "array" else here)
-        items = solid(child.get("items", {}))
-        named = solid(named_values(child) or {})
+        items = NODES.solid(child.get("items", {}))
+        named = NODES.solid(named_values(child) or {})
         found += (
             uncertain_fields(child, here)
             + uncertain_fields(items, (*here, 0))
@@ -185,7 +185,7 @@ def with_sigma(path: Path, sigma_share: float) -> str:
     return yaml.safe_dump(data, sort_keys=False)
 
 
-@pytest.mark.parametrize("path", uncertain_fields(json_schema()), ids=lambda path: ".".join(map(str, path)))
+@pytest.mark.parametrize("path", uncertain_fields(NODES.root), ids=lambda path: ".".join(map(str, path)))
 def test_each_sigma_widens_an_interval(path: Path) -> None:
     narrow, wide = (analyse(load_text(with_sigma(path, share)).drive).intervals for share in (1e-3, 2e-3))
     assert narrow, f"the sigma of {path} gives no interval: a dead parameter"

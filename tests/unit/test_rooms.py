@@ -40,10 +40,7 @@ AGAINST_THE_ORDER: dict[tuple[str, str], str] = {
 }
 # Files outside configurations/ that hold a configuration's name or a guide as an identifier, and why.
 NAMED: dict[str, str] = {
-    "design.drive": "the design file's blocks of each configuration are still in one schema",
-    "design.resolve": "the design file's blocks of each configuration are still in one schema",
-    "design.rules": "the design file's blocks of each configuration are still in one schema",
-    "design.schema": "the design file's blocks of each configuration are still in one schema",
+    "design.drive": "still holds the fields of miso_bevel",
     "identification.account": "reads the model's guide radii; to read routes",
     "identification.effects.once_per_rev": "reads the model's guide radii; to read routes",
     "identification.spans": "reads the model's guide radii; to read routes",

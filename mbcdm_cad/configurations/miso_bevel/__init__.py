@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
     from mbcdm_cad.configurations.miso_bevel.layout import Layout
     from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures
+    from mbcdm_cad.design.design_file import DesignFile
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
 
 
@@ -25,6 +26,12 @@ class MisoBevel:
 
     name = "miso_bevel"
     title = "two inputs, a guide and a bevel transfer to the drum (Fig. 1 d)"
+
+    def design_file(self) -> DesignFile:
+        """Schema, reference values and rules of its design files, and how a drive is made of one."""
+        from mbcdm_cad.configurations.miso_bevel.design_file import DESIGN_FILE
+
+        return DESIGN_FILE
 
     def layout(self, drive: Drive) -> Layout:
         """All derived dimensions."""

@@ -11,7 +11,8 @@ from typing import Any
 
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
-from mbcdm_cad.design.drive import Bearing, Drive, Screw
+from mbcdm_cad.design.bought import Bearing, Screw
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, cable_item
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, StopSlot
 from mbcdm_cad.parts.placement import Placement

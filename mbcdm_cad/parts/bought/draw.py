@@ -10,7 +10,7 @@ from math import cos, pi, sin
 
 import cadquery as cq
 
-from mbcdm_cad.design.drive import Bearing, Encoder, Gearhead, Motor, Screw
+from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, Motor, Screw
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
 

@@ -10,14 +10,13 @@ from typing import Any
 
 import yaml
 
-from mbcdm_cad.design import load_text
+from mbcdm_cad.configurations.loader import design_file, load_text, reference_data
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.describe import json_schema, solid
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.template import reference_data
 from mbcdm_cad.errors import InputError
 
 Path = tuple[str | int, ...]
+NODES = design_file().nodes
 NAMES = {
     ("rope", "type"): "ropes",
     ("drive", "motor"): "motors",
@@ -43,7 +42,7 @@ def numbers() -> dict[Path, tuple[float, float]]:
     found: dict[Path, tuple[float, float]] = {}
 
     def walk(node: dict[str, Any], data: Any, path: Path) -> None:
-        node = solid(node)
+        node = NODES.solid(node)
         if isinstance(data, dict):
             for key, value in data.items():
                 if key in node.get("properties", {}):
@@ -58,7 +57,7 @@ def numbers() -> dict[Path, tuple[float, float]]:
             if low is not None and high is not None:
                 found[path] = (float(low), float(high))
 
-    walk(json_schema(), reference_data(), ())
+    walk(NODES.root, reference_data(), ())
     return found
 
 

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.design import load_design
-from mbcdm_cad.design.template import new_design_text
+from mbcdm_cad.configurations.loader import load_design, new_design_text
 
 PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
@@ -104,17 +103,17 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
 def test_interrupt_and_full_disk_end_in_a_sentence(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from mbcdm_cad.design import template
+    from mbcdm_cad.configurations import loader
 
-    def interrupted(name: str) -> str:
+    def interrupted(*_: str) -> str:
         raise KeyboardInterrupt
 
-    def full(name: str) -> str:
+    def full(*_: str) -> str:
         raise OSError(28, "No space left on device", "x.yaml")
 
     monkeypatch.chdir("/tmp")
     for stand_in, code, words in ((interrupted, 130, "interrupted"), (full, 2, "x.yaml: No space left on device")):
-        monkeypatch.setattr(template, "new_design_text", stand_in)
+        monkeypatch.setattr(loader, "new_design_text", stand_in)
         assert cli.run(["init", f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml"]) == code
         assert words in capsys.readouterr().err
         Path(f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml").unlink(missing_ok=True)

@@ -9,12 +9,11 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.design import load_text
+from mbcdm_cad.configurations.loader import load_text, new_design_text
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS, Entry
-from mbcdm_cad.design.resolve import _TARGETS, Catalogue
-from mbcdm_cad.design.rules import entry_orders
-from mbcdm_cad.design.template import new_design_text
+from mbcdm_cad.design.entry_rules import entry_orders
+from mbcdm_cad.design.lookup import BOUGHT, Catalogue
 
 ALL = [(kind, name) for kind in KINDS for name in package_entries(kind)]
 WIRES = {"7x7": (49, 9), "7x19": (133, 15)}  # count, and rope diameter over wire diameter
@@ -34,7 +33,7 @@ def test_entry_is_valid_ordered_and_has_a_source(kind: str, name: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_schema_and_dataclass_have_the_same_fields(kind: str) -> None:
-    dataclass_fields = {field.name for field in dataclasses.fields(_TARGETS[kind])} - {"name"}
+    dataclass_fields = {field.name for field in dataclasses.fields(BOUGHT[kind])} - {"name"}
     assert dataclass_fields == set(KINDS[kind].model_fields)
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.design import load_design, load_text
-from mbcdm_cad.design.template import new_design_text
+from mbcdm_cad.configurations.loader import load_design, load_text, new_design_text
 from mbcdm_cad.errors import InputError, shortened
 
 TEXT = new_design_text("trial")

@@ -9,10 +9,8 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import design_file, load_design, reference_data
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.describe import node_at
-from mbcdm_cad.design.template import reference_data
 
 from .conftest import Edit
 
@@ -127,7 +125,7 @@ def changed(path: tuple[str | int, ...]) -> Any:
         return next(name for name in package_entries(kind) if name != value) if kind else value + "-2"
     if isinstance(value, list):
         return [item + 0.1 for item in value]
-    node = node_at(path) or {}
+    node = design_file().nodes.at(path) or {}
     return value * 1.01 if value * 1.01 <= node["maximum"] else value * 0.99
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.design.template import reference_data
+from mbcdm_cad.configurations.loader import reference_data
 from mbcdm_cad.errors import InputError
 
 from .conftest import Edit

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.design import load_text
+from mbcdm_cad.configurations.loader import design_file, load_text, new_design_text, reference_data
 from mbcdm_cad.design.editor import editor_schema
-from mbcdm_cad.design.template import new_design_text, reference_data
 from mbcdm_cad.errors import InputError
 
 
@@ -111,13 +110,13 @@ def test_a_catalogue_entry_may_be_called_sigma() -> None:
 
 
 def test_editor_schema_offers_both_forms_and_nothing_of_ours() -> None:
-    text = json.dumps(editor_schema())
+    text = json.dumps(editor_schema(design_file().nodes))
     assert '"uncertain"' not in text
-    rope = editor_schema()["$defs"]["Rope"]["properties"]
+    rope = editor_schema(design_file().nodes)["$defs"]["Rope"]["properties"]
     kinds = [branch["type"] for branch in rope["preload_N"]["anyOf"]]
     assert kinds == ["number", "object"], kinds
     kinds = [branch["type"] for branch in rope["modulus_GPa"]["anyOf"]]
     assert kinds == ["number", "object", "null"], kinds
     assert "anyOf" not in rope["helix_lead_mm"]
-    items = editor_schema()["$defs"]["Transmission"]["properties"]["drum_radii_mm"]["items"]
+    items = editor_schema(design_file().nodes)["$defs"]["Transmission"]["properties"]["drum_radii_mm"]["items"]
     assert [branch["type"] for branch in items["anyOf"]] == ["number", "object"]

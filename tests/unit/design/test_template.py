@@ -13,14 +13,15 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.design import load_design, load_text
-from mbcdm_cad.design.describe import flow, json_schema
+from mbcdm_cad.configurations.loader import design_file, load_design, load_text, new_design_text, reference_data
+from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.fields import SLUG
 from mbcdm_cad.design.reference import reference_page
-from mbcdm_cad.design.template import new_design_text, reference_data, slug
+from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import parse
 
 ROOT = Path(__file__).parents[3]
+NODES = design_file().nodes
 
 
 def test_new_file_equals_the_reference_design_but_for_the_name() -> None:
@@ -38,7 +39,7 @@ def test_params_file_is_what_the_schema_writes() -> None:
 
 def test_reference_page_in_docs_is_what_the_schema_writes() -> None:
     """After a change of the schema: ``mbcdm schema --reference > docs/design-file.md``."""
-    assert (ROOT / "docs" / "design-file.md").read_text("utf-8") == reference_page()
+    assert (ROOT / "docs" / "design-file.md").read_text("utf-8") == reference_page(NODES)
 
 
 def test_each_value_of_a_new_file_has_a_comment_and_fits_the_page() -> None:
@@ -93,8 +94,8 @@ def fields(node: Any, path: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def test_every_field_has_a_meaning_and_a_unit_and_every_number_its_bounds() -> None:
-    defs = json_schema()["$defs"]
-    for path, node in fields(json_schema()):
+    defs = NODES.root["$defs"]
+    for path, node in fields(NODES.root):
         leaf = next((n for n in node.get("anyOf", [node]) if n.get("type") != "null"), node)
         if "$ref" in leaf and "description" not in node:
             assert defs[leaf["$ref"].rsplit("/", 1)[1]]["description"], path
@@ -126,14 +127,14 @@ UNITS = {
 
 
 def test_units_in_names_and_in_the_schema_agree() -> None:
-    for path, node in fields(json_schema()):
+    for path, node in fields(NODES.root):
         suffix = next((s for s in sorted(UNITS, key=len, reverse=True) if path.endswith(s)), "")
         if "unit" in node:
             assert node["unit"] == UNITS.get(suffix, "-"), f"{path} is said to be in {node['unit']}"
 
 
 def test_json_schema_is_plain_json_with_the_reference_among_its_examples() -> None:
-    schema = json.loads(json.dumps(json_schema()))
+    schema = json.loads(json.dumps(NODES.root))
     assert schema["additionalProperties"] is False
     assert schema["$defs"]["Travel"]["properties"]["half_angle_deg"]["examples"] == [35.0]
 
@@ -144,4 +145,4 @@ def test_reference_data_survives_another_yaml_writer() -> None:
 
 @pytest.mark.parametrize("word", ["schema", "init"])
 def test_page_names_the_commands(word: str) -> None:
-    assert f"mbcdm {word}" in reference_page()
+    assert f"mbcdm {word}" in reference_page(NODES)

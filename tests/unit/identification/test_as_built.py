@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
-from mbcdm_cad.design.loader import load_text
+from mbcdm_cad.configurations.loader import load_design, load_text
 from mbcdm_cad.identification.as_built import applied_words, as_built_text, known_effects
 from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.result import Errors, LoopResult, Named, Value

@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
-from mbcdm_cad.design.loader import load_text
+from mbcdm_cad.configurations.loader import load_design, load_text
 from mbcdm_cad.identification.as_built import as_built_text
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.measurement.run import Floats, Run, Sensors

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification import setup
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library

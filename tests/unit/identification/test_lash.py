@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects.lash import offer
 from mbcdm_cad.identification.prepared import Prepared, prepare

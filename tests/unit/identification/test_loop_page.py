@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.prepared import prepare

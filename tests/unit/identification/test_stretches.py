@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.fit import Fitter
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.stretches import SEARCH_SAMPLES, Cut, search_cut, whole_cut

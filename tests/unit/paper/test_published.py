@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.cli import run
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement.reading import load_file, read_run
 from mbcdm_cad.model.backlash import drum_backlash

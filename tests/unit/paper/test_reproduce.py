@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 

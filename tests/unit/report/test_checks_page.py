@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from mbcdm_cad.configurations.check_design import known_ids
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
-from mbcdm_cad.design import load_design
 from mbcdm_cad.report.checks_page import checks_page
 
 ROOT = Path(__file__).parents[3]

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from math import degrees
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.rig.cables import cables_of
 
 

@@ -11,7 +11,7 @@ import yaml
 
 import mbcdm_cad.rig
 from mbcdm_cad.cli import run as cli
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import RigError, simulate

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.rig.dynamic.controller import LAST, SPEED, STATES, SUM, ControllerSpec, control
 from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of, shaft_torque
 from mbcdm_cad.rig.dynamic.inertias import disc_kg_m2, inertias, sector_kg_m2

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.paper.experiments import Compared, PaperResult
 from mbcdm_cad.paper.experiments_files import result_json, result_text

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.design.drive import Bearing
+from mbcdm_cad.design.bought import Bearing
 
 STATIC_SAFETY = 1.0
 QUIET_SAFETY = 2.0

@@ -9,7 +9,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.configurations.miso_bevel.checks.bearings import drum_reactions_N, input_reactions
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.design.drive import Screw
+from mbcdm_cad.design.bought import Screw
 
 # Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
 SCREW_YIELD_MPA = 640.0

@@ -28,7 +28,7 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
 from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Floats, Ints, freedoms, sides, solve, stiffness
 from mbcdm_cad.configurations.miso_bevel.support.loads import SeatLoads, seat_loads, unit_tensions_N
 from mbcdm_cad.configurations.miso_bevel.support.panels import SupportMesh, support_mesh
-from mbcdm_cad.design.drive import Material
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.model.si import to_si
 
 _GPA_TO_MPA = 1e3

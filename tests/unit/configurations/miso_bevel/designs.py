@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hypothesis import strategies as st
 
-from mbcdm_cad.design import load_design
+from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import CableRun, Drive
 
 ROOT = Path(__file__).parents[4]

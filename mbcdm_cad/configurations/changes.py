@@ -7,10 +7,11 @@ from typing import Any
 
 import yaml
 
+from mbcdm_cad.configurations.loader import load_tree, resolve_tree
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.design.loaded import FieldPath, LoadedDesign
-from mbcdm_cad.design.loader import load_tree, resolved
+from mbcdm_cad.design.fieldpath import FieldPath, dotted
+from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.sigmas import SIGMA, VALUE
 from mbcdm_cad.errors import InputError, Problem, shortened
 
@@ -35,7 +36,7 @@ def changed_drives(loaded: LoadedDesign, rows: Iterable[Mapping[str, Any]]) -> I
     """As :func:`with_changes` for each of many rows, but only the drives: some thousand a second."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
     for changes in rows:
-        yield resolved(yamltree.Tree(_changed(tree.data, changes, loaded), tree.lines), loaded.path)[1]
+        yield resolve_tree(yamltree.Tree(_changed(tree.data, changes, loaded), tree.lines), loaded.path)
 
 
 def _changed(data: Any, changes: Mapping[str, Any], loaded: LoadedDesign) -> Any:
@@ -78,7 +79,7 @@ def _child(at: Any, part: str, passed: FieldPath, loaded: LoadedDesign, key: str
 
 def _index(at: Any, part: str, passed: FieldPath, loaded: LoadedDesign, key: str) -> Any:
     """``part`` as the key of a block or the index of a list. Raises ``InputError`` where there is neither."""
-    where = yamltree.dotted(passed)
+    where = dotted(passed)
     if isinstance(at, dict):
         return part
     if not isinstance(at, list):

@@ -1,0 +1,58 @@
+"""The reference design of miso_bevel: values of the blocks that all configurations share, and where they come from.
+
+"Table", "section" and "Fig." are those of the journal paper of the mechanism.
+"""
+
+from __future__ import annotations
+
+from mbcdm_cad.design.design_file import Given
+
+ESTIMATE = "estimate"
+DERIVED = "derived from Tables 1 and 2"
+
+INPUTS = [{"name": "left", "side": "-x"}, {"name": "right", "side": "+x"}]
+CABLES = [
+    {"name": "cable_1", "input": "left", "step": 1, "drum_side": "+x"},
+    {"name": "cable_2", "input": "left", "step": 2, "drum_side": "-x"},
+    {"name": "cable_3", "input": "right", "step": 3, "drum_side": "-x"},
+    {"name": "cable_4", "input": "right", "step": 4, "drum_side": "+x"},
+]
+
+SHARED = {
+    "schema_version": Given(1),
+    "name": Given("mbcdm"),
+    "travel.half_angle_deg": Given(35.0, "needed by the wrap left at both ends"),
+    "travel.stop_clearance_deg": Given(0.25, "stops between 35.0 and 35.5"),
+    "inputs.name": Given(source="Fig. 2"),
+    "cables.name": Given(source="Fig. 2"),
+    "cables.input": Given(source="Table 2"),
+    "cables.preload_N": Given(source="section 5.3"),
+    "rope.type": Given("FF-081", "Table 1"),
+    "rope.modulus_GPa": Given(
+        54.0, "calibrated: 0.33 mrad at 70 N and 0.91 N m read as the swing at a reversal; the paper prints no E"
+    ),
+    "rope.modulus_area": Given("metallic", "goes with modulus_GPa"),
+    "rope.friction_coefficient": Given(0.15, "section 4.2"),
+    "rope.preload_N": Given(70.0, "section 5.3"),
+    "rope.helix_lead_mm": Given(0.87, f"{DERIVED}: 0.860 to 0.884 clears itself and keeps the fleet angle"),
+    "rope.dead_turns": Given(1.0, ESTIMATE),
+    "drive.motor": Given("motor-2.9mNm-15", "section 4.1"),
+    "drive.gearhead": Given("gearhead-76-16", "section 4.1"),
+    "drive.encoder": Given("encoder-17", "section 5"),
+    "drive.drum_encoder": Given("encoder-24-ring", "section 4.1"),
+    "loads.test_torque_Nm": Given(0.91, "section 5.3"),
+    "loads.peak_torque_Nm": Given(
+        3.15, "with equal preloads both directions hold 3.19 at most; section 5.1 measured 3.3, perhaps in one only"
+    ),
+    "limits.bend_ratio_min": Given(14.8, "Table 1"),
+    "limits.fleet_angle_max_deg": Given(1.5, "usual limit for smooth drums"),
+    "limits.tension_safety_factor": Given(5.0, "rope makers: 5 to 10"),
+    "limits.preload_share_max": Given(0.5, "rope makers: under half"),
+    "limits.frame_windup_max_mrad": Given(0.0232, "a choice: a seventh of the cables' own turn there, 0.162 mrad"),
+    "targets.mass_g": Given(350.0, "section 4.1"),
+    "targets.mass_tolerance_g": Given(10.0, "project goal"),
+    "targets.prototype_mass_g": Given(342.0, "section 5"),
+    "targets.envelope_mm": Given([126.0, 97.0, 34.8], "section 4.1"),
+    "targets.envelope_tolerance_mm": Given(0.5, "project goal"),
+    "export.mesh_tolerance_mm": Given(0.01, "project goal"),
+}

@@ -1,0 +1,96 @@
+"""From a validated miso_bevel design to its drive: radii known for every cable, names made objects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign, Transmission
+from mbcdm_cad.design import drive as d
+from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
+
+_SIGN = {"-x": -1, "+x": 1}
+
+
+def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.Drive:
+    """The drive of a design that breaks no rule; its cables are in the order of their steps."""
+    drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
+    return d.Drive(
+        **shared_values(design, catalogue),
+        cables=_cables(design),
+        input_sides=tuple(_SIGN[item.side] for item in design.inputs),
+        centre_distance_mm=design.transmission.centre_distance_mm,
+        radii_explicit=design.transmission.ratios is None,
+        clearances=copied(d.Clearances, design.clearances),
+        bearings=d.Bearings(
+            drum=catalogue.bearing(drum.bearing),
+            guide=catalogue.bearing(guide.bearing),
+            input_lower=catalogue.bearing(pulleys.lower_bearing),
+            input_upper=catalogue.bearing(pulleys.upper_bearing),
+        ),
+        tensioner=catalogue.get("tensioners", drum.tensioner),
+        drum=copied(
+            d.DrumSpec,
+            drum,
+            material=catalogue.material(drum.material),
+            shaft_material=catalogue.material(drum.shaft_material),
+        ),
+        guide=d.GuideSpec(
+            material=catalogue.material(guide.material), axle_material=catalogue.material(guide.axle_material)
+        ),
+        input_pulleys=d.InputPulleySpec(material=catalogue.material(pulleys.material)),
+        support=copied(d.SupportSpec, design.support, material=catalogue.material(design.support.material)),
+        sigmas=_sigmas(design, catalogue, sigmas),
+    )
+
+
+def pitch_radii_mm(transmission: Transmission) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Guide and input pitch radii by step, from the ratios or as given.
+
+    Radii from ratios are rounded to 1e-9 mm, so that 57.6/6 reads 9.6 in reports and not 9.600000000000001.
+    """
+    if transmission.ratios is None:
+        return transmission.guide_radii_mm or (), transmission.input_radii_mm or ()
+    ratios = transmission.ratios
+    guide = tuple(round(radius / ratios.guide_to_drum, 9) for radius in transmission.drum_radii_mm)
+    return guide, tuple(round(radius / ratios.input_to_guide, 9) for radius in guide)
+
+
+def _by_step(design: BevelDesign) -> list[int]:
+    """Places of the file's cables in the order of their steps."""
+    return sorted(range(len(design.cables)), key=lambda k: design.cables[k].step)
+
+
+def _cables(design: BevelDesign) -> tuple[d.CableRun, ...]:
+    guide, pulley = pitch_radii_mm(design.transmission)
+    sides = {item.name: _SIGN[item.side] for item in design.inputs}
+    return tuple(
+        d.CableRun(
+            name=cable.name,
+            input_name=cable.input,
+            input_side=sides[cable.input],
+            drum_side=_SIGN[cable.drum_side],
+            step=cable.step,
+            input_radius_mm=pulley[cable.step - 1],
+            guide_radius_mm=guide[cable.step - 1],
+            drum_radius_mm=design.transmission.drum_radii_mm[cable.step - 1],
+            preload_N=preload_N(design, cable),
+        )
+        for cable in (design.cables[k] for k in _by_step(design))
+    )
+
+
+def _sigmas(design: BevelDesign, catalogue: Catalogue, given: Mapping[FieldPath, float]) -> d.Sigmas:
+    places = _by_step(design)
+
+    def radii(name: str) -> tuple[float, ...]:
+        return tuple(given.get(("transmission", name, design.cables[k].step - 1), 0.0) for k in places)
+
+    return d.Sigmas(
+        **shared_sigmas(design, catalogue, given, places),
+        input_radius_mm=radii("input_radii_mm"),
+        guide_radius_mm=radii("guide_radii_mm"),
+        drum_radius_mm=radii("drum_radii_mm"),
+        centre_distance_mm=given.get(("transmission", "centre_distance_mm"), 0.0),
+    )

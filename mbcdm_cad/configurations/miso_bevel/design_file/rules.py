@@ -1,0 +1,125 @@
+"""Rules of a miso_bevel design file: radii and steps in order, two inputs on two sides, four cables in two pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
+from mbcdm_cad.design.rules import Broken, Named, unique
+
+
+def broken_rules(design: BevelDesign) -> Iterator[Broken]:
+    """The rules of this configuration that the design breaks, in the order of the file's blocks."""
+    yield from _transmission(design)
+    yield from _inputs(design)
+    yield from _cables(design)
+
+
+def named_entries(design: BevelDesign) -> Iterator[Named]:
+    """Entries of the catalogue that this configuration's blocks name."""
+    drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
+    yield Named(("drum", "material"), "materials", drum.material)
+    yield Named(("drum", "bearing"), "bearings", drum.bearing)
+    yield Named(("drum", "shaft_material"), "materials", drum.shaft_material)
+    yield Named(("drum", "tensioner"), "tensioners", drum.tensioner)
+    yield Named(("guide", "material"), "materials", guide.material)
+    yield Named(("guide", "bearing"), "bearings", guide.bearing)
+    yield Named(("guide", "axle_material"), "materials", guide.axle_material)
+    yield Named(("input_pulleys", "material"), "materials", pulleys.material)
+    yield Named(("input_pulleys", "lower_bearing"), "bearings", pulleys.lower_bearing)
+    yield Named(("input_pulleys", "upper_bearing"), "bearings", pulleys.upper_bearing)
+    yield Named(("support", "material"), "materials", design.support.material)
+
+
+def _transmission(design: BevelDesign) -> Iterator[Broken]:
+    block = design.transmission
+    explicit = {"guide_radii_mm": block.guide_radii_mm, "input_radii_mm": block.input_radii_mm}
+    given = [name for name, radii in explicit.items() if radii is not None]
+    if block.ratios is not None and given:
+        yield Broken(
+            ("transmission", given[0]),
+            "given beside ratios",
+            "",
+            "ratios or explicit radii",
+            "remove ratios, or remove " + " and ".join(given),
+        )
+    elif block.ratios is None and len(given) < 2:
+        absent = " and ".join(name for name in explicit if name not in given)
+        yield Broken(
+            ("transmission",),
+            "radii of guide and input pulleys are not given",
+            "",
+            "ratios or explicit radii",
+            f"add {absent}" + ("" if given else ", or add ratios"),
+        )
+    for name, radii in {"drum_radii_mm": block.drum_radii_mm, "guide_radii_mm": block.guide_radii_mm}.items():
+        for k, (inner, outer) in enumerate(pairwise(radii or ())):
+            if outer <= inner:
+                yield Broken(
+                    ("transmission", name, k + 1),
+                    "steps do not grow",
+                    f"{outer:g} mm",
+                    f"over {inner:g} mm",
+                    "order the radii from step 1, the smallest, to step 4",
+                )
+
+
+def _inputs(design: BevelDesign) -> Iterator[Broken]:
+    if len(design.inputs) != 2:
+        yield Broken(
+            ("inputs",),
+            f"wrong number of inputs for {design.configuration}",
+            str(len(design.inputs)),
+            "2",
+            "give one input on each side",
+        )
+    if len(design.inputs) == 2 and design.inputs[0].side == design.inputs[1].side:
+        yield Broken(
+            ("inputs", 1, "side"),
+            "both inputs on one side",
+            design.inputs[1].side,
+            "one on each side",
+            "give one input side: -x and the other side: +x",
+        )
+
+
+def _cables(design: BevelDesign) -> Iterator[Broken]:
+    cables, inputs = design.cables, [item.name for item in design.inputs]
+    if len(cables) != 4:
+        yield Broken(
+            ("cables",),
+            f"wrong number of cables for {design.configuration}",
+            str(len(cables)),
+            "4",
+            "give two cables for each of the two inputs",
+        )
+    yield from unique("cables", "step", [cable.step for cable in cables])
+    for k, name in enumerate(inputs):
+        own = [cable for cable in cables if cable.input == name]
+        if len(own) != 2:
+            yield Broken(
+                ("inputs", k),
+                "an input needs two cables",
+                f"{len(own)} cables run from {name}",
+                "2",
+                "set input: of the cables so that each input has two",
+            )
+            continue
+        if own[0].drum_side == own[1].drum_side:
+            yield Broken(
+                ("cables", cables.index(own[1]), "drum_side"),
+                f"both cables of {name} run to one side",
+                own[1].drum_side,
+                "opposite sides",
+                "let one run to -x and one to +x, or the input pulls one way only",
+            )
+        steps = tuple(sorted(cable.step for cable in own))
+        if steps not in ((1, 2), (3, 4)) and steps[0] != steps[1]:
+            yield Broken(
+                ("cables", cables.index(own[1]), "step"),
+                f"the cables of {name} are not on neighbouring steps",
+                f"{steps[0]} and {steps[1]}",
+                "1 and 2, or 3 and 4",
+                "an input pulley has two steps side by side: pair steps 1, 2 and steps 3, 4",
+            )

@@ -1,0 +1,186 @@
+"""Blocks of the design file that all configurations share: each field with type, bounds, unit and a line of meaning.
+
+Fields keep the units in their names (mm, degrees, N, N m, g). A configuration adds blocks of its own to :class:`Design`
+and gives the reference values with their sources (:mod:`mbcdm_cad.design.design_file`). What cannot be said field by
+field is in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
+
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.entries import OwnEntries, RopeEntry
+from mbcdm_cad.design.fields import Block, CheckId, EntryName, Integer, Number, Slug, Text, choice, quantity
+
+Length = Annotated[Number, Field(ge=0.5, le=500.0)]
+
+
+class Travel(Block):
+    """How far the drum turns."""
+
+    half_angle_deg: Number = quantity("travel each way from the centred drum", unit="deg", ge=1.0, le=120.0)
+    stop_clearance_deg: Number = quantity("how much later the hard stops engage", unit="deg", ge=0.0, le=5.0)
+
+
+class Input(Block):
+    """An input pulley with its own motor."""
+
+    name: Slug = choice("name, used in part names")
+
+
+class Cable(Block):
+    """A cable from an input pulley to the drum."""
+
+    name: Slug = choice("name, used in part names")
+    input: Slug = choice("the input pulley it is anchored on")
+    preload_N: Number | None = quantity(
+        "preload of this cable alone, in place of the rope's",
+        unit="N",
+        uncertain=True,
+        default=None,
+        ge=0.1,
+        le=20000.0,
+    )
+
+
+class Rope(Block):
+    """The rope of all cables: a catalogue type, or all values inline."""
+
+    type: EntryName | None = choice("catalogue rope; leave out when inline is given", default=None)
+    inline: RopeEntry | None = choice(
+        "a rope written out in place of type, with all fields of a catalogue rope",
+        example={**package_entries("ropes")["FF-081"], "source": "where these figures come from"},
+        default=None,
+    )
+    modulus_GPa: Number | None = quantity(
+        "effective modulus in place of the catalogue's", unit="GPa", uncertain=True, default=None, ge=1.0, le=250.0
+    )
+    modulus_area: Literal["metallic", "nominal"] | None = choice(
+        "area that modulus_GPa refers to: metallic (the wires) or nominal (pi d^2 / 4)", default=None
+    )
+    friction_coefficient: Number = quantity("rope on pulley, mu", unit="-", uncertain=True, ge=0.01, le=1.0)
+    preload_N: Number = quantity(
+        "tension of each cable with the drum centred and unloaded", unit="N", uncertain=True, ge=0.1, le=20000.0
+    )
+    helix_lead_mm: Number = quantity(
+        "axial advance per turn on the input pulley, above the rope's diameter", unit="mm", ge=0.2, le=10.0
+    )
+    dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", unit="-", ge=0.0, le=10.0)
+
+
+class DriveTrain(Block):
+    """Motor, gearhead and encoders, from the catalogue."""
+
+    motor: EntryName = choice("motor of each input")
+    gearhead: EntryName = choice("gearhead of each input")
+    encoder: EntryName = choice("encoder on each input pulley, above the top plate")
+    drum_encoder: EntryName = choice("encoder on the drum shaft")
+
+
+class Loads(Block):
+    """External torques on the drum that the design is judged at."""
+
+    test_torque_Nm: Number = quantity("torque of the backlash test", unit="N m", uncertain=True, gt=0.0, le=1000.0)
+    peak_torque_Nm: Number = quantity("torque the design must hold both ways", unit="N m", gt=0.0, le=1000.0)
+
+
+class Limits(Block):
+    """Limits of this design that the checks hold it against."""
+
+    bend_ratio_min: Number = quantity(
+        "smallest D/d on any pulley; the rope's own minimum is a warning", unit="-", ge=1.0, le=200.0
+    )
+    fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", unit="deg", gt=0.0, le=20.0)
+    tension_safety_factor: Number = quantity("breaking load over largest tension", unit="-", ge=1.0, le=100.0)
+    preload_share_max: Number = quantity("preload over breaking load", unit="-", gt=0.0, le=1.0)
+    frame_windup_max_mrad: Number = quantity(
+        "turning of the drum by the frame's deflection at the test torque", unit="mrad", gt=0.0, le=100.0
+    )
+
+
+class Targets(Block):
+    """What mass and box should come to."""
+
+    mass_g: Number = quantity("mass of the whole", unit="g", gt=0.0, le=1e6)
+    mass_tolerance_g: Number = quantity("how far it may differ", unit="g", gt=0.0, le=1e6)
+    prototype_mass_g: Number = quantity("measured mass of the prototype, for comparison", unit="g", gt=0.0, le=1e6)
+    envelope_mm: tuple[Length, Length, Length] = quantity("box with the drum centred, X, Z, Y", unit="mm")
+    envelope_tolerance_mm: Number = quantity("how far each side may differ", unit="mm", gt=0.0, le=100.0)
+
+
+class Export(Block):
+    """Settings of the files written."""
+
+    mesh_tolerance_mm: Number = quantity("largest distance of a mesh from its surface", unit="mm", ge=0.001, le=1.0)
+
+
+class Waiver(Block):
+    """A check that may fail, with the reason, which the report prints."""
+
+    check: CheckId = choice("id of the check")
+    reason: Text = choice("why it is accepted")
+
+
+class AsBuiltValue(Block):
+    """One figure of an effect that was found on the built drive, in the SI unit that its name ends in."""
+
+    name: EntryName = choice("name of the figure")
+    value: Number = choice("what was found", ge=-1e6, le=1e6)
+    low: Number | None = choice("lower end of its 95 % interval", default=None, ge=-1e6, le=1e6)
+    high: Number | None = choice("upper end of its 95 % interval", default=None, ge=-1e6, le=1e6)
+
+
+class AsBuilt(Block):
+    """An effect that the built drive was found to have, written by 'mbcdm loop --apply'."""
+
+    name: Slug = choice("name of the effect, as in docs/loop.md")
+    form: Text = choice("which physical form of it")
+    stage: Slug | None = choice("the shaft that it sits on", default=None)
+    cables: tuple[Slug, ...] = choice("the cables that have it; all where none is named", default=())
+    values: tuple[AsBuiltValue, ...] = choice(
+        "its figures: {name: share, value: 0.12, low: 0.11, high: 0.13}",
+        example=[{"name": "share", "value": 0.12, "low": 0.11, "high": 0.13}],
+        min_length=1,
+        max_length=8,
+    )
+    source: Text | None = choice("the measured run that it was found in", default=None)
+
+
+class Design(Block):
+    """A cable drive.
+
+    A configuration's own schema extends it: ``configuration`` becomes the one word that names it, ``inputs`` and
+    ``cables`` get the fields that it needs of each, and ``ORDER`` says where its own blocks stand in the file.
+    """
+
+    model_config = ConfigDict(title="Design")
+
+    schema_version: Annotated[Integer, Field(ge=1, le=1)] = choice("version of this file's layout")
+    name: Slug = choice("name of the design and of its output folder: a-z, 0-9, _ and -")
+    configuration: str = choice("layout of the drive")
+    travel: Travel
+    inputs: tuple[Input, ...]
+    cables: tuple[Cable, ...]
+    rope: Rope
+    drive: DriveTrain
+    loads: Loads
+    limits: Limits
+    targets: Targets
+    export: Export
+    waivers: tuple[Waiver, ...] = choice(
+        "checks that may fail: {check: ID, reason: WHY}", reference=[], default=(), max_length=64
+    )
+    as_built: tuple[AsBuilt, ...] = choice(
+        "effects that the built drive was found to have, written by 'mbcdm loop --apply'",
+        reference=[],
+        default=(),
+        max_length=32,
+    )
+    catalogue: OwnEntries = Field(
+        default=OwnEntries.model_construct(),
+        description="entries of this design's own, by kind and name; they override the package's",
+        json_schema_extra={"unit": "-", "source": "-", "examples": [{}], "in_reference": True},
+    )

@@ -1,0 +1,156 @@
+"""What the catalogue holds, as the other rooms read it: materials, ropes, bearings, motors and the like.
+
+The entries of catalogue files are validated by :mod:`mbcdm_cad.design.entries`, with the same field names. Units are
+those of the files: mm, N, grams, GPa.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material of the catalogue. ``colour`` is linear RGB in 0..1."""
+
+    name: str
+    density_g_cm3: float
+    youngs_modulus_GPa: float
+    poisson_ratio: float
+    yield_MPa: float
+    process: str  # "milled", "turned", "printed" or "bought"
+    min_wall_mm: float
+    min_internal_radius_mm: float
+    colour: tuple[float, float, float]
+    source: str
+
+
+@dataclass(frozen=True)
+class CableSpec:
+    """The rope. E is never given without the area it refers to (``area_mm2``)."""
+
+    name: str
+    construction: str
+    diameter_mm: float
+    metallic_area_mm2: float
+    modulus_GPa: float
+    modulus_area: str  # "metallic" or "nominal"
+    breaking_load_N: float
+    mass_g_m: float
+    bend_ratio_minimum: float
+    bend_ratio_desired: float
+    material: str
+    source: str
+
+    @property
+    def area_mm2(self) -> float:
+        """Area that ``modulus_GPa`` refers to: metallic, or pi d^2 / 4 (nominal)."""
+        if self.modulus_area == "metallic":
+            return self.metallic_area_mm2
+        return 3.141592653589793 * self.diameter_mm**2 / 4.0
+
+    @property
+    def axial_stiffness_N(self) -> float:
+        """EA in N (GPa x mm^2 = kN)."""
+        return self.modulus_GPa * self.area_mm2 * 1e3
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """Deep-groove bearing: bore d, outside D, width B; shoulder limits d_a (inner ring) and D_a (outer ring)."""
+
+    name: str
+    bore_mm: float
+    outer_diameter_mm: float
+    width_mm: float
+    inner_shoulder_mm: float
+    outer_shoulder_mm: float
+    static_rating_N: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Motor body, the shaft hidden in the gearhead."""
+
+    name: str
+    diameter_mm: float
+    length_mm: float
+    rated_torque_mNm: float
+    rotor_inertia_g_cm2: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Gearhead:
+    """Gearhead on the motor: body, output shaft, face pattern."""
+
+    name: str
+    ratio: float
+    efficiency: float
+    rated_torque_mNm: float
+    diameter_mm: float
+    length_mm: float
+    shaft_diameter_mm: float
+    shaft_length_mm: float
+    pilot_diameter_mm: float
+    pilot_height_mm: float
+    bolt_circle_mm: float
+    screw: str
+    screw_count: int
+    max_torque_mNm: float
+    radial_load_N: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Encoder:
+    """Encoder housing on a shaft, fixed by axial screws on a bolt circle."""
+
+    name: str
+    resolution_urad: float
+    diameter_mm: float
+    length_mm: float
+    bore_mm: float
+    bolt_circle_mm: float
+    screw: str
+    screw_count: int
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Screw:
+    """Socket-head cap screw or set screw (``head_diameter_mm`` 0). ``key_mm`` is across flats of the socket."""
+
+    name: str
+    thread_mm: float
+    tap_drill_mm: float
+    clearance_mm: float
+    length_mm: float
+    head_diameter_mm: float
+    head_height_mm: float
+    key_mm: float
+    mass_g: float
+    source: str
+
+
+@dataclass(frozen=True)
+class TensionerSpec:
+    """Threaded terminal swaged on the cable, nut and lock nut against a lug of the drum."""
+
+    name: str
+    thread_mm: float
+    clearance_mm: float
+    stress_area_mm2: float
+    nut_across_flats_mm: float
+    nut_height_mm: float
+    swage_diameter_mm: float
+    swage_length_mm: float
+    lug_thickness_mm: float
+    stud_length_mm: float
+    material: str
+    source: str

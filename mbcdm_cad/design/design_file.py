@@ -1,0 +1,39 @@
+"""What a configuration says of its design files, for the one loader of all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.describe import Given, SchemaNodes
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.rules import Broken, Named
+
+__all__ = ["DesignFile", "Given"]
+
+
+@dataclass(frozen=True)
+class DesignFile:
+    """The design files of one configuration.
+
+    ``schema`` extends :class:`~mbcdm_cad.design.blocks.Design` by the configuration's own blocks; ``reference`` holds
+    the reference values of the shared blocks' fields by their place. The three functions are called with a design of
+    that schema: ``rules`` yields what of its own the design breaks, ``named`` the catalogue entries that its own blocks
+    name, and ``drive`` makes the configuration's :class:`~mbcdm_cad.design.drive.Drive`, the sigmas given by field.
+    """
+
+    schema: type[Design]
+    reference: Mapping[str, Given]
+    rules: Callable[[Any], Iterator[Broken]]
+    named: Callable[[Any], Iterator[Named]]
+    drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
+
+    @cached_property
+    def nodes(self) -> SchemaNodes:
+        """What the schema says of each field."""
+        return SchemaNodes(self.schema, self.reference)

@@ -1,0 +1,72 @@
+"""The catalogue of one design: the package's entries with the design's own laid over them."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.bought import Bearing, CableSpec, Encoder, Gearhead, Material, Motor, Screw, TensionerSpec
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.entries import KINDS
+
+T = TypeVar("T")
+# What an entry of each kind becomes.
+BOUGHT: dict[str, type[Any]] = {
+    "ropes": CableSpec,
+    "motors": Motor,
+    "gearheads": Gearhead,
+    "encoders": Encoder,
+    "bearings": Bearing,
+    "screws": Screw,
+    "tensioners": TensionerSpec,
+    "materials": Material,
+}
+
+
+class Catalogue:
+    """Entries by kind and name, of the package and of a design."""
+
+    def __init__(self, design: Design) -> None:
+        self._own: dict[str, dict[str, BaseModel]] = {kind: getattr(design.catalogue, kind) for kind in KINDS}
+
+    def names(self, kind: str) -> list[str]:
+        """All names of a kind, the package's first, in the files' order."""
+        return list(dict.fromkeys((*package_entries(kind), *self._own[kind])))
+
+    def get(self, kind: str, name: str, **changed: Any) -> Any:
+        """The entry as its dataclass of :mod:`mbcdm_cad.design.bought`, the values in ``changed`` laid over it.
+
+        The package's entries are taken as they are: validating them at every start would cost a tenth of it, and a
+        test does it. KeyError if neither the design nor the package holds the name.
+        """
+        own = self._own[kind].get(name)
+        if own is not None:
+            return copied(BOUGHT[kind], own, name=name, **changed)
+        values = {
+            key: tuple(value) if isinstance(value, list) else value
+            for key, value in package_entries(kind)[name].items()
+        }
+        return BOUGHT[kind](name=name, **{**values, **changed})
+
+    def material(self, name: str) -> Material:
+        """The material called ``name``."""
+        found: Material = self.get("materials", name)
+        return found
+
+    def bearing(self, name: str) -> Bearing:
+        """The bearing called ``name``."""
+        found: Bearing = self.get("bearings", name)
+        return found
+
+    def all(self, kind: str) -> tuple[Any, ...]:
+        """Every entry of a kind."""
+        return tuple(self.get(kind, name) for name in self.names(kind))
+
+
+def copied(target: type[T], block: BaseModel, **given: Any) -> T:
+    """``target`` with the fields of the same name in ``block``, those in ``given`` taking precedence."""
+    names = [item.name for item in fields(target)]  # type: ignore[arg-type]
+    return target(**{name: given[name] if name in given else getattr(block, name) for name in names})
