@@ -48,12 +48,13 @@ def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
 def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
     """The first variables that can mend the check alone: ``raise X from 34.6 to at least 36.2``."""
     found: list[str] = []
-    drive = design.drive
+    drive, variables = design.drive, design.variables
     for path, sense in check.adjust:
         if len(found) == MOST_OFFERS or budget.left <= 0:
             break
-        variable = design.variables[path]
-        if variable.explicit is None or variable.explicit == drive.radii_explicit:
+        variable = variables.get(path)
+        # Shared families name variables that not every configuration has.
+        if variable is not None and (variable.explicit is None or variable.explicit == drive.radii_explicit):
             value = passing_value(variable, sense, design, check.measure, budget)
             if value is not None:
                 found.append(_offer(variable, sense, drive, value))

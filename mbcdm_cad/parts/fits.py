@@ -135,8 +135,8 @@ _PINS = "ISO 2338 and common practice for dowels"
 
 # Inner ring turns against the load on the input pulleys and the drum's shaft, the outer ring on the guide.
 FITS = {
-    "guide_seat": RoleFit("N7", "outer ring turns against the load: it must not creep", _BEARING_MAKERS),
-    "guide_axle": RoleFit(
+    "idler_seat": RoleFit("N7", "outer ring turns against the load: it must not creep", _BEARING_MAKERS),
+    "idler_axle": RoleFit(
         "h6", "inner ring stands still against the load, and slides on for assembly", _BEARING_MAKERS
     ),
     "spacer_bore": RoleFit("H7", "slides on the axle h6", "ISO 286 hole-basis practice"),

@@ -11,7 +11,7 @@ from mbcdm_cad.parts.sheets.turned import ALONG_Z
 def axle_sheet(part: str, dims: AxleDims) -> Sheet:
     """View from the side; the axle is solid, so it is not cut."""
     low, high, r, collar = dims.bottom_z, dims.top_z, dims.radius, dims.collar_radius
-    fit = FITS["guide_axle"].code
+    fit = FITS["idler_axle"].code
     return Sheet(
         part=part,
         title="Guide axle",

@@ -15,7 +15,7 @@ def idler_pulley_sheet(part: str, dims: IdlerDims) -> Sheet:
     """Section along the axis; the steps as a table from end A, the lower end."""
     low, high = dims.bottom_z, dims.top_z
     levels = (low, *dims.walls_z, high)
-    seat, land = FITS["guide_seat"].code, FITS["land"].code
+    seat, land = FITS["idler_seat"].code, FITS["land"].code
     largest = max(dims.surface_radii)
     dimensions = (
         ALONG_Z.diameter(dims.seat_radius, low, "left", fit=seat, count=2),
