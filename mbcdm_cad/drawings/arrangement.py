@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, inf
 
 from mbcdm_cad.drawings.levels import Place, Span, placed
@@ -71,6 +71,7 @@ class PlacedView:
     scale: float
     box: Box
     dimensions: tuple[PlacedDimension, ...]
+    room_above: float  # taken above the box, title included
 
     def paper(self, u: float, v: float) -> tuple[float, float]:
         """Paper coordinates of a point of the view."""
@@ -153,7 +154,8 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             along = sorted(p[0 if across else 1] for p in pair)
             _agree(sheet, d, (along[1] - along[0]) / scale)
             spans.append(Span(along[0], along[1], text_width_mm(_shown_text(d))))
-        places = placed(spans)
+        first, last = ("left", "right") if across else ("below", "above")
+        places = placed(spans, (edge[first] * scale, edge[last] * scale))
         sign = 1.0 if side in ("above", "right") else -1.0
         for d, pair, span, place in zip(kept, ends, spans, places, strict=True):
             line = edge[side] * scale + sign * (FIRST_LEVEL_MM + LEVEL_MM * place.level)
@@ -163,12 +165,10 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             # A text beside its line may reach over the view's corner.
             for span, place in zip(spans, places, strict=True):
                 low, high = place.text_at - span.text_mm / 2, place.text_at + span.text_mm / 2
-                first, last = ("left", "right") if across else ("below", "above")
                 room[first] = max(room[first], edge[first] * scale - low + 1.0)
                 room[last] = max(room[last], high - edge[last] * scale + 1.0)
-    if view.title:
-        room["above"] += LABEL_MM + 4.0
-    return shown, _Margins(**room)
+    margins = _Margins(**room)
+    return shown, replace(margins, above=margins.above + LABEL_MM + 4.0) if view.title else margins
 
 
 def _shown_text(d: Linear) -> str:
@@ -222,7 +222,7 @@ def _in_grid(sheet: Sheet, pictures: dict[str, Picture], scale: float, free: Box
         shift = (0.0, 0.0)
         if view.magnify != 1.0:
             shift = (own * (drawn[0] + drawn[2]) / 2, own * (drawn[1] + drawn[3]) / 2)
-        packed[view.name] = (shown, around, own, shift)
+        packed[view.name] = (shown, around, own, shift, margins.above)
         column = widths.setdefault(view.column, [-inf, -inf])
         column[0] = max(column[0], shift[0] - own * around[0] + margins.left)
         column[1] = max(column[1], own * around[2] - shift[0] + margins.right)
@@ -247,9 +247,9 @@ def _in_grid(sheet: Sheet, pictures: dict[str, Picture], scale: float, free: Box
         y += sum(heights[number]) + _BETWEEN_MM + gap_y
     views = []
     for view in sheet.views:
-        shown, around, own, shift = packed[view.name]
+        shown, around, own, shift, above = packed[view.name]
         origin = (x_of[view.column] - shift[0], y_of[view.row] - shift[1])
-        views.append(PlacedView(view, origin, own, around, tuple(shown)))
+        views.append(PlacedView(view, origin, own, around, tuple(shown), above))
     return views
 
 

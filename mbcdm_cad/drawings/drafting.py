@@ -136,11 +136,9 @@ def _title(paper: Modelspace, placed: PlacedView, arrangement: Arrangement, room
     text = placed.view.title
     if placed.view.magnify != 1.0:
         text += f" ({scale_text(placed.scale)})"
-    above = [d.line_at for d in placed.dimensions if d.dimension.side == "above"]
-    top = max(placed.box[3] * placed.scale, *(above or [float("-inf")])) + (TEXT_MM + 3.0 if above else 2.0)
     middle = (
         placed.origin[0] + placed.scale * (placed.box[0] + placed.box[2]) / 2,
-        placed.origin[1] + top + LABEL_MM,
+        placed.origin[1] + placed.scale * placed.box[3] + placed.room_above - LABEL_MM / 2 - 1.0,
     )
     _text(paper, text, middle, LABEL_MM)
     room.add_box(_box(middle, text_width_mm(text, LABEL_MM) + 1.0, LABEL_MM + 1.0))

@@ -11,6 +11,7 @@ import cadquery as cq
 from mbcdm_cad.drawings.arrangement import (
     FRAME_LEFT_MM,
     FRAME_MM,
+    PAPERS,
     TITLE_BLOCK,
     Arrangement,
     arranged,
@@ -57,7 +58,7 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
     limits = fits_table(sheet.fits)
     tables = (*sheet.tables, *((limits,) if limits else ()))
     size = tables_size_mm(tables)
-    paper_width = {"A4": 297.0, "A3": 420.0}[sheet.paper]
+    paper_width = PAPERS[sheet.paper][0]
     beside = paper_width - FRAME_LEFT_MM - FRAME_MM - TITLE_BLOCK[0] - _NOTES_LEFT_OVER_MM
     lines = wrapped(sheet.notes, beside)
     arrangement = arranged(sheet, pictures, size, notes_height_mm(lines))

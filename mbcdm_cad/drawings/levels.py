@@ -41,7 +41,7 @@ class Place:
     inside: bool
 
 
-def _candidates(span: Span) -> list[tuple[float, float, float]]:
+def _candidates(span: Span, ends: list[float]) -> list[tuple[float, float, float]]:
     """(middle of the text, low end, high end) of what the dimension takes up, the best first."""
     out = _OUTSIDE_MM if span.arrows_outside else 0.0
     middle = (span.low + span.high) / 2
@@ -49,14 +49,24 @@ def _candidates(span: Span) -> list[tuple[float, float, float]]:
         return [(middle, span.low - out, span.high + out)]
     tail = out + GAP_MM + span.text_mm
     beyond = out + GAP_MM + span.text_mm / 2
-    return [
+    near = [
         (span.high + beyond, span.low - out, span.high + tail),
         (span.low - beyond, span.low - tail, span.high + out),
     ]
+    # Past all extension lines of the other dimensions.
+    top, bottom = max([span.high + out, *ends]) + _APART_MM, min([span.low - out, *ends]) - _APART_MM
+    far = [
+        (top + span.text_mm / 2, span.low - out, top + span.text_mm),
+        (bottom - span.text_mm / 2, bottom - span.text_mm, span.high + out),
+    ]
+    return near + far
 
 
-def placed(spans: Sequence[Span]) -> list[Place]:
-    """A place for each span: shorter ones nearer the view, none over another, no text on an extension line."""
+def placed(spans: Sequence[Span], within: tuple[float, float]) -> list[Place]:
+    """A place for each span: shorter ones nearer the view, none over another, no text on an extension line.
+
+    ``within``: the ends of the view on this side; texts stay between them where they can, off the next side's.
+    """
     order = sorted(range(len(spans)), key=lambda i: (spans[i].high - spans[i].low, spans[i].low, i))
     places: dict[int, Place] = {}
     taken: list[list[tuple[float, float]]] = [[] for _ in range(_LEVELS)]
@@ -67,14 +77,18 @@ def placed(spans: Sequence[Span]) -> list[Place]:
         for j, place in places.items():
             if min(span.high, spans[j].high) - max(span.low, spans[j].low) > 0.1:
                 lowest = max(lowest, place.level + 1)
-        places[i] = _first_free(span, ends, lowest, taken)
+        places[i] = _first_free(span, ends, lowest, taken, within)
     return [places[i] for i in range(len(spans))]
 
 
-def _first_free(span: Span, ends: list[float], lowest: int, taken: list[list[tuple[float, float]]]) -> Place:
+def _first_free(
+    span: Span, ends: list[float], lowest: int, taken: list[list[tuple[float, float]]], within: tuple[float, float]
+) -> Place:
+    candidates = _candidates(span, ends)
+    candidates.sort(key=lambda c: c[1] < within[0] - _OUTSIDE_MM or c[2] > within[1] + _OUTSIDE_MM)
     for strict in (True, False):
         for level in range(lowest, _LEVELS):
-            for middle, low, high in _candidates(span):
+            for middle, low, high in candidates:
                 if any(low < b - 0.05 and high > a + 0.05 for a, b in taken[level]):
                     continue
                 half = span.text_mm / 2 + 0.4

@@ -23,7 +23,7 @@ EXTENSION_OFFSET_MM = 0.8
 FIRST_LEVEL_MM = 9.0
 LEVEL_MM = 6.5
 AXIS_OVERHANG_MM = 3.0
-ROW_MM = 4.6
+ROW_MM = 4.2
 
 # Layer: line type, line weight in 1/100 mm.
 LAYERS = {

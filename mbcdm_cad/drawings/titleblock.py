@@ -159,7 +159,7 @@ def _table(block: BlockLayout, table: Table, widths: list[float]) -> None:
         block.add_line((0.0, y), (total, y), dxfattribs=attributes | ({"lineweight": 35} if n < 2 else {}))
         x = 0.0
         for cell, width in zip(line, widths, strict=True):
-            _put(block, cell, (x + 1.2, y - ROW_MM + 1.1))
+            _put(block, cell, (x + 1.2, y - ROW_MM + 0.9))
             x += width
     bottom = -(len(lines) + 1) * ROW_MM
     block.add_line((0.0, bottom), (total, bottom), dxfattribs=attributes | {"lineweight": 35})

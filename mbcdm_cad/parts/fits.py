@@ -1,4 +1,4 @@
-"""Limits of size after ISO 286 for nominal sizes from 1 to 120 mm, and the fits that the parts of a drive use.
+"""Limits of size after ISO 286 for nominal sizes from 1 to 500 mm, and the fits that the parts of a drive use.
 
 Standard tolerances and fundamental deviations are the printed values of ISO 286-1:2010 tables 1 to 4 (micrometres);
 the deviations of holes K to P follow by the rule of clause 4.3.2.3 of ISO 286-1: ES = -ei + (IT_n - IT_n-1) above 3 mm.
@@ -11,41 +11,41 @@ import re
 from bisect import bisect_left
 from dataclasses import dataclass
 
-SMALLEST_MM, LARGEST_MM = 1.0, 120.0
+SMALLEST_MM, LARGEST_MM = 1.0, 500.0
 # Upper ends of the ranges of nominal sizes; a size that is an end belongs to the range below it.
-_RANGES_MM = (3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0)
+_RANGES_MM = (3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, 400.0, 500.0)
 # Standard tolerances IT5 to IT13, one column a range.
 _TOLERANCES_UM = {
-    4: (3, 4, 4, 5, 6, 7, 8, 10),
-    5: (4, 5, 6, 8, 9, 11, 13, 15),
-    6: (6, 8, 9, 11, 13, 16, 19, 22),
-    7: (10, 12, 15, 18, 21, 25, 30, 35),
-    8: (14, 18, 22, 27, 33, 39, 46, 54),
-    9: (25, 30, 36, 43, 52, 62, 74, 87),
-    10: (40, 48, 58, 70, 84, 100, 120, 140),
-    11: (60, 75, 90, 110, 130, 160, 190, 220),
-    12: (100, 120, 150, 180, 210, 250, 300, 350),
-    13: (140, 180, 220, 270, 330, 390, 460, 540),
+    4: (3, 4, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20),
+    5: (4, 5, 6, 8, 9, 11, 13, 15, 18, 20, 23, 25, 27),
+    6: (6, 8, 9, 11, 13, 16, 19, 22, 25, 29, 32, 36, 40),
+    7: (10, 12, 15, 18, 21, 25, 30, 35, 40, 46, 52, 57, 63),
+    8: (14, 18, 22, 27, 33, 39, 46, 54, 63, 72, 81, 89, 97),
+    9: (25, 30, 36, 43, 52, 62, 74, 87, 100, 115, 130, 140, 155),
+    10: (40, 48, 58, 70, 84, 100, 120, 140, 160, 185, 210, 230, 250),
+    11: (60, 75, 90, 110, 130, 160, 190, 220, 250, 290, 320, 360, 400),
+    12: (100, 120, 150, 180, 210, 250, 300, 350, 400, 460, 520, 570, 630),
+    13: (140, 180, 220, 270, 330, 390, 460, 540, 630, 720, 810, 890, 970),
 }
 # Upper deviation es of shafts d to h, lower deviation ei of shafts k to p.
 _ES_UM = {
-    "d": (-20, -30, -40, -50, -65, -80, -100, -120),
-    "e": (-14, -20, -25, -32, -40, -50, -60, -72),
-    "f": (-6, -10, -13, -16, -20, -25, -30, -36),
-    "g": (-2, -4, -5, -6, -7, -9, -10, -12),
-    "h": (0, 0, 0, 0, 0, 0, 0, 0),
+    "d": (-20, -30, -40, -50, -65, -80, -100, -120, -145, -170, -190, -210, -230),
+    "e": (-14, -20, -25, -32, -40, -50, -60, -72, -85, -100, -110, -125, -135),
+    "f": (-6, -10, -13, -16, -20, -25, -30, -36, -43, -50, -56, -62, -68),
+    "g": (-2, -4, -5, -6, -7, -9, -10, -12, -14, -15, -17, -18, -20),
+    "h": (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0),
 }
 _EI_UM = {
-    "k": (0, 1, 1, 1, 2, 2, 2, 3),  # grades 4 to 7; 0 in all others
-    "m": (2, 4, 6, 7, 8, 9, 11, 13),
-    "n": (4, 8, 10, 12, 15, 17, 20, 23),
-    "p": (6, 12, 15, 18, 22, 26, 32, 37),
+    "k": (0, 1, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4, 5),  # grades 4 to 7; 0 in all others
+    "m": (2, 4, 6, 7, 8, 9, 11, 13, 15, 17, 20, 21, 23),
+    "n": (4, 8, 10, 12, 15, 17, 20, 23, 27, 31, 34, 37, 40),
+    "p": (6, 12, 15, 18, 22, 26, 32, 37, 43, 50, 56, 62, 68),
 }
 # Holes J have upper deviations of their own.
 _J_ES_UM = {
-    6: (2, 5, 5, 6, 8, 10, 13, 16),
-    7: (4, 6, 8, 10, 12, 14, 18, 22),
-    8: (6, 10, 12, 15, 20, 24, 28, 34),
+    6: (2, 5, 5, 6, 8, 10, 13, 16, 18, 22, 25, 29, 33),
+    7: (4, 6, 8, 10, 12, 14, 18, 22, 26, 30, 36, 39, 43),
+    8: (6, 10, 12, 15, 20, 24, 28, 34, 41, 47, 55, 60, 66),
 }
 _CODE = re.compile(r"(JS|js|[DEFGHJKMNP]|[defghkmnp])(\d{1,2})")
 
@@ -72,7 +72,7 @@ class Limits:
 def limits(nominal_mm: float, code: str) -> Limits:
     """Limits of ``nominal_mm`` for a tolerance class such as ``H7`` (hole) or ``h6`` (shaft).
 
-    Raises ``ValueError`` with value, limit and remedy for a size outside 1 to 120 mm or a class that is not known.
+    Raises ``ValueError`` with value, limit and remedy for a size outside 1 to 500 mm or a class that is not known.
     """
     if not SMALLEST_MM <= nominal_mm <= LARGEST_MM:
         raise ValueError(
@@ -116,6 +116,8 @@ def _hole_upper_um(letter: str, grade: int, column: int) -> int:
     ei = 0 if letter == "K" and grade > 8 else _EI_UM[letter.lower()][column]
     # The rule that makes a hole and a shaft of one letter fit alike: K, M, N up to IT8, P up to IT7.
     step_applies = column > 0 and grade <= (7 if letter == "P" else 8)
+    if (letter, grade, column) == ("M", 6, _RANGES_MM.index(315.0)):
+        return -9  # the one value of the standard's table that departs from its rule
     if letter == "N" and grade > 8:
         return -_EI_UM["n"][0] if column == 0 else 0
     return -ei + (_TOLERANCES_UM[grade][column] - _TOLERANCES_UM[grade - 1][column] if step_applies else 0)

@@ -9,6 +9,9 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 # Pocket before the swage.
 POCKET_LEAD_MM = 0.2
 
+# At 45 degrees, on every outer edge that is chamfered.
+CHAMFER_MM = 0.3
+
 
 @dataclass(frozen=True)
 class Land:

@@ -6,7 +6,7 @@ from math import cos, radians, sin
 
 import cadquery as cq
 
-from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.shapes import (
     annular_sector,
     cut,
@@ -17,8 +17,6 @@ from mbcdm_cad.parts.shapes import (
     turned_about_y,
 )
 from mbcdm_cad.parts.terminal.dims import Tensioner
-
-_CHAMFER = 0.3
 
 
 def _sector(dims: DrumDims) -> cq.Solid:
@@ -41,8 +39,8 @@ def _sector(dims: DrumDims) -> cq.Solid:
         (dims.spigot_radius, dims.spigot_y),
         (dims.spigot_radius, dims.hub_start_y),
         (dims.hub_radius, dims.hub_start_y),
-        (dims.hub_radius, dims.hub_face_y - _CHAMFER),
-        (dims.hub_radius - _CHAMFER, dims.hub_face_y),
+        (dims.hub_radius, dims.hub_face_y - CHAMFER_MM),
+        (dims.hub_radius - CHAMFER_MM, dims.hub_face_y),
         (dims.bore_radius, dims.hub_face_y),
     ]
     hub = turned_about_y(hub_profile, 0.0, 360.0, "drum hub")

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+# At 45 degrees, on every outer edge that is chamfered.
+CHAMFER_MM = 0.3
+
 
 @dataclass(frozen=True)
 class DrumShaftDims:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import cadquery as cq
 
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_shaft.dims import CHAMFER_MM, DrumShaftDims
 from mbcdm_cad.parts.shapes import turned_about_y
-
-_CHAMFER = 0.3
 
 
 def create_drum_shaft(dims: DrumShaftDims) -> cq.Solid:
     """Drum shaft where it stands in the assembly, axis Y."""
-    c = _CHAMFER
+    c = CHAMFER_MM
     return turned_about_y(
         [
             (dims.bore_radius, dims.y_start),

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_shaft.dims import CHAMFER_MM, DrumShaftDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import FitLine, Sheet
 from mbcdm_cad.parts.sheets.turned import ALONG_Y
-
-# Chamfer that the part's drawing function puts on both ends.
-_CHAMFER_MM = 0.3
 
 
 def drum_shaft_sheet(part: str, dims: DrumShaftDims) -> Sheet:
@@ -22,12 +19,12 @@ def drum_shaft_sheet(part: str, dims: DrumShaftDims) -> Sheet:
         views=(ALONG_Y.view(low, high, section=dims.bore_radius > 0.0),),
         dimensions=(
             *bore,
-            ALONG_Y.diameter(r, low + _CHAMFER_MM, "left", fit=fit, count=2),
+            ALONG_Y.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2),
             ALONG_Y.diameter(dims.flange_radius, dims.flange_start_y, "left"),
             ALONG_Y.length(low, dims.flange_start_y, "below", (r, dims.flange_radius)),
             ALONG_Y.length(dims.flange_start_y, dims.flange_end_y, "below", (dims.flange_radius, dims.flange_radius)),
-            ALONG_Y.length(low, high, "below", (r - _CHAMFER_MM, r - _CHAMFER_MM)),
-            ALONG_Y.chamfer(_CHAMFER_MM, r, high, -1.0, "above", count=2),
+            ALONG_Y.length(low, high, "below", (r - CHAMFER_MM, r - CHAMFER_MM)),
+            ALONG_Y.chamfer(CHAMFER_MM, r, high, -1.0, "above", count=2),
         ),
         fits=(FitLine(2 * r, fit, "bearings, encoder, hub"),),
         notes=(

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, sqrt
+from math import acos, degrees, hypot, sqrt
 
 ENCODER_INSERTION_MM = 10.0
 # Play of a cable's stop in its pocket.
 STOP_PLAY_MM = 0.05
 # Diameter of the pocket's cutter in slot widths: its corners are relieved so that the stop's square ends seat.
 STOP_CUTTER = 0.85
+# Where the slot leaves the land, the wedge outside it is cut back to this thickness.
+WEDGE_MM = 0.3
+
+# At 45 degrees, on every outer edge that is chamfered.
+CHAMFER_MM = 0.2
 
 
 @dataclass(frozen=True)
@@ -41,6 +46,12 @@ class StopSlot:
         inset = self.cutter_radius / sqrt(2)
         along, out = self.stop_start + STOP_PLAY_MM, self.bend_radius + self.stop_radius + STOP_PLAY_MM
         return hypot(along - inset, out - inset) + self.cutter_radius
+
+    def open_deg(self, surface_radius: float) -> float:
+        """Angle about the bend's centre up to which the slot is open to the outside, on a land of this radius."""
+        centre, outer = self.pitch_radius - self.bend_radius, self.bend_radius + self.width / 2
+        cosine = ((surface_radius - WEDGE_MM) ** 2 - centre**2 - outer**2) / (2 * centre * outer)
+        return degrees(acos(min(1.0, max(0.0, cosine))))
 
     @property
     def pocket_inner(self) -> float:

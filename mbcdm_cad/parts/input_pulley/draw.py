@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from math import acos, cos, degrees, radians, sin, sqrt
+from math import cos, radians, sin, sqrt
 
 import cadquery as cq
 
-from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, turned
-
-_CHAMFER = 0.2
-# Where the slot leaves the land, the wedge outside it is cut back to this thickness.
-_WEDGE_MM = 0.3
 
 
 def _profile(d: InputPulleyDims) -> list[Point2]:
-    c = _CHAMFER
+    c = CHAMFER_MM
     return [
         (0.0, d.journal_bottom_z),
         (d.lower_journal_radius - c, d.journal_bottom_z),
@@ -34,13 +30,6 @@ def _profile(d: InputPulleyDims) -> list[Point2]:
         (d.upper_journal_radius - c, d.journal_top_z),
         (0.0, d.journal_top_z),
     ]
-
-
-def _open_deg(slot: StopSlot, surface: float) -> float:
-    """Angle about the bend's centre up to which the slot is open to the outside."""
-    centre, outer = slot.pitch_radius - slot.bend_radius, slot.bend_radius + slot.width / 2
-    cosine = ((surface - _WEDGE_MM) ** 2 - centre**2 - outer**2) / (2 * centre * outer)
-    return degrees(acos(min(1.0, max(0.0, cosine))))
 
 
 def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
@@ -72,7 +61,7 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
             cq.Edge.makeLine(arc(outer, 0), arc(inner, 0)),
         ]
     )
-    opened = _open_deg(slot, surface)
+    opened = slot.open_deg(surface)
     reach = 2 * outer
     wedge = cq.Wire.assembleEdges(
         [

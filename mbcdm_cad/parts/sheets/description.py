@@ -8,7 +8,7 @@ engine refuses a sheet in which the two disagree.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 Vector = tuple[float, float, float]
@@ -161,8 +161,7 @@ class Sheet:
     tables: tuple[Table, ...] = ()
     fits: tuple[FitLine, ...] = ()
     notes: tuple[str, ...] = ()
-    paper: Literal["A4", "A3"] = "A4"
-    hatched: bool = field(default=True)
+    paper: Literal["A4", "A3", "A2"] = "A4"
 
     def view(self, name: str) -> View:
         """The view of that name. Raises ``KeyError``."""

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, sin
 
+# At 45 degrees, on every outer edge that is chamfered.
+CHAMFER_MM = 0.2
+
 
 @dataclass(frozen=True)
 class Tensioner:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import cadquery as cq
 
 from mbcdm_cad.parts.shapes import turned
-
-_CHAMFER = 0.2
+from mbcdm_cad.parts.terminal.dims import CHAMFER_MM
 
 
 def create_terminal(
@@ -19,7 +18,7 @@ def create_terminal(
     bore_radius: float,
 ) -> cq.Solid:
     """Terminal, all mm; z = 0 where the cable leaves the drum's land, ``cable_end`` the bottom of its bore."""
-    c = _CHAMFER
+    c = CHAMFER_MM
     return turned(
         [
             (0.0, cable_end),

@@ -5,9 +5,8 @@ from __future__ import annotations
 from mbcdm_cad.parts.sheets.description import Sheet
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
 from mbcdm_cad.parts.sheets.words import mm
+from mbcdm_cad.parts.terminal.dims import CHAMFER_MM
 from mbcdm_cad.parts.threads import thread
-
-_CHAMFER_MM = 0.2
 
 
 def terminal_sheet(
@@ -21,7 +20,7 @@ def terminal_sheet(
     bore_radius: float,
 ) -> Sheet:
     """Section along the axis; the arguments are those of the part's drawing function."""
-    c = _CHAMFER_MM
+    c = CHAMFER_MM
     screw = thread(2 * stud_radius)
     return Sheet(
         part=part,

@@ -32,6 +32,7 @@ MOUNT_SCREW_HEAD_MM = 5.5
 # From a mounting screw's head to the wall beside it.
 MOUNT_ROOM_MM = 1.0
 MOUNT_GRIP_MM = 2.6
+COLUMN_WALL_MM = 1.2
 STOP_PIN_DEPTH_MM = 12.0
 # Longest sensible reach of an end mill, in diameters.
 TOOL_SLENDERNESS = 4.0
@@ -87,6 +88,12 @@ class FrameDims:
     mount_radius: float
     mount_head_radius: float
     mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
+
+    @property
+    def column_start_z(self) -> float:
+        """Where the column starts behind the boss: the encoder's pocket leaves less than a wall beside it below."""
+        beside = self.boss_radius - COLUMN_WALL_MM
+        return float((max(0.0, self.encoder_pocket_radius**2 - beside**2)) ** 0.5)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,6 @@ import cadquery as cq
 from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims
 from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
 
-_WALL_MM = 1.2
-
 
 def _body(d: FrameDims) -> cq.Solid:
     v = d.levels
@@ -46,12 +44,9 @@ def _pockets(d: FrameDims) -> list[cq.Shape]:
 
 def _drum_bores(d: FrameDims) -> list[cq.Shape]:
     v = d.levels
-    # Where the encoder's pocket leaves less than a wall beside it, the column starts above.
-    beside = d.boss_radius - _WALL_MM
-    low = (max(0.0, d.encoder_pocket_radius**2 - beside**2)) ** 0.5
     across = d.boss_radius + 1.0
     tools: list[cq.Shape] = [
-        block((-across, across), (v.back_y - 1.0, d.encoder_pocket_floor_y), (-across, low)),
+        block((-across, across), (v.back_y - 1.0, d.encoder_pocket_floor_y), (-across, d.column_start_z)),
         cylinder_y(d.encoder_pocket_radius, 0, 0, v.back_y - 1.0, d.encoder_pocket_floor_y),
         cylinder_y(d.drum_seat_radius, 0, 0, v.back_y - 1.0, d.rear_seat_end_y),
         cylinder_y(d.drum_shoulder_radius, 0, 0, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),

@@ -1,0 +1,215 @@
+"""Sheet of the drum sector."""
+
+from __future__ import annotations
+
+from math import cos, degrees, radians, sin
+
+from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.sheets.description import (
+    Angle,
+    FitLine,
+    Label,
+    Linear,
+    Radius,
+    Sheet,
+    Side,
+    Table,
+    Vector,
+    View,
+    X,
+    Y,
+    Z,
+    minus,
+)
+from mbcdm_cad.parts.sheets.holes import Holes, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.words import mm, mm3
+
+_REAR, _SECTION, _HUB = "rear", "section", "hub"
+# How far beyond the rim the sector's angle is drawn.
+_ANGLE_BEYOND_MM = 9.0
+
+
+def _polar(radius: float, deg: float, y: float) -> Vector:
+    return (radius * sin(radians(deg)), y, radius * cos(radians(deg)))
+
+
+def _lands(d: DrumDims) -> Table:
+    fit = FITS["land"].code
+    rows = tuple(
+        (str(land.step), mm3(land.surface_radius_mm), fit, mm3(land.y_start - d.spigot_y), mm3(land.y_end - d.spigot_y))
+        for land in d.lands
+    )
+    return Table("Lands (fit for the diameter), depths from face A", ("Step", "R", "Fit", "from", "to"), rows)
+
+
+def _windows(d: DrumDims) -> Table:
+    rows = tuple(
+        (f"W{n}", mm(w.r_inner), mm(w.r_outer), mm(w.start_deg), mm(w.end_deg)) for n, w in enumerate(d.windows, 1)
+    )
+    head = f"Windows, corners R{mm(d.corner_radius)}, angles from Z to X"
+    return Table(head, ("", "R inner", "R outer", "from deg", "to deg"), rows)
+
+
+def _terminals(d: DrumDims) -> Table:
+    """A column for each terminal; s along the tangent from where the cable leaves its land, n outward from there."""
+    outer, ends = d.lands[-1].y_end - d.spigot_y, d.lands[-1].surface_radius_mm
+    columns = []
+    for t in d.tensioners:
+        depth = t.y_mm - d.spigot_y
+        through = "through"
+        swage, nuts = (through, through) if t.cut_through else (mm3(depth + d.swage_pocket), mm3(depth + d.nut_pocket))
+        columns.append(
+            (
+                t.cable_name,
+                mm(t.side * degrees(t.anchor_rad), 3),
+                mm3(t.radius_mm),
+                mm3(depth),
+                mm3(t.swage_start - POCKET_LEAD_MM),
+                mm3(t.lug_start),
+                mm3(t.lug_end),
+                "open" if t.pocket_end > t.tip + 2.0 else mm3(t.pocket_end),
+                "open" if t.radius_mm + t.pocket_top > ends else mm3(t.pocket_top),
+                swage,
+                nuts,
+                f"{mm3(depth - d.lug_half_width)} to {mm3(outer)}",
+            )
+        )
+    heads = (
+        "cable",
+        "angle from Z to X, deg",
+        "pitch radius",
+        "depth of axis from A",
+        "swage pocket from s",
+        "swage pocket to, lug from s",
+        "lug to, nut pocket from s",
+        "nut pocket to s",
+        "pockets up to n",
+        "swage pocket depth from A",
+        "nut pocket depth from A",
+        "lug depth from A",
+    )
+    rows = tuple((head, *(c[n] for c in columns)) for n, head in enumerate(heads))
+    return Table("Terminals", ("", *(f"T{n}" for n in range(1, len(columns) + 1))), rows)
+
+
+def _shape(d: DrumDims) -> Table:
+    """Sizes that all terminals and the stop's slot share."""
+    rows = (
+        ("swage pocket n from", mm3(-d.swage_pocket)),
+        ("nut pocket n from", mm3(-d.nut_pocket)),
+        ("lug n up to", mm3(d.lug_half_width)),
+        ("stud slot of the lug, width, round end", mm3(2 * d.stud_hole_radius)),
+        ("pocket corners R", mm3(d.pocket_radius)),
+        ("stop slot: radius", mm3(d.stop_radius)),
+        ("stop slot: width, round ends", mm3(d.stop_slot_width)),
+        ("stop slot: ends at +- deg", mm(d.stop_slot_end_deg, 3)),
+    )
+    return Table("Terminals and stop slot", ("", "all"), rows)
+
+
+def _holes(d: DrumDims, set_screw_thread: float) -> tuple[Holes, ...]:
+    payload = tuple(_polar(d.payload_circle_radius, 90.0 * k, d.hub_face_y) for k in range(4))
+    radial = tuple(_polar(d.hub_radius, deg, d.set_screw_y) for deg in (45.0, 135.0))
+    return (
+        Holes("P", d.payload_screw_thread, d.payload_depth, payload, "hub face", "payload", threaded=True),
+        Holes("Q", set_screw_thread, "to bore", radial, "hub, radial", "set screws", threaded=True),
+    )
+
+
+def _views(d: DrumDims) -> tuple[View, ...]:
+    outer = d.lands[-1].surface_radius_mm
+    half, face = radians(min(d.half_angle_deg, 90.0)), d.spigot_y
+    tip = outer * sin(half)
+    hub = d.hub_radius + 0.4
+    return (
+        View(_REAR, X, Z,
+             axes=(((-tip, face, 0.0), (tip, face, 0.0)), ((0.0, face, -d.hub_radius), (0.0, face, outer)))),
+        View(_SECTION, minus(Y), Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0),
+             axes=(((0.0, d.spigot_y, 0.0), (0.0, d.hub_face_y, 0.0)),)),
+        View(_HUB, minus(X), Z, column=1, row=-1, title="Hub from the output side", magnify=2.0,
+             window=((0.0, d.hub_face_y, 0.0), hub, hub),
+             circles=(((0.0, d.hub_face_y, 0.0), d.payload_circle_radius),),
+             axes=(((-hub, d.hub_face_y, 0.0), (hub, d.hub_face_y, 0.0)),
+                   ((0.0, d.hub_face_y, -hub), (0.0, d.hub_face_y, hub)))),
+    )  # fmt: skip
+
+
+def _in_section(d: DrumDims) -> tuple[Linear, ...]:
+    face = d.spigot_y
+    low = -d.hub_radius
+
+    def deep(start: float, end: float, z: tuple[float, float], side: Side, what: str = "") -> Linear:
+        a, b = (0.0, start, z[0]), (0.0, end, z[1])
+        return Linear(_SECTION, a, b, end - start, side, suffix=what, decimals=3)
+
+    def round_(radius: float, y: float, side: Side, fit: str = "") -> Linear:
+        return Linear(_SECTION, (0.0, y, -radius), (0.0, y, radius), 2 * radius, side, "%%c", fit=fit)
+
+    c = CHAMFER_MM
+    return (
+        deep(face, d.hub_start_y, (-d.spigot_radius, low), "below"),
+        deep(face, d.hub_face_y, (-d.spigot_radius, low + c), "below"),
+        deep(d.set_screw_y, d.hub_face_y, (low, low + c), "below", " Q"),
+        deep(d.hub_face_y - c, d.hub_face_y, (low, low + c), "below", " x 45%%d"),
+        deep(face, d.web_start_y, (d.spigot_radius, d.hub_radius + 6.0), "above"),
+        deep(d.web_start_y, d.web_end_y, (d.hub_radius + 6.0, d.hub_radius + 6.0), "above", " web"),
+        round_(d.bore_radius, d.hub_face_y, "left", FITS["drum_bore"].code),
+        round_(d.hub_radius, d.hub_face_y - c, "left"),
+        round_(d.spigot_radius, face, "right"),
+    )
+
+
+def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
+    """From behind, where the pockets are open, with a middle section, the hub from the front, and tables."""
+    outer, face, half = d.lands[-1].surface_radius_mm, d.spigot_y, d.half_angle_deg
+    holes = _holes(d, set_screw_thread)
+    land, bore = FITS["land"].code, FITS["drum_bore"].code
+    labels = [
+        Label(_REAR, (*_at(t.at(t.lug_end)),), f"T{n}", clear_mm=2.0, leader=True)
+        for n, t in enumerate(d.tensioners, 1)
+    ]
+    labels += [
+        Label(_REAR, _polar((w.r_inner + w.r_outer) / 2, (w.start_deg + w.end_deg) / 2, face), f"W{n}")
+        for n, w in enumerate(d.windows, 1)
+    ]
+    return Sheet(
+        part=part,
+        title="Drum sector",
+        paper="A2",
+        views=_views(d),
+        dimensions=(
+            *_in_section(d),
+            Angle(_REAR, (0.0, face, 0.0), _polar(outer, half, face), _polar(outer, -half, face), 2 * half,
+                  outer + _ANGLE_BEYOND_MM),
+            Radius(_REAR, (0.0, face, 0.0), _polar(d.rim_inner_radius, 35.0, face), d.rim_inner_radius),
+            Linear(_HUB, _polar(d.payload_circle_radius, 90.0, d.hub_face_y),
+                   _polar(d.payload_circle_radius, -90.0, d.hub_face_y), 2 * d.payload_circle_radius, "below", "%%c"),
+        ),
+        labels=(
+            *labels,
+            *hole_labels(holes[:1], _HUB),
+            Label(_SECTION, (0.0, face, d.spigot_radius), "A", leader=True),
+        ),
+        tables=(
+            hole_table(holes),
+            position_table(holes, (0, 2), "Positions from the axis"),
+            _lands(d),
+            _windows(d),
+            _shape(d),
+            _terminals(d),
+        ),
+        fits=(
+            FitLine(2 * d.bore_radius, bore, "bore"),
+            *(FitLine(round(2 * x.surface_radius_mm, 6), land, f"step {x.step}") for x in d.lands),
+        ),
+        notes=(
+            "Lands Ra 0.8, run-out to the bore 0.02. Terminals: s along the tangent, n outward, both from the point of "
+            "the pitch circle at the given angle; pockets milled from behind (face A's side).",
+            "Q: two set screws at 45 and 135 degrees from Z.",
+        ),
+    )  # fmt: skip
+
+
+def _at(xz: tuple[float, float]) -> Vector:
+    return (xz[0], 0.0, xz[1])

@@ -1,0 +1,179 @@
+"""Sheet of an input pulley."""
+
+from __future__ import annotations
+
+from math import cos, degrees, sin
+
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.sheets.description import FitLine, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
+from mbcdm_cad.parts.sheets.words import mm, mm3
+
+_NAMES = ("S1", "S2")
+
+
+def _lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
+    """Lengths, one after the other up to the last neck, and the whole."""
+    low, c = d.journal_bottom_z, CHAMFER_MM
+    return (
+        ALONG_Z.length(low, d.lower_neck_bottom_z, "below", (d.lower_journal_radius - c, d.lower_neck_radius)),
+        ALONG_Z.length(
+            d.lower_neck_bottom_z, d.land_bottom_z, "below", (d.lower_neck_radius, d.lower_surface_radius), decimals=3
+        ),
+        ALONG_Z.length(
+            d.land_bottom_z, d.wall_z, "below", (d.lower_surface_radius, d.upper_surface_radius), decimals=3
+        ),
+        ALONG_Z.length(d.wall_z, d.land_top_z, "below", (d.upper_surface_radius, d.upper_surface_radius), decimals=3),
+        ALONG_Z.length(
+            d.land_top_z, d.upper_neck_top_z, "below", (d.upper_surface_radius, d.upper_neck_radius), decimals=3
+        ),
+        ALONG_Z.length(
+            low, d.journal_top_z, "below", (d.lower_journal_radius - c, d.upper_journal_radius - c), decimals=3
+        ),
+        ALONG_Z.length(low, d.bore_top_z, "above", (d.lower_journal_radius - c, d.bore_radius)),
+        ALONG_Z.length(low, d.slit_top_z, "above", (d.lower_journal_radius - c, d.lower_journal_radius)),
+        ALONG_Z.chamfer(c, d.upper_journal_radius, d.journal_top_z, -1.0, "above", count=2),
+    )
+
+
+def _diameters(d: InputPulleyDims) -> tuple[Linear, ...]:
+    journal, land, bore = (FITS[role].code for role in ("input_journal", "land", "gear_shaft_bore"))
+    low, c = d.journal_bottom_z, CHAMFER_MM
+    return (
+        ALONG_Z.diameter(d.bore_radius, low, "left", fit=bore),
+        ALONG_Z.diameter(d.lower_journal_radius, low + c, "left", fit=journal),
+        ALONG_Z.diameter(d.lower_neck_radius, d.lower_neck_bottom_z, "left"),
+        ALONG_Z.diameter(d.lower_surface_radius, d.land_bottom_z, "left", fit=land, decimals=3),
+        ALONG_Z.diameter(d.upper_surface_radius, d.land_top_z, "right", fit=land, decimals=3),
+        ALONG_Z.diameter(d.upper_neck_radius, d.upper_neck_top_z, "right"),
+        ALONG_Z.diameter(d.upper_journal_radius, d.journal_top_z - c, "right", fit=journal),
+    )
+
+
+def _slot_table(d: InputPulleyDims) -> Table:
+    """All that a slot needs, a line each: u and v are the axes drawn in the end views, through the pulley's axis."""
+
+    def column(slot: StopSlot) -> tuple[str, ...]:
+        lower = slot.face_z < slot.end_z
+        half, r = slot.width / 2, slot.stop_radius + STOP_PLAY_MM
+        surface = d.lower_surface_radius if lower else d.upper_surface_radius
+        floor = abs(slot.end_z - slot.face_z) + half
+        pocket = abs(slot.chord_z - slot.face_z) + r
+        return (
+            slot.cable_name,
+            "lower" if lower else "upper",
+            mm(degrees(slot.end_angle_rad) % 360.0, 3),
+            "+90" if slot.away > 0 else "-90",
+            mm3(slot.width),
+            mm3(floor),
+            mm3(slot.pitch_radius - slot.bend_radius),
+            mm3(slot.bend_radius),
+            mm(slot.open_deg(surface), 2),
+            mm3(slot.stop_start - slot.stop_end + 2 * STOP_PLAY_MM),
+            mm3((slot.stop_start + slot.stop_end) / 2),
+            mm3(2 * r),
+            mm3(pocket),
+            mm3(2 * slot.cutter_radius),
+        )
+
+    heads = (
+        "cable",
+        "milled from land face",
+        "u from X, deg (seen from +Z, anticlockwise)",
+        "v from u, deg (same sense)",
+        "width",
+        "depth from land face",
+        "bend: centre on u",
+        "bend: radius to middle of slot, to u = 0",
+        "bend: outside open from u to deg",
+        "pocket: length along u",
+        "pocket: middle on u",
+        "pocket: width, about v = bend radius",
+        "pocket: depth from land face",
+        "pocket: corner reliefs %%c, on the diagonals",
+    )
+    columns = [column(slot) for slot in d.slots]
+    rows = tuple((head, *(c[n] for c in columns)) for n, head in enumerate(heads))
+    return Table("Slots of the cable stops", ("", *_NAMES[: len(columns)]), rows)
+
+
+def _end_view(d: InputPulleyDims, lower: bool) -> View:
+    right: Vector = Y if lower else minus(Y)
+    radius = d.lower_surface_radius if lower else d.upper_surface_radius
+    z = d.land_bottom_z if lower else d.land_top_z
+    axes: list[tuple[Vector, Vector]] = [
+        ((-radius, 0.0, z), (radius, 0.0, z)),
+        ((0.0, -radius, z), (0.0, radius, z)),
+    ]
+    for slot in d.slots:
+        if (slot.face_z < slot.end_z) == lower:
+            u, v = _directions(slot, radius)
+            axes += [((0.0, 0.0, z), (u[0], u[1], z)), ((0.0, 0.0, z), (v[0], v[1], z))]
+    # Details are larger than the section; they stand beside it.
+    name = "lower end" if lower else "upper end"
+    return View(
+        name, right, X, column=1, row=0 if lower else -1, title=f"View of the {name}", magnify=2.5, axes=tuple(axes)
+    )
+
+
+def _directions(slot: StopSlot, reach: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    a = slot.end_angle_rad
+    return (
+        (reach * cos(a), reach * sin(a)),
+        (-slot.away * reach * sin(a), slot.away * reach * cos(a)),
+    )
+
+
+def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
+    """Section along the axis, both ends with the slots of the cables' stops, and the slots as a table."""
+    low, high = d.journal_bottom_z, d.journal_top_z
+    diameters = _diameters(d)
+    labels = []
+    for slot, name in zip(d.slots, _NAMES, strict=False):
+        lower = slot.face_z < slot.end_z
+        radius = d.lower_surface_radius if lower else d.upper_surface_radius
+        view, z = ("lower end", d.land_bottom_z) if lower else ("upper end", d.land_top_z)
+        u, v = _directions(slot, radius + 0.6)
+        labels += [Label(view, (*u, z), "u"), Label(view, (*v, z), "v")]
+        pocket = _directions(slot, slot.bend_radius)[1]
+        labels.append(Label(view, (*pocket, z), name, clear_mm=0.3, leader=True))
+    slit = d.slit_width / 2
+    named = {FITS["input_journal"].code: "journal", FITS["land"].code: "land", FITS["gear_shaft_bore"].code: "bore"}
+    return Sheet(
+        part=part,
+        title=f"Input pulley {d.name}",
+        paper="A3",
+        views=(
+            View(
+                MAIN,
+                right=Z,
+                up=X,
+                cut=(0.0, 0.0, 0.0),
+                title="Section through the slit",
+                axes=(((0.0, 0.0, low), (0.0, 0.0, high)),),
+            ),
+            _end_view(d, True),
+            _end_view(d, False),
+        ),
+        dimensions=(
+            *_lengths(d),
+            *diameters,
+            Linear(
+                "lower end",
+                (d.lower_journal_radius - CHAMFER_MM, -slit, low),
+                (d.lower_journal_radius - CHAMFER_MM, slit, low),
+                d.slit_width,
+                "above",
+            ),
+        ),
+        labels=tuple(labels),
+        tables=(_slot_table(d),),
+        fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
+        notes=(
+            "Lands Ra 0.8; run-out of the lands to the common axis of both journals: 0.01.",
+            "Slots after turning, edges that the cable touches rounded to R0.2 and polished.",
+            "X of the slots is the direction of the slit. Slit sawn through both sides of the lower journal.",
+            "Steps square to the axis within 0.01, corners at most R0.1.",
+        ),
+    )
