@@ -1,0 +1,117 @@
+"""A configuration is added by adding files and touching none: the small one of tests/support goes through everything.
+
+Two cables, one input, no body that cables pass, drum on a parallel axis, boxes and cylinders for parts.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import fields
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from click.testing import CliRunner, Result
+
+from mbcdm_cad.cli import main
+from mbcdm_cad.configurations import registry
+from mbcdm_cad.design.drive import Drive
+
+# Until the shared drive holds only what every configuration has, and the model works on routes, none can be added.
+pytestmark = pytest.mark.skipif(
+    any(field.name == "guide" for field in fields(Drive)) or find_spec("mbcdm_cad.routes.route") is None,
+    reason="the shared Drive still holds fields of miso_bevel, or the model does not work on routes yet",
+)
+
+SUPPORT = Path(__file__).parents[1] / "support"
+EXPERIMENT = {
+    "name": "sine",
+    "about": "no effect",
+    "seed": 5,
+    "duration_s": 60.0,
+    "motion": {"shape": "sine", "amplitude_mrad": 50.0, "period_s": 10.0},
+    "load": {"kind": "brake", "levels_Nm": [0.3]},
+    "physics": {"cable_transport": False},
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder with the design, while the configuration is known."""
+    patch = pytest.MonkeyPatch()
+    patch.syspath_prepend(str(SUPPORT))
+    added = dict(registry._added)
+    registry.add(importlib.import_module("parallel_drive"))
+    work = tmp_path_factory.mktemp("added")
+    patch.setenv("MBCDM_CACHE_DIR", str(work / "cache"))
+    patch.chdir(work)
+    (work / "parallel.yaml").write_bytes((SUPPORT / "parallel_drive" / "design.yaml").read_bytes())
+    yield work
+    patch.undo()
+    registry._added.clear()
+    registry._added.update(added)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "parallel_drive"]:
+        del sys.modules[name]
+
+
+def run(*arguments: str, code: int = 0) -> Result:
+    """A command of the program in this process, where the configuration is known."""
+    done = CliRunner().invoke(main, list(arguments), catch_exceptions=False)
+    assert done.exit_code == code, f"{arguments}: exit {done.exit_code}\n{done.output}"
+    return done
+
+
+def output(*arguments: str) -> Any:
+    """What a command prints as JSON."""
+    return json.loads(run(*arguments, "--json").stdout)
+
+
+def test_check_passes_and_names_its_own_checks(folder: Path) -> None:
+    found = {c["id"]: c for c in output("check", "parallel.yaml")["checks"]}
+    failed = {name: c["message"] for name, c in found.items() if c["status"] == "fail"}
+    assert not failed, failed
+    # 20 deg reserve and 4 times the whole travel of 60 deg.
+    assert found["input_wrap"]["actual"] == pytest.approx(260.0)
+    # D/d of the input pulley, the smallest.
+    assert found["bend_ratio"]["actual"] == pytest.approx(15.0 / 0.81)
+
+
+def test_analyse_gives_what_two_equal_cables_give(folder: Path) -> None:
+    found = output("analyse", "parallel.yaml")
+    span = np.sqrt(50.0**2 - 37.5**2)
+    for cable in found["cables"]:
+        assert cable["free_span_mm"] == pytest.approx(span)
+        assert cable["total_ratio"] == pytest.approx(4.0)
+    # Both cables turn by the same torque, so neither direction is the stronger one.
+    assert found["peak_torque_Nm"][0] == pytest.approx(found["peak_torque_Nm"][1])
+    assert "cable" in run("analyse", "parallel.yaml").stdout
+
+
+def test_simulate_and_loop_find_no_effect_where_there_is_none(folder: Path) -> None:
+    (folder / "sine.yaml").write_text(yaml.safe_dump(EXPERIMENT))
+    run("simulate", "parallel.yaml", "sine.yaml")
+    header = next((folder / "out" / "sine").glob("*.csv")).read_text().splitlines()[0]
+    assert "main" in header, header
+    found = output("loop", "parallel.yaml", "out/sine/sine.yaml")
+    assert found["runs"] or found, found
+
+
+def test_build_draws_it_and_finds_no_clash(folder: Path) -> None:
+    run("build", "parallel.yaml", "--jobs", "1")
+    report = json.loads((folder / "out" / "parallel" / "report.json").read_text())
+    assert report["interference"]["clashes"] == []
+    assert {"base", "drum", "input_pulley_main", "motor_main", "cable_up", "cable_down"} == set(report["items"])
+    drum = report["parts"]["drum"]["volume_mm3"]
+    assert drum == pytest.approx(np.pi * (30.0 - 0.405) ** 2 * 6.0, rel=1e-6)
+    assert report["frame"] is None
+    # Drum and input turn in one sense; the input's share is its own inertia times 16.
+    moving = report["inertia_moving_g_mm2"]
+    assert moving["inputs_at_drum"] > 0.0 and moving["at_drum"] > moving["drum_group"]
+    text = (folder / "out" / "parallel" / "report.md").read_text()
+    assert "the input stands at x = +L" in text and "| up |" in text
