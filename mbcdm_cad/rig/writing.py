@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import io
-import secrets
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
 
-from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.errors import OutputError
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import SimulatedRun
-
-
-class RunOutputError(MbcdmError):
-    """A run that cannot be written where it was asked to go."""
+from mbcdm_cad.storage.folders import write_folder
 
 
 def run_files(
@@ -70,28 +65,14 @@ def _yaml(content: dict[str, Any]) -> bytes:
 
 
 def write_run(folder: Path, files: dict[str, bytes]) -> None:
-    """Make ``folder`` hold just these files. A folder there before gives way only if it holds files of a run alone."""
-    folder = folder.absolute()
-    staging = folder.with_name(f".{folder.name}.new-{secrets.token_hex(8)}")
-    old = folder.with_name(f".{folder.name}.old-{secrets.token_hex(8)}")
-    ours = {suffix for name in files for suffix in ["".join(Path(name).suffixes)]} | {".png"}
-    try:
-        if folder.exists() and (not folder.is_dir() or any("".join(p.suffixes) not in ours for p in folder.iterdir())):
-            raise RunOutputError(
-                f"{folder}: holds something else than a simulated run; choose another folder with --out"
-            )
-        staging.mkdir(parents=True)
-        for name, data in files.items():
-            (staging / name).write_bytes(data)
-        if folder.exists():
-            folder.rename(old)
-        staging.rename(folder)
-    except OSError as error:
-        if old.exists() and not folder.exists():
-            old.rename(folder)
-        raise RunOutputError(
-            f"{folder}: cannot write: {error.strerror or error}; make room or rights, or choose another --out"
-        ) from error
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
-        shutil.rmtree(old, ignore_errors=True)
+    """Make ``folder`` hold just these files. A folder there before gives way only if it holds files of a run alone.
+
+    Raises ``OutputError`` if it holds others, or if the system refuses to write.
+    """
+    ours = {"".join(Path(name).suffixes) for name in files} | {".png"}
+
+    def refuse(target: Path) -> None:
+        if target.exists() and (not target.is_dir() or any("".join(p.suffixes) not in ours for p in target.iterdir())):
+            raise OutputError(f"{target}: holds something else than a simulated run; choose another folder with --out")
+
+    write_folder(folder, files, refuse)

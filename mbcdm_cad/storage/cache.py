@@ -10,6 +10,8 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from mbcdm_cad.storage.files import is_aside, write_whole
+
 ENVIRONMENT_VARIABLE = "MBCDM_CACHE_DIR"
 DEFAULT_LIMIT_BYTES = 1 << 30
 _MAGIC = b"mbcdm-cache-1\n"
@@ -62,14 +64,10 @@ class Cache:
         """Store the blobs under ``key``; if the cache has grown beyond its limit, the longest unused entries go."""
         if self._folder is None:
             return
-        path = self._path(key)
-        aside = path.with_name(f".{path.name}.{os.urandom(8).hex()}")
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            aside.write_bytes(_packed(blobs))
-            aside.replace(path)
+            # What a crash of the machine breaks is noticed by its hash; to wait for the disk would take too long.
+            write_whole({self._path(key): _packed(blobs)}, durable=False)
         except OSError as error:
-            self._remove(aside)
             self._note(error)
         self.trim()
 
@@ -92,7 +90,7 @@ class Cache:
                 status = path.stat()
             except OSError:  # gone: another process trims too
                 continue
-            if path.name.startswith("."):
+            if is_aside(path):
                 if now - status.st_mtime > _STALE_S:
                     self._remove(path)
             elif _KEY.fullmatch(path.name):

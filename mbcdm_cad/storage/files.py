@@ -1,35 +1,49 @@
-"""Single files that appear whole or not at all: written aside, then renamed into place."""
+"""Files that appear whole or not at all: written aside, then renamed into place."""
 
 from __future__ import annotations
 
 import os
+import re
 import secrets
 from collections.abc import Mapping
 from pathlib import Path
 
 
-def write_whole(files: Mapping[Path, bytes]) -> None:
+def aside(target: Path) -> Path:
+    """A name beside ``target`` that nothing else has, for what is to take its place."""
+    return target.with_name(f".{target.name}.new-{secrets.token_hex(8)}")
+
+
+def is_aside(path: Path, target: Path | None = None) -> bool:
+    """Whether ``path`` has a name that :func:`aside` gives, for ``target`` if that is given."""
+    name = ".*" if target is None else re.escape(target.name)
+    return re.fullmatch(rf"\.{name}\.new-[0-9a-f]{{16}}", path.name) is not None
+
+
+def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:
     """Write all files; none is touched before all are on the disk. Raises OSError that names the file meant.
 
-    Folders that are not there are made.
+    Folders that are not there are made. With ``durable`` the content is on the disk itself before a file takes its
+    name, so that a crash of the machine leaves the old or the new one; without, only a crash of the program does.
     """
-    aside: dict[Path, Path] = {}
+    written: dict[Path, Path] = {}
     try:
         for target, content in files.items():
-            new = target.with_name(f".{target.name}.new-{secrets.token_hex(8)}")
+            new = aside(target)
             try:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if target.is_dir():
                     raise IsADirectoryError(21, "is a folder", str(target))
                 with open(new, "xb") as file:
-                    aside[new] = target
+                    written[new] = target
                     file.write(content)
-                    file.flush()
-                    os.fsync(file.fileno())
+                    if durable:
+                        file.flush()
+                        os.fsync(file.fileno())
             except OSError as error:
                 raise OSError(error.errno, error.strerror, str(target)) from error
-        for new, target in aside.items():
+        for new, target in written.items():
             new.replace(target)
     finally:
-        for new in aside:
+        for new in written:
             new.unlink(missing_ok=True)

@@ -1,18 +1,18 @@
-"""The output folder: written aside, put in place at one stroke, so that a build that dies leaves the last one whole."""
+"""Folders of output: written aside, put in place at one stroke, so that a build that dies leaves the last one whole."""
 
 from __future__ import annotations
 
 import os
-import re
-import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
+import filelock
+
 from mbcdm_cad.errors import OutputError
-from mbcdm_cad.storage.folderlock import folder_lock
+from mbcdm_cad.storage.files import aside, is_aside
 from mbcdm_cad.storage.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
 from mbcdm_cad.storage.swap import recover, replace_folder
 
@@ -42,48 +42,87 @@ class OutputFolder:
 
 @contextmanager
 def output_folder(target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIMEOUT_S) -> Iterator[OutputFolder]:
-    """A folder to write to that takes the place of ``target`` when the block ends well, with its manifest.
+    """As :func:`whole_folder`, with a manifest by which a later build knows its own files.
+
+    Files in ``target`` that its manifest does not list are somebody's own and move along. ``files`` of ``manifest`` is
+    filled in here. Raises ``OutputError`` also if ``target`` is something that this program did not make.
+    """
+    target = target.resolve()
+    with whole_folder(target, _refuse_what_is_not_ours, timeout_s) as staging:
+        yield OutputFolder(staging, target)
+        try:
+            _add_manifest(staging, target, manifest)
+        except OSError as error:
+            raise _refused(target, error) from error
+
+
+def write_folder(target: Path, files: Mapping[str, bytes], refuse: Callable[[Path], None]) -> None:
+    """Make ``target`` hold just these files, by name; see :func:`whole_folder`."""
+    with whole_folder(target, refuse) as staging:
+        folder = OutputFolder(staging, target)
+        for name, data in files.items():
+            folder.write(name, data)
+
+
+@contextmanager
+def whole_folder(target: Path, refuse: Callable[[Path], None], timeout_s: float = _LOCK_TIMEOUT_S) -> Iterator[Path]:
+    """A new folder beside ``target`` that takes its place when the block ends well.
 
     Whatever happens before (an exception, a full disk, SIGKILL), ``target`` stays as it was; what is left lying beside
-    it (``.NAME.new-*``, ``.NAME.lock``) is removed by the next build. Builds into one folder take turns. Files in
-    ``target`` that its manifest does not list are somebody's own and move along. ``files`` of ``manifest`` is filled
-    in here.
+    it (``.NAME.new-*``, ``.NAME.lock``) is removed by the next one. Those who write one folder take turns. ``refuse``
+    is called with ``target`` under the lock and raises ``OutputError`` where it must not be replaced.
 
-    Raises ``OutputError`` if ``target`` is something that this program did not make, if another build holds it for
-    longer than ``timeout_s``, or if the system refuses to write.
+    Raises ``OutputError`` if another process holds the folder for longer than ``timeout_s``, or if the system refuses
+    to write.
     """
     target = target.resolve()
     with ExitStack() as held:
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            held.enter_context(folder_lock(target.with_name(f".{target.name}.lock"), timeout_s))
-        except TimeoutError as error:
+            held.enter_context(_lock(target.with_name(f".{target.name}.lock"), timeout_s))
+        except filelock.Timeout as error:
             raise OutputError(
                 f"{target}: another build has been writing here for {timeout_s:g} s; wait for it, stop it, or choose "
                 "another folder with --out"
             ) from error
         except OSError as error:
             raise _refused(target, error) from error
-        with _staging(target, manifest) as folder:
+        with _staging(target, refuse) as folder:
             yield folder
 
 
 @contextmanager
-def _staging(target: Path, manifest: Manifest) -> Iterator[OutputFolder]:
+def _lock(path: Path, timeout_s: float) -> Iterator[None]:
+    """Hold the lock file ``path`` for the block; the system lets go of it when a process dies."""
+    with filelock.FileLock(path, timeout=timeout_s):
+        try:
+            yield
+        finally:
+            if os.name == "posix":
+                # While it is held: who waits for it sees that the file it has opened is no longer there, and opens
+                # the next. Elsewhere a file that somebody has open cannot be removed: it stays.
+                path.unlink(missing_ok=True)
+
+
+@contextmanager
+def _staging(target: Path, refuse: Callable[[Path], None]) -> Iterator[Path]:
     """The folder aside, put in place at the end; called under the lock."""
     old = target.with_name(f".{target.name}.before-swap")
-    staging = target.with_name(f".{target.name}.new-{secrets.token_hex(8)}")
+    staging = aside(target)
     try:
         try:
             recover(target, old)
             _remove_leftovers(target)
-            _refuse_what_is_not_ours(target)
+            refuse(target)
             staging.mkdir()
         except OSError as error:
             raise _refused(target, error) from error
-        yield OutputFolder(staging, target)
+        yield staging
         try:
-            _finish(staging, target, manifest)
+            for path in (staging, *staging.rglob("*")):
+                if path.is_symlink() or (path.is_file() and path.stat().st_nlink > 1):
+                    continue  # linked from the folder before: on the disk already, and perhaps not ours to open
+                _sync(path)
             replace_folder(staging, target, old)
             _sync(target.parent)
         except OSError as error:
@@ -92,16 +131,12 @@ def _staging(target: Path, manifest: Manifest) -> Iterator[OutputFolder]:
         shutil.rmtree(staging, ignore_errors=True)
 
 
-def _finish(staging: Path, target: Path, manifest: Manifest) -> None:
-    """Write the manifest, bring along the files that are not the program's, and see it all onto the disk."""
+def _add_manifest(staging: Path, target: Path, manifest: Manifest) -> None:
+    """Write the manifest, and bring along the files that are not the program's."""
     names = sorted(path.relative_to(staging).as_posix() for path in staging.rglob("*") if not path.is_dir())
     files = {name: file_entry(staging / name) for name in names}
     (staging / MANIFEST_NAME).write_text(replace(manifest, files=files).text(), "utf-8")
-    for name in (*names, MANIFEST_NAME):
-        _sync(staging / name)
     _bring_along(target, staging)
-    for folder in (staging, *(path for path in staging.rglob("*") if path.is_dir() and not path.is_symlink())):
-        _sync(folder)
 
 
 def _bring_along(target: Path, staging: Path) -> None:
@@ -138,9 +173,8 @@ def _refuse_what_is_not_ours(target: Path) -> None:
 
 def _remove_leftovers(target: Path) -> None:
     """Remove what builds that died have left; called under the lock, so no living build's folder is among them."""
-    pattern = re.compile(re.escape(f".{target.name}.new-") + "[0-9a-f]{16}")
     for path in target.parent.iterdir():
-        if pattern.fullmatch(path.name):
+        if is_aside(path, target):
             shutil.rmtree(path, ignore_errors=True)
 
 

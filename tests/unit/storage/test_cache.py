@@ -13,8 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.storage import cache
+from mbcdm_cad.storage import cache, files
 from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.files import aside
 
 ROOT = Path(__file__).parents[3]
 
@@ -98,11 +99,12 @@ def test_entry_above_the_limit_is_not_kept(tmp_path: Path) -> None:
 def test_leftovers_of_dead_processes_go(tmp_path: Path) -> None:
     folder = tmp_path / "00"
     folder.mkdir()
-    for name, age in ((".dead", 7200), (".living", 10)):
+    dead, living = (aside(folder / key(n)).name for n in (1, 2))
+    for name, age in ((dead, 7200), (living, 10)):
         (folder / name).write_bytes(b"half")
         os.utime(folder / name, (time.time() - age,) * 2)
     Cache(tmp_path).trim()
-    assert entries(tmp_path) == [".living"]
+    assert entries(tmp_path) == [living]
 
 
 def test_a_file_that_is_no_entry_is_left_alone(tmp_path: Path) -> None:
@@ -119,10 +121,10 @@ def test_unusable_cache_does_not_stop_anything(tmp_path: Path, obstacle: str, mo
         folder.write_text("in the way")
     else:
 
-        def write_bytes(path: Path, data: bytes) -> int:
+        def no_room(path: Path, mode: str) -> int:
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr(Path, "write_bytes", write_bytes)
+        monkeypatch.setattr(files, "open", no_room, raising=False)
     cache = Cache(folder)
     assert cache.get_or_make(key(1), lambda: {"x": b"1"}) == {"x": b"1"}
     assert str(folder) in cache.problem
