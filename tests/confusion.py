@@ -93,7 +93,11 @@ def _task(task: tuple[str, int, bool, bool]) -> Score:
 
 def state_of_code() -> str:
     """Digest of what the figures depend on."""
-    files = [p for room in ("loop", "model", "design") for p in sorted((ROOT / "mbcdm_cad" / room).rglob("*.py"))]
+    files = [
+        p
+        for room in ("measurement", "identification", "model", "design")
+        for p in sorted((ROOT / "mbcdm_cad" / room).rglob("*.py"))
+    ]
     files += sorted((ROOT / "tests" / "support").glob("bench_*.py"))
     digest = hashlib.sha256()
     for path in files:

@@ -51,7 +51,7 @@ class Effect:
 
 VOCABULARY = (
     "once_per_rev", "ripple", "ratio_error", "stiffness_error", "preload_error", "cable_friction", "friction", "delay",
-    "lash", "thermal_drift", "creep", "winding_history", "slip_step",
+    "lash", "bow", "thermal_drift", "creep", "winding_history", "slip_step",
 )  # fmt: skip
 Draw = Callable[[np.random.Generator, Plan], tuple[Effect, ...]]
 
