@@ -19,7 +19,7 @@ from mbcdm_cad.measurement.datafile import DECIMALS, Table, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
 from mbcdm_cad.measurement.run import Floats, Run, Sensors
 from mbcdm_cad.measurement.schema import Column, Columns, Measurement, is_column, node_at
-from mbcdm_cad.measurement.units import COUNTS, ENCODERS, Unit, kind_of, known_units, unit_of
+from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LOAD, Unit, kind_of, known_units, unit_of
 from mbcdm_cad.measurement.unusable import refuse_unusable
 
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
@@ -161,6 +161,15 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
         problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
     for quantity, column in asked.items():
         where: FieldPath = ("columns", quantity)
+        if column.side == "motor" and kind_of(quantity) != "input":
+            remedy = "leave side out: only an input's encoder can sit before a gearhead"
+            problems.append(file.problem((*where, "side"), f"given for {quantity}", "motor", "drive", remedy=remedy))
+        elif column.side == "motor" and content.ratio is not None:
+            remedy = "leave side out, and give the ratio from the encoder to the output"
+            problems.append(file.problem((*where, "side"), "given beside ratio", "motor", "drive", remedy=remedy))
+        problems += _broken_force(file, quantity, column)
+        if _is_force(quantity, column):
+            continue
         if unit_of(quantity, column.unit, column.counts_per_turn) is None:
             counts = column.unit.strip() in (COUNTS, "count") and kind_of(quantity) in ENCODERS
             remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
@@ -178,6 +187,23 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
                 file.problem((*where, "column"), "no column", str(column.column), "1 or more", remedy=remedy)
             )
     return problems + _asked_twice(file, asked)
+
+
+def _is_force(quantity: str, column: Column) -> bool:
+    return quantity == LOAD and column.unit.strip() in FORCE
+
+
+def _broken_force(file: MeasurementFile, quantity: str, column: Column) -> list[Problem]:
+    """A force needs its arm, and nothing else has one."""
+    where: FieldPath = ("columns", quantity)
+    if _is_force(quantity, column) and column.lever_arm_mm is None:
+        remedy = "give lever_arm_mm, the distance from the drum's axis to the line of the force"
+        return [file.problem((*where, "unit"), "a force without its arm", column.unit, "N*m", remedy=remedy)]
+    if column.lever_arm_mm is not None and not _is_force(quantity, column):
+        remedy = "leave it out, or set unit: N if the load cell shows a force"
+        value = f"{column.lever_arm_mm:g}"
+        return [file.problem((*where, "lever_arm_mm"), f"given beside unit {column.unit}", value, remedy=remedy)]
+    return []
 
 
 def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
@@ -274,7 +300,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source
     """The table's rows put into SI in place, so that a long run is held once."""
     rows: dict[str, Floats] = {}
     for (quantity, column), row in zip(asked.items(), table.values, strict=True):
-        unit = unit_of(quantity, column.unit, column.counts_per_turn) or Unit(1.0)
+        unit = unit_of(quantity, column.unit, column.counts_per_turn, column.lever_arm_mm) or Unit(1.0)
         row -= column.zero
         row *= column.scale * unit.factor
         row += unit.shift
@@ -286,6 +312,8 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source
         given.input_resolution_rad or _step_of_counts(asked, [name for name in asked if name.startswith("input")]),
         given.output_resolution_rad or _step_of_counts(asked, ["output"]),
         given.torque_noise_Nm,
+        given.input_noise_rad,
+        given.output_noise_rad,
     )
     return Run(
         rows["time"],
@@ -298,6 +326,7 @@ def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source
         source,
         sha256,
         file.content.ratio,
+        tuple(asked[name].side == "motor" for name in asked if name.startswith("input")),
     )
 
 

@@ -24,6 +24,8 @@ class Sensors:
     input_resolution_rad: float | None = None
     output_resolution_rad: float | None = None
     torque_noise_Nm: float | None = None
+    input_noise_rad: float | None = None
+    output_noise_rad: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +34,8 @@ class Run:
 
     Shapes: ``time_s`` (n,), ``input_rad`` (n_inputs, n), ``output_rad`` (n,), ``load_Nm`` and ``temperature_C`` (n,) or
     None. ``load_Nm`` > 0 opposes positive rotation. ``ratio`` is the total ratio of a drive of which nothing else is
-    known, else None.
+    known, else None. ``motor_side`` says of each input whether its encoder sits on the motor, before the gearhead:
+    then its angle is the motor's until the run is held against a design (:func:`mbcdm_cad.measurement.vet.arranged`).
     """
 
     time_s: Floats
@@ -45,6 +48,7 @@ class Run:
     source: str = ""
     sha256: str = ""
     ratio: float | None = None
+    motor_side: tuple[bool, ...] = ()
 
     @cached_property
     def step_s(self) -> float:

@@ -40,6 +40,21 @@ class Column(Block):
         example=338.56,
         default=0.0,
     )
+    side: Literal["drive", "motor"] = choice(
+        "of an input's encoder: motor where it sits before the gearhead, whose ratio is then taken from the design",
+        source=LOGGER,
+        example="motor",
+        default="drive",
+    )
+    lever_arm_mm: Number | None = figure(
+        "arm of a load cell on the drum, for a load torque in a unit of force",
+        unit="mm",
+        source="drawing of the bench",
+        example=120.0,
+        default=None,
+        gt=0.0,
+        le=1e5,
+    )
     counts_per_turn: Number | None = figure(
         "counts a turn, for unit counts",
         unit="1/turn",
@@ -87,7 +102,10 @@ def is_column(key: str) -> bool:
 
 
 class SensorFigures(Block):
-    """What the sensors resolve; the noise floor follows from it. Counts give the resolution where it is left out."""
+    """What the sensors resolve: a lower bound of the noise floor, which comes from the data.
+
+    Counts give the resolution where it is left out.
+    """
 
     input_resolution_rad: Number | None = figure(
         "one step of the input encoders",
@@ -105,6 +123,24 @@ class SensorFigures(Block):
         example=1.3635e-6,
         default=None,
         gt=0.0,
+        le=1.0,
+    )
+    input_noise_rad: Number | None = figure(
+        "RMS noise of the input encoders beside their steps",
+        unit="rad",
+        source=SENSORS,
+        example=5e-5,
+        default=None,
+        ge=0.0,
+        le=1.0,
+    )
+    output_noise_rad: Number | None = figure(
+        "RMS noise of the output encoder beside its steps",
+        unit="rad",
+        source=SENSORS,
+        example=2e-6,
+        default=None,
+        ge=0.0,
         le=1.0,
     )
     torque_noise_Nm: Number | None = figure(

@@ -44,6 +44,15 @@ TORQUE = _scaled(
     ("lbf*in", 0.45359237 * 0.0254 * _KGF),
     ("lbf*ft", 0.45359237 * 0.3048 * _KGF),
 )
+# With the arm that it pulls on a force is a torque.
+FORCE = _scaled(
+    ("N", 1.0),
+    ("mN", 1e-3),
+    ("kN", 1e3),
+    ("kgf", _KGF),
+    ("gf", 1e-3 * _KGF),
+    ("lbf", 0.45359237 * _KGF),
+)
 # Temperatures are kept in degC, as the effects that use them compare and never multiply.
 TEMPERATURE = {
     **dict.fromkeys(("degC", "°C", "C"), Unit(1.0)),
@@ -67,21 +76,29 @@ KINDS = {
     "ripple_order": ORDER,
 }
 ENCODERS = ("input", "output")
+LOAD = "load_torque"
 
 
-def unit_of(quantity: str, name: str, counts_per_turn: float | None = None) -> Unit | None:
-    """The unit called ``name`` of a column ``quantity``, None if there is no such unit; encoder counts need a turn."""
+def unit_of(
+    quantity: str, name: str, counts_per_turn: float | None = None, lever_arm_mm: float | None = None
+) -> Unit | None:
+    """The unit called ``name`` of a column ``quantity``, None if there is no such unit.
+
+    Encoder counts need ``counts_per_turn``, a force as load torque needs ``lever_arm_mm``.
+    """
     kind = kind_of(quantity)
     spelt = name.strip().replace(" ", "").replace("·", "*").replace("μ", "µ")
     if spelt in (COUNTS, "count") and kind in ENCODERS and counts_per_turn is not None:
         return Unit(2.0 * math.pi / counts_per_turn)
+    if kind == LOAD and spelt in FORCE and lever_arm_mm is not None:
+        return Unit(FORCE[spelt].factor * 1e-3 * lever_arm_mm)
     return KINDS[kind].get(spelt)
 
 
 def known_units(quantity: str) -> list[str]:
     """Names to offer for a column."""
     kind = kind_of(quantity)
-    return [*KINDS[kind], *([COUNTS] if kind in ENCODERS else [])]
+    return [*KINDS[kind], *([COUNTS] if kind in ENCODERS else []), *(FORCE if kind == LOAD else [])]
 
 
 def kind_of(quantity: str) -> str:

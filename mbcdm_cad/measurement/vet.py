@@ -7,14 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.run import Floats, Run, VettingNote
-from mbcdm_cad.measurement.vet_columns import column_findings
+from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
+from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_reach import reach_findings
 from mbcdm_cad.measurement.vet_signals import signal_findings
 from mbcdm_cad.model.si import DriveSI, to_si
 
 # Samples that the comparison of columns needs; longer runs are thinned.
 MOST_SAMPLES = 20_000
+# How near the gearhead's ratio a factor must be to be it.
+MOTOR_WIDTH = 0.03
 # Columns of these names are the inputs at -x and at +x of a design that calls its inputs otherwise.
 SIDES = {"left": -1, "right": 1}
 
@@ -26,6 +28,7 @@ class Declared:
     ratio: float
     d: DriveSI | None
     travel_rad: float | None
+    gearhead_ratio: float | None = None
 
 
 def declared_of(run: Run, drive: Drive | None) -> Declared:
@@ -36,11 +39,15 @@ def declared_of(run: Run, drive: Drive | None) -> Declared:
         raise ValueError("a run without a ratio of its own needs a drive")
     d = to_si(drive)
     travel = 2.0 * np.radians(drive.half_travel_deg + drive.stop_clearance_deg)
-    return Declared(float(np.mean(d.total_ratio)), d, float(travel))
+    return Declared(float(np.mean(d.total_ratio)), d, float(travel), drive.gearhead.ratio)
 
 
 def arranged(run: Run, drive: Drive) -> Run:
-    """The run with its inputs in the order of the design's: by name, else left and right by the side they stand on."""
+    """The run with its inputs as the design has them: angles after the gearhead, in the order of the design's.
+
+    The order goes by name, else left and right by the side they stand on.
+    """
+    run = _after_gearhead(run, drive.gearhead.ratio)
     names = run.input_names
     if sorted(names) == sorted(drive.input_names):
         rows = [names.index(name) for name in drive.input_names]
@@ -53,6 +60,24 @@ def arranged(run: Run, drive: Drive) -> Run:
     return replace(run, input_rad=run.input_rad[rows], input_names=tuple(names[row] for row in rows))
 
 
+def _after_gearhead(run: Run, gearhead_ratio: float) -> Run:
+    """Angles and steps of encoders on the motors turned into those of the inputs' own shafts."""
+    if not any(run.motor_side):
+        return run
+    ratios = np.where(run.motor_side, gearhead_ratio, 1.0)
+
+    def behind(step_rad: float | None) -> float | None:
+        # The coarsest of several: one that is not on a motor keeps its step.
+        return None if step_rad is None else step_rad / float(ratios.min())
+
+    sensors = replace(
+        run.sensors,
+        input_resolution_rad=behind(run.sensors.input_resolution_rad),
+        input_noise_rad=behind(run.sensors.input_noise_rad),
+    )
+    return replace(run, input_rad=run.input_rad / ratios[:, None], sensors=sensors, motor_side=())
+
+
 def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     """All findings, refusals first. What the columns say is not looked into once the inputs do not fit the drive."""
     known = declared_of(run, drive)
@@ -62,11 +87,29 @@ def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     thin = _thinned(run)
     found = signal_findings(run, known.ratio)
     if not refusals(found):  # an angle that jumps has no slope to speak of
-        found += column_findings(thin, known.ratio, known.travel_rad, known.d)
+        notes = column_findings(thin, known.ratio, known.travel_rad, known.d)
+        found += [_on_the_motor(note, thin, known) for note in notes]
     if not any(finding.level == "refused" for finding in found):
         found += reach_findings(thin, known.ratio, known.d)
     order = ("refused", "doubt", "fact")
     return sorted(found, key=lambda finding: order.index(finding.level))
+
+
+def _on_the_motor(note: VettingNote, run: Run, known: Declared) -> VettingNote:
+    """The same note, or that the encoders sit on the motors, where an input turns too far by the gearhead's ratio."""
+    named = len(note.field) == 2 and str(note.field[1]).startswith("input")
+    if known.gearhead_ratio is None or note.kind not in ("ratio", "unit") or not named:
+        return note
+    index = [column_of(name) for name in run.input_names].index(note.field)
+    slope = robust_slope(run.output_rad, run.input_rad[index])[0] / known.ratio
+    if abs(abs(slope) / known.gearhead_ratio - 1.0) > MOTOR_WIDTH:
+        return note
+    text = (
+        f"{note.field[1]} turns {abs(slope):.4g} times as far as the input pulley does, which is the gearhead's "
+        f"{known.gearhead_ratio:g}: its encoder sits on the motor"
+    )
+    remedy = "set side: motor on the columns of the inputs"
+    return VettingNote("unit", "refused", text, remedy, (*note.field, "side"))
 
 
 def refusals(findings: list[VettingNote]) -> list[VettingNote]:

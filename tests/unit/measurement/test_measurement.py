@@ -230,6 +230,23 @@ def test_refusals_of_the_data(write: Write) -> None:
     assert "2 columns of that name" in refused(write(table(data).replace("tau", "drum", 1)))
 
 
+def test_a_load_cell_on_an_arm_is_a_torque(write: Write) -> None:
+    data = signals()
+    text = table(data | {"tau": data["tau"] / 0.12})
+    run = load_measurement(write(text, with_column("load_torque", unit="N", lever_arm_mm=120.0)))
+    np.testing.assert_allclose(run.load_Nm, data["tau"], rtol=1e-8)
+    assert "a force without its arm" in refused(write(text, with_column("load_torque", unit="N")))
+    assert "given beside unit N*m" in refused(write(text, with_column("load_torque", lever_arm_mm=120.0)))
+
+
+def test_encoders_on_the_motors_are_said_so(write: Write) -> None:
+    run = load_measurement(write(table(signals()), with_column("input_left", side="motor")))
+    assert run.motor_side == (True, False), run.motor_side
+    assert "given for output" in refused(write(table(signals()), with_column("output", side="motor")))
+    content = with_column("input_left", side="motor") | {"ratio": RATIO}
+    assert "given beside ratio" in refused(write(table(signals()), content))
+
+
 def renamed(first: str, second: str) -> dict[str, Any]:
     """The usual content with other names for the two inputs."""
     columns = mapping()["columns"]

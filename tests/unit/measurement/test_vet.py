@@ -39,6 +39,18 @@ def test_inputs_come_in_the_order_of_the_design(design: tuple[str, str], columns
     assert strange and "are not those of the design" in str(strange[0]), strange
 
 
+def test_motor_turns_become_those_of_the_inputs() -> None:
+    gearhead = DRIVE.gearhead.ratio
+    sensors = Sensors(input_resolution_rad=gearhead * 1.9175e-4, output_resolution_rad=1.3635e-6)
+    run = replace(RUN, input_rad=gearhead * RUN.input_rad, motor_side=(True, True), sensors=sensors)
+    found = arranged(run, DRIVE)
+    np.testing.assert_allclose(found.input_rad, RUN.input_rad, rtol=1e-12)
+    assert found.sensors.input_resolution_rad == pytest.approx(1.9175e-4) and found.motor_side == ()
+    assert not refusals(vet(found, DRIVE)), refusals(vet(found, DRIVE))
+    said = "; ".join(str(note) for note in refusals(vet(replace(run, motor_side=()), DRIVE)))
+    assert f"the gearhead's {gearhead:g}" in said and "set side: motor" in said, said
+
+
 def with_inputs(factor_left: float, factor_right: float) -> Run:
     return replace(RUN, input_rad=RUN.input_rad * np.array([[factor_left], [factor_right]]))
 
