@@ -26,7 +26,7 @@ from bench_real import REAL_CASES, gain_rad, simulate_real  # noqa: E402
 from bench_score import label, outcome_of, said_of, values_of  # noqa: E402
 from scipy.stats import beta  # noqa: E402
 
-from mbcdm_cad.design import load_design  # noqa: E402
+from mbcdm_cad.configurations.loader import load_design  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 

@@ -57,7 +57,9 @@ class Effect:
 
     ``several``: there may be more than one of it in a run. ``once``: it happened once, at a time that the search, which
     may have seen only a part of the run, need not know. ``generic``: a single curve of load or speed without a name may
-    look like it, so it is tried against such curves (:mod:`mbcdm_cad.identification.generic`).
+    look like it, so it is tried against such curves (:mod:`mbcdm_cad.identification.generic`). ``after`` are names that
+    are refitted, however little they promise, before this one is taken; ``doubtful`` says of fitted values that no such
+    part is built, in a sentence that says what to look for instead, or nothing.
     """
 
     name: str
@@ -75,6 +77,8 @@ class Effect:
     several: bool = False
     once: bool = False
     generic: bool = False
+    after: tuple[str, ...] = ()
+    doubtful: Callable[[Floats], str] | None = None
 
     @property
     def key(self) -> tuple[str, str | None, tuple[str, ...]]:

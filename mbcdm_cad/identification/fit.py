@@ -91,7 +91,7 @@ class Fitter:
     def __init__(
         self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt] = ()
     ) -> None:
-        self.d, self.runs = d, tuple(runs)
+        self.d, self.ratio, self.runs, self.known = d, ratio, tuple(runs), tuple(known)
         self.simulate = [Simulator() for _ in self.runs]
         self.base = [declared(d, ratio, p) for p in self.runs]
         # What the built drive is known to have is part of what is declared.
@@ -124,6 +124,10 @@ class Fitter:
         other.simulate = [Simulator() for _ in self.runs]
         other._changed, other._kinds = {}, {}
         return other
+
+    def rewindowed(self, factor: float) -> Fitter:
+        """The same runs, smoothed as if their noise were ``factor`` times as large."""
+        return Fitter(self.d, self.ratio, [p.rewindowed(factor) for p in self.runs], self.known)
 
     def kind(self, effect: Effect) -> int:
         """What an effect changes in a run: 0 the strain of the cables, 1 their winding, 2 what adds to the reading."""
@@ -215,6 +219,15 @@ class Fitter:
         if fresh and not taken:
             jacobian = self.jacobian(effects, now)
         return Fit(tuple(effects), tuple(now.values), now.offsets, now.residual, jacobian, now.square)
+
+    def tried(
+        self, effects: Sequence[Effect], values: Sequence[Floats | list[float]], offsets: Floats, fresh: bool = True
+    ) -> Fit | None:
+        """A fit of what may be no drive at all; None where it cannot be simulated from where it starts."""
+        try:
+            return self.fit(effects, values, offsets, fresh=fresh)
+        except ModelError:
+            return None
 
     def _at(self, effects: Sequence[Effect], values: list[Floats], offsets: Floats, mask: NDArray[np.bool_]) -> _Point:
         predicted = self.predict(effects, values, offsets)

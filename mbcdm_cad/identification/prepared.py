@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.identification.holdout import held_sweeps, held_words
@@ -22,15 +23,23 @@ from mbcdm_cad.identification.stretches import Cut, search_cut, whole_cut
 from mbcdm_cad.measurement.run import Floats, Run
 from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed
 
-# Windows of the smoothing in s: left minus right, and the inputs' mean (estimates, varied for the intervals).
-DIFFERENCE_WINDOW_S = 2.0
+# Longest window of the load's smoothing, s; what is used comes from the data.
+LONGEST_LOAD_S = 1.3
+# What stands apart of the inputs is told from noise by its spectrum: power over the noise's that is kept, share of a
+# frequency over which the spectrum is averaged and least number of its lines, time put before and behind.
+LEAST_POWER = 1.6
+SPECTRUM_SHARE, SPECTRUM_LEAST = 0.1, 6
+PAD_S = 5.0
+# The speed is told over the shortest window that leaves noise of this share of its RMS, between these limits in s.
+SPEED_NOISE_SHARE = 0.01
+LONGEST_SPEED_S = 1.0
 COMMON_WINDOW_S = 0.05
 TEMPERATURE_WINDOW_S = 5.0
 # The elastic part of the prediction is simulated at steps of this length at most, and interpolated.
 COARSE_STEP_S = 0.04
-# Means over so many samples of the load are tried, and how many standard errors count as apart.
-LOAD_WIDTHS = (5, 9, 17, 33, 65, 129)
-LOAD_ERRORS = 2.5
+# The narrowest mean is over so many samples; means count as apart by so many standard errors.
+NARROWEST = 5
+APART_ERRORS = 2.5
 SECTORS = 8
 # Half sweeps that must follow the first for it to be left out.
 FEWEST_SWEEPS = 3
@@ -38,6 +47,15 @@ FEWEST_SWEEPS = 3
 FLANK_ERRORS = 5.0
 # Between samples on which the cables are simulated the load may leave a straight line by this share of its range.
 BENT_SHARE = 0.005
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Widths of the smoothing that were used, s: medians over the samples. ``load_s`` is 0 without a torque column."""
+
+    difference_s: float
+    load_s: float
+    speed_s: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +89,7 @@ class Prepared:
     few: bool
     run: Run
     cut: Cut
+    windows: Windows
 
     @property
     def train(self) -> NDArray[np.bool_]:
@@ -109,39 +128,107 @@ class Prepared:
     def rewindowed(self, factor: float) -> Prepared:
         """The same samples with other windows on the difference of the inputs and on the load."""
         at = self.cut.index
-        load = None if self.run.load_Nm is None else quiet_load(self.run.load_Nm, factor)[at]
-        return replace(self, apart_rad=slow_difference(self.run, factor)[:, at], load_Nm=load)
+        load = None if self.run.load_Nm is None else quiet_load(self.run, factor)[0][at]
+        return replace(self, apart_rad=slow_difference(self.run, factor)[0][:, at], load_Nm=load)
 
 
-def slow_difference(run: Run, factor: float = 1.0) -> Floats:
-    """How far each input slowly stands from their mean, (n_inputs, n); ``factor`` scales the window."""
+def noise_of_signal(values: Floats) -> float:
+    """Deviation of a signal's noise from sample to sample: second differences see the noise and little else."""
+    # 1.4826 makes a median deviation a standard deviation.
+    return 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / math.sqrt(6.0)
+
+
+def adaptive_mean(values: Floats, noise: float, longest: int) -> tuple[Floats, NDArray[np.int64]]:
+    """A signal (n,) freed of noise of that standard deviation: its mean over as many samples as it stays steady.
+
+    At each sample the mean is widened as long as its interval still meets those of all narrower ones (intersection of
+    confidence intervals, after Lepski), up to ``longest`` samples. Also the width chosen at each sample.
+    """
+    chosen = low = high = np.empty(0)
+    alive = np.ones(values.size, dtype=np.bool_)
+    width, widths = NARROWEST, np.full(values.size, NARROWEST)
+    while width <= max(longest, NARROWEST):
+        mean = uniform_filter1d(values, width, mode="nearest")
+        reach = APART_ERRORS * noise / math.sqrt(width)
+        if width == NARROWEST:
+            chosen, low, high = mean, mean - reach, mean + reach
+        else:
+            low, high = np.maximum(low, mean - reach), np.minimum(high, mean + reach)
+            alive &= low <= high
+            chosen = np.where(alive, mean, chosen)
+            widths[alive] = width
+        width = 2 * width - 1
+    return np.asarray(uniform_filter1d(chosen, NARROWEST, mode="nearest")), widths
+
+
+def told_from_noise(values: Floats, noise: float, step_s: float) -> tuple[Floats, float]:
+    """A signal (n,) with the frequencies kept at which it stands out of its white noise, and the shortest time kept, s.
+
+    ``noise`` is the least standard deviation that the noise can have; what it has is taken from the upper half of the
+    spectrum. Each frequency is weighted with the share of its power that is not noise (Wiener's filter); a frequency
+    whose power is not ``LEAST_POWER`` times the noise's goes.
+    """
+    n = values.size
+    # The ends are turned over, so that the filter sees no jump from the last sample to the first.
+    pad = min(n - 1, int(PAD_S / step_s))
+    long = np.concatenate([2.0 * values[0] - values[pad:0:-1], values, 2.0 * values[-1] - values[-2 : -pad - 2 : -1]])
+    size = next_fast_len(long.size, real=True)
+    level = float(long.mean())
+    spectrum = rfft(long - level, size)
+    power = np.abs(spectrum) ** 2 / long.size
+    upper = power[power.size // 2 :]
+    white = max(noise**2, float(np.median([part.mean() for part in np.array_split(upper, 8)])))
+    near = np.maximum(SPECTRUM_LEAST, (SPECTRUM_SHARE * np.arange(power.size)).astype(np.int64))
+    sums = np.concatenate([[0.0], np.cumsum(power)])
+    high, low = np.minimum(np.arange(power.size) + near + 1, power.size), np.maximum(np.arange(power.size) - near, 0)
+    mean = (sums[high] - sums[low]) / (high - low)
+    weight = np.where(mean > LEAST_POWER * white, 1.0 - white / np.maximum(mean, white or 1.0), 0.0)
+    kept = irfft(spectrum * weight, size)[pad : pad + n] + level
+    highest = np.flatnonzero(weight > 0.0)
+    period = size * step_s / max(int(highest[-1]) if highest.size else 1, 1)
+    return np.asarray(kept), float(min(0.5 * period, n * step_s))
+
+
+def slow_difference(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
+    """How far each input stands from their mean, freed of the encoders' noise, (n_inputs, n), and the window used, s.
+
+    Servos do not track alike: what they do apart works the friction and is kept, what the encoders add is not.
+    ``factor`` scales the noise that is assumed.
+    """
     apart = run.input_rad - run.input_rad.mean(axis=0)
-    return smoothed(apart, factor * DIFFERENCE_WINDOW_S, run.step_s)
+    count = apart.shape[0]
+    if count == 1:
+        return np.zeros_like(apart), 0.0
+    least = input_step_rad(run) / math.sqrt(12.0) * math.sqrt((count - 1) / count)
+    found = [told_from_noise(row, factor * max(noise_of_signal(row), least), run.step_s) for row in apart]
+    rows = np.stack([row for row, _ in found])
+    return rows - rows.mean(axis=0), min(window for _, window in found)
 
 
-def quiet_load(load_Nm: Floats, factor: float = 1.0) -> Floats:
-    """Load freed of the sensor's noise: a long mean where it is steady, a short one on its flanks.
+def quiet_load(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
+    """Load freed of the sensor's noise, (n,), and the window used, s.
 
     Noise left in the load works the friction of the model and reads as too soft a drive; a mean longer than a flank
-    misses the loads that were reached. At each sample the mean is widened as long as its interval still meets those of
-    all narrower ones (intersection of confidence intervals, after Lepski); a flank of a few samples is left as it was
-    measured. ``factor`` scales the noise that is assumed.
+    misses the loads that were reached, so a flank of a few samples is left as it was measured. ``factor`` scales the
+    noise that is assumed.
     """
-    # Second differences see the noise and not the load; 1.4826 makes a median deviation a standard deviation.
-    noise = factor * 1.4826 * float(np.median(np.abs(np.diff(load_Nm, 2)))) / math.sqrt(6.0)
-    chosen = low = high = np.empty(0)
-    alive = np.ones(load_Nm.size, dtype=np.bool_)
-    for width in LOAD_WIDTHS:
-        mean = uniform_filter1d(load_Nm, width, mode="nearest")
-        reach = LOAD_ERRORS * noise / np.sqrt(width)
-        if width == LOAD_WIDTHS[0]:
-            chosen, low, high = mean, mean - reach, mean + reach
-            continue
-        low, high = np.maximum(low, mean - reach), np.minimum(high, mean + reach)
-        alive &= low <= high
-        chosen = np.where(alive, mean, chosen)
-    quiet = uniform_filter1d(chosen, LOAD_WIDTHS[0], mode="nearest")
-    return np.where(np.abs(load_Nm - quiet) > FLANK_ERRORS * noise, load_Nm, quiet)
+    load_Nm = run.load_Nm
+    assert load_Nm is not None, "a run without a torque column has no load to smooth"
+    noise = factor * noise_of_signal(load_Nm)
+    quiet, widths = adaptive_mean(load_Nm, noise, int(LONGEST_LOAD_S / run.step_s))
+    kept = np.where(np.abs(load_Nm - quiet) > FLANK_ERRORS * noise, load_Nm, quiet)
+    return kept, float(np.median(widths)) * run.step_s
+
+
+def speed_window_s(run: Run, ratio: float) -> float:
+    """The shortest window over which the drum's speed is told well enough from the inputs, s."""
+    mean = run.input_rad.mean(axis=0) / ratio
+    noise = max(noise_of_signal(mean), input_step_rad(run) / ratio / math.sqrt(12.0 * run.input_rad.shape[0]))
+    swept = np.diff(smoothed(mean, LONGEST_SPEED_S, run.step_s)) / np.diff(run.time_s)
+    speed = float(np.sqrt(np.mean(swept**2))) or 1e-12
+    # A slope over a window of w seconds at n samples a second has the deviation noise sqrt(12 / (w^3 n)).
+    wanted = (12.0 * run.step_s * (noise / (SPEED_NOISE_SHARE * speed)) ** 2) ** (1.0 / 3.0)
+    return float(np.clip(wanted, SPEED_WINDOW_S, LONGEST_SPEED_S))
 
 
 def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
@@ -152,10 +239,12 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
     shaft = smoothed(run.input_rad, COMMON_WINDOW_S, step)
-    quiet = smoothed(run.input_rad.mean(axis=0) / ratio, SPEED_WINDOW_S, step)
-    speed = smoothed(np.gradient(quiet, time), SPEED_WINDOW_S, step)
-    apart = slow_difference(run)
-    load = None if run.load_Nm is None else quiet_load(run.load_Nm)
+    speed_s = speed_window_s(run, ratio)
+    quiet = smoothed(run.input_rad.mean(axis=0) / ratio, speed_s, step)
+    speed = smoothed(np.gradient(quiet, time), speed_s, step)
+    apart, apart_s = slow_difference(run)
+    load, load_s = (None, 0.0) if run.load_Nm is None else quiet_load(run)
+    windows = Windows(apart_s, load_s, speed_s)
     temperature = None if run.temperature_C is None else smoothed(run.temperature_C, TEMPERATURE_WINDOW_S, step)
     sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
     few = bool(sweep.max() < FEWEST_SWEEPS)
@@ -192,6 +281,7 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
             few,
             run,
             cut,
+            windows,
         )
 
     whole = taken(whole_cut(sweep, load, step))
@@ -200,11 +290,12 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
 
 
 def sensor_floor_rad(run: Run, ratio: float) -> float:
-    """RMS that the encoders' steps put into the residual, rad: uniform errors, the inputs' mean through the ratio."""
+    """RMS that the encoders are declared to put into the residual, rad: steps (uniform errors) and noise."""
     s = run.sensors
-    inputs = (s.input_resolution_rad or 0.0) / ratio / np.sqrt(12.0 * run.input_rad.shape[0])
-    output = (s.output_resolution_rad or 0.0) / np.sqrt(12.0)
-    return float(np.hypot(inputs, output))
+    step, noise = s.input_resolution_rad or 0.0, s.input_noise_rad or 0.0
+    inputs = math.hypot(step / math.sqrt(12.0), noise) / ratio / math.sqrt(run.input_rad.shape[0])
+    output = math.hypot((s.output_resolution_rad or 0.0) / math.sqrt(12.0), s.output_noise_rad or 0.0)
+    return math.hypot(inputs, output)
 
 
 def input_step_rad(run: Run) -> float:

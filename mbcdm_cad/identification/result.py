@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.measurement.run import Floats
 
 if TYPE_CHECKING:
+    from mbcdm_cad.identification.noise import Noise
+    from mbcdm_cad.identification.prepared import Windows
     from mbcdm_cad.identification.unknown import Unknown
 
 # By ending of the name, longest first: sizes to choose from, largest first.
@@ -87,6 +89,21 @@ class Named:
 
 
 @dataclass(frozen=True)
+class Helpful:
+    """An effect that is not named, since what stays unexplained is too large beside it, and that helps all the same.
+
+    ``odds``: how much likelier than not that it lowers the error of half sweeps that the fit has not seen.
+    """
+
+    named: Named
+    odds: float
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        return {**self.named.to_json(), "odds": self.odds}
+
+
+@dataclass(frozen=True)
 class Evidence:
     """One line of the table of candidates: what it is, held-out RMS with it, and what became of it."""
 
@@ -141,7 +158,12 @@ class Traces:
 
 @dataclass(frozen=True, eq=False)
 class LoopResult:
-    """The loop's answer; ``one_of`` holds sets of which the data cannot tell which."""
+    """The loop's answer; ``one_of`` holds sets of which the data cannot tell which.
+
+    ``noise`` is what the floor was taken from, ``windows`` the smoothing of each run, ``doubts`` what the data
+    themselves say against the sensors or against a figure that was found, ``helpful`` what lowers the error
+    certainly and is not named.
+    """
 
     verdict: str
     effects: tuple[Named, ...]
@@ -154,6 +176,10 @@ class LoopResult:
     next_steps: tuple[str, ...]
     chain_orders: dict[str, float]
     traces: tuple[Traces, ...] = field(repr=False, default=())
+    noise: Noise | None = None
+    windows: tuple[Windows, ...] = ()
+    doubts: tuple[str, ...] = ()
+    helpful: tuple[Helpful, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The result file."""
@@ -170,6 +196,10 @@ class LoopResult:
             ],
             "not_testable": list(self.not_testable),
             "next_steps": list(self.next_steps),
+            "noise": self.noise.to_json() if self.noise else None,
+            "windows": [asdict(one) for one in self.windows],
+            "doubts": list(self.doubts),
+            "helpful": [one.to_json() for one in self.helpful],
         }
 
     @property
@@ -186,9 +216,20 @@ class LoopResult:
             return "Nothing can be said from this run: " + "; ".join(self.not_testable) + "."
         if self.verdict == "unknown":
             assert self.unknown is not None
-            return f"The model lacks something that none of the known effects explains: {self.unknown.sentence()}."
+            helps = f"; {self._helps()}" if self.helpful else ""
+            return (
+                f"The model lacks something that none of the known effects explains: {self.unknown.sentence()}{helps}."
+            )
+        if not words:
+            assert self.unknown is not None
+            return f"{self._helps()}; {sizes}; something unknown is left: {self.unknown.sentence()}."
         tail = f"; something unknown is left: {self.unknown.sentence()}" if self.unknown else ""
         return f"The model lacks {' and '.join(words)}; {sizes}{tail}."
+
+    def _helps(self) -> str:
+        """What lowers the error and is not named."""
+        parts = [f"{one.named.words} (odds {min(one.odds, 9999.0):.0f} to 1)" for one in self.helpful]
+        return f"What helps for certain, or resembles what does: {', '.join(parts)}"
 
     def _described(self, named: Named) -> str:
         figures = []
@@ -231,16 +272,19 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
     """
     e = result.errors
     size, unit = size_of("_rad", [e.before.value])
-    lines = [result.sentence, *doubts, ""]
+    lines = [result.sentence, *doubts, *(f"doubt: {words}" for words in result.doubts), ""]
     lines += [
         f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
         _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),
         _error_line("with what was found", size, e.after.value, e.after.low, e.after.high, e.peak_after_rad),
-        f"{'noise floor':<24}{e.floor_rad / size:>10.3g}",
+        f"{'noise floor':<24}{e.floor_rad / size:>10.3g}" + (f"  ({result.noise.source})" if result.noise else ""),
         f"explained: {share_text(e.explained_share)} of what lies above the floor; held out: {e.held_out}",
     ]
     for named in result.effects:
         lines += ["", *named_lines(named)]
+    for one in result.helpful:
+        words = f"helps on unseen half sweeps, odds {min(one.odds, 9999.0):.0f} to 1, and may only resemble the cause:"
+        lines += ["", words, *("  " + line for line in named_lines(one.named))]
     for group in result.one_of:
         lines += ["", "one of these, the data cannot tell which:"]
         for named in group:
@@ -255,6 +299,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
             f"{c.label:<{width}}{rms:>12}{c.fall_rad / size:>12.3g}  {c.outcome}"
             for c, rms in zip(candidates, held, strict=True)
         ]
+    lines += [f"smoothing of run {k + 1}: {_windows_words(one)}" for k, one in enumerate(result.windows)]
     lines += [f"not testable: {words}" for words in result.not_testable]
     lines += [f"next: {words}" for words in result.next_steps]
     return "\n".join(lines)
@@ -271,6 +316,11 @@ def named_lines(named: Named) -> list[str]:
             lines.append("  {} {}".format(*_one(name, figure)))
     lines += [f"  looks the same: {words}" for words in named.equivalent]
     return [*lines, f"  look at: {named.where_to_look}"]
+
+
+def _windows_words(windows: Windows) -> str:
+    load = f", load {windows.load_s:.2g} s" if windows.load_s else ""
+    return f"difference of the inputs {windows.difference_s:.2g} s{load}, speed {windows.speed_s:.2g} s (from the data)"
 
 
 def _one(name: str, figure: float) -> tuple[str, str]:

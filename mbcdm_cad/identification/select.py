@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from queue import Queue
 
@@ -17,8 +17,9 @@ import numpy as np
 
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.evidence import supported
-from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.noise import Noise, noise_of
+from mbcdm_cad.identification.screening import Screened, Screening
 from mbcdm_cad.model.errors import ModelError
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
@@ -37,16 +38,6 @@ MOST_THREADS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Screened:
-    """A candidate, where to start it, the fall of the training mean square that a linear step promises, its columns."""
-
-    effect: Effect
-    start: Floats
-    fall: float
-    columns: Floats
-
-
-@dataclass(frozen=True, eq=False)
 class Step:
     """One line of the search's record: what was tried and how the held-out RMS changed (rad)."""
 
@@ -57,19 +48,31 @@ class Step:
 
 
 class Search:
-    """The search over one set of runs; ``floor_rad`` is the noise floor that falls are measured by.
+    """The search over one set of runs; ``bare`` is the fit without effects.
 
-    ``bare`` is the fit without effects.
+    ``noise`` is what the falls are measured by: what does not repeat. An effect that is not yet taken may leave more
+    than the noise that does not repeat (where the friction of the cables remembers), so it is told anew with each one.
     """
 
-    def __init__(self, fitter: Fitter, library: Sequence[Effect], floor_rad: float, bare: Fit) -> None:
-        self.fitter, self.library, self.floor_rad, self.bare = fitter, tuple(library), floor_rad, bare
+    def __init__(self, fitter: Fitter, library: Sequence[Effect], bare: Fit) -> None:
+        self.fitter, self.library, self.bare = fitter, tuple(library), bare
+        self.noise = self.noise_left(bare)
         self.twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
         self.steps: list[Step] = []
-        self._screened: tuple[Fit, list[Screened]] | None = None
+        # Sentences, each once.
+        self.doubts: dict[str, None] = {}
+        self.screening = Screening(fitter, self.library)
         self._without: dict[tuple[Fit, Effect], Fit] = {}
         self._leaning: dict[Fit, list[Fit]] = {}
-        self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
+
+    @property
+    def floor_rad(self) -> float:
+        """The noise floor, rad RMS."""
+        return self.noise.total_rad
+
+    def noise_left(self, fit: Fit) -> Noise:
+        """The noise in what a fit leaves."""
+        return noise_of(self.fitter.base, [fit.residual[part] for part in self.fitter.parts])
 
     def held_rms(self, fit: Fit) -> float:
         """RMS on the held-out samples, rad, each run's mean taken off by the training samples."""
@@ -80,86 +83,18 @@ class Search:
         fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
         return bool(fall >= (LEAST_FALL * self.floor_rad) ** 2)
 
-    def screen(self, fit: Fit) -> list[Screened]:
-        """All candidates beside those of ``fit``, best promise first."""
-        if self._screened is not None and self._screened[0] is fit:
-            return self._screened[1]
-        f = self.fitter
-        mask = f.train
-        taken = {e.key for e in fit.effects}
-        known = f.centred(fit.jacobian, mask)[mask]
-        basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
-        found = []
-        for effect in self.library:
-            if effect.key in taken and not effect.several:
-                continue
-            for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
-                # Of what may be there several times, each is an effect of its own.
-                one = replace(effect) if effect.several else effect
-                try:
-                    promise = self._promise(fit, one, np.array(start), basis)
-                except ModelError:
-                    continue
-                found.append(promise)
-        found.sort(key=lambda s: -s.fall)
-        self._screened = fit, found
-        return found
-
-    def _slopes(self, fit: Fit, effect: Effect, start: Floats) -> tuple[Floats, Floats]:
-        """What an effect at ``start`` changes, (n,), and its derivatives there, (n, k), beside those of ``fit``.
-
-        What strains the cables is only looked at once: how it ranks hardly hangs on what stands beside it.
-        """
-        f = self.fitter
-        key = effect, start.tobytes()
-        if key in self._columns:
-            return self._columns[key]
-        effects = (*fit.effects, effect)
-        before = f.predict(fit.effects, fit.values, fit.offsets)
-        at_start = f.predict(effects, (*fit.values, start), fit.offsets) if start.any() else before
-        columns = []
-        for i, parameter in enumerate(effect.parameters):
-            trial = start.copy()
-            trial[i] += DIFFERENCE * parameter.size
-            moved = f.predict(effects, (*fit.values, trial), fit.offsets)
-            columns.append((moved - at_start) / (DIFFERENCE * parameter.size))
-        found = at_start - before, np.stack(columns, axis=1)
-        if f.kind(effect) < 2:
-            self._columns[key] = found
-        return found
-
-    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats) -> Screened:
-        f, mask = self.fitter, self.fitter.train
-        change, columns = self._slopes(fit, effect, start)
-        new = f.centred(columns, mask)[mask]
-        r = f.centred(fit.residual - change, mask)[mask]
-        new = new - basis @ (basis.T @ new)
-        r = r - basis @ (basis.T @ r)
-        size = np.linalg.norm(new, axis=0)
-        new = new[:, size > 0.0] / size[size > 0.0]
-        step = np.zeros(size.size)
-        if new.shape[1]:
-            solved = np.linalg.lstsq(new, r, rcond=1e-8)[0]
-            r = r - new @ solved
-            step[size > 0.0] = solved / size[size > 0.0]
-        low = [p.low for p in effect.parameters]
-        high = [p.high for p in effect.parameters]
-        # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
-        held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
-        first = np.clip(np.where(held, start, start + step), low, high)
-        return Screened(effect, first, fit.square - float(np.mean(r**2)), columns)
-
     def close(self, fit: Fit, share: float = CLOSE_SHARE, name: str | None = None, first: int = 0) -> list[Screened]:
         """Candidates that are worth a refit, best promise first.
 
         Those of one name (another stage, another cable) are, however little the linear screening promises of them: of
         ``name``, by default of the most promising one's. ``first``: those that rank from there on are, close or not.
         """
-        screened = self.screen(fit)
+        screened = self.screening.screen(fit)
         name = name or screened[first].effect.name
         least = 0.0 if first else share * screened[0].fall
         chosen = [c for c in screened[first : first + MOST_REFITS] if c.fall >= least]
-        return chosen + [c for c in screened if c.effect.name == name and c not in chosen]
+        names = {name, *(other for c in chosen[:1] for other in c.effect.after)}
+        return chosen + [c for c in screened if c.effect.name in names and c not in chosen]
 
     def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
         """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
@@ -191,20 +126,25 @@ class Search:
         return sorted(ended, key=lambda one: one.square)
 
     def _each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
-        """Fits side by side: the simulation runs outside the interpreter's lock."""
+        """Fits side by side: the simulation runs outside the interpreter's lock.
+
+        A candidate that cannot be simulated where it starts (a cable gone slack, a radius gone) drops out.
+        """
         twins = Queue[Fitter]()
         for twin in self.twins:
             twins.put(twin)
 
-        def one(fit: Callable[[Fitter], Fit]) -> Fit:
+        def one(fit: Callable[[Fitter], Fit]) -> Fit | None:
             twin = twins.get()
             try:
                 return fit(twin)
+            except ModelError:
+                return None
             finally:
                 twins.put(twin)
 
         with ThreadPoolExecutor(len(self.twins)) as pool:
-            return list(pool.map(one, fits))
+            return [fit for fit in pool.map(one, fits) if fit is not None]
 
     def without(self, fit: Fit, effect: Effect) -> Fit:
         """Refit with one effect left out."""
@@ -236,7 +176,9 @@ class Search:
                     break
                 less = self.without(now, effect)
                 start = sibling.first_guesses(self.fitter.base[0], less.residual[self.fitter.parts[0]])[0]
-                begun = self.fitter.fit((*less.effects, sibling), (*less.values, start), less.offsets)
+                begun = self.fitter.tried((*less.effects, sibling), (*less.values, start), less.offsets)
+                if begun is None:
+                    continue
                 other = self._grown(begun)
                 if other.square < now.square and self.enough(now, other):
                     self._note("in another form", sibling, now, other)
@@ -251,6 +193,7 @@ class Search:
                 break
             self._note("taken", better.effects[-1], now, better)
             now = self.backward(better)
+            self.noise = min(self.noise, self.noise_left(now), key=lambda noise: noise.total_rad)
         return now
 
     def _gone_on(self, now: Fit) -> Fit:
@@ -281,7 +224,7 @@ class Search:
         promises little by a linear step, and may do it all.
         """
         least, done = now.square, list[Screened]()
-        for first in range(0, len(self.screen(now)), MOST_REFITS):
+        for first in range(0, len(self.screening.screen(now)), MOST_REFITS):
             chosen = [c for c in self.close(now, first=first) if c not in done]
             done += chosen
             tried = self.refits(now, chosen)
@@ -305,6 +248,11 @@ class Search:
             return False
         effect, values = better.effects[-1], better.values[-1]
         at_bound = [p.name for p, v in zip(effect.parameters, values, strict=True) if v in (p.low, p.high)]
+        words = effect.doubtful(values) if effect.doubtful else ""
+        if words:
+            self.doubts[words] = None
+            self._note("no such part is built", effect, now, better)
+            return False
         if at_bound:
             self._note(f"{at_bound[0]} runs out of its bounds", effect, now, better)
             return False
@@ -322,6 +270,10 @@ class Search:
                 self._note("given back", effect, fit, less)
                 return self.backward(less)
         return fit
+
+    def give_back(self, why: str, effect: Effect, fit: Fit) -> None:
+        """Note that an effect of ``fit`` is taken back."""
+        self._note(why, effect, fit, self.without(fit, effect))
 
     def _note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
         self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))

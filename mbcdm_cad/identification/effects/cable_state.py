@@ -15,6 +15,9 @@ from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
 
 SHARE = (Parameter("share", 0.02, -0.8, 4.0),)
+# Starts of the fit: ropes settle and wear, and lose more than half of what they were set to.
+PRELOAD_STARTS = ([0.0], [-0.4], [0.6])
+FRICTION_STARTS = ([0.0], [-0.4], [1.0])
 SEPARATE = "re-tension to a measured value and run again; friction stays as it was"
 
 
@@ -28,6 +31,10 @@ def _preload(indices: Sequence[int], setup: Setup, values: Floats, _: Simulator)
 def _friction(setup: Setup, values: Floats, _: Simulator) -> Setup:
     d = setup.drive
     return replace(setup, d=d.with_(friction_coefficient=d.friction_coefficient * (1.0 + values[0])))
+
+
+def _from(starts: Sequence[Sequence[float]], setup: Setup, residual: Floats) -> list[list[float]]:
+    return [list(start) for start in starts]
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
@@ -47,6 +54,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         SEPARATE,
         SHARE,
         partial(_preload, range(d.n_cables)),
+        starts=partial(_from, PRELOAD_STARTS),
         cables=d.cable_names,
         figures=(share, mean),
         physical=(mean,),
@@ -61,6 +69,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             SEPARATE,
             SHARE,
             partial(_preload, (j,)),
+            starts=partial(_from, PRELOAD_STARTS),
             cables=(cable,),
             figures=(share, each[j]),
             physical=(each[j],),
@@ -76,6 +85,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         SEPARATE,
         SHARE,
         _friction,
+        starts=partial(_from, FRICTION_STARTS),
         figures=(share, mu),
         physical=(mu,),
         generic=True,

@@ -69,6 +69,14 @@ def _width(setup: Setup, residual: Floats) -> list[list[float]]:
     return [[float(np.ptp(np.quantile(residual, [0.05, 0.95])))]]
 
 
+def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[list[float]]:
+    """No play, and as much as makes what is left if the input moves its share of the drum."""
+    share = float(np.sum(d.drum_radius_m**2 / d.free_span_m * d.of_input(index)))
+    share /= float(np.sum(d.drum_radius_m**2 / d.free_span_m))
+    width = float(np.ptp(np.quantile(residual[setup.p.used], [0.05, 0.95])))
+    return [[0.0], [width * setup.ratio / share]]
+
+
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """By torque where it was measured; by motion for a drive of which only the ratio is known."""
     found = []
@@ -96,6 +104,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 SEPARATE,
                 (Parameter("play_rad", 1e-4, 0.0),),
                 partial(_input, index),
+                starts=partial(_at_input, d, index),
                 stage=f"input_{name}",
                 generic=True,
             )

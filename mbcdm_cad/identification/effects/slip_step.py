@@ -14,6 +14,8 @@ from mbcdm_cad.model.si import DriveSI
 
 # A step takes this long: an estimate, well under what the fit could tell.
 RISE_S = 0.02
+# Largest slip of an anchor, in stretches that the preload makes.
+MOST_STRETCHES = 5.0
 SEPARATE = "run again: a step does not come twice"
 
 
@@ -63,6 +65,8 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         )
     ]
     if d is not None and p.load_Nm is not None:
+        # A rope that gave way by more than its preload stretches it a few times over is no longer a slip.
+        most = MOST_STRETCHES * d.preload_N / d.axial_stiffness_N * d.free_span_m
         found += [
             Effect(
                 "slip_step",
@@ -70,7 +74,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "one cable gives way at its anchor and loses tension",
                 f"anchor and tensioner of {cable}",
                 SEPARATE,
-                (Parameter("slip_m", 1e-6), when),
+                (Parameter("slip_m", 1e-6, -most[j], most[j]), when),
                 partial(_anchor, j),
                 starts=partial(_jumps, 0.0),
                 once=True,

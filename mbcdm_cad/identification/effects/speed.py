@@ -50,7 +50,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "friction behind a stiffness that is not known",
             "bearings and seals between input and output",
             bias,
-            (Parameter("half_width_rad", 1e-5),),
+            (Parameter("half_width_rad", 1e-5, 0.0),),
             _hysteresis,
             generic=True,
         )
@@ -61,7 +61,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         "a torque against the motion that the sensor does not see",
         "drum bearings and seals: turn the drum by hand with the cables off",
         bias,
-        (Parameter("torque_Nm", 0.01),),
+        (Parameter("torque_Nm", 0.01, 0.0),),
         _bearing,
         generic=True,
     )
@@ -71,7 +71,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         "a torque in proportion to speed, through the stiffness",
         "grease of the bearings",
         "the same motion with a filter-free sensor",
-        (Parameter("drag_Nm_s", 0.05),),
+        (Parameter("drag_Nm_s", 0.05, 0.0),),
         _viscous,
         generic=True,
     )

@@ -11,6 +11,12 @@ from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
 
 NAME = "stiffness_error"
+# Play or slack reads as softness: it is looked at first.
+AFTER = ("lash", "preload_error")
+# Starts of the fit: a rope's modulus may be far from its data sheet's.
+STARTS = ([0.0], [-0.3], [0.5])
+# A modulus of less than this share of the declared one is no rope.
+LEAST_MODULUS = 0.5
 SEPARATE = "load steps with the inputs locked: a series compliance is straight, the cables' loop is not"
 
 
@@ -23,6 +29,16 @@ def _series(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_added(-values[0] * setup.load)
 
 
+def _no_rope(values: Floats) -> str:
+    """What to look for where the modulus that fits is none of a rope."""
+    if values[0] >= LEAST_MODULUS - 1.0:
+        return ""
+    return (
+        f"a modulus {-values[0]:.0%} below the declared one would fit, which no rope has: look for play "
+        "before an input encoder, a slack cable, or a load torque of the wrong sign or unit"
+    )
+
+
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     """With torque; the modulus where the drive is known."""
     if p.load_Nm is None:
@@ -33,9 +49,10 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         "something between drum and torque sensor twists in proportion to load",
         "output shaft, hub clamp and coupling",
         SEPARATE,
-        (Parameter("compliance_rad_Nm", 1e-6),),
+        (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
         _series,
         generic=True,
+        after=AFTER,
     )
     if d is None:
         return [series]
@@ -47,6 +64,9 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         SEPARATE,
         (Parameter("share", 0.02, -0.8, 4.0),),
         _modulus,
+        starts=lambda setup, residual: [list(start) for start in STARTS],
+        doubtful=_no_rope,
         generic=True,
+        after=AFTER,
     )
     return [modulus, series]

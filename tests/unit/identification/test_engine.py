@@ -7,15 +7,20 @@ the study of runs made by other means (tests/confusion.py).
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from mbcdm_cad.configurations.loader import load_design, load_text
+from mbcdm_cad.identification import effects
 from mbcdm_cad.identification.as_built import as_built_text
+from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.engine import close_loop
+from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
 
@@ -73,6 +78,40 @@ def test_nothing_is_left_of_what_was_named(run: Run, names: set[str]) -> None:
     print(second.sentence)
     assert second.verdict == "none", second.sentence
     assert second.errors.before.value == pytest.approx(first.errors.after.value, rel=0.05)
+
+
+def test_a_candidate_that_cannot_be_simulated_drops_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    def slack(setup: Setup, values: Floats, _: Simulator) -> Setup:
+        if abs(values[0]) > 1e-9:
+            raise ModelError("all cables slack")
+        return setup.with_added(values[0] * setup.load)
+
+    dead = Effect("dead", "slack", "", "", "", (Parameter("share", 1e-6),), slack)
+    far = replace(dead, form="slack from the start", starts=lambda setup, residual: [[1.0]])
+    offers = (*effects.offers(), lambda d, p: [dead, far])
+    monkeypatch.setattr(effects, "offers", lambda: offers)
+    result = close_loop(LOADED.drive, [measured(stiffer=0.3)])
+    assert [named.name for named in result.effects] == ["stiffness_error"], result.sentence
+
+
+def test_nothing_impossible_is_named() -> None:
+    stiff = close_loop(LOADED.drive, [measured(added=lambda angle, load: 6e-5 * load)])
+    figures = [figure for named in stiff.effects for figure in named.parameters.items()]
+    assert all(value.value > 0.0 for name, value in figures if name == "compliance_rad_Nm"), stiff.sentence
+    soft = close_loop(LOADED.drive, [measured(stiffer=-0.65)])
+    assert "modulus of the rope" not in [named.form for named in soft.effects], soft.sentence
+    assert any("look for play" in words for words in soft.doubts), (soft.doubts, soft.sentence)
+
+
+def test_noise_beyond_the_data_sheet_is_told_and_not_explained() -> None:
+    run = measured(seed=3)
+    rng = np.random.default_rng(8)
+    loud = replace(run, output_rad=run.output_rad + 12e-6 * rng.standard_normal(run.time_s.size))
+    result = close_loop(LOADED.drive, [loud])
+    assert result.verdict == "none" and result.noise is not None, result.sentence
+    assert result.noise.total_rad == pytest.approx(12.8e-6, rel=0.1), result.noise
+    assert "noisier than declared" in result.doubts[0], result.doubts
+    assert result.to_json()["noise"]["declared_rad"] < 5e-6, result.to_json()["noise"]
 
 
 def test_a_bump_in_one_place_is_unknown_and_described() -> None:

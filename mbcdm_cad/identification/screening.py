@@ -1,0 +1,112 @@
+"""What each candidate promises: the fall of the sum of squares by one linear step from each of its starts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.model.errors import ModelError
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """A candidate, where to start it, the fall of the training mean square that a linear step promises, its columns."""
+
+    effect: Effect
+    start: Floats
+    fall: float
+    columns: Floats
+
+
+class Screening:
+    """Ranks the candidates of ``library`` beside a fit."""
+
+    def __init__(self, fitter: Fitter, library: Sequence[Effect]) -> None:
+        self.fitter, self.library = fitter, tuple(library)
+        self._screened: tuple[Fit, list[Screened]] | None = None
+        self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
+
+    def screen(self, fit: Fit) -> list[Screened]:
+        """All candidates beside those of ``fit``, best promise first."""
+        if self._screened is not None and self._screened[0] is fit:
+            return self._screened[1]
+        f = self.fitter
+        mask = f.train
+        taken = {e.key for e in fit.effects}
+        known = f.centred(fit.jacobian, mask)[mask]
+        basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
+        found = []
+        for effect in self.library:
+            if effect.key in taken and not effect.several:
+                continue
+            for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                # Of what may be there several times, each is an effect of its own.
+                one = replace(effect) if effect.several else effect
+                try:
+                    promise = self._promise(fit, one, np.array(start), basis)
+                except ModelError:
+                    continue
+                found.append(promise)
+        found.sort(key=lambda s: -s.fall)
+        found = self._best_starts(found)
+        self._screened = fit, found
+        return found
+
+    @staticmethod
+    def _best_starts(found: Sequence[Screened]) -> list[Screened]:
+        """Of several starts of one effect that lead to other values of its sizes, the most promising one."""
+        kept: list[Screened] = []
+        for one in found:
+            places = any(p.role != "size" for p in one.effect.parameters)
+            if places or all(one.effect is not other.effect for other in kept):
+                kept.append(one)
+        return kept
+
+    def _slopes(self, fit: Fit, effect: Effect, start: Floats) -> tuple[Floats, Floats]:
+        """What an effect at ``start`` changes, (n,), and its derivatives there, (n, k), beside those of ``fit``.
+
+        What strains the cables is only looked at once: how it ranks hardly hangs on what stands beside it.
+        """
+        f = self.fitter
+        key = effect, start.tobytes()
+        if key in self._columns:
+            return self._columns[key]
+        effects = (*fit.effects, effect)
+        before = f.predict(fit.effects, fit.values, fit.offsets)
+        at_start = f.predict(effects, (*fit.values, start), fit.offsets) if start.any() else before
+        columns = []
+        for i, parameter in enumerate(effect.parameters):
+            trial = start.copy()
+            trial[i] += DIFFERENCE * parameter.size
+            moved = f.predict(effects, (*fit.values, trial), fit.offsets)
+            columns.append((moved - at_start) / (DIFFERENCE * parameter.size))
+        found = at_start - before, np.stack(columns, axis=1)
+        if f.kind(effect) < 2:
+            self._columns[key] = found
+        return found
+
+    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats) -> Screened:
+        f, mask = self.fitter, self.fitter.train
+        change, columns = self._slopes(fit, effect, start)
+        new = f.centred(columns, mask)[mask]
+        r = f.centred(fit.residual - change, mask)[mask]
+        new = new - basis @ (basis.T @ new)
+        r = r - basis @ (basis.T @ r)
+        size = np.linalg.norm(new, axis=0)
+        new = new[:, size > 0.0] / size[size > 0.0]
+        step = np.zeros(size.size)
+        if new.shape[1]:
+            solved = np.linalg.lstsq(new, r, rcond=1e-8)[0]
+            r = r - new @ solved
+            step[size > 0.0] = solved / size[size > 0.0]
+        low = [p.low for p in effect.parameters]
+        high = [p.high for p in effect.parameters]
+        # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
+        held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
+        first = np.clip(np.where(held, start, start + step), low, high)
+        return Screened(effect, first, fit.square - float(np.mean(r**2)), columns)

@@ -1,0 +1,285 @@
+"""What of the search's finding stands: who else would do, what may be zero, what something unknown only resembles.
+
+Each effect of the search's fit is tried against the others of its looks; what cannot be told apart is a set. Then names
+are taken back that may be zero, that something unknown only resembles, or that one plain curve of load or speed does
+alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+from scipy.stats import t as t_distribution
+
+from mbcdm_cad.identification.account import INTERVAL
+from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.generic import regressors
+from mbcdm_cad.identification.select import LEAST_FALL, Search
+from mbcdm_cad.identification.unknown import Unknown, describe_unknown
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.measurement.sweeps import smoothed
+from mbcdm_cad.model.errors import ModelError
+
+# Two candidates are alike where the one that does better could be the wrong one (see ``clusters``), where their errors
+# differ by less than this many standard errors over the cells of sweep and sector, or by less than this share of the
+# floor in quadrature: so small a difference may be the model's own.
+ALIKE_ERRORS = 2.0
+ALIKE_SHARE = 0.12
+# A name is not given where what stays unexplained is as large as this share of what the name explains.
+BLAME_SHARE = 0.35
+# The intervals are told over windows found with the noise assumed so many times as large.
+WINDOWS = (0.5, 2.0)
+SLOW_S = 0.3
+# What is not named is kept as helpful from these odds on, and stays in the fit where it explains this share of what is
+# above the floor.
+LEAST_ODDS = 20.0
+MOST_OF = 0.75
+# A size is not told from zero where it may be zero with this probability.
+ZERO_CHANCE = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """One effect of the final fit and the fits that would do as well."""
+
+    effect: Effect
+    alike: tuple[Fit, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class TakenBack:
+    """An effect that is not named and helps all the same: its values in the fit it was taken from, and how sure."""
+
+    effect: Effect
+    values: Floats
+    covariance: Floats
+    fall_rad: float
+    odds: float
+
+
+class Judge:
+    """Judges the fits of one search."""
+
+    def __init__(self, search: Search) -> None:
+        self.search, self.fitter = search, search.fitter
+        self.helpful: list[TakenBack] = []
+        self._estimates: dict[Fit, Estimate] = {}
+
+    def judged(self) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
+        """The fit that stands, its effects with those that would do as well, and what is left unexplained."""
+        fit, groups = self._settled()
+        fit, groups = self._certain(fit, groups)
+        unknown = self.left(fit)
+        if unknown is not None:
+            fit, groups, unknown = self._unblamed(fit, groups, unknown)
+        return self._not_generic(fit, groups, unknown)
+
+    def _settled(self) -> tuple[Fit, tuple[Group, ...]]:
+        """The search's fit, after every effect was tried against the others of its looks."""
+        fit = self.search.forward()
+        for _ in range(4):
+            groups, better = [], None
+            for effect in fit.effects:
+                others = self.search.alternatives(fit, effect)
+                if others and others[0].square < fit.square and not self._alike(fit, others[0]):
+                    better = others[0]
+                    break
+                alike = [o for o in others if self._alike(o, fit)]
+                better = next((o for o in alike if self._coincidence(o, o.effects[-1], fit, effect)), None)
+                if better is not None:
+                    break
+                alike = [o for o in alike if not self._coincidence(fit, effect, o, o.effects[-1])]
+                groups.append(Group(effect, self._by_name(alike, effect)))
+            if better is None:
+                return fit, tuple(groups)
+            fit = better
+        return fit, tuple(groups)
+
+    @staticmethod
+    def _by_name(fits: Sequence[Fit], effect: Effect) -> tuple[Fit, ...]:
+        """The best fit of each name other than the effect's own."""
+        best: dict[object, Fit] = {}
+        for one in fits:
+            key = one.effects[-1].key
+            if key != effect.key and (key not in best or one.square < best[key].square):
+                best[key] = one
+        return tuple(best.values())
+
+    def _coincidence(self, simpler: Fit, simple: Effect, fit: Fit, two: Effect) -> bool:
+        """Would ``two`` of ``fit`` need its phase to fall by chance where it looks like ``simple`` of ``simpler``?
+
+        A wave could have had any phase, alike likely. That it has that of the simpler effect to within its deviation s
+        is s / sqrt(2 pi) as likely as the simpler effect itself, times the odds of the two fits (Bayes' factor).
+        """
+        if len(two.parameters) <= len(simple.parameters):
+            return False
+        values = fit.values_of(two)
+        deviation = float(np.sqrt(np.diag(self.spread(fit, two, self.fitter))[:2].max()) / np.hypot(*values[:2]))
+        worse, better = (simpler, fit) if fit.square < simpler.square else (fit, simpler)
+        wrong = self.apart(worse, better).probability
+        odds = (1.0 - wrong) / max(wrong, 1e-300) if better is fit else wrong / (1.0 - wrong)
+        return bool(deviation / np.sqrt(2.0 * np.pi) * odds < TOLD_APART)
+
+    def apart(self, worse: Fit, better: Fit) -> Separation:
+        """How well two fits are told apart."""
+        used, f = self.fitter.used, self.fitter
+        here = better.residual[used]
+        return separation(-here, -worse.residual[used], here, f.sweep[used], f.sector[used])
+
+    def _alike(self, worse: Fit, better: Fit) -> bool:
+        """Is the first no worse than the second, as far as sweeps and sectors can tell?"""
+        used = self.fitter.used
+        excess = (worse.residual**2 - better.residual**2)[used]
+        # A fit that went astray is wrong in a few cells beyond all measure, which a test by their scatter would excuse.
+        if float(np.mean(excess)) > max(self.search.floor_rad**2, float(np.mean(better.residual[used] ** 2))):
+            return False
+        if float(np.mean(excess)) < (ALIKE_SHARE * self.search.floor_rad) ** 2:
+            return True
+        if not self.apart(worse, better).apart:
+            return True
+        sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
+        cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
+        sums = np.bincount(cell, excess)
+        return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
+
+    def left(self, fit: Fit, fitter: Fitter | None = None) -> Unknown | None:
+        """What stays unexplained, where it is more than the floor allows; ``fitter`` is the search's by default."""
+        fitter = fitter or self.fitter
+        worst: Unknown | None = None
+        for part, p in zip(fitter.parts, fitter.runs, strict=True):
+            r = fit.residual[part]
+            at = np.flatnonzero(p.used)
+            slow = smoothed(np.interp(np.arange(r.size), at, r[at]), SLOW_S, p.step_s)
+            quiet = float(np.mean((r - slow)[p.used] ** 2))
+            # White noise leaves this share of its square in the smoothed residual.
+            kept = 2.0 / 3.0 * p.step_s / (0.5 * SLOW_S)
+            excess = float(np.mean(slow[p.used] ** 2)) - kept * quiet
+            fast = quiet - 1.5 * self.search.floor_rad**2
+            if max(excess, fast) > (LEAST_FALL * self.search.floor_rad) ** 2:
+                found = describe_unknown(p, r, self.search.floor_rad)
+                # What does not repeat is noise, however coloured; and time cannot come twice.
+                repeats = any(pattern.variable != "time" for pattern in found.patterns)
+                if repeats and (worst is None or found.rms_rad > worst.rms_rad):
+                    worst = found
+        return worst
+
+    def _excess(self, fit: Fit) -> float:
+        """RMS on held-out data beyond the floor, rad."""
+        return float(np.sqrt(max(0.0, self.search.held_rms(fit) ** 2 - self.search.floor_rad**2)))
+
+    def _unblamed(
+        self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown
+    ) -> tuple[Fit, tuple[Group, ...], Unknown]:
+        """Take back names that something unknown may only resemble, the one that explains least first.
+
+        What certainly helps is kept in mind; where it explains most of what is above the floor, it stays in the fit.
+        """
+        full = fit
+        while groups:
+            rms = self.search.held_rms(fit)
+            falls = [self.search.held_rms(self.search.without(fit, g.effect)) ** 2 - rms**2 for g in groups]
+            least = int(np.argmin(falls))
+            if self._excess(fit) < BLAME_SHARE * np.sqrt(max(0.0, falls[least])):
+                break
+            less = self.search.without(fit, groups[least].effect)
+            odds = self._odds(less, fit)
+            if odds >= LEAST_ODDS:
+                effect = groups[least].effect
+                block = self.spread(fit, effect, self.fitter)
+                fall = float(np.sqrt(max(0.0, falls[least])))
+                self.helpful.append(TakenBack(effect, fit.values_of(effect), block, fall, odds))
+            fit = less
+            groups = (*groups[:least], *groups[least + 1 :])
+            left = self.left(fit)
+            if left is None:
+                return fit, groups, unknown
+            unknown = left
+        above = self.search.held_rms(fit) ** 2 - self.search.floor_rad**2
+        explained = self.search.held_rms(fit) ** 2 - self.search.held_rms(full) ** 2
+        if self.helpful and len(self.helpful) + len(groups) == len(full.effects) and explained > MOST_OF * above:
+            return full, groups, self.left(full) or unknown
+        return fit, groups, unknown
+
+    def _odds(self, less: Fit, fit: Fit) -> float:
+        """How much likelier than not that ``fit`` does better than ``less`` on half sweeps that neither has seen."""
+        test = self.fitter.test
+        sweep = np.unique(self.fitter.sweep[test], return_inverse=True)[1]
+        falls = np.bincount(sweep, (less.residual**2 - fit.residual**2)[test]) / np.bincount(sweep)
+        if falls.size < 3:
+            return 1.0
+        error = float(np.std(falls, ddof=1)) / np.sqrt(falls.size)
+        wrong = float(t_distribution.sf(float(np.mean(falls)) / error, falls.size - 1)) if error > 0.0 else 0.5
+        return (1.0 - wrong) / max(wrong, 1e-12)
+
+    def _certain(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
+        """Take back names whose sizes may be zero: by their scatter over sweeps and sectors, and with other windows."""
+        while groups:
+            windows = self.shift_by_window(fit)
+            chances = []
+            for group in groups:
+                sizes = [k for k, p in enumerate(group.effect.parameters) if p.role == "size"]
+                shift = windows[fit.effects.index(group.effect)]
+                block = self.spread(fit, group.effect, self.fitter) + np.diag((shift / INTERVAL) ** 2)
+                values = fit.values_of(group.effect)[sizes]
+                strength = float(values @ np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True) @ values)
+                chances.append(float(chi2.sf(strength, len(sizes))))
+            worst = int(np.argmax(chances))
+            if chances[worst] <= ZERO_CHANCE:
+                break
+            self.search.give_back("may be zero", groups[worst].effect, fit)
+            fit = self.search.without(fit, groups[worst].effect)
+            groups = (*groups[:worst], *groups[worst + 1 :])
+        return fit, groups
+
+    def _not_generic(
+        self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown | None
+    ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
+        """Take back names of load and speed that one generic regressor does better, or several that it equals."""
+        mistaken = [group for group in groups if group.effect.generic]
+        if not mistaken:
+            return fit, groups, unknown
+        kept = tuple(group for group in groups if group not in mistaken)
+        effects = [group.effect for group in kept]
+        values = [fit.values_of(effect) for effect in effects]
+        for regressor in regressors(all(p.load_Nm is not None for p in self.fitter.runs)):
+            trial = self.fitter.tried((*effects, regressor), (*values, [0.0]), fit.offsets)
+            if trial is None:
+                continue
+            better = trial.square < fit.square and not self._alike(fit, trial)
+            if better or (len(mistaken) > 1 and self._alike(trial, fit)):
+                less = self.fitter.fit(effects, values, fit.offsets)
+                return less, kept, self.left(less) or unknown
+        return fit, groups, unknown
+
+    def spread(self, fit: Fit, effect: Effect, fitter: Fitter) -> Floats:
+        """Covariance of one effect's parameters, scaled so that 1.96 standard deviations make a 95 % interval.
+
+        Clustered by sweep and sector, on all samples in use.
+        """
+        if fit not in self._estimates:
+            used = fitter.used
+            columns = fitter.centred(fit.jacobian, used)[used]
+            found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
+            self._estimates[fit] = found
+        estimate = self._estimates[fit]
+        wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2
+        block = estimate.covariance[fit.columns_of(effect), fit.columns_of(effect)]
+        # What the data do not move at all has no interval by linear theory; it is as unknown as it is large.
+        return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values_of(effect))) ** 2))
+
+    def shift_by_window(self, fit: Fit) -> list[Floats]:
+        """Change of every parameter of the search's fit with the smoothing windows; as many arrays as effects."""
+        most = [np.zeros_like(v) for v in fit.values]
+        for factor in WINDOWS:
+            other = self.fitter.rewindowed(factor)
+            try:
+                again = other.fit(fit.effects, fit.values, fit.offsets, iterations=2, slopes=fit.jacobian, fresh=False)
+            except ModelError:  # with less smoothing noise may slacken a cable that is nearly slack
+                continue
+            most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
+        return most
