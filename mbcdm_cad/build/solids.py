@@ -33,11 +33,12 @@ def assembled(drive: Drive, angle_deg: float) -> cq.Assembly:
     """
     items, parts = drawn(drive, angle_deg, Cache(cache_folder()), lambda name: None)
     shapes = {name: cq.Shape.cast(part.solid()) for name, part in parts.items()}
-    groups = {item.group: cq.Assembly(name=item.group) for item in items}
+    # cadquery wants names that are unique in the whole tree, and the drum is a part of the group of that name.
+    groups = {item.group: cq.Assembly(name=f"{item.group}_group") for item in items}
     for item in items:
         place = cq.Location(location(item.location))
         groups[item.group].add(shapes[item.part], loc=place, name=item.name, color=cq.Color(*item.material.colour, 1.0))
-    whole = cq.Assembly(name=drive.name)
+    whole = cq.Assembly(name=f"{drive.name}_assembly")
     for group in groups.values():
         whole.add(group)
     return whole

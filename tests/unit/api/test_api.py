@@ -190,6 +190,33 @@ def test_parts_are_cadquery_solids(design: mc.DriveDesign) -> None:
         design.part("drumm")
 
 
+def test_every_instance_has_its_place_and_a_name_of_its_own(
+    design: mc.DriveDesign, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Boxes stand in for the solids, so that nothing is drawn; a design may be called after one of its parts."""
+    from mbcdm_cad.build import solids
+
+    cq = pytest.importorskip("cadquery")
+
+    class Box:
+        def solid(self) -> object:
+            return cq.Solid.makeBox(1.0, 1.0, 1.0).wrapped
+
+    def stand_in(drive: object, angle_deg: float, *_: object) -> object:
+        items = solids._bill(drive).items  # type: ignore[arg-type]
+        return items, {item.part: Box() for item in items}
+
+    monkeypatch.setattr(solids, "drawn", stand_in)
+    whole = design.with_(name="drum").assembly()
+    items = solids._bill(design.drive).items
+    placed = {
+        name.rpartition("/")[2]: part.loc.toTuple()[0] for name, part in whole.objects.items() if part.obj is not None
+    }
+    assert set(placed) == {item.name for item in items}
+    for item in items:
+        assert placed[item.name] == pytest.approx(item.location.shift_mm, abs=1e-9), item.name
+
+
 @pytest.mark.slow
 def test_the_assembly_and_the_build(design: mc.DriveDesign, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every instance in its place; the build by the API is that of the command."""
