@@ -9,7 +9,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.bodies import PROBE_DEG, Body, bodies, is_cable
+from mbcdm_cad.build.bodies import Body, bodies, is_cable
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
@@ -85,32 +85,23 @@ class Mechanism:
 
 
 def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
-    """The drive as links and joints; ``parts`` by name. Raises ``MbcdmError`` where a body has too fine a mesh, or the
-    bill has no body that turns as the drum does."""
+    """The drive as links and joints; ``parts`` by name. Raises ``MbcdmError`` where a body has too fine a mesh."""
     kind = configuration(drive.configuration)
     dims = kind.layout(drive)
     centred = kind.bill(dims)
     items = {item.name: item for item in centred.items}
-    cables = [item for item in centred.items if is_cable(centred, item)]
-    moving = bodies(centred, kind.bill(dims, PROBE_DEG))
-    still = [body for body in moving if body.ratio == 0.0]
-    turning = [body for body in moving if body.ratio != 0.0]
-    drum = next((body.name for body in turning if body.ratio == 1.0), None)
-    if drum is None or len(still) != 1:
-        raise MbcdmError(
-            f"{drive.name}: one body must stand still and one turn as the drum (ratio 1), found {len(still)} and "
-            f"ratios {[body.ratio for body in turning]}; the configuration's bill names its groups wrongly"
-        )
-    fixed = [items[name] for name in still[0].items]
+    still, *turning = bodies(kind.moving_bodies(dims), centred)
+    drum = next(body for body in turning if body.kind == "drum")
     links = tuple(_link(body, [items[name] for name in body.items], parts, drive) for body in turning)
-    base = _link(still[0], fixed, parts, drive, extra=cables)
+    fixed = [items[name] for name in still.items]
+    base = _link(still, fixed, parts, drive, extra=[item for item in centred.items if is_cable(item)])
     return Mechanism(
         name=drive.name,
         base=base,
         links=links,
         joints=tuple(_joint(body, drive) for body in turning),
-        drum=drum,
-        cables=_cables(drive, {body.name: body for body in turning}),
+        drum=drum.name,
+        cables=_cables(drive, [body for body in turning if body.kind == "input"]),
         peak_torque_Nm=drive.loads.peak_torque_Nm,
     )
 
@@ -141,28 +132,22 @@ def _link(
 
 def _joint(body: Body, drive: Drive) -> Joint:
     rotor = drive.motor.rotor_inertia_g_cm2 * G_CM2 * drive.gearhead.ratio**2
-    driven = body.name in {input_link(name) for name in drive.input_names}
     limit = radians(abs(body.ratio) * (drive.half_travel_deg + drive.stop_clearance_deg))
-    return Joint(body.name, body.axis, body.ratio, limit, rotor if driven else 0.0)
+    return Joint(body.name, body.axis, body.ratio, limit, rotor if body.kind == "input" else 0.0)
 
 
-def input_link(name: str) -> str:
-    """Name of the body that an input turns."""
-    return f"input_{name}"
-
-
-def _cables(drive: Drive, turning: Mapping[str, Body]) -> tuple[Cable, ...]:
+def _cables(drive: Drive, inputs: Sequence[Body]) -> tuple[Cable, ...]:
     d = to_si(drive)
     found = []
     for j, name in enumerate(d.cable_names):
-        link = input_link(d.input_names[d.input_of[j]])
+        link = inputs[d.input_of[j]]
         lever = float(d.sigma[j] * d.drum_radius_m[j])
         found.append(
             Cable(
                 name=name,
-                input_link=link,
+                input_link=link.name,
                 drum_lever=-lever,
-                input_lever=lever / turning[link].ratio,
+                input_lever=lever / link.ratio,
                 stiffness_N_m=float(d.axial_stiffness_N / d.free_span_m[j]),
                 preload_N=float(d.preload_N[j]),
             )

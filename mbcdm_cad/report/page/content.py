@@ -97,16 +97,53 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
          "each body times its ratio squared"),
         ("inertia at a motor's shaft", f"{moving['at_motor']:.4g} g mm²", "all of it, over the whole ratio squared"),
         ("usable travel", f"{paths['usable_deg'][0]:.2f} to {paths['usable_deg'][1]:+.2f} deg",
-         f"ends at: {paths['limits_negative'][0]['cause']}, {paths['limits_positive'][0]['cause']}"),
+         "; ".join(dict.fromkeys(way[0]["cause"] for _, way in travel_limits(report))) or "paths of the cables"),
         ("preloads that leave no bias", ", ".join(f"{t:.4g}" for t in a["balanced_preload_N"]) + " N",
          "T ~ 1/r within the cables of one input"),
         ("peak torque with them", " / ".join(f"{t:.4g}" for t in a["balanced_peak_torque_Nm"]) + " N m",
          "as the peak torque, both ways"),
         ("torque to weight", f"{report['torque']['torque_to_weight_Nm_kg']:.4g} N m/kg",
          "weaker direction over the mass as drawn"),
-        ("frame's windup", f"{report['frame']['windup_urad_Nm']:.4g} µrad per N m", "stiffness of the support's walls"),
     ]  # fmt: skip
+    if report["frame"]:
+        windup = report["frame"]["windup_urad_Nm"]
+        rows.append(("frame's windup", f"{windup:.4g} µrad per N m", "stiffness of the support's walls"))
     return [{"what": what, "value": value, "from": source} for what, value, source in rows]
+
+
+# Columns of the cables' table: field of the path figures, heading, digits after the point.
+_CABLE_COLUMNS = (
+    ("length_mm", "Length mm", 2),
+    ("free_span_mm", "Free span mm", 2),
+    ("input_wrap_deg", "Wrap on input °", 0),
+    ("guide_wrap_deg", "on guide °", 1),
+    ("drum_wrap_deg", "on drum °", 1),
+    ("fleet_angle_deg", "Fleet angle °", 2),
+)
+
+
+def cable_rows(report: Mapping[str, Any]) -> dict[str, Any]:
+    """The cables' table: those columns that this configuration has figures for, lists as their range."""
+    paths, model = report["paths"]["cables"], {c["name"]: c for c in report["analysis"]["cables"]}
+    columns = [column for column in _CABLE_COLUMNS if all(column[0] in path for path in paths)]
+    rows = []
+    for path in paths:
+        cells = [_range(path[field], digits) for field, _, digits in columns]
+        own = model[path["name"]]
+        rows.append((path["name"], [f"{own['preload_N']:g}", f"{own['total_ratio']:.6g}", *cells]))
+    return {"head": ["Preload N", "Total ratio", *(heading for _, heading, _ in columns)], "rows": rows}
+
+
+def _range(value: Any, digits: int) -> str:
+    ends = (min(value), max(value)) if isinstance(value, list) else (value, value)
+    low, high = (f"{end:.{digits}f}".replace("-", "−") for end in ends)
+    return low if low == high else f"{low} to {high}"
+
+
+def travel_limits(report: Mapping[str, Any]) -> list[tuple[str, Sequence[Mapping[str, Any]]]]:
+    """What ends the travel each way, nearest first; none where the configuration does not say."""
+    ways = [("Negative", report["paths"].get("limits_negative")), ("Positive", report["paths"].get("limits_positive"))]
+    return [(name, way) for name, way in ways if way]
 
 
 def groups(scene: Mapping[str, Any]) -> list[dict[str, Any]]:

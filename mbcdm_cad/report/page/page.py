@@ -50,6 +50,8 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
         tightest=content.tightest(report["checks"]),
         capability=content.capability(report),
         derived=content.derived(report, view.data["bodies"]),
+        cables=content.cable_rows(report),
+        limits=content.travel_limits(report),
         studies=figures,
         table_of=content.legend_table,
         links=links,

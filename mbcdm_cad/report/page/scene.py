@@ -9,17 +9,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, radians, sqrt
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.bodies import PROBE_DEG, Bill, Body, bodies, is_cable
+from mbcdm_cad.build.bodies import Body, bodies, is_cable
 from mbcdm_cad.build.mass import item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.parts.bill import Bill, cable_item
+from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import Piece
 
 # A centre line is drawn with chords that leave the curve by at most this much, and angles between two samples are
 # filled in linearly with at most this error. Both lie below what a screen shows.
@@ -29,26 +32,7 @@ _POSES = (9, 19, 37, 71, 141, 281)
 _SHORTS = 65535
 
 
-class Piece(Protocol):
-    """A piece of a centre line."""
-
-    @property
-    def length_mm(self) -> float: ...
-
-    def points(self, fraction: NDArray[np.float64], /) -> NDArray[np.float64]: ...
-
-
-class Path(Protocol):
-    """One cable at one drum angle: named pieces in order."""
-
-    @property
-    def cable(self) -> Any: ...
-
-    @property
-    def pieces(self) -> Any: ...
-
-
-Paths = Callable[[float], Sequence[Any]]
+Paths = Callable[[float], Sequence[CablePath]]
 
 
 @dataclass(frozen=True)
@@ -89,8 +73,7 @@ def design_scene(drive: Drive, parts: Mapping[str, PartFiles]) -> Scene:
     kind = configuration(drive.configuration)
     dims = kind.layout(drive)
     centred = kind.bill(dims)
-    moving = bodies(centred, kind.bill(dims, PROBE_DEG))
-    return scene(centred, moving, parts, dims.cable_paths, drive)
+    return scene(centred, bodies(kind.moving_bodies(dims), centred), parts, dims.cable_paths, drive)
 
 
 def scene(
@@ -98,14 +81,13 @@ def scene(
 ) -> Scene:
     """The scene of bodies, parts and cables.
 
-    ``centred`` is the bill with the drum centred; ``paths_at`` gives the cables at an angle in rad, in the order in
-    which the bill holds them.
+    ``centred`` is the bill with the drum centred; ``paths_at`` gives the cables at an angle in rad.
     """
     half_travel_deg, cable_diameter_mm = drive.half_travel_deg, drive.cable.diameter_mm
     binary = _Binary()
     body_of = {item: body.name for body in moving for item in body.items}
-    rigid = [item for item in centred.items if not is_cable(centred, item)]
-    cables = [item for item in centred.items if is_cable(centred, item)]
+    rigid = [item for item in centred.items if not is_cable(item)]
+    cables = {item.name: item for item in centred.items if is_cable(item)}
     data: dict[str, Any] = {
         "half_travel_deg": half_travel_deg,
         "bodies": [{"name": b.name, "axis": list(b.axis), "point": list(b.point_mm), "ratio": b.ratio} for b in moving],
@@ -126,7 +108,8 @@ def scene(
         "cables": [],
     }
     lines, angles = cable_lines(paths_at, half_travel_deg)
-    for item, points in zip(cables, lines.values(), strict=True):
+    for name, points in lines.items():
+        item = cables[cable_item(name)]
         data["cables"].append(
             {
                 "name": item.name,
@@ -175,7 +158,7 @@ def cable_lines(paths_at: Paths, half_travel_deg: float) -> tuple[dict[str, NDAr
     return lines, angles
 
 
-def _pieces(path: Path) -> list[Piece]:
+def _pieces(path: CablePath) -> list[Piece]:
     return [piece for _, piece in path.pieces]
 
 
@@ -187,7 +170,7 @@ def _chords(piece: Piece) -> int:
     return max(1, ceil(sqrt(bend / (8.0 * CHORD_ERROR_MM))))
 
 
-def _sampled(paths: Sequence[Path], counts: Sequence[Sequence[int]]) -> dict[str, NDArray[np.float64]]:
+def _sampled(paths: Sequence[CablePath], counts: Sequence[Sequence[int]]) -> dict[str, NDArray[np.float64]]:
     """Points of every cable; where two pieces meet there is one point, so that no chord has length zero."""
     lines = {}
     for path, chords in zip(paths, counts, strict=True):

@@ -1,0 +1,47 @@
+"""Bodies: together they hold every item, and move them as the bill does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mbcdm_cad.build.bodies import Body, bodies, is_cable
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design import load_design
+
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+KIND = configuration(DRIVE.configuration)
+DIMS: Any = KIND.layout(DRIVE)
+
+
+@pytest.fixture(scope="module")
+def found() -> tuple[Body, ...]:
+    return bodies(KIND.moving_bodies(DIMS), KIND.bill(DIMS))
+
+
+def test_every_item_but_the_cables_is_in_one_body(found: tuple[Body, ...]) -> None:
+    items = [name for body in found for name in body.items]
+    assert len(items) == len(set(items))
+    assert set(items) == {item.name for item in KIND.bill(DIMS).items if not is_cable(item)}
+
+
+def test_one_body_stands_still_and_one_is_the_drum(found: tuple[Body, ...]) -> None:
+    assert [body.kind for body in found if body.ratio == 0.0] == ["fixed"]
+    assert [body.ratio for body in found if body.kind == "drum"] == [1.0]
+
+
+@settings(max_examples=20, deadline=None)
+@given(angle=st.floats(-DRIVE.half_travel_deg, DRIVE.half_travel_deg))
+def test_bodies_move_their_items_as_the_bill_does(angle: float) -> None:
+    found = bodies(KIND.moving_bodies(DIMS), KIND.bill(DIMS))
+    centred = {item.name: item.location for item in KIND.bill(DIMS).items}
+    moved = {item.name: item.location for item in KIND.bill(DIMS, angle).items}
+    for body in found:
+        for name in body.items:
+            error = np.abs(np.array((body.at(angle) @ centred[name]).rows) - np.array(moved[name].rows)).max()
+            assert error < 1e-9, (name, angle, error)
