@@ -159,7 +159,7 @@ def parting(drive: Drive, piece_rad: float = chain.PIECE_RAD, samples: int = 500
                         extremes_urad(carried - inputs[0] / 9.0), None))  # fmt: skip
     ramp = np.linspace(0.0, TORQUE_NM, 200)
     still = hysteresis.simulate(d, np.zeros((2, 200)), ramp).drum_angle_rad
-    slipping, _ = held(drive, ramp, piece_rad=piece_rad, guide_slip=True)
+    slipping, _ = held(drive, ramp, piece_rad=piece_rad, passed_slip=True)
     rows.append(Row("turn at first loading, slip on the guide", "urad", -still[-1] * 1e6, -slipping[-1] * 1e6, None))
     return rows
 

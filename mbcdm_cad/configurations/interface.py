@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.routes.geometry import RoutedDrive
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.design_under_test import DesignUnderTest
@@ -96,6 +97,12 @@ class Configuration(Protocol):
 
     def design_file(self) -> DesignFile:
         """Schema, reference values and rules of its design files, and how a drive is made of one."""
+
+    def routes(self, drive: Drive) -> RoutedDrive:
+        """How the cables run: what model, rig and identification work on."""
+
+    def inertias_kg_m2(self, drive: Drive) -> dict[str, float]:
+        """Moment of inertia of each body of the routes about its own axis, without CAD."""
 
     def layout(self, drive: Drive) -> Layout:
         """All derived dimensions of ``drive``, without CAD.

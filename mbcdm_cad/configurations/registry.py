@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.configurations.interface import Configuration
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import Drive
 
 ENTRY_POINTS = "mbcdm_cad.configurations"
 # Of new design files, where no other is asked for.
@@ -49,6 +52,11 @@ def configuration(name: str) -> Configuration:
     )
 
 
+def configuration_of(drive: Drive) -> Configuration:
+    """The configuration that ``drive`` belongs to."""
+    return configuration(drive.configuration)
+
+
 @cache
 def _own() -> tuple[str, ...]:
     return tuple(sorted(path.parent.name for path in _FOLDER.glob("*/__init__.py")))
@@ -56,4 +64,6 @@ def _own() -> tuple[str, ...]:
 
 @cache
 def _plug_ins() -> dict[str, str]:
+    from importlib.metadata import entry_points  # takes as long to import as half of the checks
+
     return {entry.name: entry.value for entry in entry_points(group=ENTRY_POINTS)}

@@ -90,7 +90,7 @@ def chain_orders(d: DriveSI | None, ratio: float) -> dict[str, float]:
     """Cycles a turn of the drum of everything that turns once."""
     orders = {"drum": 1.0, "input": ratio}
     if d is not None:
-        orders["guide"] = float(np.mean(d.drum_radius_m / d.guide_radius_m))
+        orders |= {body.name: abs(body.turns_per_drum) for body in d.routes.passed}
     return orders
 
 

@@ -74,7 +74,7 @@ def _orders(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
         found = [VettingNote("drum_order", "fact", text)]
     stages = [("input", ratio)]
     if d is not None:
-        stages.insert(0, ("guide", float(np.mean(d.drum_radius_m / d.guide_radius_m))))
+        stages = [(body.name, abs(body.turns_per_drum)) for body in d.routes.passed] + stages
     turns = ", ".join(f"{name} {stage * travel / (2.0 * np.pi):.3g} turn(s)" for name, stage in stages)
     short = [name for name, stage in stages if order_left(run.output_rad, stage) < ONE_WITH_RATIO**2]
     words = f"; too short for once_per_rev of {' and '.join(short)}" if short else ""

@@ -23,13 +23,14 @@ from mbcdm_cad.model.figures import (
     CableFigures,
     LoadCase,
     ModulusReading,
+    PassedLoad,
     ShaftTurns,
     UncertainFigure,
 )
 from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm, requirements, sigmas_si, tension_limit_N
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import DriveSI, routed, to_si
 from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
 from mbcdm_cad.model.uncertainty import intervals
 from mbcdm_cad.model.wrap import slip_angle_rad
@@ -63,7 +64,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         modulus_area=drive.cable.modulus_area,
         area_mm2=drive.cable.area_mm2,
         axial_stiffness_kN=float(d.axial_stiffness_N) / 1e3,
-        centre_distance_mm=drive.centre_distance_mm,
+        lengths=routed(drive).shown,
         shaft_turns=shaft_turns(d, drive),
         eq1_worst_residual=eq1_residuals(d).worst,
         pair_mismatch_mm=mismatch_mm,
@@ -84,7 +85,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
         intervals=uncertain_figures(endless, drive),
-        notes=notes(drive),
+        notes=notes(drive, d),
     )
 
 
@@ -92,9 +93,8 @@ def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
     """Every shaft at the end of the travel, by each cable: they disagree where Eq. (1) does not hold."""
     found = []
     for j, name in enumerate(d.cable_names):
-        turned = shaft_angles(d, "drum", np.radians(drive.half_travel_deg), j, drive.gearhead.ratio)
-        angles = (turned.drum_rad, turned.guide_rad, turned.input_rad, turned.motor_rad)
-        found.append(ShaftTurns(name, *(float(np.degrees(angle)) for angle in angles)))
+        turned = shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.gearhead.ratio)
+        found.append(ShaftTurns(name, {shaft: float(np.degrees(angle)) for shaft, angle in turned.items()}))
     return tuple(found)
 
 
@@ -166,17 +166,22 @@ def bearing_figures(d: DriveSI, load_Nm: float) -> BearingFigures:
     loads = bearing_loads(d, solve_equilibrium(d, load_Nm).tension_N)
     return BearingFigures(
         load_Nm=load_Nm,
-        input_radial_N=_floats(np.linalg.norm(loads.input_force_N, axis=1)),
-        guide_radial_N=float(np.linalg.norm(loads.guide_force_N)),
-        guide_moment_Nm=float(np.linalg.norm(loads.guide_moment_Nm)),
-        drum_radial_N=float(np.linalg.norm(loads.drum_force_N)),
+        input_radial_N=tuple(float(np.linalg.norm(load.force_N)) for load in loads.inputs),
+        passed=tuple(
+            PassedLoad(
+                body.name,
+                float(np.linalg.norm(loads.bodies[body.name].force_N)),
+                float(np.linalg.norm(loads.bodies[body.name].moment_Nm)),
+            )
+            for body in d.routes.passed
+        ),
+        drum_radial_N=float(np.linalg.norm(loads.drum.force_N)),
     )
 
 
 def pair_mismatch(d: DriveSI, half_travel_rad: float) -> tuple[tuple[float, ...], float]:
     """Over the travel, drum unloaded: pair mismatch of each input in mm, largest change of a tension in N."""
-    one_of_each = [d.input_of.index(i) for i in range(d.n_inputs)]
-    angle = half_travel_rad * d.total_ratio[one_of_each]
+    angle = half_travel_rad * d.input_turns
     length = np.abs(np.array([pair_mismatch_m(d, angle[i])[i] for i in range(d.n_inputs)]))
     idle = solve_equilibrium(d, 0.0).tension_N
     ends = [solve_equilibrium(d, 0.0, input_angle_rad=sign * angle).tension_N for sign in (1.0, -1.0)]
@@ -192,7 +197,7 @@ def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
     )
 
 
-def notes(drive: Drive) -> tuple[str, ...]:
+def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
     """What a reader must know before using the figures."""
     return (
         f"E = {drive.cable.modulus_GPa:g} GPa on the {drive.cable.modulus_area} area {drive.cable.area_mm2:.4f} mm^2 "
@@ -203,8 +208,18 @@ def notes(drive: Drive) -> tuple[str, ...]:
         f"Gearhead {drive.gearhead.name}: {drive.gearhead.ratio:g}:1, efficiency {drive.gearhead.efficiency:g}, "
         f"{drive.gearhead.rated_torque_mNm:g} mN m continuous, {drive.gearhead.max_torque_mNm:g} at most "
         f"[{drive.gearhead.source}].",
-        "Nothing is lost at the guide, and the rope has no bending stiffness; slip on the guide's wraps would add "
-        "about 8 % to the backlash.",
+        _losses([body.name for body in d.routes.passed]),
+    )
+
+
+def _losses(passed: list[str]) -> str:
+    """What the model leaves out of the rope's way."""
+    if not passed:
+        return "The rope has no bending stiffness."
+    names = " and the ".join(passed)
+    return (
+        f"Nothing is lost at the {names}, and the rope has no bending stiffness; slip on the {names}'s wraps would add "
+        "about 8 % to the backlash."
     )
 
 

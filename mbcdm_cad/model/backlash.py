@@ -30,12 +30,12 @@ class CableBacklash:
 
 
 def cable_backlash(d: DriveSI, load_Nm: Any) -> CableBacklash:
-    """Each cable alone, as the paper does: half of the load on a symmetric pair of its radii. Sign of M ignored."""
+    """Each cable alone, as the paper does: one input's share of the load on a pair of its radii. Sign of M ignored."""
     load = np.abs(np.asarray(load_Nm, dtype=float))
     w = d.lifted(np.broadcast_shapes(load.shape, d.batch_shape))
-    low, high = eq.eq14_tensions(load, w.preload_N, w.drum_radius_m, w.kappa)
-    simple_low = eq.eq17_low_tension(load, w.preload_N, w.drum_radius_m)
-    simple_high = eq.eq18_high_tension(load, w.preload_N, w.drum_radius_m)
+    low, high = eq.eq14_tensions(load, w.preload_N, w.drum_radius_m, w.kappa, d.n_inputs)
+    simple_low = eq.eq17_low_tension(load, w.preload_N, w.drum_radius_m, d.n_inputs)
+    simple_high = eq.eq18_high_tension(load, w.preload_N, w.drum_radius_m, d.n_inputs)
 
     def angle(tension: Floats) -> Floats:
         return eq.eq20_backlash(
@@ -52,12 +52,8 @@ def mean_radii(d: DriveSI) -> DriveSI:
     def mean(values: Floats) -> Floats:
         return np.asarray(np.broadcast_to(values.mean(axis=0), values.shape).copy())
 
-    return d.with_(
-        input_radius_m=mean(d.input_radius_m),
-        guide_radius_m=mean(d.guide_radius_m),
-        drum_radius_m=mean(d.drum_radius_m),
-        preload_N=mean(d.preload_N),
-    )
+    lengths = {name: mean(d.parameters[name]) for name in d.geometry.per_cable}
+    return d.with_(**lengths, preload_N=mean(d.preload_N))
 
 
 @dataclass(frozen=True, eq=False)

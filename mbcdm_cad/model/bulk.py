@@ -13,9 +13,10 @@ import numpy as np
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.kinematics import guide_wraps_rad
+from mbcdm_cad.model.kinematics import eq1_residuals
 from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, Floats
 from mbcdm_cad.model.wrap import slip_angle_rad
+from mbcdm_cad.routes.helix import axial_walk_m, fleet_angle_rad
 
 # Designs worked on at a time: their arrays then stay in the processor's cache.
 BLOCK = 4096
@@ -40,14 +41,14 @@ class BulkFigures:
     Shapes: (n,), (n_cables, n), or (2, n) for a load of either sign, + (opposing positive rotation) first.
     ``drum_wrap_needed_rad`` is the wrap at the middle of the travel that still holds the slip zone of the test load at
     its end; ``input_wrap_needed_rad`` what an input winds over the whole travel. ``fleet_angle_rad`` is that at the end
-    of travel: the helix's advance over the free span.
+    of travel: the helix's advance over the free span; ``passed_wrap_rad`` the wrap on all passed bodies together.
     """
 
     valid: Any
     eq1_residual: Floats
     bend_ratio: Floats
     free_span_m: Floats
-    guide_wrap_rad: Floats
+    passed_wrap_rad: Floats
     fleet_angle_rad: Floats
     input_wrap_needed_rad: Floats
     drum_wrap_needed_rad: Floats
@@ -65,12 +66,17 @@ def stack_designs(designs: list[DriveSI]) -> DriveSI:
         raise ModelError("no designs to stack; give at least one")
     first = designs[0]
     for other in designs[1:]:
-        if other.input_of != first.input_of or not np.array_equal(other.sigma, first.sigma):
+        if other.geometry != first.geometry:
             raise ModelError(
                 "designs differ in which input a cable runs from or which way it turns; stack them by kind"
             )
-    columns = {name: np.stack([getattr(d, name) for d in designs], axis=-1) for name in PER_CABLE + PER_DESIGN}
-    return first.with_(**columns)
+    lengths = {name: np.stack([d.parameters[name] for d in designs], axis=-1) for name in first.parameters}
+    passed = zip(*(d.passed_wrap_rad for d in designs), strict=True)
+    return first.with_(
+        **lengths,
+        **{name: np.stack([getattr(d, name) for d in designs], axis=-1) for name in PER_CABLE + PER_DESIGN},
+        passed_wrap_rad=[np.stack(wraps, axis=-1) for wraps in passed],
+    )
 
 
 def analyse_many(d: DriveSI, need: Requirements) -> BulkFigures:
@@ -80,8 +86,8 @@ def analyse_many(d: DriveSI, need: Requirements) -> BulkFigures:
     n = d.batch_shape[0]
     wide = d.spread(n)
     asked = Requirements(*(np.broadcast_to(np.asarray(getattr(need, f.name), float), (n,)) for f in fields(need)))
-    reach = (wide.guide_radius_m + wide.input_radius_m).max(axis=0)
-    valid = (wide.centre_distance_m > reach) & (wide.friction_coefficient > 0.0)
+    spans = wide.geometry.free_span_m(wide.parameters)
+    valid = ~np.isnan(spans).any(axis=0) & (wide.friction_coefficient > 0.0)
     blocks = []
     for start in range(0, n, BLOCK):
         here = slice(start, min(start + BLOCK, n))
@@ -104,14 +110,16 @@ def analyse_many(d: DriveSI, need: Requirements) -> BulkFigures:
 
 
 def _taken(d: DriveSI, which: Any) -> DriveSI:
-    columns = {name: np.ascontiguousarray(getattr(d, name)[..., which]) for name in PER_CABLE + PER_DESIGN}
-    return d.with_(**columns)
+    def taken(value: Floats) -> Floats:
+        return np.ascontiguousarray(value[..., which])
+
+    return d.mapped(taken, taken)
 
 
 def _missing(d: DriveSI, good: Any) -> BulkFigures:
     per_cable = (
         "free_span_m",
-        "guide_wrap_rad",
+        "passed_wrap_rad",
         "fleet_angle_rad",
         "input_wrap_needed_rad",
         "drum_wrap_needed_rad",
@@ -133,22 +141,15 @@ def _block(d: DriveSI, need: Requirements, good: Any) -> BulkFigures:
         slip_angle_rad(drum.loaded.tension_N, d.preload_N, d.friction_coefficient),
         slip_angle_rad(other_way.tension_N, d.preload_N, d.friction_coefficient),
     )
-    guide = d.guide_radius_m / d.drum_radius_m
-    inner = d.input_radius_m / d.guide_radius_m
-    first = [d.input_of.index(i) for i in d.input_of]
-    total = d.input_radius_m / d.drum_radius_m
-    residual = np.maximum(np.abs(guide / guide[0] - 1).max(axis=0), np.abs(inner / inner[first] - 1).max(axis=0))
-    by_input = np.stack(
-        [total[[j for j, k in enumerate(d.input_of) if k == i]].mean(axis=0) for i in range(d.n_inputs)]
-    )
+    smallest = np.minimum.reduce([d.input_radius_m, *d.passed_radii_m])
     return BulkFigures(
         valid=good,
-        eq1_residual=np.maximum(residual, np.abs(by_input / by_input[0] - 1).max(axis=0)),
-        bend_ratio=2.0 * np.minimum(d.input_radius_m, d.guide_radius_m).min(axis=0) / need.rope_diameter_m,
+        eq1_residual=eq1_residuals(d).by_design,
+        bend_ratio=2.0 * smallest.min(axis=0) / need.rope_diameter_m,
         free_span_m=d.free_span_m,
-        guide_wrap_rad=guide_wraps_rad(d),
-        fleet_angle_rad=np.arctan(
-            need.half_travel_rad * d.total_ratio * need.helix_lead_m / (2 * np.pi) / d.free_span_m
+        passed_wrap_rad=sum(d.geometry.passed_wrap_rad(d.parameters), np.zeros_like(d.free_span_m)),
+        fleet_angle_rad=fleet_angle_rad(
+            axial_walk_m(need.half_travel_rad * d.total_ratio, need.helix_lead_m), d.free_span_m
         ),
         input_wrap_needed_rad=2.0 * need.half_travel_rad * d.total_ratio,
         drum_wrap_needed_rad=need.half_travel_rad + slip,

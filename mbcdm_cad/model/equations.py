@@ -18,9 +18,12 @@ SOLVER_STEPS = 100
 ROUNDING = 1e-15
 
 
-def eq3_tension_difference(load_Nm: Any, drum_radius_m: Any) -> Floats:
-    """Eq. (3): M_l/2 = (T_h - T_l) r_o, so T_h - T_l = M_l/(2 r_o): each of two inputs takes half of the load."""
-    return np.asarray(np.asarray(load_Nm) / (2.0 * np.asarray(drum_radius_m)))
+def eq3_tension_difference(load_Nm: Any, drum_radius_m: Any, inputs: int = 2) -> Floats:
+    """Eq. (3): M_l/2 = (T_h - T_l) r_o, so T_h - T_l = M_l/(2 r_o): each of two inputs takes half of the load.
+
+    ``inputs`` is their number where it is not two as in the paper.
+    """
+    return np.asarray(np.asarray(load_Nm) / (inputs * np.asarray(drum_radius_m)))
 
 
 def eq4_tension(preload_N: Any, friction: Any, angle_rad: Any, side: str, as_printed: bool = False) -> Floats:
@@ -85,23 +88,27 @@ def eq13_residual(tight_m: Any, slack_m: Any, drum_radius_tight_m: Any = 1.0, dr
     return np.asarray(np.asarray(tight_m) / drum_radius_tight_m + np.asarray(slack_m) / drum_radius_slack_m)
 
 
-def eq14_residual(low_N: Any, load_Nm: Any, preload_N: Any, drum_radius_m: Any, kappa: Any) -> Floats:
+def eq14_residual(low_N: Any, load_Nm: Any, preload_N: Any, drum_radius_m: Any, kappa: Any, inputs: int = 2) -> Floats:
     """Left side of Eq. (14), N: T_pre ln(T_l/(T_l + D)) + (1 + kappa) D + 2 kappa (T_l - T_pre), D = M_l/(2 r_o)."""
     low = np.asarray(low_N, dtype=float)
-    difference = eq3_tension_difference(load_Nm, drum_radius_m)
+    difference = eq3_tension_difference(load_Nm, drum_radius_m, inputs)
     return np.asarray(
         preload_N * np.log(low / (low + difference)) + (kappa + 1.0) * difference + 2.0 * kappa * (low - preload_N)
     )
 
 
-def eq14_tensions(load_Nm: Any, preload_N: Any, drum_radius_m: Any, kappa: Any) -> tuple[Floats, Floats]:
+def eq14_tensions(
+    load_Nm: Any, preload_N: Any, drum_radius_m: Any, kappa: Any, inputs: int = 2
+) -> tuple[Floats, Floats]:
     """(T_l, T_h) in N that solve Eq. (14) exactly, for any load >= 0; vectorised.
 
     With x = D/T_pre the root T_l/T_pre lies between max(1 - x/2, x e^{-(1+kappa) x}) and the simplified x/(e^x - 1);
     it always exists: on a long wrap friction keeps a tail of tension, T_l falls exponentially but not to zero (for
     x of some hundreds it underflows to 0). Newton in ln T_l, kept inside that bracket.
     """
-    x, k = np.broadcast_arrays(eq3_tension_difference(load_Nm, drum_radius_m) / preload_N, np.asarray(kappa, float))
+    x, k = np.broadcast_arrays(
+        eq3_tension_difference(load_Nm, drum_radius_m, inputs) / preload_N, np.asarray(kappa, float)
+    )
     if not np.all(x >= 0.0):
         raise ModelError(
             f"load_Nm: {np.min(load_Nm):.6g} is negative; Eq. (14) names the sides by the load, use its magnitude"
@@ -135,22 +142,23 @@ def eq15_kappa(friction: Any, free_span_m: Any, drum_radius_m: Any, input_radius
     return np.asarray(np.asarray(friction) * free_span_m / (np.asarray(drum_radius_m) + input_radius_m))
 
 
-def eq16_residual(low_N: Any, load_Nm: Any, preload_N: Any, drum_radius_m: Any) -> Floats:
+def eq16_residual(low_N: Any, load_Nm: Any, preload_N: Any, drum_radius_m: Any, inputs: int = 2) -> Floats:
     """Left side of Eq. (16): Eq. (14) over T_pre with kappa = 0."""
-    return np.asarray(eq14_residual(low_N, load_Nm, preload_N, drum_radius_m, 0.0) / preload_N)
+    return np.asarray(eq14_residual(low_N, load_Nm, preload_N, drum_radius_m, 0.0, inputs) / preload_N)
 
 
-def eq17_low_tension(load_Nm: Any, preload_N: Any, drum_radius_m: Any) -> Floats:
+def eq17_low_tension(load_Nm: Any, preload_N: Any, drum_radius_m: Any, inputs: int = 2) -> Floats:
     """Eq. (17): simplified T_l = D/(e^x - 1), N, with x = M_l/(2 T_pre r_o); T_pre at no load."""
-    x = np.asarray(eq3_tension_difference(load_Nm, drum_radius_m) / preload_N, dtype=float)
+    x = np.asarray(eq3_tension_difference(load_Nm, drum_radius_m, inputs) / preload_N, dtype=float)
     moving = np.where(x == 0.0, 1.0, x)
     return np.asarray(preload_N * np.where(x == 0.0, 1.0, moving / np.expm1(np.minimum(moving, 700.0))))
 
 
-def eq18_high_tension(load_Nm: Any, preload_N: Any, drum_radius_m: Any) -> Floats:
+def eq18_high_tension(load_Nm: Any, preload_N: Any, drum_radius_m: Any, inputs: int = 2) -> Floats:
     """Eq. (18): simplified T_h = D e^x/(e^x - 1) = T_l + D, N."""
     return np.asarray(
-        eq17_low_tension(load_Nm, preload_N, drum_radius_m) + eq3_tension_difference(load_Nm, drum_radius_m)
+        eq17_low_tension(load_Nm, preload_N, drum_radius_m, inputs)
+        + eq3_tension_difference(load_Nm, drum_radius_m, inputs)
     )
 
 

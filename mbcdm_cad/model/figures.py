@@ -51,13 +51,24 @@ class LoadCase:
 
 
 @dataclass(frozen=True)
+class PassedLoad:
+    """Radial load (N) and moment (N m) about the middle of its steps on a body that the cables pass."""
+
+    body: str
+    radial_N: float
+    moment_Nm: float
+
+
+@dataclass(frozen=True)
 class BearingFigures:
-    """Radial loads (N) and guide moment (N m) at one load; the drum's is the pull across its axis."""
+    """Radial loads (N) at one load; those of passed bodies with their moments; the drum's is the pull across its axis.
+
+    In JSON a passed body's figures are ``NAME_radial_N`` and ``NAME_moment_Nm``.
+    """
 
     load_Nm: float
     input_radial_N: tuple[float, ...]
-    guide_radial_N: float
-    guide_moment_Nm: float
+    passed: tuple[PassedLoad, ...]
     drum_radial_N: float
 
 
@@ -72,13 +83,13 @@ class ModulusReading:
 
 @dataclass(frozen=True)
 class ShaftTurns:
-    """How far each shaft of one cable's chain turns when the drum turns by ``drum_deg``, with its sense."""
+    """How far each shaft of one cable's chain turns, in degrees with its sense: drum, passed bodies, input, motor.
+
+    In JSON each is ``NAME_deg``.
+    """
 
     cable_name: str
-    drum_deg: float
-    guide_deg: float
-    input_deg: float
-    motor_deg: float
+    turned_deg: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -99,7 +110,8 @@ class Analysis:
 
     ``peak_torque_Nm`` and ``peak_torque_with_efficiency_Nm`` are (for +, for -): the lowest limit each way with the
     gearhead lossless, as the paper counts, and with its efficiency. ``balanced_*`` repeat it with preloads T ~ 1/r.
-    ``intervals`` is empty where no value of the design file carries a sigma.
+    ``lengths`` are those of the whole design by their names in its file. ``intervals`` is empty where no value of the
+    design file carries a sigma.
     """
 
     name: str
@@ -108,7 +120,7 @@ class Analysis:
     modulus_area: str
     area_mm2: float
     axial_stiffness_kN: float
-    centre_distance_mm: float
+    lengths: dict[str, float]
     shaft_turns: tuple[ShaftTurns, ...]
     eq1_worst_residual: float
     pair_mismatch_mm: tuple[float, ...]
@@ -133,9 +145,24 @@ class Analysis:
 
     def to_dict(self) -> dict[str, Any]:
         """Nested dicts and lists for JSON; infinite figures (no such limit) become None."""
-        plain = _plain(asdict(self))
+        found: dict[str, Any] = {}
+        for name, value in asdict(self).items():
+            found |= value if name == "lengths" else {name: value}
+        for turns in found["shaft_turns"]:
+            turns |= {f"{shaft}_deg": angle for shaft, angle in turns.pop("turned_deg").items()}
+        found["bearings"] = [_with_passed_bodies(bearing) for bearing in found["bearings"]]
+        plain = _plain(found)
         assert isinstance(plain, dict)
         return plain
+
+
+def _with_passed_bodies(bearing: dict[str, Any]) -> dict[str, Any]:
+    """The figures of passed bodies under names of their own, before the drum's."""
+    drum = bearing.pop("drum_radial_N")
+    for passed in bearing.pop("passed"):
+        body = passed["body"]
+        bearing |= {f"{body}_radial_N": passed["radial_N"], f"{body}_moment_Nm": passed["moment_Nm"]}
+    return bearing | {"drum_radial_N": drum}
 
 
 def _plain(value: Any) -> Any:

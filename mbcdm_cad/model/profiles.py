@@ -11,7 +11,7 @@ is wound off.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from mbcdm_cad.model.wrap_profile import ANGLE, RATIO, commit, probe
 
 # Columns of the table of constants, one row a cable.
 FREE, UNIT, PRELOAD, DRUM, SIGMA = range(5)
-INPUT_WRAP, DRUM_WRAP, GUIDE_WRAP = range(3)
+INPUT_WRAP, DRUM_WRAP = range(2)
 # A wrap without end: far longer than any slip zone or travel, and still a number.
 ENDLESS_RAD = 1e6
 # A tension below this share of the preload counts as none, as in the static model.
@@ -40,30 +40,34 @@ def simulate_profiles(
 
     Finite ``input_wrap_rad`` and ``drum_wrap_rad`` are the live wraps with all angles zero; slip that reaches the
     anchor stops there, and a cable can go slack (tension 0) and come back. Errors besides those of the series:
-    ``ModelError`` where a pulley would wind off more than its wrap, and for winding together with slip on the guide.
+    ``ModelError`` where a pulley would wind off more than its wrap, and for winding with slip on passed bodies.
     """
     angle, load = checked_series(d, input_angle_rad, load_Nm)
-    on_guide = bool(np.any(d.guide_wrap_rad > 0.0))
-    if winding and on_guide:
+    slipped = [(radius, wrap) for radius, wrap in d.passed_wraps if np.any(wrap > 0.0)]
+    if winding and slipped:
         raise ModelError(
-            "winding history together with slip on the guide is not modelled: the cable on the guide runs on to the "
-            "drum; leave guide_wrap_rad at 0 or winding off"
+            "winding history together with slip on passed bodies is not modelled: the cable there runs on to the drum; "
+            "leave passed_wrap_rad at 0 or winding off"
         )
     offset = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)] + path_offset_m(d, path_m, load.size)
     wraps = [(d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad)]
-    if on_guide:
-        # Slipped on from both ends: two wraps of half the angle, which stand still.
-        wraps.append((2.0 * d.guide_radius_m, 0.5 * d.guide_wrap_rad))
+    # Slipped on from both ends: two wraps of half the angle, which stand still.
+    wraps += slipped
     radius, length = (np.stack([np.broadcast_to(w[i], (d.n_cables,)) for w in wraps], axis=1) for i in (0, 1))
     if not np.all(length >= 0.0):
         raise ModelError(f"a wrap of {np.min(length):g} rad: give wraps of 0 or more")
     columns = (d.free_span_m, d.axial_stiffness_N / d.preload_N, d.preload_N, d.drum_radius_m, d.sigma)
     table = np.ascontiguousarray(np.stack(np.broadcast_arrays(*columns), axis=1))
     drum, tension = np.empty(load.size), np.empty((d.n_cables, load.size))
-    outcome, k, j = _run(
-        table, np.ascontiguousarray(radius), np.minimum(length, ENDLESS_RAD), float(d.friction_coefficient), winding,
-        np.ascontiguousarray(angle[list(d.input_of)]), np.ascontiguousarray(offset), load, drum, tension,
-    )  # fmt: skip
+    wound = _Wraps(
+        table,
+        np.ascontiguousarray(radius),
+        np.minimum(length, ENDLESS_RAD),
+        float(d.friction_coefficient),
+        winding,
+    )
+    series = _Series(np.ascontiguousarray(angle[list(d.input_of)]), np.ascontiguousarray(offset), load)
+    outcome, k, j = _run(wound, series, drum, tension)
     if outcome == RUN_OFF:
         raise ModelError(
             f"sample {k}: cable {d.cable_names[j]} would wind off more than its wrap "
@@ -76,6 +80,24 @@ def simulate_profiles(
             "every cable that could hold it is slack"
         )
     return Response(drum, tension)
+
+
+class _Wraps(NamedTuple):
+    """Constants of the cables (n, 5), radius and length of their wraps (n, n_wraps), friction, whether they wind."""
+
+    table: Floats
+    radius: Floats
+    length: Floats
+    mu: float
+    winding: bool
+
+
+class _Series(NamedTuple):
+    """Input angle and stretch from it of each cable (n, samples), load (samples,)."""
+
+    angles: Floats
+    offsets: Floats
+    load: Floats
 
 
 @compiled
@@ -118,11 +140,10 @@ def _place(ends: Floats, table: Floats, winding: bool, angle: Floats, theta: flo
 
 
 @compiled
-def _run(
-    table: Floats, radius: Floats, length: Floats, mu: float, winding: bool, angles: Floats, offsets: Floats,
-    load: Floats, drum: Floats, tension: Floats,
-) -> tuple[int, int, int]:  # fmt: skip
+def _run(wound: _Wraps, series: _Series, drum: Floats, tension: Floats) -> tuple[int, int, int]:
     """Fill ``drum`` and ``tension``. Returns the outcome, the sample and the cable where it failed."""
+    table, radius, length, mu, winding = wound.table, wound.radius, wound.length, wound.mu, wound.winding
+    angles, offsets, load = series.angles, series.offsets, series.load
     n_cables, n_wraps = radius.shape
     stacks = np.zeros((n_cables, n_wraps, 4, ROOM))
     counts = np.full((n_cables, n_wraps), 2)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.model.bulk import Requirements
-from mbcdm_cad.model.si import GPA, MM, MM2
+from mbcdm_cad.model.si import GPA, MM, MM2, routed
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
@@ -50,12 +50,11 @@ def sigmas_si(drive: Drive) -> dict[str, Any]:
     Those that are 0 throughout are left out: an empty dict means that no value of the file carries a sigma.
     """
     s = drive.sigmas
-    given = {
-        "preload_N": np.array(s.preload_N),
-        "input_radius_m": np.array(s.input_radius_mm) * MM,
-        "guide_radius_m": np.array(s.guide_radius_mm) * MM,
-        "drum_radius_m": np.array(s.drum_radius_mm) * MM,
-        "centre_distance_m": s.centre_distance_mm * MM,
+    given: dict[str, Any] = {"preload_N": np.array(s.preload_N)}
+    geometry = routed(drive).geometry
+    for name in (*geometry.per_cable, *(v.name for v in geometry.varied)):
+        given[name] = np.array(getattr(s, name.removesuffix("_m") + "_mm")) * MM
+    given |= {
         "friction_coefficient": s.friction_coefficient,
         "modulus_Pa": s.modulus_GPa * GPA,
         "area_m2": s.area_mm2 * MM2,

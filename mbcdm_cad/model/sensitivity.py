@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from string import ascii_lowercase
 
 import numpy as np
 
@@ -15,26 +16,27 @@ from mbcdm_cad.model.uncertainty import figures_of
 
 # Ranges of Fig. 5 are not legible in the paper's text; these are chosen round the case study.
 PRELOAD_RANGE_N = (30.0, 120.0)
-PANELS = {
-    "a": ("load_Nm", "external torque", "N m", 1.0, (0.3, 0.6, 0.91, 1.5, 3.0)),
-    "b": ("friction_coefficient", "friction coefficient", "-", 1.0, (0.05, 0.1, 0.15, 0.3, 0.5)),
-    "c": ("modulus_Pa", "tensile modulus", "GPa", 1e-9, (30e9, 45e9, 54e9, 75e9, 100e9)),
-    "d": ("centre_distance_m", "centre distance", "mm", 1e3, (26e-3, 30e-3, 34.6e-3, 45e-3, 60e-3)),
-}
+PANELS = (
+    ("load_Nm", "external torque", "N m", 1.0, (0.3, 0.6, 0.91, 1.5, 3.0)),
+    ("friction_coefficient", "friction coefficient", "-", 1.0, (0.05, 0.1, 0.15, 0.3, 0.5)),
+    ("modulus_Pa", "tensile modulus", "GPa", 1e-9, (30e9, 45e9, 54e9, 75e9, 100e9)),
+)
 GLOBAL_RANGES = {
     "preload_N": (50.0, 90.0),
     "load_Nm": (0.5, 1.5),
     "friction_coefficient": (0.10, 0.20),
     "modulus_Pa": (45e9, 65e9),
-    "centre_distance_m": (33e-3, 40e-3),
-    "input_rating_Nm": (0.15, 0.25),
 }
+INPUT_RATING_RANGE_NM = (0.15, 0.25)
 ELASTICITY_STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One panel of Fig. 5: backlash (rad, (k, n)) over preload (N, (n,)) for k values of one parameter, in ``unit``."""
+    """One panel of Fig. 5, named by a letter from "a" on.
+
+    Backlash (rad, (k, n)) over preload (N, (n,)) for k values of one parameter, in ``unit``.
+    """
 
     letter: str
     parameter: str
@@ -56,10 +58,14 @@ class Panel:
 
 
 def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
-    """The four panels, by all cables at once on first loading; every other parameter as in ``d``."""
+    """The panels, by all cables at once on first loading; every other parameter as in ``d``.
+
+    The last are over the lengths of the whole design that the configuration names, the centre distance in the paper.
+    """
     preload = np.linspace(*PRELOAD_RANGE_N, points)
     panels = []
-    for letter, (name, label, unit, factor, values) in PANELS.items():
+    lengths = [(v.name, v.label, "mm", 1e3, v.values_m) for v in d.geometry.varied]
+    for letter, (name, label, unit, factor, values) in zip(ascii_lowercase, [*PANELS, *lengths], strict=False):
         lines = []
         for value in values:
             one = d if name == "load_Nm" else d.with_(**{name: value})
@@ -80,7 +86,7 @@ def elasticities(d: DriveSI, need: Requirements) -> dict[str, dict[str, float]]:
         "load_Nm",
         "friction_coefficient",
         "modulus_Pa",
-        "centre_distance_m",
+        *(v.name for v in d.geometry.varied),
         "radii",
         "input_rating_Nm",
     )
@@ -91,18 +97,22 @@ def elasticities(d: DriveSI, need: Requirements) -> dict[str, dict[str, float]]:
             factor = float(np.exp(sign * ELASTICITY_STEP))
             changed, asked = d, need
             if name == "radii":
-                changed = d.with_(
-                    **{k: getattr(d, k) * factor for k in ("input_radius_m", "guide_radius_m", "drum_radius_m")}
-                )
+                changed = d.with_(**{k: d.parameters[k] * factor for k in d.geometry.per_cable})
             elif hasattr(need, name):
                 asked = replace(need, **{name: np.asarray(getattr(need, name)) * factor})
             else:
-                changed = d.with_(**{name: getattr(d, name) * factor})
+                changed = d.with_(**{name: d.value(name) * factor})
             ends.append(figures_of(analyse_many(changed.spread(1), asked)))
         answers[name] = {
             f: float((np.log(ends[0][f]) - np.log(ends[1][f]))[0] / (2 * ELASTICITY_STEP)) for f in ends[0]
         }
     return {figure: {name: answers[name][figure] for name in names} for figure in answers[names[0]]}
+
+
+def global_ranges(d: DriveSI) -> dict[str, tuple[float, float]]:
+    """Ranges for the global indices, SI: the model's, then the lengths that the configuration names."""
+    lengths = {v.name: v.range_m for v in d.geometry.varied}
+    return GLOBAL_RANGES | lengths | {"input_rating_Nm": INPUT_RATING_RANGE_NM}
 
 
 @dataclass(frozen=True)
@@ -122,13 +132,13 @@ def global_indices(
     n: int = 4096,
     seed: int = 0,
 ) -> GlobalIndices:
-    """Sobol' indices of backlash and torque over uniform ``ranges`` (SI; default ``GLOBAL_RANGES``), by scipy.
+    """Sobol' indices of backlash and torque over uniform ``ranges`` (SI; by default :func:`global_ranges`), by scipy.
 
     Errors: ``ModelError`` for an empty or reversed range.
     """
     from scipy import stats
 
-    chosen = dict(ranges or GLOBAL_RANGES)
+    chosen = dict(ranges or global_ranges(d))
     for name, (low, high) in chosen.items():
         if not low < high:
             raise ModelError(f"range of {name}: {low:g} to {high:g} is empty; give low < high")

@@ -1,32 +1,34 @@
-"""The drive in SI units: the only place where mm, degrees, GPa and mN m of the design file are converted.
+"""The drive in SI units: the only place where N, GPa, mm^2 and degrees of the design file are converted.
 
 Arrays carry the cable on axis 0; further axes are a batch of designs. A single design has arrays of shape
 (n_cables,) and scalars; a batch of n designs has (n_cables, n) and (n,), so that every formula of this room works on
-both without a loop.
+both without a loop. How the cables run is the configuration's matter (:mod:`mbcdm_cad.routes`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, Geometry, RoutedDrive
+from mbcdm_cad.routes.route import DriveRoutes
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
 
-Floats = NDArray[np.float64]
+__all__ = ["GPA", "MM", "MM2", "DriveSI", "Floats", "to_si"]
 
-# The fields that a batch of designs may vary, by shape.
-PER_CABLE = (
-    "input_radius_m", "guide_radius_m", "drum_radius_m", "preload_N", "input_wrap_rad", "drum_wrap_rad",
-    "guide_wrap_rad",
-)  # fmt: skip
-PER_DESIGN = ("centre_distance_m", "friction_coefficient", "modulus_Pa", "area_m2")
+# The fields that a batch of designs may vary, by shape; the geometry's lengths besides.
+PER_CABLE = ("preload_N", "input_wrap_rad", "drum_wrap_rad")
+PER_DESIGN = ("friction_coefficient", "modulus_Pa", "area_m2")
 
 MM = 1e-3
 GPA = 1e9
@@ -37,37 +39,86 @@ MM2 = 1e-6
 class DriveSI:
     """What the analytic model needs of a drive, in m, N, Pa and rad.
 
-    Shapes: per-cable arrays (n_cables, *batch), the rest (*batch) or scalar. ``sigma`` and ``input_of`` are
-    (n_cables,): the sense in which a cable's tension turns the drum about +Y, and the index of its input.
-    Wraps are the live angles between the free span (or the transfer point) and the anchor; infinite by default,
-    i.e. longer than any slip zone. ``guide_wrap_rad`` is the wrap on which the guide lets a cable slip: 0 by default,
-    nothing lost or gained there (see :func:`mbcdm_cad.model.kinematics.with_guide_slip`).
+    Shapes: per-cable arrays (n_cables, *batch), the rest (*batch) or scalar. ``parameters`` are the lengths from which
+    ``geometry`` gives spans and passed wraps. Wraps are the live angles between the free span (or the transfer point)
+    and the anchor; infinite by default, i.e. longer than any slip zone. ``passed_wrap_rad`` holds for each passed body
+    the wrap on which it lets a cable slip: 0 by default, nothing lost or gained there
+    (:func:`mbcdm_cad.model.kinematics.with_passed_slip`).
     """
 
-    cable_names: tuple[str, ...]
-    input_names: tuple[str, ...]
-    input_of: tuple[int, ...]
-    input_side: tuple[int, ...]
-    sigma: Floats
-    input_radius_m: Floats
-    guide_radius_m: Floats
-    drum_radius_m: Floats
+    geometry: Geometry
+    parameters: Mapping[str, Floats]
     preload_N: Floats
-    centre_distance_m: Floats
     friction_coefficient: Floats
     modulus_Pa: Floats
     area_m2: Floats
     input_wrap_rad: Floats
     drum_wrap_rad: Floats
-    guide_wrap_rad: Floats
+    passed_wrap_rad: tuple[Floats, ...]
 
     def __post_init__(self) -> None:
         """Give fields that a batch does not vary, of shape (n_cables,), the axes to broadcast with those it does."""
-        most = max(getattr(self, name).ndim for name in PER_CABLE)
-        for name in PER_CABLE:
-            value = getattr(self, name)
-            if value.ndim == 1 < most:
-                object.__setattr__(self, name, value.reshape(-1, *(1,) * (most - 1)))
+        columns = self._columns
+        most = max(value.ndim for value in columns)
+        if any(value.ndim == 1 < most for value in columns):
+            wide = self._each_cable(lambda v: v.reshape(-1, *(1,) * (most - 1)) if v.ndim == 1 < most else v)
+            for name, value in wide.items():
+                object.__setattr__(self, name, value)
+
+    @property
+    def _columns(self) -> list[Floats]:
+        lengths = [self.parameters[name] for name in self.geometry.per_cable]
+        return [*lengths, *(getattr(self, name) for name in PER_CABLE), *self.passed_wrap_rad]
+
+    def _each_cable(self, change: Callable[[Floats], Floats]) -> dict[str, Any]:
+        """The fields that hold per-cable arrays, each array changed."""
+        own = self.geometry.per_cable
+        lengths = {name: change(value) if name in own else value for name, value in self.parameters.items()}
+        fields: dict[str, Any] = {name: change(getattr(self, name)) for name in PER_CABLE}
+        return fields | {"parameters": lengths, "passed_wrap_rad": tuple(change(w) for w in self.passed_wrap_rad)}
+
+    def mapped(self, per_cable: Callable[[Floats], Floats], per_design: Callable[[Floats], Floats]) -> DriveSI:
+        """A copy with every per-cable array changed by one function and every value of the design by the other."""
+        fields = self._each_cable(per_cable)
+        own = self.geometry.per_cable
+        lengths = {k: value if k in own else per_design(value) for k, value in fields["parameters"].items()}
+        rest = {name: per_design(getattr(self, name)) for name in PER_DESIGN}
+        return replace(self, **(fields | rest | {"parameters": lengths}))
+
+    @property
+    def cable_names(self) -> tuple[str, ...]:
+        """Names of the cables."""
+        return self.geometry.cable_names
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """Names of the inputs."""
+        return self.geometry.input_names
+
+    @property
+    def input_of(self) -> tuple[int, ...]:
+        """For each cable the index of its input."""
+        return self.geometry.input_of
+
+    @cached_property
+    def sigma(self) -> Floats:
+        """Sense in which each cable's tension turns the drum about its axis, shape (n_cables,)."""
+        return np.array(self.geometry.sense, dtype=float)
+
+    @property
+    def input_radius_m(self) -> Floats:
+        """Lever of each cable at its input."""
+        return self.parameters[INPUT_RADIUS]
+
+    @property
+    def drum_radius_m(self) -> Floats:
+        """Lever of each cable at the drum."""
+        return self.parameters[DRUM_RADIUS]
+
+    @property
+    def passed_radii_m(self) -> tuple[Floats, ...]:
+        """Radius of each cable on each body that it passes, from the drum on."""
+        return tuple(self.parameters[name] for name in self.geometry.passed_radii.values())
 
     @property
     def n_cables(self) -> int:
@@ -82,15 +133,16 @@ class DriveSI:
     @property
     def batch_shape(self) -> tuple[int, ...]:
         """Shape of the batch of designs; () for a single one."""
-        shapes = (
-            self.input_radius_m.shape[1:],
-            self.drum_radius_m.shape[1:],
-            self.preload_N.shape[1:],
-            np.shape(self.centre_distance_m),
-            np.shape(self.friction_coefficient),
-            np.shape(self.modulus_Pa),
-        )
-        return np.broadcast_shapes(*shapes)
+        own = self.geometry.per_cable
+        lengths = [v.shape[1:] if name in own else np.shape(v) for name, v in self.parameters.items()]
+        shapes = (self.preload_N.shape[1:], np.shape(self.friction_coefficient), np.shape(self.modulus_Pa))
+        return np.broadcast_shapes(*lengths, *shapes)
+
+    @cached_property
+    def routes(self) -> DriveRoutes:
+        """Bodies and cables of a single design. Errors: ``ModelError`` where the geometry leaves no free span."""
+        _ = self.free_span_m
+        return self.geometry.routes(self.parameters)
 
     @cached_property
     def axial_stiffness_N(self) -> Floats:
@@ -99,31 +151,36 @@ class DriveSI:
 
     @cached_property
     def free_span_m(self) -> Floats:
-        """L_free = sqrt(L^2 - (r_g + r_i)^2), the internal tangent of guide and input pulley, Eq. (11)."""
-        reach = self.guide_radius_m + self.input_radius_m
-        square = self.centre_distance_m**2 - reach**2
-        if not np.all(square > 0.0):
-            raise ModelError(
-                f"free span: centre distance {np.min(self.centre_distance_m):.6g} m does not exceed r_g + r_i = "
-                f"{np.max(reach):.6g} m, so the cable has no straight span; raise centre_distance_mm or cut the radii"
-            )
-        return np.asarray(np.sqrt(square))
+        """L_free, all spans of each cable, Eq. (11). Errors: ``ModelError`` where there is no geometry."""
+        span = self.geometry.free_span_m(self.parameters)
+        if np.isnan(span).any():
+            raise ModelError(self.geometry.fault(self.parameters))
+        return span
+
+    @cached_property
+    def passed_wraps(self) -> tuple[tuple[Floats, Floats], ...]:
+        """(radius, wrap) of each slip zone on passed bodies: slipped on from both ends, two zones of half the wrap."""
+        return tuple(
+            (2.0 * radius, 0.5 * wrap) for radius, wrap in zip(self.passed_radii_m, self.passed_wrap_rad, strict=True)
+        )
 
     @cached_property
     def endless_wraps(self) -> bool:
         """True where every wrap is longer than any slip zone, so that the closed forms hold."""
-        guide = np.isinf(self.guide_wrap_rad) | (self.guide_wrap_rad == 0.0)
-        return bool(np.isinf(self.input_wrap_rad).all() and np.isinf(self.drum_wrap_rad).all() and guide.all())
+        passed = all(bool((np.isinf(wrap) | (wrap == 0.0)).all()) for wrap in self.passed_wrap_rad)
+        return bool(np.isinf(self.input_wrap_rad).all() and np.isinf(self.drum_wrap_rad).all() and passed)
 
     @cached_property
     def slip_reach_m(self) -> Floats:
-        """(r_i + r_o)/mu in m, 2 r_g/mu more where cables slip on the guide. Errors: ``ModelError`` unless endless."""
+        """(r_i + r_o)/mu in m, 2 r/mu more for each body passed with slip. Errors: ``ModelError`` unless endless."""
         if not self.endless_wraps:
             raise ModelError("a wrap is finite: this form needs wraps longer than any slip zone; leave them infinite")
         if not np.all(self.friction_coefficient > 0.0):
             raise ModelError("friction_coefficient 0 with unlimited wraps: slip zones have no end; give the wraps")
-        on_guide = np.where(self.guide_wrap_rad > 0.0, 2.0, 0.0) * self.guide_radius_m
-        return np.asarray((self.input_radius_m + self.drum_radius_m + on_guide) / self.friction_coefficient)
+        reach = self.input_radius_m + self.drum_radius_m
+        for radius, wrap in zip(self.passed_radii_m, self.passed_wrap_rad, strict=True):
+            reach = reach + np.where(wrap > 0.0, 2.0, 0.0) * radius
+        return np.asarray(reach / self.friction_coefficient)
 
     @property
     def kappa(self) -> Floats:
@@ -135,65 +192,79 @@ class DriveSI:
         """i_c = r_o / r_i of each cable."""
         return np.asarray(self.drum_radius_m / self.input_radius_m)
 
+    @cached_property
+    def input_turns(self) -> Floats:
+        """Turns of each input for one of the drum, by its first cable; shape (n_inputs, *batch)."""
+        return np.asarray(self.total_ratio[[self.input_of.index(i) for i in range(self.n_inputs)]])
+
     def of_input(self, index: int) -> Floats:
         """1.0 for the cables that run from input ``index``, else 0.0; shape (n_cables,)."""
         return np.array([1.0 if i == index else 0.0 for i in self.input_of])
 
+    def value(self, name: str) -> Floats:
+        """A field or one of the geometry's lengths, by name."""
+        found: Floats = self.parameters[name] if name in self.parameters else getattr(self, name)
+        return found
+
     def with_(self, **changes: Any) -> DriveSI:
-        """A copy with some fields replaced."""
-        fields: dict[str, Any] = {k: v if isinstance(v, tuple) else np.asarray(v, float) for k, v in changes.items()}
-        return replace(self, **fields)
+        """A copy with some fields, or some of the geometry's lengths, replaced."""
+        lengths = dict(self.parameters)
+        fields: dict[str, Any] = {}
+        for name, value in changes.items():
+            if name in lengths:
+                lengths[name] = np.asarray(value, float)
+            elif name == "passed_wrap_rad":
+                fields[name] = tuple(np.asarray(wrap, float) for wrap in value)
+            else:
+                fields[name] = value if name == "geometry" else np.asarray(value, float)
+        return replace(self, **fields, parameters=lengths)
 
     def lifted(self, shape: tuple[int, ...]) -> DriveSI:
         """The same drive with singleton axes put between cable and batch, so that it broadcasts against ``shape``."""
         extra = len(shape) - len(self.batch_shape)
         if extra <= 0:
             return self
-        changes = {}
-        for name in PER_CABLE:
-            value = getattr(self, name)
-            changes[name] = value.reshape(value.shape[0], *(1,) * extra, *value.shape[1:])
-        return replace(self, **changes)
+        return replace(self, **self._each_cable(lambda v: v.reshape(v.shape[0], *(1,) * extra, *v.shape[1:])))
 
     def spread(self, n: int) -> DriveSI:
         """A batch of ``n`` designs with every array at full size, from one design or from a batch of ``n``."""
-        columns = {k: getattr(self, k).reshape(self.n_cables, -1) for k in PER_CABLE}
-        wide = {k: np.broadcast_to(value, (self.n_cables, n)) for k, value in columns.items()}
-        return self.with_(**wide, **{k: np.broadcast_to(getattr(self, k), (n,)) for k in PER_DESIGN})
+        return self.mapped(
+            lambda v: np.broadcast_to(v.reshape(self.n_cables, -1), (self.n_cables, n)),
+            lambda v: np.broadcast_to(v, (n,)),
+        )
 
     def column(self, per_cable: Floats, ndim: int) -> Floats:
         """``per_cable`` (n_cables, ...) with trailing axes up to ``ndim`` in all, to multiply arrays of that many."""
         return per_cable.reshape(per_cable.shape + (1,) * (ndim - per_cable.ndim))
 
 
-def to_si(drive: Drive) -> DriveSI:
-    """Convert a design to SI. Errors: ``ModelError`` if a cable names an input that the drive has not."""
+def routed(drive: Drive) -> RoutedDrive:
+    """How the cables of ``drive`` run. Errors: ``ModelError`` if a cable names an input that the drive has not."""
     for run in drive.cables:
         if run.input_name not in drive.input_names:
             raise ModelError(
                 f"cable {run.name}: runs from input {run.input_name!r}, the drive has {', '.join(drive.input_names)}; "
                 "correct cables[].input"
             )
+    try:
+        return configuration_of(drive).routes(drive)
+    except MbcdmError as error:
+        raise ModelError(str(error)) from None
 
-    def column(attribute: str, unit: float) -> Floats:
-        return np.array([getattr(run, attribute) * unit for run in drive.cables], dtype=float)
 
-    unlimited = np.full(len(drive.cables), np.inf)
+def to_si(drive: Drive) -> DriveSI:
+    """Convert a design to SI. Errors: ``ModelError`` if a cable names an input that the drive has not."""
+    found = routed(drive)
+    n = len(found.geometry.cable_names)
+    unlimited = np.full(n, np.inf)
     return DriveSI(
-        cable_names=tuple(run.name for run in drive.cables),
-        input_names=tuple(drive.input_names),
-        input_of=tuple(drive.input_names.index(run.input_name) for run in drive.cables),
-        input_side=tuple(drive.input_sides),
-        sigma=np.array([float(run.sigma) for run in drive.cables]),
-        input_radius_m=column("input_radius_mm", MM),
-        guide_radius_m=column("guide_radius_mm", MM),
-        drum_radius_m=column("drum_radius_mm", MM),
-        preload_N=column("preload_N", 1.0),
-        centre_distance_m=np.asarray(drive.centre_distance_mm * MM),
+        geometry=found.geometry,
+        parameters=found.parameters,
+        preload_N=np.array([run.preload_N for run in drive.cables], dtype=float),
         friction_coefficient=np.asarray(float(drive.friction_coefficient)),
         modulus_Pa=np.asarray(drive.cable.modulus_GPa * GPA),
         area_m2=np.asarray(drive.cable.area_mm2 * MM2),
         input_wrap_rad=unlimited,
         drum_wrap_rad=unlimited,
-        guide_wrap_rad=np.zeros(len(drive.cables)),
+        passed_wrap_rad=(np.zeros(n),) * len(found.geometry.passed_radii),
     )

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI, Floats
 from mbcdm_cad.model.wrap import slack_stretch_m, stretch_after_reversal, stretch_first_loading
 
 NEWTON_STEPS = 40
@@ -120,8 +120,9 @@ def tension_of_stretch(d: DriveSI, stretch_m: Floats, turned_at_N: Floats | None
 
 def _only(d: DriveSI, shape: tuple[int, ...], which: Any) -> DriveSI:
     """The cases ``which`` (a mask of ``shape``) as a flat batch."""
-    columns = {k: np.broadcast_to(getattr(d, k), (d.n_cables, *shape))[:, which] for k in PER_CABLE}
-    return d.with_(**columns, **{k: np.broadcast_to(getattr(d, k), shape)[which] for k in PER_DESIGN})
+    return d.mapped(
+        lambda v: np.broadcast_to(v, (d.n_cables, *shape))[:, which], lambda v: np.broadcast_to(v, shape)[which]
+    )
 
 
 def _bracketed(

@@ -1,9 +1,8 @@
 """Tolerance stack: eccentricity, radius and preload tolerances of each part -> transmission error at the drum.
 
-A displaced pulley lengthens the path of its cable by -e . (sum of the cable's pulls on it), whatever the wrap: for an
-input -e . u_j, for the guide e . (u_j - q_j x), for the drum e . q_j x, with u_j along the span from input to guide and
-q_j the drum side. Radii add sigma_j dr theta of their own pulley. Linear theory takes every wrap as sticking; the Monte
-Carlo runs the whole time-series model, friction and its memory included, over a sweep of the travel.
+A displaced body changes the path of its cable by e . (u_in - u_out), whatever the wrap
+(:mod:`mbcdm_cad.routes.displaced`). Radii add sigma_j dr theta of their own pulley. Linear theory takes every wrap as
+sticking; the Monte Carlo runs the whole time-series model, friction and memory included, over a sweep of the travel.
 """
 
 from __future__ import annotations
@@ -13,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.bearing_loads import span_directions
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.routes.displaced import path_slope
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class Tolerances:
     """Standard deviations. An eccentricity is that of each of its two components. The defaults are estimates."""
 
     drum_eccentricity_m: float = 5e-6
-    guide_eccentricity_m: float = 5e-6
+    passed_eccentricity_m: float = 5e-6
     input_eccentricity_m: float = 5e-6
     drum_radius_m: float = 5e-6
     input_radius_m: float = 5e-6
@@ -48,28 +47,22 @@ class ToleranceStack:
     peak_to_peak_rad: Floats
 
 
-def eccentric_path_m(d: DriveSI, part: str, offset_m: Any, drum_angle_rad: Any) -> Floats:
-    """Path error of each cable (n_cables, m) when ``part`` is off its axis by ``offset_m``, two components at angle 0.
+def eccentric_path_m(d: DriveSI, body: str, offset_m: Any, drum_angle_rad: Any) -> Floats:
+    """Path error of each cable (n_cables, m) when ``body`` is off its axis by ``offset_m``, two components at angle 0.
 
-    ``part`` is "drum" (components x, z), "guide" or the name of an input (x, y); it turns with the rigid chain. Errors:
-    ``ModelError`` for an unknown part.
+    The components are along the body's reference and a right angle further about its axis; it turns with the rigid
+    chain. Errors: ``ModelError`` for an unknown body.
     """
-    drum = np.asarray(drum_angle_rad, dtype=float)
+    known = {found.name: found for found in d.routes.bodies}
+    if body not in known:
+        raise ModelError(f"body {body!r} is unknown; use one of {', '.join(known)}")
+    turned = known[body].turns_per_drum * np.asarray(drum_angle_rad, dtype=float)
     first, second = np.asarray(offset_m, dtype=float)
-    along, towards = span_directions(d), -d.sigma[:, None]
-    if part == "drum":
-        return np.asarray(towards * (first * np.cos(drum) + second * np.sin(drum)))
-    if part == "guide":
-        turn = -d.drum_radius_m[0] / d.guide_radius_m[0] * drum
-        pulls = along[:, :2] - np.stack([-d.sigma, np.zeros(d.n_cables)], axis=1)
-    elif part in d.input_names:
-        index = d.input_names.index(part)
-        turn = d.total_ratio[d.input_of.index(index)] * drum
-        pulls = -along[:, :2] * d.of_input(index)[:, None]
-    else:
-        raise ModelError(f"part {part!r} is unknown; use drum, guide or one of {', '.join(d.input_names)}")
-    x, y = first * np.cos(turn) - second * np.sin(turn), first * np.sin(turn) + second * np.cos(turn)
-    return np.asarray(pulls[:, :1] * x + pulls[:, 1:] * y)
+    x, y = first * np.cos(turned) - second * np.sin(turned), first * np.sin(turned) + second * np.cos(turned)
+    along = np.array(known[body].reference)
+    across = np.cross(known[body].axis, along)
+    slopes = np.array([path_slope(route, body) for route in d.routes.cables])
+    return np.asarray((slopes @ along)[:, None] * x + (slopes @ across)[:, None] * y)
 
 
 def sources(d: DriveSI, tolerances: Tolerances, drum_angle_rad: Floats) -> tuple[tuple[str, ...], Floats, Floats]:
@@ -77,12 +70,16 @@ def sources(d: DriveSI, tolerances: Tolerances, drum_angle_rad: Floats) -> tuple
     names: list[str] = []
     paths, preloads = [], []
     nothing = np.zeros((d.n_cables, drum_angle_rad.size))
-    eccentric = {"drum": tolerances.drum_eccentricity_m, "guide": tolerances.guide_eccentricity_m}
-    eccentric |= dict.fromkeys(d.input_names, tolerances.input_eccentricity_m)
-    for part, size in eccentric.items():
+    size_of = {
+        "drum": tolerances.drum_eccentricity_m,
+        "passed": tolerances.passed_eccentricity_m,
+        "input": tolerances.input_eccentricity_m,
+    }
+    for body in d.routes.bodies:
+        size = size_of[body.kind]
         for axis, unit in (("1", (size, 0.0)), ("2", (0.0, size))):
-            names.append(f"{part} eccentricity {axis}")
-            paths.append(eccentric_path_m(d, part, unit, drum_angle_rad))
+            names.append(f"{body.name} eccentricity {axis}")
+            paths.append(eccentric_path_m(d, body.name, unit, drum_angle_rad))
             preloads.append(np.zeros(d.n_cables))
     for j, cable in enumerate(d.cable_names):
         own = np.arange(d.n_cables) == j
@@ -128,7 +125,7 @@ def _swept(d: DriveSI, pose: Floats, path: Floats, preload_error: Floats) -> Flo
     centre = pose.size // 2
     # From the centre up, down, and up again: no jump, and the last sweep is the one that counts.
     order = np.concatenate([np.arange(centre, pose.size), np.arange(pose.size - 2, -1, -1), np.arange(1, pose.size)])
-    ratio = np.array([d.total_ratio[d.input_of.index(i)] for i in range(d.n_inputs)])
+    ratio = d.input_turns
     held = d.with_(preload_N=np.maximum(d.preload_N + preload_error, 1.0))
     run = simulate(held, ratio[:, None] * pose[order], 0.0, path_m=path[:, order])
     error = run.drum_angle_rad[-pose.size :] - pose

@@ -12,11 +12,8 @@ from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI, Floats
 
-# What may carry a sigma, and which field of the drive or of the requirements it changes.
-BY_CABLE = ("preload_N", "input_radius_m", "guide_radius_m", "drum_radius_m")
-PARAMETERS = (
-    *BY_CABLE, "friction_coefficient", "modulus_Pa", "area_m2", "centre_distance_m", "load_Nm", "input_rating_Nm",
-)  # fmt: skip
+# What may carry a sigma besides the geometry's lengths, and which field of the drive or of the requirements it changes.
+PARAMETERS = ("friction_coefficient", "modulus_Pa", "area_m2", "load_Nm", "input_rating_Nm")
 STEP_SIGMA = 0.1
 
 
@@ -41,9 +38,19 @@ def figures_of(bulk: BulkFigures) -> dict[str, Floats]:
     }
 
 
+def by_cable(d: DriveSI) -> tuple[str, ...]:
+    """What may carry a sigma and is drawn for each cable on its own."""
+    return ("preload_N", *d.geometry.per_cable)
+
+
+def parameters(d: DriveSI) -> tuple[str, ...]:
+    """Names of all that may carry a sigma in this drive."""
+    return (*by_cable(d), *PARAMETERS, *(v.name for v in d.geometry.varied))
+
+
 def _all_figures(bulk: BulkFigures, cables: tuple[str, ...]) -> dict[str, Floats]:
-    by_cable = {f"backlash_{name}_rad": row for name, row in zip(cables, bulk.cable_backlash_rad, strict=True)}
-    return by_cable | figures_of(bulk)
+    each = {f"backlash_{name}_rad": row for name, row in zip(cables, bulk.cable_backlash_rad, strict=True)}
+    return each | figures_of(bulk)
 
 
 def intervals(
@@ -51,16 +58,17 @@ def intervals(
 ) -> dict[str, Interval]:
     """Intervals of backlash and torque for one design whose parameters are normal with standard deviations ``sigma``.
 
-    Keys of ``sigma`` are among ``PARAMETERS``, in their SI units; those ``BY_CABLE`` take one value or one each, and
-    are drawn for each cable on its own. Draws that make no drive (no free span, friction not above zero) are left out.
-    Errors: ``ModelError`` for an unknown name, a negative sigma, or if more than 1 % of the draws make no drive.
+    Keys of ``sigma`` are among :func:`parameters`, in their SI units; those :func:`by_cable` take one value or one
+    each, and are drawn for each cable on its own. Draws that make no drive (no free span, friction not above zero) are
+    left out. Errors: ``ModelError`` for an unknown name, a negative sigma, or if over 1 % of the draws make no drive.
     """
     sizes: dict[str, Floats] = {}
+    known, own = parameters(d), by_cable(d)
     for name, given in sigma.items():
-        if name not in PARAMETERS:
-            raise ModelError(f"sigma of {name!r}: no such parameter; use one of {', '.join(PARAMETERS)}")
+        if name not in known:
+            raise ModelError(f"sigma of {name!r}: no such parameter; use one of {', '.join(known)}")
         # One row a cable where each is drawn on its own, else one row.
-        sizes[name] = np.array(np.broadcast_to(given, (d.n_cables if name in BY_CABLE else 1,)), dtype=float)
+        sizes[name] = np.array(np.broadcast_to(given, (d.n_cables if name in own else 1,)), dtype=float)
         if not np.all(sizes[name] >= 0.0):
             raise ModelError(f"sigma of {name}: {np.min(sizes[name]):g} is below 0")
     rng = np.random.default_rng(seed)
@@ -92,11 +100,12 @@ def intervals(
 
 def _shifted(d: DriveSI, need: Requirements, shift: Mapping[str, Floats], n: int) -> tuple[DriveSI, Requirements]:
     fields, asked = {}, {}
+    own = by_cable(d)
     for name, change in shift.items():
-        if name in BY_CABLE:
-            fields[name] = getattr(d, name)[:, None] + change
+        if name in own:
+            fields[name] = d.value(name)[:, None] + change
         elif hasattr(need, name):
             asked[name] = np.asarray(getattr(need, name)) + change[0]
         else:
-            fields[name] = getattr(d, name) + change[0]
+            fields[name] = d.value(name) + change[0]
     return d.spread(n).with_(**fields), Requirements(**(vars(need) | asked))

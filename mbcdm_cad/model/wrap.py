@@ -3,8 +3,8 @@
 Classical creep theory: an end tension T admits T e^{-mu s} <= T(s) <= T e^{mu s} along a wrap; what lies outside is
 clipped to the bound, what lies inside stays. From a uniform preload that gives Eq. (4) to (12) of the paper with the
 signs put right: on the tight side T(s) = T e^{-mu s}, on the slack side T e^{+mu s}, until the preload is met.
-Nothing is lost at the guide, unless its
-wrap is given (it is then slipped on from both ends); bending stiffness is left out.
+Nothing is lost on a body that the cable passes, unless its wrap is given (it is then slipped on from both ends);
+bending stiffness is left out.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def stretch_first_loading(d: DriveSI, tension_N: Floats) -> tuple[Floats, Floats
     mu = np.asarray(d.friction_coefficient, dtype=float)
     partial = slip / _positive(mu)
     wraps = ((d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad))
-    for radius, wrap in (*wraps, (2.0 * d.guide_radius_m, 0.5 * d.guide_wrap_rad)):
+    for radius, wrap in (*wraps, *d.passed_wraps):
         limited = np.where(np.isinf(wrap), 0.0, wrap)
         full = np.abs(np.log(u)) >= np.where(np.isinf(wrap), np.inf, mu * limited)
         whole = _run_out_integral(u, mu, limited)
@@ -88,9 +88,9 @@ def slack_stretch_m(d: DriveSI) -> Floats:
     Minus infinity with unlimited wraps: friction then always keeps a tail of tension, and the cable never
     quite goes slack.
     """
-    wound = (
-        d.input_radius_m * d.input_wrap_rad + d.drum_radius_m * d.drum_wrap_rad + d.guide_radius_m * d.guide_wrap_rad
-    )
+    wound = d.input_radius_m * d.input_wrap_rad + d.drum_radius_m * d.drum_wrap_rad
+    for radius, wrap in d.passed_wraps:
+        wound = wound + radius * wrap
     length = d.free_span_m + wound
     return np.asarray(-d.preload_N / d.axial_stiffness_N * length)
 

@@ -29,7 +29,7 @@ def first_saturated_Nm(run: DynamicRun, limits_Nm: Sequence[float]) -> float:
 
 def left_angle_Nm(run: DynamicRun, drive: Drive) -> float:
     """Load torque at which the first input has left its angle by :data:`LEFT_RAD`, N m; NaN if none does."""
-    turns = np.array([input_turns(drive, i) for i in range(len(drive.input_names))])
+    turns = np.array(input_turns(drive))
     return _load_where(run, np.abs(run.input_rad - turns[:, None] * run.reference_rad), LEFT_RAD)
 
 
@@ -56,7 +56,7 @@ def given_way_Nm(run: DynamicRun) -> float:
 
 def transmission_error_rad(run: DynamicRun, drive: Drive) -> Floats:
     """Measured output less the mean of the measured inputs over the ratio, Eq. (2)."""
-    turns = np.array([input_turns(drive, i) for i in range(len(drive.input_names))])
+    turns = np.array(input_turns(drive))
     output: Floats = run.measured_drum_rad - (run.measured_input_rad / turns[:, None]).mean(axis=0)
     return output
 

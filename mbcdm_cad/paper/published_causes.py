@@ -171,7 +171,7 @@ def _ripple_order(drive: Drive, d: DriveSI, item: Published, measured: float) ->
     motor = _ratio(d) * drive.gearhead.ratio
     shafts = {
         "drum": 1.0,
-        "guide": float(np.mean(d.drum_radius_m / d.guide_radius_m)),
+        **{body.name: abs(body.turns_per_drum) for body in d.routes.passed},
         "input": _ratio(d),
         "motor": motor,
     }

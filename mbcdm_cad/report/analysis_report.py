@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.model import Analysis, analyse
+from mbcdm_cad.model.figures import ShaftTurns
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
 from mbcdm_cad.report.table import ReportTable
 
@@ -111,12 +112,11 @@ class AnalysisReport:
             ),
             *(line for text in _model_notes(a) for line in _filled(text, width)),
         ]
-        turns = tuple(
-            (t.cable_name, f"{t.guide_deg:+.2f}", f"{t.input_deg:+.2f}", f"{t.motor_deg:+.1f}") for t in a.shaft_turns
-        )
+        drum, *shafts = dict.fromkeys(shaft for t in a.shaft_turns for shaft in t.turned_deg)
+        turns = tuple((t.cable_name, *(_turned(t, shaft) for shaft in shafts)) for t in a.shaft_turns)
         yield [
-            f"Turns of the shafts when the drum turns by {a.shaft_turns[0].drum_deg:+g} deg, deg:",
-            *ReportTable(("cable", "guide", "input", "motor"), turns).text(width, "  "),
+            f"Turns of the shafts when the {drum} turns by {a.shaft_turns[0].turned_deg[drum]:+g} deg, deg:",
+            *ReportTable(("cable", *shafts), turns).text(width, "  "),
         ]
         cables = tuple(
             (
@@ -155,13 +155,13 @@ class AnalysisReport:
             (
                 f"{b.load_Nm:+.2f}",
                 _list(b.input_radial_N, 1),
-                f"{b.guide_radial_N:.1f}",
-                f"{b.guide_moment_Nm:.3f}",
+                *(text for p in b.passed for text in (f"{p.radial_N:.1f}", f"{p.moment_Nm:.3f}")),
                 f"{b.drum_radial_N:.1f}",
             )
             for b in a.bearings
         )
-        heads = ("load N m", "inputs N", "guide N", "guide N m", "drum N")
+        passed = (head for p in a.bearings[0].passed for head in (f"{p.body} N", f"{p.body} N m"))
+        heads = ("load N m", "inputs N", *passed, "drum N")
         yield ["Bearing loads:", *ReportTable(heads, bearings).text(width, "  ")]
         if a.intervals:
             rows = tuple((x.name, x.unit, x.value, x.low, x.high, x.sigma) for x in a.intervals)
@@ -170,6 +170,13 @@ class AnalysisReport:
                 *ReportTable(("figure", "unit", "value", "low", "high", "sigma"), rows).text(width, "  "),
             ]
         yield [line for note in a.notes for line in _filled(f"note: {note}", width)]
+
+
+def _turned(t: ShaftTurns, shaft: str) -> str:
+    """Angle of a shaft of one cable's chain; the motor's is large and needs fewer digits."""
+    if shaft not in t.turned_deg:
+        return ""
+    return f"{t.turned_deg[shaft]:+.1f}" if shaft == "motor" else f"{t.turned_deg[shaft]:+.2f}"
 
 
 def analyse_design(drive: Drive) -> AnalysisReport:

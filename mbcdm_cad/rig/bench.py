@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.cables import RigCable, cables_of
-from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.route import Body, DriveRoutes
 
 # Extra path of every cable in m, (n_cables, n), for pulley angles (n_inputs, n) and drum angles (n,) in rad.
 PathOf = Callable[[Floats, Floats], Floats]
@@ -24,7 +26,8 @@ class Bench:
 
     ``command_rad`` is what the gearheads are told, ``drum_rad`` the drum angle that answers to it without any error.
     ``input_at`` is the place of the input encoders, "pulley" or "motor"; ``strains`` is the stress-free strain of rope
-    over bed on each wrap (input, guide, drum).
+    over bed on each wrap, (n_cables, w, n), the wraps those of
+    :mod:`mbcdm_cad.rig.chain`.
     """
 
     drive: Drive
@@ -33,6 +36,7 @@ class Bench:
     command_rad: Floats
     rng: np.random.Generator
     cables: tuple[RigCable, ...]
+    routes: DriveRoutes
     input_at: str
     paths: list[PathOf] = field(default_factory=list)
     strains: Floats | None = None
@@ -65,36 +69,44 @@ class Bench:
 
     def input_index(self, stage: str) -> int:
         """Index of the input of a stage such as ``input_left``; KeyError if the drive has none of that name."""
-        name = stage.removeprefix("input_")
-        if name not in self.drive.input_names:
+        names = [body.name for body in self.routes.inputs]
+        if stage not in names:
             raise KeyError(stage)
-        return self.drive.input_names.index(name)
+        return names.index(stage)
 
     def turns(self, i: int) -> float:
         """Turns of input ``i`` for one of the drum."""
-        mine = [c.drum_radius_m / c.input_radius_m for c in cables_of(self.drive) if c.input_index == i]
-        return sum(mine) / len(mine)
+        return self.routes.inputs[i].turns_per_drum
 
-    def guide_rad(self, drum_rad: Floats) -> Floats:
-        """The guide's angle about +z: it turns against the drum, r_o/r_g times as far."""
-        ratios = [c.drum_radius_m / c.guide_radius_m for c in cables_of(self.drive)]
-        return -drum_rad * (sum(ratios) / len(ratios))
+    def body(self, stage: str) -> Body:
+        """The body called ``stage``; KeyError if no cable of the drive runs on one of that name."""
+        return self.routes.body(stage)
+
+    def body_rad(self, body: Body, inputs: Floats, drum: Floats) -> Floats:
+        """Angle of a body about its axis (n,) for pulley angles (n_inputs, n) and drum angles (n,)."""
+        return np.asarray(
+            inputs[self.routes.inputs.index(body)] if body.kind == "input" else drum * body.turns_per_drum
+        )
 
     def add_encoder_error(self, stage: str, error: ErrorOf) -> None:
         """Let the encoder of this stage misread; KeyError if the drive has none there."""
-        if stage != "drum":
+        if stage != self.routes.drum.name:
             self.input_index(stage)
         self.encoder_errors.append((stage, error))
 
     def add_strain(self, which: list[int], free: Floats, wraps: tuple[Floats, Floats, Floats]) -> None:
-        """Let rope of these cables grow by ``free`` (n,) in its span, and over its bed by ``wraps``."""
+        """Let rope of these cables grow by ``free`` (n,) in its span, and over its bed by ``wraps``.
+
+        ``wraps`` are the growth on the input, on bodies that are passed, and on the drum.
+        """
+        n_wraps = 2 + max(len(c.passed) for c in self.cables)
         if self.strains is None:
-            self.strains = np.zeros((len(self.cables), 3, self.time_s.size))
+            self.strains = np.zeros((len(self.cables), n_wraps, self.time_s.size))
         longer = np.zeros((len(self.cables), self.time_s.size))
         for j in which:
-            longer[j] = free * self.cables[j].path.free_span_m
-            for w in range(3):
-                self.strains[j, w] += wraps[w]
+            longer[j] = free * self.cables[j].free_span_m
+            for w in range(n_wraps):
+                self.strains[j, w] += wraps[0 if w == 0 else 2 if w == n_wraps - 1 else 1]
         self.paths.append(lambda inputs, drum: -longer)
 
     def tell(self, name: str, in_vocabulary: bool = True, seen: bool = True, **more: Any) -> None:
@@ -115,7 +127,7 @@ def bench_of(
     input_at: str = "pulley",
 ) -> Bench:
     """A faultless bench: gearheads stiff and without play, cables as designed."""
-    bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive), input_at)
+    bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive), to_si(drive).routes, input_at)
     n_inputs = len(drive.input_names)
     bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])
     bench.gear_stiffness_Nm_rad = [float("inf")] * n_inputs

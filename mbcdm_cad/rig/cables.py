@@ -5,39 +5,52 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.geometry import CablePath, cable_path
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.routes.route import CableRoute, Wrap
 
 
 @dataclass(frozen=True)
 class RigCable:
-    """One cable, SI. ``sigma`` is the sense in which its tension turns the drum, ``input_index`` the input it is on."""
+    """One cable, SI. ``sigma`` is the sense in which its tension turns the drum, ``input_index`` the input it is on.
+
+    ``route`` is its way in the design; the radii of input and drum are those built.
+    """
 
     name: str
     sigma: int
     input_index: int
     input_radius_m: float
-    guide_radius_m: float
     drum_radius_m: float
     stiffness_N: float  # E A
     preload_N: float
     friction: float
-    path: CablePath
+    route: CableRoute
+
+    @property
+    def free_span_m(self) -> float:
+        """L_free of the design."""
+        return self.route.free_length_m
+
+    @property
+    def passed(self) -> tuple[Wrap, ...]:
+        """The wraps between input and drum."""
+        return self.route.passed
 
 
 def cables_of(drive: Drive) -> tuple[RigCable, ...]:
-    """The cables as the design file has them. A drive without a guide (r_g = 0) has none to wrap."""
+    """The cables as the design file has them. Errors: ``ModelError`` where the geometry leaves no free span."""
+    routes = to_si(drive).routes
     return tuple(
         RigCable(
-            name=c.name,
-            sigma=c.sigma,
-            input_index=drive.input_names.index(c.input_name),
-            input_radius_m=c.input_radius_mm * 1e-3,
-            guide_radius_m=c.guide_radius_mm * 1e-3,
-            drum_radius_m=c.drum_radius_mm * 1e-3,
+            name=route.cable,
+            sigma=route.sense,
+            input_index=drive.input_names.index(route.input_name),
+            input_radius_m=route.input_radius_m,
+            drum_radius_m=route.drum_radius_m,
             stiffness_N=drive.cable.axial_stiffness_N,
-            preload_N=c.preload_N,
+            preload_N=run.preload_N,
             friction=drive.friction_coefficient,
-            path=cable_path(drive, c),
+            route=route,
         )
-        for c in drive.cables
+        for run, route in zip(drive.cables, routes.cables, strict=True)
     )

@@ -15,9 +15,9 @@ which is one monotone equation for T_e, solved by Newton steps; what a cable can
 Carrying along. When a pulley turns, the tangent point moves over pieces that stand still on the pulley: pieces pass
 under it and leave with the tension they had, new ones are laid on with T_e. ``transport=False`` keeps the tangent
 points where they are, as the analytic model does. The input wrap grows with sigma theta_i, the drum's with -sigma
-theta_o; the guide's window walks with the rope. ``guide_slip=False`` passes the tension over the guide without any
-wrap there; with it the guide's wrap has two ends, both at T_e (its bearing turns freely), and rope creeps on it from
-both.
+theta_o; the window on a body that is passed walks with the rope. ``passed_slip=False`` passes the tension over such a
+body without any wrap there; with it the wrap has two ends, both at T_e (its bearing turns freely), and rope creeps on
+it from both.
 
 Python:  ``chains(cables, ...)`` gives fresh ``Chains`` at preload with all angles zero.
 njit, j the cable, all arrays changed in place:
@@ -46,22 +46,26 @@ PIECE_RAD = 0.02
 INPUT_WRAP_RAD = 16.0
 DRUM_WRAP_RAD = 3.0
 # Columns of the constants, one row a cable.
-SIGMA, INPUT_RADIUS, DRUM_RADIUS, FREE, EA, PRELOAD, GUIDE_PER_DRUM, TRANSPORT = range(8)
-# Wraps of a cable.
-INPUT, GUIDE, DRUM = range(3)
+SIGMA, INPUT_RADIUS, DRUM_RADIUS, FREE, EA, PRELOAD, TRANSPORT = range(7)
+# The wraps of a cable are that on its input, those on the bodies that it passes, and last that on the drum.
+INPUT = 0
 # Columns of a wrap: surface angles where it begins and ends now and began and ended at first, radius, friction, whether
 # it begins at an anchor, sum of (T - T_pre) dphi, the factors e^(mu s) to the outer and the next piece of each end, and
-# after how many pieces in a row that hold no further ones are looked at.
+# after how many pieces in a row that hold no further ones are looked at, and the turns of a passed body for one of the
+# drum.
 (LOW, HIGH, LOW_0, HIGH_0, RADIUS, MU, ANCHORED, SUM, PIECE, PER_PIECE,
- HIGH_OUTER, HIGH_NEXT, LOW_OUTER, LOW_NEXT, ENOUGH) = range(15)  # fmt: skip
-_COLUMNS = 15
+ HIGH_OUTER, HIGH_NEXT, LOW_OUTER, LOW_NEXT, ENOUGH, PER_DRUM) = range(16)  # fmt: skip
+_COLUMNS = 16
 # The outer piece is a mixture of old and new rope and may hold in front of one that does not.
 _TWO = 2.0
 _NEWTON = 60
 
 
 class Chains(NamedTuple):
-    """State of all cables: constants (n, 8), wraps (n, 3, 15), pieces' tension (n, 3, m) in N, T_e (n,) in N."""
+    """State of all cables: constants (n, 7), wraps (n, w, 16), pieces' tension (n, w, m) in N, T_e (n,) in N.
+
+    A cable that passes fewer bodies than another has empty wraps in their place.
+    """
 
     constants: Floats
     wraps: Floats
@@ -74,7 +78,7 @@ def chains(
     *,
     piece_rad: float = PIECE_RAD,
     transport: bool = True,
-    guide_slip: bool = False,
+    passed_slip: bool = False,
     input_wrap_rad: float = INPUT_WRAP_RAD,
     drum_wrap_rad: float = DRUM_WRAP_RAD,
     reach_rad: float = 0.8,
@@ -92,22 +96,21 @@ def chains(
             f"inputs at {turns:.4g} turns a drum turn, {drum_wrap_rad:.4g} rad on the drum)"
         )
     longest = max(input_wrap_rad + reach_rad * turns, drum_wrap_rad + reach_rad, 2.0 * math.pi) + 1.0
-    state = Chains(
-        np.zeros((n, 8)), np.zeros((n, 3, _COLUMNS)), np.empty((n, 3, math.ceil(longest / piece_rad) + 4)), np.empty(n)
-    )
+    n_wraps, n_pieces = 2 + max(len(c.passed) for c in cables), math.ceil(longest / piece_rad) + 4
+    state = Chains(np.zeros((n, 7)), np.zeros((n, n_wraps, _COLUMNS)), np.empty((n, n_wraps, n_pieces)), np.empty(n))
     for j, c in enumerate(cables):
-        per_drum = c.drum_radius_m / c.guide_radius_m if c.guide_radius_m > 0.0 else 0.0
         state.constants[j] = (
-            c.sigma, c.input_radius_m, c.drum_radius_m, c.path.free_span_m, c.stiffness_N, c.preload_N, per_drum,
+            c.sigma, c.input_radius_m, c.drum_radius_m, c.free_span_m, c.stiffness_N, c.preload_N,
             1.0 if transport else 0.0,
         )  # fmt: skip
         state.pieces[j] = state.tension[j] = c.preload_N
-        guide = c.path.guide_wrap_rad if guide_slip else 0.0
-        spans = ((input_wrap_rad, c.input_radius_m), (guide, c.guide_radius_m), (drum_wrap_rad, c.drum_radius_m))
-        for w, (wrap_rad, radius_m) in enumerate(spans):
+        spans = [(INPUT, input_wrap_rad, c.input_radius_m), (n_wraps - 1, drum_wrap_rad, c.drum_radius_m)]
+        spans += [(w, p.angle_rad if passed_slip else 0.0, p.radius_m) for w, p in enumerate(c.passed, start=1)]
+        for w, wrap_rad, radius_m in spans:
             wrap = state.wraps[j, w]
             wrap[HIGH] = wrap[HIGH_0] = wrap_rad
-            wrap[RADIUS], wrap[MU], wrap[ANCHORED] = radius_m, c.friction, float(w != GUIDE)
+            wrap[RADIUS], wrap[MU], wrap[ANCHORED] = radius_m, c.friction, float(w in (INPUT, n_wraps - 1))
+            wrap[PER_DRUM] = c.drum_radius_m / radius_m
             wrap[PIECE], wrap[PER_PIECE] = piece_rad, math.exp(c.friction * piece_rad)
             wrap[ENOUGH] = _TWO
             _factors(wrap)
@@ -223,12 +226,12 @@ def carry(chains: Chains, j: int, input_rad: float, drum_rad: float) -> None:
     c = chains.constants[j]
     if c[TRANSPORT] == 0.0:
         return
-    walked = c[SIGMA] * c[GUIDE_PER_DRUM] * drum_rad
-    for w in range(3):
+    for w in range(chains.wraps.shape[1]):
         wrap, pieces = chains.wraps[j, w], chains.pieces[j, w]
         if wrap[HIGH_0] == 0.0:
             continue
-        if w == GUIDE:
+        if wrap[ANCHORED] == 0.0:
+            walked = c[SIGMA] * wrap[PER_DRUM] * drum_rad
             # In this order the window never closes, whichever way it walks.
             low, high = wrap[LOW_0] + walked, wrap[HIGH_0] + walked
             if high > wrap[HIGH]:
@@ -255,7 +258,7 @@ def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
     """Tension (N) that cable ``j`` would have at a total stretch, and dT/ddelta (N/m); its state stays as it is."""
     c = chains.constants[j]
     held = -c[EA] * stretch_m
-    for w in range(3):
+    for w in range(chains.wraps.shape[1]):
         held += chains.wraps[j, w, RADIUS] * chains.wraps[j, w, SUM]
     tension = chains.tension[j]
     slope = c[FREE]
@@ -263,7 +266,7 @@ def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
     low, high = 0.0, math.inf
     for _ in range(_NEWTON):
         miss, slope = held + (tension - c[PRELOAD]) * c[FREE], c[FREE]
-        for w in range(3):
+        for w in range(chains.wraps.shape[1]):
             wrap = chains.wraps[j, w]
             if wrap[HIGH_0] > 0.0:
                 change, rate = _slip(chains.pieces[j, w], wrap, tension, False)
@@ -288,7 +291,7 @@ def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
 def settle(chains: Chains, j: int, tension_N: float) -> None:
     """Take ``tension_N`` as the cable's and let its pieces slip as far as that makes them."""
     chains.tension[j] = tension_N
-    for w in range(3):
+    for w in range(chains.wraps.shape[1]):
         if chains.wraps[j, w, HIGH_0] > 0.0:
             _slip(chains.pieces[j, w], chains.wraps[j, w], tension_N, True)
 
@@ -304,12 +307,12 @@ def advance(chains: Chains, j: int, input_rad: float, drum_rad: float, path_m: f
 
 @compiled
 def strain(chains: Chains, j: int, strains: Floats) -> None:
-    """Add a stress-free strain of rope over bed to each wrap (input, guide, drum): stuck rope goes slacker by it.
+    """Add a stress-free strain of rope over bed to each wrap: stuck rope goes slacker by it.
 
-    ``strains`` (3,): growth of the rope less that of the pulley under it. The free span's belongs in the path.
+    ``strains`` (w,), by wrap: growth of the rope less that of the pulley under it. The free span's belongs in the path.
     """
     c = chains.constants[j]
-    for w in range(3):
+    for w in range(chains.wraps.shape[1]):
         wrap, pieces = chains.wraps[j, w], chains.pieces[j, w]
         if wrap[HIGH_0] == 0.0 or strains[w] == 0.0:
             continue

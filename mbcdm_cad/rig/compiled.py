@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled, drop_stale
 
 __all__ = ["Floats", "compiled"]
-
-Floats = NDArray[np.float64]
 
 drop_stale(Path(__file__).parent)

@@ -72,7 +72,7 @@ def added(drive: Drive, experiment: Experiment) -> Added:
     perfect = Sensors(input_at=experiment.sensors.input_at, input_resolution_rad=0.0, output_resolution_rad=0.0,
                       torque_noise_Nm=0.0, temperature_noise_K=0.0)  # fmt: skip
     faulty = experiment.model_copy(update={"sensors": perfect})
-    physics = experiment.physics.model_copy(update={"cable_transport": False, "guide_slip": False})
+    physics = experiment.physics.model_copy(update={"cable_transport": False, "passed_slip": False})
     declared = faulty.model_copy(update={"effects": (), "physics": physics})
     bench = set_up(drive, declared)
     turns = [bench.turns(i) for i in range(len(drive.input_names))]

@@ -1,1 +1,15 @@
-"""The way of each cable through the drive: its pieces and what follows from them."""
+"""The way of each cable through the drive: its pieces and what follows from them.
+
+A configuration describes its drive by :class:`~mbcdm_cad.routes.route.DriveRoutes`: the bodies that cables run on, one
+:class:`~mbcdm_cad.routes.route.CableRoute` a cable, and a :class:`~mbcdm_cad.routes.geometry.Geometry` that says what
+follows when a length of the design varies. Model, rig and identification work on these alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Floats"]
+
+Floats = NDArray[np.float64]

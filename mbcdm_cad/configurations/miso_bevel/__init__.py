@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures
     from mbcdm_cad.design.design_file import DesignFile
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
+    from mbcdm_cad.routes.geometry import RoutedDrive
 
 
 class MisoBevel:
@@ -32,6 +33,18 @@ class MisoBevel:
         from mbcdm_cad.configurations.miso_bevel.design_file import DESIGN_FILE
 
         return DESIGN_FILE
+
+    def routes(self, drive: Drive) -> RoutedDrive:
+        """Input pulley, free span, guide, transfer, drum."""
+        from mbcdm_cad.configurations.miso_bevel.routes import routed
+
+        return routed(drive)
+
+    def inertias_kg_m2(self, drive: Drive) -> dict[str, float]:
+        """Pulleys, guide and drum."""
+        from mbcdm_cad.configurations.miso_bevel.inertias import inertias_kg_m2
+
+        return inertias_kg_m2(drive)
 
     def layout(self, drive: Drive) -> Layout:
         """All derived dimensions."""

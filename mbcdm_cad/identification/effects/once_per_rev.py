@@ -24,12 +24,11 @@ TURN = "re-clock the encoder by 90 degrees on its shaft and run again: an encode
 
 def _pulley(stage: str, setup: Setup, values: Floats, _: Simulator) -> Setup:
     d = setup.drive
-    if stage == "drum":
-        shaft = setup.drum_rad
-    elif stage == "guide":
-        shaft = -setup.drum_rad * float(np.mean(d.drum_radius_m / d.guide_radius_m))
+    body = d.routes.body(stage)
+    if body.kind == "input":
+        shaft = setup.input_shaft_rad(d.routes.inputs.index(body))
     else:
-        shaft = setup.input_shaft_rad(d.input_names.index(stage.removeprefix("input_")))
+        shaft = setup.drum_rad * body.turns_per_drum
     return setup.with_path(path_change(d, stage, *wave(values, shaft)))
 
 
@@ -87,10 +86,10 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     # Amplitude at the drum of one metre off centre, per pulley: its spans' mean lever.
     middle = float(np.mean(d.drum_radius_m))
     if p.load_Nm is not None:
-        found.append(_eccentric("drum", middle))
-    found.append(_eccentric("guide", middle))
-    for index, name in enumerate(d.input_names):
+        found.append(_eccentric(d.routes.drum.name, middle))
+    found += [_eccentric(body.name, middle) for body in d.routes.passed]
+    for index, body in enumerate(d.routes.inputs):
         share = float(np.mean(d.of_input(index)))
-        found.append(_eccentric(f"input_{name}", middle / share))
-        found.append(_encoder(f"input_{name}", 1e-4, partial(_input_encoder, index), share / ratio))
+        found.append(_eccentric(body.name, middle / share))
+        found.append(_encoder(body.name, 1e-4, partial(_input_encoder, index), share / ratio))
     return found

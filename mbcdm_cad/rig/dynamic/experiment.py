@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AliasChoices, Field
 
 from mbcdm_cad.rig.block import Block
 from mbcdm_cad.rig.compiled import Floats
@@ -59,7 +59,7 @@ class Bearings(Block):
     """Coulomb friction of the bearings, each at its own shaft, N m. The torque sensor does not see it."""
 
     input_Nm: Friction = 0.0
-    guide_Nm: Friction = 0.0
+    passed_Nm: Annotated[Friction, Field(validation_alias=AliasChoices("passed_Nm", "guide_Nm"))] = 0.0
     drum_Nm: Friction = 0.0
 
 
@@ -84,7 +84,7 @@ class DynamicPhysics(Block):
     """Choices of the physics."""
 
     cable_transport: bool = True
-    guide_slip: bool = False
+    passed_slip: Annotated[bool, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = False
     piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
     step_us: Literal[20, 50, 100, 200, 500] = 100
 

@@ -1,7 +1,7 @@
 """Equations of motion of rotors, input pulleys and drum, and one step of them.
 
 Coordinates, all in the sense that drives the drum positive: for each input the rotor reflected to the gearhead's output
-and the pulley; last the drum, with the load's inertia and the guide, which the cables turn along.
+and the pulley; last the drum, with the load's inertia and the bodies that cables pass and turn along.
 
     rotor    J_r phi'' = tau + cogging - s du/dphi - b phi' - friction
     pulley   J_p p''   = s - sum_j sigma_j r_ij T_j - friction

@@ -8,12 +8,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.bench import PathOf
 from mbcdm_cad.rig.cables import RigCable, cables_of
 from mbcdm_cad.rig.chain import PIECE_RAD
 from mbcdm_cad.rig.dynamic.controller import ControllerSpec
 from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of
-from mbcdm_cad.rig.dynamic.inertias import guide_turns, inertias
+from mbcdm_cad.rig.dynamic.inertias import inertias
 from mbcdm_cad.rig.dynamic.load import LoadSpec
 from mbcdm_cad.rig.dynamic.motor import MotorSpec, motor_of
 
@@ -43,8 +44,8 @@ class DynamicRig:
     """A drive on the bench: a motor, gearhead, loop and encoder for each input, in the order of the drive's inputs.
 
     ``cables`` are those really built, ``paths`` what lengthens them with the angles, as an eccentric pulley does;
-    ``piece_rad``, ``transport`` and ``guide_slip`` as in :func:`mbcdm_cad.rig.chain.chains`. Drags are Coulomb friction
-    in bearings, each at its own shaft.
+    ``piece_rad``, ``transport`` and ``passed_slip`` as in :func:`mbcdm_cad.rig.chain.chains`. Drags are Coulomb
+    friction in bearings, each at its own shaft.
     """
 
     drive: Drive
@@ -57,11 +58,11 @@ class DynamicRig:
     load: LoadSpec = field(default_factory=LoadSpec)
     torque_noise_Nm: float = 0.005
     input_drag_Nm: float = 0.0
-    guide_drag_Nm: float = 0.0
+    passed_drag_Nm: float = 0.0
     step_s: float = STEP_S
     piece_rad: float = PIECE_RAD
     transport: bool = True
-    guide_slip: bool = False
+    passed_slip: bool = False
     paths: tuple[PathOf, ...] = ()
 
 
@@ -77,10 +78,11 @@ def rig_of(
     motor, gearhead = motor_of(drive), gearhead_of(drive, ideal_gearhead)
     moved = inertias(drive)
     n_inputs = len(drive.input_names)
-    share = (moved.drum_kg_m2 + load.inertia_kg_m2 + moved.guide_kg_m2 * guide_turns(drive) ** 2) / n_inputs
+    share = (moved.drum_and_passed_kg_m2 + load.inertia_kg_m2) / n_inputs
+    turns = input_turns(drive)
     loops = tuple(
         ControllerSpec(
-            moved.rotor_kg_m2 * gearhead.ratio**2 + moved.input_pulley_kg_m2[i] + share / input_turns(drive, i) ** 2,
+            moved.rotor_kg_m2 * gearhead.ratio**2 + moved.inputs_kg_m2[i] + share / turns[i] ** 2,
             motor.torque_limit_Nm * gearhead.ratio,
             bandwidth_Hz,
             rate_Hz,
@@ -93,7 +95,6 @@ def rig_of(
     )
 
 
-def input_turns(drive: Drive, i: int) -> float:
-    """Turns of input ``i`` for one of the drum: the mean over its cables."""
-    mine = [c.drum_radius_mm / c.input_radius_mm for c in drive.cables if c.input_name == drive.input_names[i]]
-    return sum(mine) / len(mine)
+def input_turns(drive: Drive) -> tuple[float, ...]:
+    """Turns of each input for one of the drum: the mean over its cables."""
+    return tuple(body.turns_per_drum for body in to_si(drive).routes.inputs)

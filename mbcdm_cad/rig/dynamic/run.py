@@ -66,7 +66,7 @@ def run_dynamic(
     log = np.zeros((rows, kernel.LOG_FIRST + 4 * n_inputs + len(rig.cables)))
     account = np.zeros(plant.ACCOUNTS)
     state = chains(
-        rig.cables, piece_rad=rig.piece_rad, transport=rig.transport, guide_slip=rig.guide_slip,
+        rig.cables, piece_rad=rig.piece_rad, transport=rig.transport, passed_slip=rig.passed_slip,
         reach_rad=float(np.abs(reference[:, 0]).max()) + 2.0 * give_up_rad,
     )  # fmt: skip
     change, done = kernel.run(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.rig.bench import Bench, bench_of
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.load import LoadSpec
@@ -83,8 +84,8 @@ def _bench(drive: Drive, experiment: DynamicExperiment, drum: Any) -> Bench:
     strays = np.zeros((len(drive.input_names), drum.size))
     try:
         bench = bench_of(drive, time, drum, strays, np.random.default_rng(experiment.seed), "pulley")
-    except (ValueError, ZeroDivisionError) as error:
-        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}; choose one with a guide") from None
+    except ModelError as error:
+        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}") from None
     for effect in experiment.effects:
         try:
             effect.apply(bench)
@@ -134,8 +135,8 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
         encoders=(encoder,) * len(motors),
         drum_encoder=EncoderSpec(sensors.output_resolution_rad, sensors.output_noise_rad, late),
         torque_noise_Nm=sensors.torque_noise_Nm, input_drag_Nm=experiment.bearings.input_Nm,
-        guide_drag_Nm=experiment.bearings.guide_Nm, step_s=physics.step_us * 1e-6, piece_rad=physics.piece_mrad * 1e-3,
-        transport=physics.cable_transport, guide_slip=physics.guide_slip,
+        passed_drag_Nm=experiment.bearings.passed_Nm, step_s=physics.step_us * 1e-6,
+        piece_rad=physics.piece_mrad * 1e-3, transport=physics.cable_transport, passed_slip=physics.passed_slip,
     )  # fmt: skip
 
 
@@ -144,8 +145,10 @@ def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]
     drives, load, bearings, sensors = experiment.drives, experiment.load, experiment.bearings, experiment.sensors
     if experiment.physics.cable_transport:
         bench.tell("winding_history")
-    if experiment.physics.guide_slip:
-        bench.tell("guide_slip", in_vocabulary=False)
+    passed = [body.name for body in bench.routes.passed]
+    if experiment.physics.passed_slip:
+        for name in passed:
+            bench.tell(f"{name}_slip", in_vocabulary=False)
     if drives.cogging_share > 0.0:
         bench.tell("ripple", cause="motor_cogging", parameters={"per_motor_turn": drives.cogging_per_turn})
     if drives.mesh_error_urad > 0.0:
@@ -154,8 +157,9 @@ def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]
         bench.tell("lash", seen=False, parameters={"lash_rad": drives.lash_mrad * 1e-3})
     if load.static_ratio > 1.0 and load.brake_Nm > 0.0:
         bench.tell("brake_stick_slip", in_vocabulary=False, parameters={"static_ratio": load.static_ratio})
-    if bearings.drum_Nm > 0.0 or bearings.guide_Nm > 0.0:
-        bench.tell("friction", parameters={"drum_Nm": bearings.drum_Nm, "guide_Nm": bearings.guide_Nm})
+    if bearings.drum_Nm > 0.0 or bearings.passed_Nm > 0.0:
+        drags = {f"{name}_Nm": bearings.passed_Nm for name in passed}
+        bench.tell("friction", parameters={"drum_Nm": bearings.drum_Nm, **drags})
     if sensors.output_delay_s > 0.0:
         bench.tell("delay", parameters={"delay_s": sensors.output_delay_s})
     return bench.truth

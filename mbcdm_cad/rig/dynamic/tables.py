@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.dynamic import plant
-from mbcdm_cad.rig.dynamic.inertias import guide_turns, inertias
+from mbcdm_cad.rig.dynamic.inertias import inertias
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, input_turns
 
 # Half the span of angle over which an extra path's slope is taken.
@@ -41,7 +41,7 @@ def loop_gains(rig: DynamicRig) -> Floats:
 
 def turns(rig: DynamicRig) -> Floats:
     """Turns of each input for one of the drum."""
-    return np.array([input_turns(rig.drive, i) for i in range(len(rig.motors))])
+    return np.array(input_turns(rig.drive))
 
 
 def encoder_table(rig: DynamicRig) -> Floats:
@@ -68,21 +68,22 @@ def input_table(rig: DynamicRig) -> Floats:
         table[i, plant.COGGING_ORDER] = motor.cogging_per_turn * N
         table[i, plant.COGGING_PHASE] = motor.cogging_phase_rad
         table[i, plant.PULLEY_DRAG] = rig.input_drag_Nm
-        table[i, plant.PULLEY] = moved.input_pulley_kg_m2[i]
+        table[i, plant.PULLEY] = moved.inputs_kg_m2[i]
     return table
 
 
 def cable_table(rig: DynamicRig) -> Floats:
     """Sense, radii in m and stiffness of the free span in N/m of each cable."""
-    rows = [[c.sigma, c.input_radius_m, c.drum_radius_m, c.stiffness_N / c.path.free_span_m] for c in rig.cables]
+    rows = [[c.sigma, c.input_radius_m, c.drum_radius_m, c.stiffness_N / c.free_span_m] for c in rig.cables]
     return np.array(rows)
 
 
 def drum_row(rig: DynamicRig) -> Floats:
-    """Inertia, drag and viscous friction at the drum, guide and load included."""
-    moved, ratio = inertias(rig.drive), guide_turns(rig.drive)
-    inertia = moved.drum_kg_m2 + moved.guide_kg_m2 * ratio**2 + rig.load.inertia_kg_m2
-    drag = rig.load.bearing_drag_Nm + rig.guide_drag_Nm * ratio
+    """Inertia, drag and viscous friction at the drum, passed bodies and load included."""
+    moved = inertias(rig.drive)
+    inertia = moved.drum_and_passed_kg_m2 + rig.load.inertia_kg_m2
+    turns = sum(abs(body.turns_per_drum) for body in moved.routes.passed)
+    drag = rig.load.bearing_drag_Nm + rig.passed_drag_Nm * turns
     return np.array([inertia, drag, rig.load.bearing_viscous_Nms])
 
 

@@ -11,6 +11,8 @@ from mbcdm_cad.rig.block import Block
 
 CableNames = Annotated[tuple[str, ...], Field(max_length=16, strict=False)]
 Share = Annotated[float, Field(ge=-0.9, le=3.0)]
+# Name of a body of the drive's routes, such as "drum" or "input_left".
+Stage = Annotated[str, Field(min_length=1, max_length=80)]
 Phase = Annotated[float, Field(ge=-360.0, le=360.0)]
 
 

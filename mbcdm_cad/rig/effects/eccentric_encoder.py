@@ -9,14 +9,14 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Phase
+from mbcdm_cad.rig.effects.base import Effect, Phase, Stage
 
 
 class EccentricEncoder(Effect):
     """Eccentric encoder on the drum's or an input's shaft."""
 
     effect: Literal["eccentric_encoder"]
-    stage: Literal["drum", "input_left", "input_right", "input_input"]
+    stage: Stage
     amplitude_urad: Annotated[float, Field(ge=0.0, le=1e5)]
     phase_deg: Phase = 0.0
 

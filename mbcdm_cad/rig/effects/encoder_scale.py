@@ -8,14 +8,14 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import Effect, Stage
 
 
 class EncoderScale(Effect):
     """Scale error of an encoder."""
 
     effect: Literal["encoder_scale"]
-    stage: Literal["drum", "input_left", "input_right", "input_input"]
+    stage: Stage
     share_ppm: Annotated[float, Field(ge=-1e5, le=1e5)]
 
     def apply(self, bench: Bench) -> None:
@@ -23,6 +23,6 @@ class EncoderScale(Effect):
         bench.add_encoder_error(self.stage, lambda angle: np.asarray(share * angle))
         # Output over what the inputs predict; an input counts for its part of the drive.
         inputs = len(bench.drive.input_names)
-        ratio = share if self.stage == "drum" else -share / inputs
+        ratio = share if self.stage == bench.routes.drum.name else -share / inputs
         bench.tell("ratio_error", stage=self.stage, cause="encoder_scale",
                    parameters={"share": ratio, "encoder_share": share})  # fmt: skip

@@ -13,14 +13,14 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Phase
+from mbcdm_cad.rig.effects.base import Effect, Phase, Stage
 
 
 class EncoderSubdivision(Effect):
     """Sub-division error of an encoder."""
 
     effect: Literal["encoder_subdivision"]
-    stage: Literal["drum", "input_left", "input_right", "input_input"]
+    stage: Stage
     amplitude_urad: Annotated[float, Field(ge=0.0, le=1e5)]
     cycles_per_rev: Annotated[float, Field(gt=0.0, le=1e6)]
     phase_deg: Phase = 0.0
@@ -29,7 +29,7 @@ class EncoderSubdivision(Effect):
         amplitude, phase, cycles = self.amplitude_urad * 1e-6, radians(self.phase_deg), self.cycles_per_rev
         bench.add_encoder_error(self.stage, lambda angle: np.asarray(amplitude * np.sin(cycles * angle + phase)))
         turns, part = 1.0, 1.0
-        if self.stage != "drum":
+        if self.stage != bench.routes.drum.name:
             turns, part = bench.turns(bench.input_index(self.stage)), 1.0 / len(bench.drive.input_names)
         # Seen at the output an input's error shrinks by its ratio and its part of the drive, about equal for all.
         bench.tell("ripple", stage=self.stage, cause="encoder_subdivision",

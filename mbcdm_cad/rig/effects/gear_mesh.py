@@ -13,14 +13,14 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Phase
+from mbcdm_cad.rig.effects.base import Effect, Phase, Stage
 
 
 class GearMesh(Effect):
     """Mesh ripple of a gearhead."""
 
     effect: Literal["gear_mesh"]
-    stage: Literal["input_left", "input_right", "input_input"]
+    stage: Stage
     amplitude_urad: Annotated[float, Field(ge=0.0, le=1e5)]
     cycles_per_input_rev: Annotated[float, Field(gt=0.0, le=1e6)]
     phase_deg: Phase = 0.0

@@ -12,14 +12,14 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import Effect, Stage
 
 
 class GearheadLash(Effect):
     """Lash of the gearhead or coupling of an input."""
 
     effect: Literal["gearhead_lash"]
-    stage: Literal["input_left", "input_right", "input_input"]
+    stage: Stage
     play_urad: Annotated[float, Field(ge=0.0, le=1e5)]
     # A stiff shaft by default, so that lash alone shows.
     stiffness_Nm_rad: Annotated[float, Field(ge=1.0, le=1e6)] = 5000.0

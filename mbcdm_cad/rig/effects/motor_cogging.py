@@ -13,14 +13,14 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import Effect, Stage
 
 
 class MotorCogging(Effect):
     """Cogging of a motor under its position loop."""
 
     effect: Literal["motor_cogging"]
-    stage: Literal["input_left", "input_right", "input_input"]
+    stage: Stage
     torque_mNm: Annotated[float, Field(ge=0.0, le=100.0)]
     cycles_per_motor_turn: Annotated[float, Field(gt=0.0, le=200.0)] = 6.0
     loop_stiffness_mNm_rad: Annotated[float, Field(gt=0.0, le=1e5)] = 2.0

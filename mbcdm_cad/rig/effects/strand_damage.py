@@ -3,7 +3,7 @@
 Where the thick place lies on a pulley of radius r, the centre line runs that much further out: the path grows by the
 integral of the height over the angle it covers there, i.e. by height x covered length / r. In the free span it does
 nothing. ``position_mm`` is its middle along the rope with the drum at zero, from the tangent point on the input on
-(so the guide's wrap begins at L_free, the drum's at L_free + r_g gamma); it travels with the rope.
+(so the first wrap that it passes begins after the first span); it travels with the rope.
 """
 
 from __future__ import annotations
@@ -32,8 +32,13 @@ class StrandDamage(Effect):
         (j,) = bench.which((self.cable,))
         c = bench.cables[j]
         half = 0.5e-3 * self.length_mm
-        guide_begin = c.path.free_span_m
-        guide_end = guide_begin + c.path.guide_wrap_rad * c.guide_radius_m
+        begin, passed = 0.0, []
+        for span, wrap in zip(c.route.spans, c.passed, strict=False):
+            begin += span.length_m
+            end = begin + wrap.angle_rad * wrap.radius_m
+            passed.append((begin, end, wrap.radius_m))
+            begin = end
+        drum_begin = begin + c.route.spans[-1].length_m
 
         def before(end_m: float, middle: Floats) -> Floats:
             """Integral of the height over the part of the rope on this side of ``end_m``."""
@@ -42,9 +47,11 @@ class StrandDamage(Effect):
         def extra(drum: Floats) -> Floats:
             middle = self.position_mm * 1e-3 - c.sigma * c.drum_radius_m * drum
             on_input = before(0.0, middle)
-            on_guide = before(guide_end, middle) - before(guide_begin, middle)
-            on_drum = half - before(guide_end, middle)
-            covered = on_input / c.input_radius_m + on_guide / c.guide_radius_m + on_drum / c.drum_radius_m
+            covered = on_input / c.input_radius_m
+            for begin, end, radius_m in passed:
+                covered = covered + (before(end, middle) - before(begin, middle)) / radius_m
+            on_drum = half - before(drum_begin, middle)
+            covered = covered + on_drum / c.drum_radius_m
             return np.asarray(self.height_um * 1e-6 * covered)
 
         def path(inputs: Floats, drum: Floats) -> Floats:

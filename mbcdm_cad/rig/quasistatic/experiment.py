@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AliasChoices, Field
 
 from mbcdm_cad.rig.block import Block
 from mbcdm_cad.rig.effects.registry import AnyEffect
@@ -20,8 +20,8 @@ class Physics(Block):
 
     # Rope wound on keeps its tension and brings it back; off is the analytic model's assumption.
     cable_transport: bool = True
-    # Rope creeps on the guide too.
-    guide_slip: bool = False
+    # Rope creeps on the bodies that it passes too.
+    passed_slip: Annotated[bool, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = False
     piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
     substeps: Annotated[int, Field(ge=1, le=100)] = 1
     input_wrap_rad: Annotated[float, Field(gt=0.0, le=200.0)] = 16.0

@@ -9,6 +9,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import Bench, bench_of
 from mbcdm_cad.rig.compiled import Floats
@@ -61,13 +62,13 @@ def set_up(drive: Drive, experiment: Experiment) -> Bench:
     strays = experiment.motion.strays_rad(time, len(drive.input_names), rng)
     try:
         bench = bench_of(drive, time, drum, strays, rng, experiment.sensors.input_at)
-    except (ValueError, ZeroDivisionError) as error:
-        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}; choose one with a guide") from None
+    except ModelError as error:
+        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}") from None
     for effect in experiment.effects:
         try:
             effect.apply(bench)
         except KeyError as error:
-            names = ", ".join([c.name for c in bench.cables] + [f"input_{name}" for name in drive.input_names])
+            names = ", ".join([c.name for c in bench.cables] + [body.name for body in bench.routes.bodies])
             raise RigError(
                 f"{experiment.name}: effects: {effect.effect}: the drive has no {error.args[0]}; known: {names}"
             ) from None
@@ -81,7 +82,7 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     try:
         chains = chain.chains(
             bench.cables, piece_rad=physics.piece_mrad * 1e-3, transport=physics.cable_transport,
-            guide_slip=physics.guide_slip, input_wrap_rad=physics.input_wrap_rad, drum_wrap_rad=physics.drum_wrap_rad,
+            passed_slip=physics.passed_slip, input_wrap_rad=physics.input_wrap_rad, drum_wrap_rad=physics.drum_wrap_rad,
             reach_rad=reach,
         )  # fmt: skip
     except ValueError as error:
@@ -117,20 +118,21 @@ def _read(
 ) -> SimulatedRun:
     sensors, rng, time = experiment.sensors, bench.rng, bench.time_s
     shafts = pulleys if sensors.input_at == "pulley" else bench.command_rad
-    seen = {f"input_{name}": shafts[i].copy() for i, name in enumerate(bench.drive.input_names)}
-    seen["drum"] = drum - bench.output_twist_rad_Nm * load
+    output_stage = bench.routes.drum.name
+    seen = {body.name: shafts[i].copy() for i, body in enumerate(bench.routes.inputs)}
+    seen[output_stage] = drum - bench.output_twist_rad_Nm * load
     for stage, of in bench.encoder_errors:
-        seen[stage] += of(drum if stage == "drum" else shafts[bench.input_index(stage)])
+        seen[stage] += of(drum if stage == output_stage else shafts[bench.input_index(stage)])
     inputs = [
         counted(
-            late(time, seen[f"input_{name}"], bench.input_delay_s)[every],
+            late(time, seen[body.name], bench.input_delay_s)[every],
             sensors.input_resolution_rad,
             sensors.input_noise_rad,
             rng,
         )
-        for name in bench.drive.input_names
+        for body in bench.routes.inputs
     ]
-    output = late(time, seen["drum"], bench.output_delay_s)[every]
+    output = late(time, seen[output_stage], bench.output_delay_s)[every]
     torque = late(time, load, sensors.torque_delay_s)[every]
     temperature = bench.temperature_C
     return SimulatedRun(
@@ -156,6 +158,7 @@ def _truth(bench: Bench, experiment: Experiment) -> list[dict[str, Any]]:
     truth = list(bench.truth)
     if experiment.physics.cable_transport and experiment.load.kind != "none":
         truth.append({"name": "winding_history", "in_vocabulary": True, "parameters": {}})
-    if experiment.physics.guide_slip:
-        truth.append({"name": "guide_slip", "in_vocabulary": False, "parameters": {}})
+    if experiment.physics.passed_slip:
+        slipped = [f"{body.name}_slip" for body in bench.routes.passed]
+        truth += [{"name": name, "in_vocabulary": False, "parameters": {}} for name in slipped]
     return truth

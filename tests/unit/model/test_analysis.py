@@ -67,11 +67,13 @@ def test_one_e_in_all_places(drive: Drive) -> None:
 
 def test_shafts_turn_as_the_ratios_say(drive: Drive) -> None:
     for turns in analyse(drive).shaft_turns:
-        angles = (turns.drum_deg, turns.guide_deg, turns.input_deg, turns.motor_deg)
+        angles = tuple(turns.turned_deg[name] for name in ("drum", "guide", "input", "motor"))
         assert angles == pytest.approx((35.0, -210.0, 315.0, 315.0 * 76.0)), turns
     odd = replace(drive.cables[1], guide_radius_mm=9.61)
     missed = analyse(replace(drive, cables=(drive.cables[0], odd, *drive.cables[2:]))).shaft_turns
-    assert missed[1].guide_deg == pytest.approx(-35.0 * 57.6 / 9.61) and missed[0].guide_deg == pytest.approx(-210.0)
+    assert missed[1].turned_deg["guide"] == pytest.approx(-35.0 * 57.6 / 9.61) and missed[0].turned_deg[
+        "guide"
+    ] == pytest.approx(-210.0)
 
 
 def test_bearings_know_all_loads(drive: Drive) -> None:

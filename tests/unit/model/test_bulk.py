@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from paper_case import paper_drive
+from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
 from mbcdm_cad.model.bulk import Requirements, analyse_many, stack_designs
@@ -39,7 +39,7 @@ def designs(n: int, seed: int = 0, unequal: float = 0.03) -> DriveSI:
 def single(batch: DriveSI, k: int) -> DriveSI:
     columns = ("input_radius_m", "guide_radius_m", "drum_radius_m", "preload_N")
     scalars = ("centre_distance_m", "friction_coefficient", "modulus_Pa")
-    return paper_drive(**{c: getattr(batch, c)[:, k] for c in columns}, **{c: getattr(batch, c)[k] for c in scalars})
+    return paper_drive(**{c: batch.value(c)[:, k] for c in columns}, **{c: batch.value(c)[k] for c in scalars})
 
 
 def test_equal_to_one_by_one() -> None:
@@ -67,7 +67,7 @@ def test_equal_to_one_by_one() -> None:
 
 def test_designs_without_a_free_span_are_marked_not_fatal() -> None:
     batch = designs(50)
-    short = batch.centre_distance_m.copy()
+    short = batch.value("centre_distance_m").copy()
     short[::2] = 10e-3
     bulk = analyse_many(batch.with_(centre_distance_m=short), NEED)
     assert not bulk.valid[::2].any()
@@ -81,7 +81,7 @@ def test_designs_without_a_free_span_are_marked_not_fatal() -> None:
 def test_reference_design_in_a_batch_of_one() -> None:
     bulk = analyse_many(stack_designs([paper_drive()]), NEED)
     assert bulk.peak_torque_Nm[:, 0] == pytest.approx([3.747, 3.194], abs=1e-3)
-    assert np.degrees(bulk.guide_wrap_rad[:, 0]) == pytest.approx([25.7, 207.5, 29.4, 211.3], abs=0.06)
+    assert np.degrees(bulk.passed_wrap_rad[:, 0]) == pytest.approx([25.7, 207.5, 29.4, 211.3], abs=0.06)
     assert np.degrees(bulk.input_wrap_needed_rad[:, 0]) == pytest.approx([630.0] * 4)
     assert np.degrees(bulk.fleet_angle_rad[:, 0]) == pytest.approx([1.399, 1.421, 1.447, 1.476], abs=1e-3)
     assert bulk.bend_ratio[0] == pytest.approx(14.8, abs=0.02)
@@ -90,7 +90,7 @@ def test_reference_design_in_a_batch_of_one() -> None:
 def test_designs_of_different_kinds_are_not_stacked() -> None:
     d = paper_drive()
     with pytest.raises(ModelError, match="stack them by kind"):
-        stack_designs([d, d.with_(sigma=-d.sigma)])
+        stack_designs([d, turned_round(d)])
     with pytest.raises(ModelError, match="at least one"):
         stack_designs([])
     with pytest.raises(ModelError, match="one axis of designs"):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
-from mbcdm_cad.model.bearing_loads import bearing_loads, span_directions, two_bearing_reactions_N
+from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.capability import (
     balanced_preload_N,
     torque_at_input_limit_Nm,
@@ -120,12 +120,12 @@ def test_torsional_modes() -> None:
 def test_span_directions_are_tangent_to_both_pulleys() -> None:
     """Distance of the line from guide axis and input axis equals the radii, on opposite sides (figure eight)."""
     d = paper_drive()
-    for j, u in enumerate(span_directions(d)):
-        side, towards = d.input_side[d.input_of[j]], -d.sigma[j]
+    for j, route in enumerate(d.routes.cables):
+        u, towards = np.array(route.spans[0].direction), -d.sigma[j]
         normal = np.array([u[1], -u[0]])  # the centre lies to the right of a clockwise cable
-        landing = -towards * d.guide_radius_m[j] * normal
+        landing = -towards * route.passed[0].radius_m * normal
         foot = landing - u[:2] * d.free_span_m[j]
-        centre = np.array([side * d.centre_distance_m, 0.0])
+        centre = np.array(d.routes.inputs[d.input_of[j]].point_m[:2])
         assert np.linalg.norm(foot - centre) == pytest.approx(d.input_radius_m[j], rel=1e-12), f"cable {j + 1}"
         assert (foot - centre) @ u[:2] == pytest.approx(0.0, abs=1e-15)
 
@@ -134,7 +134,7 @@ def test_bearing_reactions_balance() -> None:
     d = paper_drive()
     loads = bearing_loads(d, solve_equilibrium(d, 2.0).tension_N)
     for i in range(2):
-        force, moment, at = loads.input_force_N[i], loads.input_moment_Nm[i], loads.input_line_z_m[i]
+        force, moment, at = loads.inputs[i].force_N, loads.inputs[i].moment_Nm, loads.inputs[i].height_m
         lower, upper = two_bearing_reactions_N(force, moment, at, 45e-3, 70e-3)
         up = np.array([0.0, 0.0, 1.0])
         total = force + lower + upper
@@ -145,7 +145,7 @@ def test_bearing_reactions_balance() -> None:
 def test_drum_feels_no_net_pull_at_equal_preload() -> None:
     d = paper_drive()
     loads = bearing_loads(d, d.preload_N)
-    assert np.abs(loads.drum_force_N).max() < 1e-12 and np.abs(loads.drum_moment_Nm).max() < 1e-12
+    assert np.abs(loads.drum.force_N).max() < 1e-12 and np.abs(loads.drum.moment_Nm).max() < 1e-12
 
 
 def test_a_longer_path_turns_the_drum_and_balances() -> None:

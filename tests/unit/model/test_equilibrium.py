@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper_case import paper_drive
+from paper_case import paper_drive, some_cables, turned_round
 
 from mbcdm_cad.model import solver
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium
@@ -42,7 +41,7 @@ def test_balance_and_one_drum_angle(load: float, preload: np.ndarray, friction: 
 def test_reversed_load_on_the_mirrored_drive(load: float) -> None:
     """Swapping left and right and the sense of every cable turns the load round."""
     d = paper_drive()
-    mirrored = replace(d, sigma=-d.sigma)
+    mirrored = turned_round(d)
     one, other = solve_equilibrium(d, load), solve_equilibrium(mirrored, -load)
     assert float(one.drum_angle_rad) == pytest.approx(-float(other.drum_angle_rad), rel=1e-12, abs=1e-18)
     assert one.tension_N == pytest.approx(other.tension_N, rel=1e-12)
@@ -52,10 +51,7 @@ def test_reversed_load_on_the_mirrored_drive(load: float) -> None:
 def test_order_of_cables_does_not_matter(load: float) -> None:
     d = paper_drive()
     order = [2, 3, 0, 1]
-    swapped = d.with_(
-        sigma=d.sigma[order], input_radius_m=d.input_radius_m[order], guide_radius_m=d.guide_radius_m[order],
-        drum_radius_m=d.drum_radius_m[order],
-    )  # fmt: skip
+    swapped = some_cables(d, order)
     one, other = solve_equilibrium(d, load), solve_equilibrium(swapped, load)
     assert float(one.drum_angle_rad) == pytest.approx(float(other.drum_angle_rad), rel=1e-11, abs=1e-18)
     assert one.input_torque_Nm(d) == pytest.approx(other.input_torque_Nm(swapped)[::-1], rel=1e-9, abs=1e-12)
@@ -80,12 +76,7 @@ def test_small_load_meets_the_sticking_stiffness() -> None:
 
 def test_one_input_alone_is_softer_and_carries_all() -> None:
     d = paper_drive()
-    left = d.with_(
-        cable_names=d.cable_names[:2], input_names=("left",), input_of=(0, 0), input_side=(-1,), sigma=d.sigma[:2],
-        input_radius_m=d.input_radius_m[:2], guide_radius_m=d.guide_radius_m[:2], drum_radius_m=d.drum_radius_m[:2],
-        preload_N=d.preload_N[:2], input_wrap_rad=d.input_wrap_rad[:2], drum_wrap_rad=d.drum_wrap_rad[:2],
-        guide_wrap_rad=d.guide_wrap_rad[:2],
-    )  # fmt: skip
+    left = some_cables(d, [0, 1])
     idle = solve_equilibrium(left, 0.0)
     # Alone, the pair's preloads on unequal radii do not balance: the drum first settles.
     assert float(balance(left, idle)) == pytest.approx(0.0, abs=1e-12)
@@ -112,12 +103,7 @@ def test_slack_cables_and_wraps_that_run_out() -> None:
 
 def test_what_no_cable_can_hold_is_refused() -> None:
     d = paper_drive(input_wrap_rad=np.full(4, 9.0), drum_wrap_rad=np.full(4, 0.43))
-    single = d.with_(
-        cable_names=("cable_2",), input_names=("left",), input_of=(0,), input_side=(-1,), sigma=d.sigma[1:2],
-        input_radius_m=d.input_radius_m[1:2], guide_radius_m=d.guide_radius_m[1:2], drum_radius_m=d.drum_radius_m[1:2],
-        preload_N=d.preload_N[1:2], input_wrap_rad=d.input_wrap_rad[1:2], drum_wrap_rad=d.drum_wrap_rad[1:2],
-        guide_wrap_rad=d.guide_wrap_rad[1:2],
-    )  # fmt: skip
+    single = some_cables(d, [1])
     with pytest.raises(ModelError, match="no drum angle balances"):
         solve_equilibrium(single, -1.0)
 
@@ -138,7 +124,7 @@ def test_a_batch_of_designs_equals_one_by_one(seed: int) -> None:
     for k in range(n):
         one = paper_drive(
             input_radius_m=radii[:, k], guide_radius_m=1.5 * radii[:, k], drum_radius_m=9 * radii[:, k],
-            preload_N=d.preload_N[:, k], centre_distance_m=d.centre_distance_m[k],
+            preload_N=d.preload_N[:, k], centre_distance_m=d.value("centre_distance_m")[k],
             friction_coefficient=d.friction_coefficient[k], modulus_Pa=d.modulus_Pa[k],
         )  # fmt: skip
         single = solve_equilibrium(one, load[k])

@@ -124,9 +124,9 @@ def test_mismatch_if_the_table_were_surface_radii() -> None:
 def test_bearing_loads_at_preload() -> None:
     d = paper_drive()
     loads = bearing_loads(d, d.preload_N)
-    close(np.linalg.norm(loads.input_force_N, axis=1), [125.2, 120.8], 0.06)
-    close(np.linalg.norm(loads.guide_force_N), 5.97, 0.01)
-    close(np.linalg.norm(loads.guide_moment_Nm), 0.917, 0.001)
+    close([np.linalg.norm(load.force_N) for load in loads.inputs], [125.2, 120.8], 0.06)
+    close(np.linalg.norm(loads.bodies["guide"].force_N), 5.97, 0.01)
+    close(np.linalg.norm(loads.bodies["guide"].moment_Nm), 0.917, 0.001)
 
 
 @pytest.mark.parametrize(

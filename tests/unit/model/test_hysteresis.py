@@ -10,7 +10,7 @@ import pytest
 from clip_grid import simulate_on_grid
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper_case import paper_drive
+from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -135,7 +135,7 @@ def test_mirror(seed: int) -> None:
     angle, load = rng.normal(0, 2e-3, (2, 40)), rng.normal(0, 1, 40)
     d = paper_drive()
     one = simulate(d, angle, load).drum_angle_rad
-    other = simulate(d.with_(sigma=-d.sigma), -angle, -load).drum_angle_rad
+    other = simulate(turned_round(d), -angle, -load).drum_angle_rad
     assert other == pytest.approx(-one, abs=1e-15)
 
 

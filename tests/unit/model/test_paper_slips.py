@@ -25,7 +25,7 @@ def zone(radius: sp.Expr, tension: sp.Expr) -> sp.Expr:
 
 def test_eq1_third_row_uses_steps_3_and_4() -> None:
     d = paper_drive()
-    right, guide = d.input_radius_m[2:], d.guide_radius_m
+    right, guide = d.input_radius_m[2:], d.value("guide_radius_m")
     assert right / guide[2:] == pytest.approx([2 / 3, 2 / 3]), "r_mr/r_g3, r_mr/r_g4"
     printed = right / guide[:2]
     assert abs(printed[0] - printed[1]) > 0.004, f"as printed the row reads {printed}: not one ratio"

@@ -9,12 +9,12 @@ import pytest
 from clip_grid import simulate_on_grid
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper_case import paper_drive
+from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.kinematics import with_guide_slip
+from mbcdm_cad.model.kinematics import with_passed_slip
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.wrap import slack_stretch_m
 
@@ -71,8 +71,8 @@ def test_any_series_is_balanced_or_refused_for_its_travel(seed: int) -> None:
 
 
 def test_slip_on_the_guide_is_the_third_wrap() -> None:
-    d, load = with_guide_slip(paper_drive()), np.array([0.91, -0.91, 0.4, -0.2])
-    endless = d.with_(guide_wrap_rad=np.full(4, np.inf))
+    d, load = with_passed_slip(paper_drive()), np.array([0.91, -0.91, 0.4, -0.2])
+    endless = d.with_(passed_wrap_rad=[np.full(4, np.inf)])
     ours, closed = locked(endless, load), simulate(endless, np.zeros((2, 4)), load)
     assert ours.drum_angle_rad == pytest.approx(closed.drum_angle_rad, rel=1e-9)
 
@@ -157,7 +157,7 @@ def test_winding_reversed_in_sign_and_mirrored() -> None:
     angle, load = np.cumsum(rng.normal(0, 0.02, (2, 150)), axis=1), rng.normal(0, 0.8, 150)
     d = paper_drive()
     there = simulate(d, angle, load, winding=True)
-    back = simulate(d.with_(sigma=-d.sigma), -angle, -load, winding=True)
+    back = simulate(turned_round(d), -angle, -load, winding=True)
     assert back.drum_angle_rad == pytest.approx(-there.drum_angle_rad, abs=1e-12)
     assert back.tension_N == pytest.approx(there.tension_N, abs=1e-7)
 
@@ -179,5 +179,5 @@ def test_winding_off_more_than_the_wrap_is_refused() -> None:
 
 
 def test_winding_with_slip_on_the_guide_is_refused() -> None:
-    with pytest.raises(ModelError, match="slip on the guide is not modelled"):
-        simulate(with_guide_slip(paper_drive()), np.zeros((2, 2)), 0.1, winding=True)
+    with pytest.raises(ModelError, match="slip on passed bodies is not modelled"):
+        simulate(with_passed_slip(paper_drive()), np.zeros((2, 2)), 0.1, winding=True)

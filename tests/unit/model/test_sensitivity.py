@@ -49,7 +49,7 @@ def test_elasticities_obey_the_laws_of_similarity() -> None:
 @pytest.mark.parametrize("name", ["friction_coefficient", "centre_distance_m"])
 def test_elasticity_against_a_coarse_difference_of_another_route(name: str) -> None:
     d = paper_drive()
-    value = float(getattr(d, name))
+    value = float(d.value(name))
     ends = [float(drum_backlash(paper_drive(**{name: value * f}), 0.91).reversal_swing_rad) for f in (1.02, 1 / 1.02)]
     expected = np.log(ends[0] / ends[1]) / (2 * np.log(1.02))
     got = elasticities(d, NEED)["reversal_swing_rad"][name]
@@ -92,7 +92,7 @@ def test_global_indices_refuse_an_empty_range() -> None:
 def planar_path(d: DriveSI, j: int, input_at: np.ndarray, guide_at: np.ndarray) -> float:
     """Length from a far point of the input's wrap over the internal tangent and the guide to x = 0, by construction."""
     q = -float(d.sigma[j])
-    a, b = float(d.input_radius_m[j]), float(d.guide_radius_m[j])
+    a, b = float(d.input_radius_m[j]), float(d.value("guide_radius_m")[j])
     line = guide_at - input_at
     distance = float(np.hypot(*line))
     # Counted from the undisturbed line of centres, which is as good as any fixed bearing.
@@ -107,9 +107,9 @@ def planar_path(d: DriveSI, j: int, input_at: np.ndarray, guide_at: np.ndarray) 
 @pytest.mark.parametrize("cable", [0, 1, 2, 3])
 def test_eccentric_path_against_construction(cable: int) -> None:
     d = paper_drive()
-    side = d.input_side[d.input_of[cable]]
-    base = np.array([side * float(d.centre_distance_m), 0.0]), np.zeros(2)
-    name = d.input_names[d.input_of[cable]]
+    driven = d.routes.inputs[d.input_of[cable]]
+    base = np.array(driven.point_m[:2]), np.zeros(2)
+    name = driven.name
     step = 1e-7
     for k, unit in enumerate(np.eye(2)):
         for part, which in ((name, 0), ("guide", 1)):
@@ -126,13 +126,13 @@ def test_eccentric_path_against_construction(cable: int) -> None:
 def test_eccentricity_turns_with_its_own_pulley() -> None:
     d = paper_drive()
     drum = np.linspace(-0.5, 0.5, 2001)
-    for part, order in (("drum", 1.0), ("guide", 6.0), ("left", 9.0)):
+    for part, order in (("drum", 1.0), ("guide", 6.0), ("input_left", 9.0)):
         path = eccentric_path_m(d, part, (1e-6, 0.0), drum)[1]
         # A pure sine of that order satisfies p'' = -order^2 p.
         second = np.gradient(np.gradient(path, drum), drum)[5:-5]
         worst = np.abs(second + order**2 * path[5:-5]).max() / np.abs(second).max()
         assert worst < 1e-3, f"{part}: off order {order} by {worst:.3g}"
-    with pytest.raises(ModelError, match="use drum, guide or one of left, right"):
+    with pytest.raises(ModelError, match="use one of drum, guide, input_left, input_right"):
         eccentric_path_m(d, "belt", (1e-6, 0.0), drum)
 
 
@@ -227,7 +227,7 @@ def test_radius_error_against_a_drive_with_that_radius(cable: int, field: str) -
     d, size, pose = paper_drive(), 1e-9, np.array([0.3])
     names, path, _ = sources(d, Tolerances(input_radius_m=size, drum_radius_m=size), pose)
     row = names.index(f"{d.cable_names[cable]} {field.split('_')[0]} radius")
-    radii = getattr(d, field).copy()
+    radii = d.value(field).copy()
     radii[cable] += size
     turned = np.full(2, 9 * 0.3)
     wrong = d.with_(**{field: radii})

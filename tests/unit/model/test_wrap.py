@@ -14,7 +14,7 @@ from paper_case import paper_drive
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.kinematics import with_guide_slip
+from mbcdm_cad.model.kinematics import with_passed_slip
 from mbcdm_cad.model.solver import tension_of_stretch
 from mbcdm_cad.model.wrap import (
     excess_minus_log,
@@ -24,7 +24,7 @@ from mbcdm_cad.model.wrap import (
 )
 
 FINITE = {"input_wrap_rad": np.full(4, 9.0), "drum_wrap_rad": np.full(4, 0.43)}
-GUIDE = {"guide_wrap_rad": np.radians([25.7, 207.5, 29.4, 211.3])}
+GUIDE = {"passed_wrap_rad": [np.radians([25.7, 207.5, 29.4, 211.3])]}
 
 
 def integrated(d: Any, end: np.ndarray, old: Any, cells: int = 40001) -> np.ndarray:
@@ -32,7 +32,7 @@ def integrated(d: Any, end: np.ndarray, old: Any, cells: int = 40001) -> np.ndar
     total = (end - d.preload_N) * d.free_span_m
     # Two zones creep in from the ends of the guide's wrap, up to its middle.
     wraps = ((d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad))
-    for radius, wrap in (*wraps, (2 * d.guide_radius_m, d.guide_wrap_rad / 2)):
+    for radius, wrap in (*wraps, (2 * d.passed_radii_m[0], d.passed_wrap_rad[0] / 2)):
         for j in range(4):
             s = np.linspace(0.0, min(wrap[j], 6.0), cells)
             bound = np.exp(d.friction_coefficient * s)
@@ -126,11 +126,11 @@ def test_slip_on_the_guide_adds_about_8_percent() -> None:
     """With wraps long enough for both zones; the true wraps of 25.7 and 29.4 degrees are short and add less."""
     d = paper_drive()
     plain = float(drum_backlash(d, 0.91).first_loading_rad)
-    long = float(drum_backlash(d.with_(guide_wrap_rad=np.full(4, np.inf)), 0.91).first_loading_rad)
-    true = abs(float(solve_equilibrium(with_guide_slip(d), 0.91).drum_angle_rad))
+    long = float(drum_backlash(d.with_(passed_wrap_rad=[np.full(4, np.inf)]), 0.91).first_loading_rad)
+    true = abs(float(solve_equilibrium(with_passed_slip(d), 0.91).drum_angle_rad))
     assert long / plain - 1 == pytest.approx(0.08, abs=0.01), f"{long / plain - 1:.2%} more"
     assert plain < true < long, f"{plain:.4g}, {true:.4g}, {long:.4g} rad"
-    assert np.degrees(with_guide_slip(d).guide_wrap_rad) == pytest.approx([25.7, 207.5, 29.4, 211.3], abs=0.06)
+    assert np.degrees(with_passed_slip(d).passed_wrap_rad[0]) == pytest.approx([25.7, 207.5, 29.4, 211.3], abs=0.06)
 
 
 def test_closed_forms_refuse_finite_wraps() -> None:

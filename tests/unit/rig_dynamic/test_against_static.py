@@ -61,16 +61,16 @@ def test_braked_run_is_the_analytic_model_where_its_assumptions_hold() -> None:
     assert error < 0.005 * size, f"{error * 1e6:.3f} urad of {size * 1e6:.1f} urad beside the model"
 
 
-@pytest.mark.parametrize("guide_slip", [False, True])
-def test_slow_run_is_the_quasi_static_rig(guide_slip: bool) -> None:
+@pytest.mark.parametrize("passed_slip", [False, True])
+def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
     """The same chains in balance at each sample: drum and tensions agree where nothing accelerates."""
-    rig = ideal(guide_slip=guide_slip)
+    rig = ideal(passed_slip=passed_slip)
     run = run_dynamic(rig, sine(0.05, 0.1, 1, 1000.0), brake_Nm=0.91, log_rate_Hz=200.0)
     n, cables = run.time_s.size, rig.cables
     pulleys, drum, tension = np.empty((2, n)), np.empty(n), np.empty((4, n))
     none = np.zeros((4, n))
     held = np.array([[np.inf, 0.0], [np.inf, 0.0]])
-    state = chains(cables, guide_slip=guide_slip)
+    state = chains(cables, passed_slip=passed_slip)
     of = np.array([c.input_index for c in cables])
     angle = np.ascontiguousarray(run.input_rad)
     failed = equilibrium.run(

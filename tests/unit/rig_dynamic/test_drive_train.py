@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.model.inertia import disc_kg_m2, sector_kg_m2
 from mbcdm_cad.rig.dynamic.controller import LAST, SPEED, STATES, SUM, ControllerSpec, control
 from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of, shaft_torque
-from mbcdm_cad.rig.dynamic.inertias import disc_kg_m2, inertias, sector_kg_m2
+from mbcdm_cad.rig.dynamic.inertias import inertias
 from mbcdm_cad.rig.dynamic.motor import MotorSpec, motor_of
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
@@ -26,9 +27,9 @@ def test_disc_and_sector_are_mass_times_square_of_the_radius_of_gyration() -> No
 def test_inertias_of_the_reference_drive() -> None:
     """Against the solids of the built design: drum 9.04e-5, guide 5.09e-7, all at the drum 6.097e-2 kg m2."""
     found = inertias(DRIVE)
-    assert found.drum_kg_m2 == pytest.approx(9.04e-5, rel=0.12), "windows and lugs are left out: 10 % more"
-    assert found.guide_kg_m2 == pytest.approx(5.09e-7, rel=0.03)
-    assert found.at_drum_kg_m2(DRIVE) == pytest.approx(6.0966e-2, rel=0.002)
+    assert found.bodies_kg_m2["drum"] == pytest.approx(9.04e-5, rel=0.12), "windows and lugs are left out: 10 % more"
+    assert found.bodies_kg_m2["guide"] == pytest.approx(5.09e-7, rel=0.03)
+    assert found.at_drum_kg_m2 == pytest.approx(6.0966e-2, rel=0.002)
 
 
 def test_shaft_torque_has_a_dead_zone_of_the_lash() -> None:

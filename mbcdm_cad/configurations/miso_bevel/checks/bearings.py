@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.routes import GUIDE
 from mbcdm_cad.design.bought import Bearing
 
 STATIC_SAFETY = 1.0
@@ -40,8 +41,8 @@ def input_reactions(s: BevelUnderTest) -> list[tuple[str, float, float]]:
         most = np.zeros(2)
         for _, tension in s.loads.states:
             at = bearing_loads(s.loads.si, tension)
-            force, moment, line = at.input_force_N[i], at.input_moment_Nm[i], at.input_line_z_m[i]
-            pair = two_bearing_reactions_N(force, moment, line, lower, upper)
+            load = at.inputs[i]
+            pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper)
             most = np.maximum(most, np.linalg.norm(pair, axis=1))
         found.append((name, float(most[0]), float(most[1])))
     return found
@@ -57,11 +58,11 @@ def guide_forces_N(s: BevelUnderTest) -> list[NDArray[np.float64]]:
     shift = (0.5 * (g.top_z + g.bottom_z) - middle) * 1e-3
     found = []
     for _, tension in s.loads.states:
-        at = bearing_loads(s.loads.si, tension)
+        at = bearing_loads(s.loads.si, tension).bodies[GUIDE]
         # About the middle of the bearings, which need not be that of the steps.
-        moment = at.guide_moment_Nm - np.cross([0.0, 0.0, shift], at.guide_force_N)
+        moment = at.moment_Nm - np.cross([0.0, 0.0, shift], at.force_N)
         couple = np.array([moment[1], -moment[0], 0.0]) / apart
-        found.append(np.stack([at.guide_force_N / 2 - couple, at.guide_force_N / 2 + couple]))
+        found.append(np.stack([at.force_N / 2 - couple, at.force_N / 2 + couple]))
     return found
 
 
@@ -78,8 +79,8 @@ def drum_reactions_N(s: BevelUnderTest) -> tuple[float, float]:
     rear, front = ((y + width / 2) * 1e-3 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
     most = [0.0, 0.0]
     for _, tension in s.loads.states:
-        at = bearing_loads(s.loads.si, tension)
-        force, moment = at.drum_force_N, at.drum_moment_Nm
+        at = bearing_loads(s.loads.si, tension).drum
+        force, moment = at.force_N, at.moment_Nm
         # About the rear bearing, with y x F = (y Fz, 0, -y Fx): the front bearing takes what is left of the moment.
         about = moment - np.cross([0.0, rear, 0.0], force)
         on_front = np.array([-about[2], 0.0, about[0]]) / (front - rear)
@@ -157,7 +158,7 @@ def coupling_runout(s: BevelUnderTest) -> Comparison:
         # The thinnest neck along the whole span, on the safe side.
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
         stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment
-        pull = max(float(np.linalg.norm(bearing_loads(s.loads.si, t).input_force_N[i])) for _, t in s.loads.states)
+        pull = max(float(np.linalg.norm(bearing_loads(s.loads.si, t).inputs[i].force_N)) for _, t in s.loads.states)
         low = float(np.clip(min(slot.chord_z for slot in p.slots) - lower, 0.0, span))
         slope = pull * (span - low) * (span**2 - (span - low) ** 2) / (6 * span * stiffness)
         moved = BEARING_PLAY_MM / 2 + slope * max(overhang, 0.0)

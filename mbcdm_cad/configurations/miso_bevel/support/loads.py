@@ -9,13 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.routes import GUIDE
 from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.si import MM, DriveSI, to_si
-
-Floats = NDArray[np.float64]
+from mbcdm_cad.routes import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +69,13 @@ def seat_loads(layout: Layout, tension_N: Floats) -> SeatLoads:
         reaction = two_bearing_reactions_N(force, moment, at_m, lower, upper)
         forces[f"{body}_{low}"], forces[f"{body}_{high}"] = -reaction
 
-    steps = d.drum_radius_m
-    middle = 0.5 * float(steps.min() + steps.max())
-    share("axle", "lower", "upper", loads.guide_force_N, loads.guide_moment_Nm, middle)
-    for i, name in enumerate(layout.drive.input_names):
-        moment, line = loads.input_moment_Nm[i], float(loads.input_line_z_m[i])
-        share(name, "lower", "upper", loads.input_force_N[i], moment, line)
+    guide = loads.bodies[GUIDE]
+    share("axle", "lower", "upper", guide.force_N, guide.moment_Nm, guide.height_m)
+    for name, load in zip(layout.drive.input_names, loads.inputs, strict=True):
+        share(name, "lower", "upper", load.force_N, load.moment_Nm, load.height_m)
     # The drum's axis is Y: moments about x and z are taken by the couple of its bearings, as forces along z and x.
     rear, front = points["drum_rear"][1] * MM, points["drum_front"][1] * MM
-    force, moment = loads.drum_force_N, loads.drum_moment_Nm
+    force, moment = loads.drum.force_N, loads.drum.moment_Nm
     couple = np.array([-moment[2], 0.0, moment[0]])
     forces["drum_front"] = (couple - rear * force) / (front - rear)
     forces["drum_rear"] = force - forces["drum_front"]

@@ -1,0 +1,61 @@
+"""What the cables' tensions put on a body: the vector sum of the pulls of the spans that run on to it and off it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.route import DriveRoutes
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLoad:
+    """Force (3,) in N on a body, and the moment (3,) in N m about the point of its axis at ``height_m``.
+
+    The moment leaves out its component along the axis, which is the torque that the body transmits.
+    """
+
+    force_N: Floats
+    height_m: float
+    moment_Nm: Floats
+
+
+def body_load(routes: DriveRoutes, name: str, tension_N: Floats) -> BodyLoad:
+    """Load on the body ``name`` for free-span tensions (n_cables,), which may be differences and negative.
+
+    The moment is about the height of the pull's line of action on an input, the middle of the steps on a body that is
+    passed, and the origin of the drum's axis.
+    """
+    body = routes.body(name)
+    axis = np.array(body.axis)
+    tension, height, pull = [], [], []
+    for route, pulled in zip(routes.cables, np.asarray(tension_N, dtype=float), strict=True):
+        for contact in route.contacts():
+            if contact.wrap.body != name:
+                continue
+            leaving = np.zeros(3) if contact.leaving is None else np.array(contact.leaving)
+            arriving = np.zeros(3) if contact.arriving is None else np.array(contact.arriving)
+            tension.append(pulled)
+            height.append(contact.wrap.height_m)
+            pull.append(pulled * (leaving - arriving))
+    if not pull:
+        return BodyLoad(np.zeros(3), 0.0, np.zeros(3))
+    at, pulls = np.array(height), np.array(pull)
+    middle = 0.0
+    if body.kind == "input":
+        middle = float(np.average(at, weights=np.maximum(tension, 1e-12)))
+    elif body.kind == "passed":
+        middle = 0.5 * float(at.min() + at.max())
+    moment = np.cross((at - middle)[:, None] * axis, pulls).sum(axis=0)
+    return BodyLoad(pulls.sum(axis=0), middle, moment)
+
+
+def two_bearing_reactions_N(force_N: Floats, moment_Nm: Floats, at_m: float, lower_m: float, upper_m: float) -> Floats:
+    """Radial reactions (2, 3) of bearings at ``lower_m`` and ``upper_m`` to a force at height ``at_m`` and a moment."""
+    arm = upper_m - lower_m
+    # Equilibrium about the lower bearing: z x R_upper arm + z x F (at - lower) + moment = 0.
+    from_moment = np.array([moment_Nm[1], -moment_Nm[0], 0.0]) / arm
+    upper = -np.asarray(force_N) * (at_m - lower_m) / arm - from_moment
+    return np.stack([-np.asarray(force_N) - upper, upper])

@@ -1,0 +1,217 @@
+"""Routes of the bevel drive against independent ways: taut strings, vector sums, finite differences, rigid turning."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mbcdm_cad.configurations.miso_bevel.routes import BevelGeometry, routed
+from mbcdm_cad.design import load_design
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.displaced import offset_m, path_change_m, path_slope
+from mbcdm_cad.routes.geometry import RoutedDrive
+from mbcdm_cad.routes.loads import body_load
+from mbcdm_cad.routes.route import Anchor, CableRoute, DriveRoutes, Span, Terminal, Wrap, contact_point_m
+
+REFERENCE = routed(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+
+
+@st.composite
+def drives(draw: st.DrawFn) -> RoutedDrive:
+    """Two to six cables on one to three inputs, any radii whose pulleys leave a free span."""
+    n_inputs = draw(st.integers(1, 3))
+    input_of = tuple(sorted([*range(n_inputs), *draw(st.lists(st.integers(0, n_inputs - 1), min_size=1, max_size=3))]))
+    n = len(input_of)
+    sides = st.sampled_from([-1, 1])
+    radii = draw(st.lists(st.floats(3e-3, 20e-3), min_size=n, max_size=n))
+    geometry = BevelGeometry(
+        tuple(f"c{j}" for j in range(n)), tuple(f"i{i}" for i in range(n_inputs)), input_of,
+        tuple(draw(sides) for _ in range(n_inputs)), tuple(draw(sides) for _ in range(n)),
+    )  # fmt: skip
+    r = np.array(radii)
+    reach = 2.5 * float(r.max())
+    lengths = {
+        "input_radius_m": r,
+        "guide_radius_m": 1.5 * r,
+        "drum_radius_m": r * draw(st.floats(4.0, 12.0)),
+        "centre_distance_m": np.asarray(reach * draw(st.floats(1.02, 3.0))),
+    }
+    return RoutedDrive(geometry, lengths, {})
+
+
+def ends_of_spans(routes: DriveRoutes, route: CableRoute) -> list[tuple[Floats, Floats]]:
+    """Where each span leaves one body and touches the next."""
+    found = []
+    for (one, two), span in zip(pairwise(route.wraps), route.spans, strict=True):
+        begin = contact_point_m(routes.body(one.body), one, span.direction)
+        found.append((begin, contact_point_m(routes.body(two.body), two, span.direction)))
+    return found
+
+
+@given(drives())
+def test_spans_join_the_tangent_points_of_their_bodies(drive: RoutedDrive) -> None:
+    routes = drive.routes
+    for route in routes.cables:
+        for span, (begin, end) in zip(route.spans, ends_of_spans(routes, route), strict=True):
+            along = begin + span.length_m * np.array(span.direction)
+            assert np.abs(along - end).max() < 1e-12, f"{route.cable}: {along} against {end} m"
+
+
+@given(drives())
+def test_wraps_on_passed_bodies_turn_the_arriving_span_into_the_leaving_one(drive: RoutedDrive) -> None:
+    for route in drive.routes.cables:
+        for contact in list(route.contacts())[1:-1]:
+            axis = np.array(drive.routes.body(contact.wrap.body).axis)
+            arriving, leaving = np.array(contact.arriving), np.array(contact.leaving)
+            turned = np.arctan2(np.cross(arriving, leaving) @ axis, arriving @ leaving) * contact.wrap.turning
+            assert turned % (2 * np.pi) == pytest.approx(contact.wrap.angle_rad, abs=1e-9), route.cable
+
+
+@given(drives())
+def test_a_tension_turns_the_drum_in_the_sense_of_its_route(drive: RoutedDrive) -> None:
+    """Moment of the pull about the drum's axis, by vectors, is sigma r_o T; about the input's it is r_i T."""
+    routes = drive.routes
+    for route in routes.cables:
+        spans = ends_of_spans(routes, route)
+        drum = np.cross(spans[-1][1], -np.array(route.spans[-1].direction)) @ np.array(routes.drum.axis)
+        assert drum == pytest.approx(route.sense * route.drum_radius_m, rel=1e-9), route.cable
+        body = routes.body(route.wraps[0].body)
+        arm = spans[0][0] - np.array(body.point_m)
+        driven = np.cross(arm, np.array(route.spans[0].direction)) @ np.array(body.axis)
+        assert driven == pytest.approx(-route.sense * route.input_radius_m, rel=1e-9), route.cable
+
+
+@given(drives(), st.floats(20.0, 200.0))
+def test_body_loads_add_up_to_nothing(drive: RoutedDrive, tension: float) -> None:
+    """Cables pull bodies together and nothing else, so the forces on all bodies cancel."""
+    routes = drive.routes
+    pull = tension * np.linspace(0.5, 1.5, len(routes.cables))
+    total = sum(body_load(routes, body.name, pull).force_N for body in routes.bodies)
+    assert np.abs(total).max() < 1e-9 * tension, total
+
+
+@given(drives())
+def test_moment_of_a_body_load_is_that_of_forces_at_the_tangent_points(drive: RoutedDrive) -> None:
+    """But for the component along the axis, which is the torque that the body transmits."""
+    routes = drive.routes
+    pull = np.linspace(40.0, 90.0, len(routes.cables))
+    for body in routes.bodies:
+        axis, load = np.array(body.axis), body_load(routes, body.name, pull)
+        about = np.array(body.point_m) + load.height_m * axis
+        expected = np.zeros(3)
+        for tension, route in zip(pull, routes.cables, strict=True):
+            for (one, two), span, (begin, end) in zip(
+                pairwise(route.wraps), route.spans, ends_of_spans(routes, route), strict=True
+            ):
+                u = np.array(span.direction)
+                if one.body == body.name:
+                    expected += np.cross(begin - about, tension * u)
+                if two.body == body.name:
+                    expected += np.cross(end - about, -tension * u)
+        expected -= (expected @ axis) * axis
+        assert load.moment_Nm == pytest.approx(expected, abs=1e-9), body.name
+
+
+def taut_string_m(routes: DriveRoutes, route: CableRoute, moved: dict[str, Floats]) -> float:
+    """Path from the input to the guide's top, the shortest over all tangent directions, with bodies displaced.
+
+    The wraps at both ends are counted from fixed directions, so that only their change is meant.
+    """
+    first, guide = route.wraps[0], route.wraps[1]
+    begin = np.array(routes.body(first.body).point_m)[:2] + moved.get(first.body, np.zeros(3))[:2]
+    end = np.array(routes.body(guide.body).point_m)[:2] + moved.get(guide.body, np.zeros(3))[:2]
+    t0 = np.array(route.spans[0].direction)[:2]
+    beta = np.linspace(-0.05, 0.05, 400001)
+    angle = np.arctan2(t0[1], t0[0]) + beta
+    t = np.stack([np.cos(angle), np.sin(angle)])
+    left = np.stack([-t[1], t[0]])
+    gap = (end - begin)[:, None] - (guide.turning * guide.radius_m - first.turning * first.radius_m) * left
+    best = int(np.argmin(np.abs((gap * left).sum(axis=0))))
+    on_wraps = (first.turning * first.radius_m - guide.turning * guide.radius_m) * beta[best]
+    along = np.array(route.spans[1].direction)[:2]
+    drum = moved.get("drum", np.zeros(3))[:2] - moved.get(guide.body, np.zeros(3))[:2]
+    return float((gap * t).sum(axis=0)[best] + on_wraps + along @ drum)
+
+
+@pytest.mark.parametrize("cable", range(4))
+@pytest.mark.parametrize("body", ["guide", "input", "drum"])
+def test_large_displacement_is_the_length_of_a_taut_string(cable: int, body: str) -> None:
+    routes = REFERENCE.routes
+    route = routes.cables[cable]
+    name = route.wraps[0].body if body == "input" else body
+    e = np.array([4e-4, -7e-4, 0.0])
+    expected = taut_string_m(routes, route, {name: e}) - taut_string_m(routes, route, {})
+    found = float(path_change_m(routes, route, {name: e[:, None]})[0])
+    assert found == pytest.approx(expected, abs=2e-8), f"{name}: {found} against {expected} m"
+
+
+@settings(max_examples=40)
+@given(drives(), st.floats(0.0, 2 * np.pi))
+def test_path_slope_is_the_finite_difference_of_the_path(drive: RoutedDrive, angle: float) -> None:
+    routes, step = drive.routes, 1e-7
+    for route in routes.cables:
+        for body in routes.bodies:
+            e = offset_m(body, 1.0, np.array([angle]))
+            ends = [float(path_change_m(routes, route, {body.name: sign * step * e})[0]) for sign in (1.0, -1.0)]
+            slope = float(path_slope(route, body.name) @ e[:, 0])
+            assert slope == pytest.approx((ends[0] - ends[1]) / (2 * step), abs=1e-6), f"{route.cable}, {body.name}"
+
+
+def test_moving_all_bodies_together_changes_no_path() -> None:
+    routes = REFERENCE.routes
+    e = np.array([[2e-4], [-3e-4], [5e-4]])
+    for route in routes.cables:
+        moved = path_change_m(routes, route, {body.name: e for body in routes.bodies})
+        assert abs(float(moved[0])) < 1e-18, f"{route.cable}: {moved}"
+
+
+def test_reference_figures() -> None:
+    routes = REFERENCE.routes
+    assert [round(r.free_length_m * 1e3, 2) for r in routes.cables] == [31.18, 30.68, 30.14, 29.55]
+    assert [round(float(np.degrees(r.passed[0].angle_rad)), 1) for r in routes.cables] == [25.7, 207.5, 29.4, 211.3]
+    assert [b.name for b in routes.bodies] == ["drum", "guide", "input_left", "input_right"]
+    assert [round(b.turns_per_drum, 12) for b in routes.bodies] == [1.0, -6.0, 9.0, 9.0]
+    assert [r.sense for r in routes.cables] == [-1, 1, 1, -1]
+
+
+def test_length_of_a_cable_with_its_wraps_set_is_that_of_sampled_points() -> None:
+    """Helix on the input, tangent span, arcs on guide and drum, sampled finely."""
+    route = REFERENCE.routes.cables[1]
+    assert np.isinf(route.length_m), "anchored wraps are longer than any slip zone until they are set"
+    turns, on_drum = 11.0, 1.1
+    whole = route.with_anchored_wraps(turns, on_drum)
+    s = np.linspace(0.0, 1.0, 200001)
+    helix = np.stack([
+        route.input_radius_m * np.cos(turns * s), route.input_radius_m * np.sin(turns * s),
+        route.wraps[0].lead_m * turns * s / (2 * np.pi),
+    ])  # fmt: skip
+    sampled = float(np.linalg.norm(np.diff(helix), axis=0).sum())
+    sampled += float(np.hypot(34.6e-3, 0.0) ** 2 - (16.0e-3) ** 2) ** 0.5
+    for wrap in whole.wraps[1:]:
+        arc = wrap.radius_m * np.stack([np.cos(wrap.angle_rad * s), np.sin(wrap.angle_rad * s)])
+        sampled += float(np.linalg.norm(np.diff(arc), axis=0).sum())
+    assert whole.length_m == pytest.approx(sampled, rel=1e-9), f"{whole.length_m} against {sampled} m"
+
+
+def test_batch_of_lengths_is_the_designs_one_by_one() -> None:
+    geometry, lengths = REFERENCE.geometry, REFERENCE.parameters
+    distance = np.array([34.6e-3, 40e-3, 10e-3])
+    many = {k: v[:, None] if v.ndim else distance for k, v in lengths.items()}
+    span, wrap = geometry.free_span_m(many), geometry.passed_wrap_rad(many)[0]
+    for k, one in enumerate(distance):
+        alone = geometry.routes({**lengths, "centre_distance_m": np.asarray(one)})
+        for j, route in enumerate(alone.cables):
+            assert span[j, k] == pytest.approx(route.free_length_m, nan_ok=True)
+            assert wrap[j, k] == pytest.approx(route.passed[0].angle_rad, nan_ok=True)
+    assert np.isnan(span[:, 2]).all() and "raise centre_distance_mm" in geometry.fault(many)
+
+
+def test_a_chain_out_of_order_is_refused() -> None:
+    span, wrap = Span(0.1, (1.0, 0.0, 0.0)), Wrap("drum", 0.05, 1.0, 0.0, 1)
+    with pytest.raises(ValueError, match="its pieces are Anchor, Span, Wrap, Terminal"):
+        CableRoute("c", "i", 1, (Anchor("i"), span, wrap, Terminal("drum")))
