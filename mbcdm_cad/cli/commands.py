@@ -250,9 +250,9 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
     from mbcdm_cad.rig.reading import read_experiment
 
     wanted = read_experiment(experiment)
-    from mbcdm_cad.rig.command import simulate_command
+    from mbcdm_cad.paper.command import experiment_command
 
-    click.echo(simulate_command(loaded.drive, wanted, out))
+    click.echo(experiment_command(loaded.drive, wanted, out))
 
 
 _CONFIGURATION = click.option(

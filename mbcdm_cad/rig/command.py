@@ -1,38 +1,41 @@
-"""What ``mbcdm simulate`` does, beside parsing its command line."""
+"""What ``mbcdm simulate`` does, beside parsing its command line: the same for both rigs."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.bench import bench_of
+from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.plot import run_picture, transmission_error_urad
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
+from mbcdm_cad.rig.result import SimulatedRun
 from mbcdm_cad.rig.writing import run_files, write_run
+
+
+def simulated(drive: Drive, experiment: Experiment | DynamicExperiment) -> SimulatedRun:
+    """Run ``experiment`` on the rig that it asks for. Raises RigError."""
+    if isinstance(experiment, DynamicExperiment):
+        from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic  # the quasi-static rig needs none of it
+
+        return simulate_dynamic(drive, experiment)
+    return simulate(drive, experiment)
 
 
 def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, out: Path) -> str:
     """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
-    if isinstance(experiment, DynamicExperiment):
-        from mbcdm_cad.rig.dynamic.simulate import dynamic_command  # the quasi-static rig needs none of it
-
-        return dynamic_command(drive, experiment, out)
-    run = simulate(drive, experiment)
-    zero = np.zeros(2)
-    still = bench_of(drive, zero, zero, np.zeros((len(drive.input_names), 2)), np.random.default_rng(0), "pulley")
-    turns = [still.turns(i) for i in range(len(drive.input_names))]
+    run = simulated(drive, experiment)
+    turns = [body.turns_per_drum for body in to_si(drive).routes.inputs]
     files = run_files(run, experiment, drive.input_names)
     files[f"{experiment.name}.png"] = run_picture(run, experiment.about or experiment.name, turns)
     folder = out / experiment.name
     write_run(folder, files)
     error = transmission_error_urad(run, turns)
     named = ", ".join(str(entry["name"]) for entry in run.truth) or "nothing"
+    ended = "" if run.time_s[-1] > 0.98 * experiment.duration_s else f", lost the drum at {run.time_s[-1]:.2f} s"
     return (
-        f"{folder / (experiment.name + '.yaml')}: {run.time_s.size} samples\n"
+        f"{folder / (experiment.name + '.yaml')}: {run.time_s.size} samples{ended}\n"
         f"transmission error {error.min():.1f} to {error.max():.1f} urad, "
         f"tensions {run.tension_N.min():.2f} to {run.tension_N.max():.2f} N\n"
         f"beyond the declared model (in the truth file): {named}"

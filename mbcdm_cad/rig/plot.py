@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mbcdm_cad.rig.compiled import Floats
-from mbcdm_cad.rig.quasistatic.simulate import SimulatedRun
+from mbcdm_cad.rig.result import SimulatedRun
 
 
 def transmission_error_urad(run: SimulatedRun, turns: list[float]) -> Floats:

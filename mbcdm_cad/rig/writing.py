@@ -12,7 +12,7 @@ import yaml
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import SimulatedRun
+from mbcdm_cad.rig.result import SimulatedRun
 from mbcdm_cad.storage.folders import write_folder
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +11,10 @@ from numpy.typing import NDArray
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.chain import Chains
 from mbcdm_cad.rig.compiled import Floats, compiled
-from mbcdm_cad.rig.dynamic import controller, plant
+from mbcdm_cad.rig.dynamic import controller
+from mbcdm_cad.rig.dynamic import plant as columns
 from mbcdm_cad.rig.dynamic.controller import control
-from mbcdm_cad.rig.dynamic.plant import advance, stored
+from mbcdm_cad.rig.dynamic.plant import Plant, State, Torques, advance, stored
 
 # Entries of the load's row.
 LOAD_INERTIA, STATIC_RATIO, STATIC_SPEED, UNBALANCE, UNBALANCE_ANGLE = range(5)
@@ -38,51 +40,71 @@ def brake_capacity(level_Nm: float, speed_rad_s: float, load: Floats) -> float:
     return float(level_Nm * (1.0 + (load[STATIC_RATIO] - 1.0) * fade))
 
 
+class Loops(NamedTuple):
+    """``gains`` (n_inputs, ..) of the position loops; ``turns`` (n_inputs,) of an input for one of the drum;
+    ``current_share`` (n_inputs,): what the current loop closes of its gap in a step; ``encoders`` (n_inputs, 3):
+    resolution and noise in rad, delay in periods; ``noise`` (n, n_inputs): standard normal."""
+
+    gains: Floats
+    turns: Floats
+    current_share: Floats
+    encoders: Floats
+    noise: Floats
+
+
+class Course(NamedTuple):
+    """``reference`` (n, 3): drum angle, speed and acceleration asked for at each period; ``torque`` and ``brake`` (n,):
+    torque motor and level of the brake, N m; ``load``: the load's row; ``paths`` (n, n_cables, 3), or (0, ..) if there
+    is none: extra path of each cable at the reference, m, and its slopes over the drum's and the input's angle."""
+
+    reference: Floats
+    torque: Floats
+    brake: Floats
+    load: Floats
+    paths: Floats
+
+
+class Clock(NamedTuple):
+    """Step of the plant in s, steps a period, periods a row of the log, how far the drum may be off its reference."""
+
+    h: float
+    steps: int
+    log_every: int
+    give_up_rad: float
+
+
+class Record(NamedTuple):
+    """What a run fills: the log (rows, ..) and the account of energy, J."""
+
+    log: Floats
+    account: Floats
+
+
 @compiled
-def run(
-    inputs: Floats,
-    cables: Floats,
-    input_of: NDArray[np.int64],
-    drum: Floats,
-    load: Floats,
-    chains: Chains,
-    paths: Floats,
-    current_share: Floats,
-    gains: Floats,
-    turns: Floats,
-    encoders: Floats,
-    noise: Floats,
-    reference: Floats,
-    torque: Floats,
-    brake: Floats,
-    h: float,
-    steps: int,
-    log_every: int,
-    log: Floats,
-    account: Floats,
-    give_up_rad: float,
-) -> tuple[float, int]:
-    """Run the periods of the position loops and fill ``log``; the change of stored energy, J, and the periods done.
+def run(plant: Plant, chains: Chains, loops: Loops, course: Course, clock: Clock, record: Record) -> tuple[float, int]:
+    """Run the periods of the position loops and fill ``record``; the change of stored energy, J, and the periods done.
 
     The run ends early, as a guarded bench would, when the drum is off its reference by ``give_up_rad``.
-
-    ``reference`` (n, 3): drum angle, speed and acceleration asked for at each period; ``torque`` and ``brake`` (n,):
-    torque motor and level of the brake, N m; ``noise`` (n, n_inputs): standard normal; ``turns`` (n_inputs,): turns of
-    an input for one of the drum; ``current_share`` (n_inputs,): what the current loop closes of its gap in a step;
-    ``encoders`` (n_inputs, 3): resolution and noise in rad, delay in periods; ``paths`` (n, n_cables, 3), or (0, ..) if
-    there is none: extra path of each cable at the reference, m, and its slopes over the drum's and the input's angle.
     """
+    inputs, cables, input_of, drum = plant.inputs, plant.cables, plant.input_of, plant.drum
+    gains, turns, current_share, encoders, noise = (
+        loops.gains, loops.turns, loops.current_share, loops.encoders, loops.noise,
+    )  # fmt: skip
+    reference, torque, brake, load, paths = course.reference, course.torque, course.brake, course.load, course.paths
+    log, account, log_every, h = record.log, record.account, clock.log_every, clock.h
     n_inputs, n_cables = inputs.shape[0], cables.shape[0]
     last = 2 * n_inputs
     q, v, before = np.zeros(last + 1), np.zeros(last + 1), np.zeros(last + 1)
-    guess, push = np.zeros(last + 1), np.zeros(last + 1)
+    motion = State(q, v, np.zeros(last + 1), np.zeros(last + 1))
+    push = motion.push
     tension, tension_before = chains.tension.copy(), np.empty(n_cables)
     motor, command, target = np.zeros(n_inputs), np.zeros(n_inputs), np.empty(3)
     state = np.zeros((n_inputs, controller.STATES))
     now = cables.copy()
+    bent = Plant(inputs, now, input_of, drum)
     seen = np.zeros((int(encoders[:, DELAY].max()) + 1, n_inputs))
     _hold(inputs, cables, input_of, tension, q, motor, state)
-    energy = stored(inputs, drum, q, v)
+    energy = stored(plant, motion)
     felt = 0.0
     for k in range(reference.shape[0]):
         for i in range(n_inputs):
@@ -105,7 +127,7 @@ def run(
         if paths.shape[0] > 0:
             _bend(cables, paths[k], now)
         felt = 0.0
-        for _ in range(steps):
+        for _ in range(clock.steps):
             for i in range(n_inputs):
                 motor[i] += current_share[i] * (command[i] - motor[i])
             before[:] = q
@@ -113,9 +135,7 @@ def run(
             speed = v[last]
             outer = torque[k] + load[UNBALANCE] * math.sin(q[last] + load[UNBALANCE_ANGLE])
             capacity = brake_capacity(brake[k], speed, load)
-            advance(
-                inputs, now, input_of, drum, tension, motor, outer, capacity, h, q, v, guess, push, account,
-            )  # fmt: skip
+            advance(bent, motion, tension, Torques(motor, outer, capacity), h, account)
             for j in range(n_cables):
                 p = n_inputs + input_of[j]
                 extra = 0.0
@@ -124,25 +144,25 @@ def run(
                     extra = paths[k, j, 0] + paths[k, j, 1] * ahead
                     extra += paths[k, j, 2] * (q[p] - turns[input_of[j]] * reference[k, 0])
                 tension[j] = chain.advance(chains, j, q[p], q[last], extra)
-                inner = now[j, plant.INPUT_RADIUS] * (q[p] - before[p])
-                rest = now[j, plant.DRUM_RADIUS] * (q[last] - before[last])
-                stretch = cables[j, plant.SIGMA] * (inner - rest)
-                account[plant.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
+                inner = now[j, columns.INPUT_RADIUS] * (q[p] - before[p])
+                rest = now[j, columns.DRUM_RADIUS] * (q[last] - before[last])
+                stretch = cables[j, columns.SIGMA] * (inner - rest)
+                account[columns.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
             # The sensor sits between drum and load: bearings' share of the friction is not in it.
-            share = capacity / max(capacity + drum[plant.DRUM_DRAG], 1e-300)
-            felt += (outer - push[last] * share / h + load[LOAD_INERTIA] * (v[last] - speed) / h) / steps
-        if abs(q[last] - reference[k, 0]) > give_up_rad:
-            return stored(inputs, drum, q, v) - energy, k + 1
-    return stored(inputs, drum, q, v) - energy, reference.shape[0]
+            share = capacity / max(capacity + drum[columns.DRUM_DRAG], 1e-300)
+            felt += (outer - push[last] * share / h + load[LOAD_INERTIA] * (v[last] - speed) / h) / clock.steps
+        if abs(q[last] - reference[k, 0]) > clock.give_up_rad:
+            return stored(plant, motion) - energy, k + 1
+    return stored(plant, motion) - energy, reference.shape[0]
 
 
 @compiled
 def _bend(cables: Floats, path: Floats, now: Floats) -> None:
     """Lever arms that an extra path gives each cable: its slopes, by virtual work."""
     for j in range(cables.shape[0]):
-        sense = cables[j, plant.SIGMA]
-        now[j, plant.DRUM_RADIUS] = cables[j, plant.DRUM_RADIUS] - sense * path[j, 1]
-        now[j, plant.INPUT_RADIUS] = cables[j, plant.INPUT_RADIUS] + sense * path[j, 2]
+        sense = cables[j, columns.SIGMA]
+        now[j, columns.DRUM_RADIUS] = cables[j, columns.DRUM_RADIUS] - sense * path[j, 1]
+        now[j, columns.INPUT_RADIUS] = cables[j, columns.INPUT_RADIUS] + sense * path[j, 2]
 
 
 @compiled
@@ -160,9 +180,9 @@ def _hold(
         bias = 0.0
         for j in range(cables.shape[0]):
             if input_of[j] == i:
-                bias += cables[j, plant.SIGMA] * cables[j, plant.INPUT_RADIUS] * tension[j]
+                bias += cables[j, columns.SIGMA] * cables[j, columns.INPUT_RADIUS] * tension[j]
         motor[i] = bias
         state[i, controller.SUM] = bias
-        q[i] = bias / inputs[i, plant.STIFFNESS]
-        if inputs[i, plant.LASH] > 0.0:
-            q[i] += 0.5 * inputs[i, plant.LASH] * np.sign(bias)
+        q[i] = bias / inputs[i, columns.STIFFNESS]
+        if inputs[i, columns.LASH] > 0.0:
+            q[i] += 0.5 * inputs[i, columns.LASH] * np.sign(bias)

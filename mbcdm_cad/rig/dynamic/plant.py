@@ -16,6 +16,7 @@ longer one only damps the fast modes more.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,28 +47,38 @@ def gear(row: Floats, rotor_rad: float, pulley_rad: float) -> tuple[float, float
     return torque, slope, 1.0 + row[MESH] * row[MESH_ORDER] * math.cos(wave)
 
 
-@compiled
-def advance(
-    inputs: Floats,
-    cables: Floats,
-    input_of: NDArray[np.int64],
-    drum: Floats,
-    tension: Floats,
-    motor: Floats,
-    load: float,
-    brake: float,
-    h: float,
-    q: Floats,
-    v: Floats,
-    guess: Floats,
-    push: Floats,
-    account: Floats,
-) -> None:
-    """Bring ``q`` (rad) and ``v`` (rad/s) one step ``h`` (s) further.
+class Plant(NamedTuple):
+    """Tables of inputs, cables and drum, and for each cable the number of its input."""
 
-    ``motor`` (n_inputs,) torques at the gearhead's output, ``load`` the torque motor's torque, ``brake`` the capacity
-    of the brake, all N m. ``push`` receives the friction impulses (N m s), ``account`` is added to.
-    """
+    inputs: Floats
+    cables: Floats
+    input_of: NDArray[np.int64]
+    drum: Floats
+
+
+class State(NamedTuple):
+    """Angles (rad) and speeds (rad/s) of the coordinates; which of them stick (0) or slide; the friction impulses."""
+
+    q: Floats
+    v: Floats
+    guess: Floats
+    push: Floats
+
+
+class Torques(NamedTuple):
+    """``motor`` (n_inputs,) at the gearhead's output, ``load`` of the torque motor, capacity of the ``brake``; N m."""
+
+    motor: Floats
+    load: float
+    brake: float
+
+
+@compiled
+def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: float, account: Floats) -> None:
+    """Bring ``state`` one step ``h`` (s) further; ``account`` is added to."""
+    inputs, cables, input_of, drum = plant.inputs, plant.cables, plant.input_of, plant.drum
+    q, v, guess, push = state.q, state.v, state.guess, state.push
+    motor, load, brake = torques.motor, torques.load, torques.brake
     n_inputs = inputs.shape[0]
     n = 2 * n_inputs + 1
     last = n - 1
@@ -114,8 +125,9 @@ def advance(
 
 
 @compiled
-def stored(inputs: Floats, drum: Floats, q: Floats, v: Floats) -> float:
+def stored(plant: Plant, state: State) -> float:
     """Energy of motion and of the gearheads' shafts, J."""
+    inputs, drum, q, v = plant.inputs, plant.drum, state.q, state.v
     n_inputs = inputs.shape[0]
     total = 0.5 * drum[DRUM_INERTIA] * v[2 * n_inputs] ** 2
     for i in range(n_inputs):

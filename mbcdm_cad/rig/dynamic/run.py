@@ -69,12 +69,20 @@ def run_dynamic(
         rig.cables, piece_rad=rig.piece_rad, transport=rig.transport, passed_slip=rig.passed_slip,
         reach_rad=float(np.abs(reference[:, 0]).max()) + 2.0 * give_up_rad,
     )  # fmt: skip
+    noise = rng.standard_normal((n, n_inputs))
+    loops = kernel.Loops(
+        tables.loop_gains(rig), tables.turns(rig), tables.current_share(rig), tables.encoder_table(rig), noise
+    )
+    course = kernel.Course(
+        np.ascontiguousarray(reference, dtype=float),
+        _series(torque_Nm, n),
+        _series(brake_Nm, n),
+        tables.load_row(rig),
+        tables.path_table(rig, reference),
+    )
     change, done = kernel.run(
-        tables.input_table(rig), tables.cable_table(rig), tables.input_of(rig), tables.drum_row(rig),
-        tables.load_row(rig), state, tables.path_table(rig, reference), tables.current_share(rig),
-        tables.loop_gains(rig), tables.turns(rig), tables.encoder_table(rig), rng.standard_normal((n, n_inputs)),
-        np.ascontiguousarray(reference, dtype=float), _series(torque_Nm, n), _series(brake_Nm, n), rig.step_s, steps,
-        log_every, log, account, give_up_rad,
+        tables.plant(rig), state, loops, course, kernel.Clock(rig.step_s, steps, log_every, give_up_rad),
+        kernel.Record(log, account),
     )  # fmt: skip
     rows = -(-done // log_every)
     log = log[:rows]

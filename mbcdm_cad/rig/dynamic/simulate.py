@@ -1,9 +1,8 @@
-"""An experiment file on the dynamic rig, from words to a run, and what ``mbcdm simulate`` writes of it."""
+"""An experiment file on the dynamic rig, from words to a run and its truth."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,52 +14,13 @@ from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.load import LoadSpec
 from mbcdm_cad.rig.dynamic.rig import LOOP_RATE_HZ, DynamicRig, EncoderSpec, rig_of
 from mbcdm_cad.rig.dynamic.run import DynamicRun, run_dynamic
-from mbcdm_cad.rig.quasistatic.simulate import RigError, SimulatedRun
-from mbcdm_cad.rig.writing import run_files, write_run
+from mbcdm_cad.rig.result import RigError, SimulatedRun
 
 
-def dynamic_command(drive: Drive, experiment: DynamicExperiment, out: Path) -> str:
-    """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
-    folder = out / experiment.name
-    if experiment.paper is not None:
-        return _paper(drive, experiment, folder)
-    from mbcdm_cad.rig.plot import run_picture, transmission_error_urad
-
-    run, bench, rig = simulate_dynamic(drive, experiment)
-    logged = as_logged(run, truth_of(experiment, bench))
-    turns = [bench.turns(i) for i in range(len(rig.motors))]
-    files = run_files(logged, experiment, drive.input_names)
-    files[f"{experiment.name}.png"] = run_picture(logged, experiment.about or experiment.name, turns)
-    write_run(folder, files)
-    error = transmission_error_urad(logged, turns)
-    named = ", ".join(str(entry["name"]) for entry in logged.truth) or "nothing"
-    ended = "" if run.time_s[-1] > 0.98 * experiment.duration_s else f", lost the drum at {run.time_s[-1]:.2f} s"
-    return (
-        f"{folder / (experiment.name + '.yaml')}: {run.time_s.size} samples{ended}\n"
-        f"transmission error {error.min():.1f} to {error.max():.1f} urad, "
-        f"tensions {run.tension_N.min():.2f} to {run.tension_N.max():.2f} N\n"
-        f"beyond the declared model (in the truth file): {named}"
-    )
-
-
-def _paper(drive: Drive, experiment: DynamicExperiment, folder: Path) -> str:
-    from mbcdm_cad.paper.experiments import EXPERIMENTS
-    from mbcdm_cad.paper.experiments_files import result_files, result_text
-
-    try:
-        result = EXPERIMENTS[str(experiment.paper)](drive, experiment.seed)
-    except ValueError as error:
-        raise RigError(
-            f"{experiment.name}: {drive.name} does not get through the paper's experiment: {error}; "
-            "look at the torque of motor and gearhead, and at the wraps"
-        ) from None
-    files = result_files(result, drive)
-    if len(result.runs) == 1:
-        (run,) = result.runs.values()
-        truth = [{"name": "winding_history", "in_vocabulary": True, "parameters": {}}]
-        files |= run_files(as_logged(run, truth), experiment, drive.input_names)
-    write_run(folder, files)
-    return f"{folder}: {', '.join(sorted(files))}\n\n{result_text(result)}"
+def simulate(drive: Drive, experiment: DynamicExperiment) -> SimulatedRun:
+    """Run ``experiment`` on the dynamic rig with ``drive``. The same seed gives the same run. Raises RigError."""
+    run, bench, _ = simulate_dynamic(drive, experiment)
+    return as_logged(run, truth_of(experiment, bench))
 
 
 def simulate_dynamic(drive: Drive, experiment: DynamicExperiment) -> tuple[DynamicRun, Bench, DynamicRig]:

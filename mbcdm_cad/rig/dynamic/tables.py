@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.rig.compiled import Floats
-from mbcdm_cad.rig.dynamic import plant
+from mbcdm_cad.rig.dynamic import plant as columns
 from mbcdm_cad.rig.dynamic.inertias import inertias
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, input_turns
 
@@ -53,22 +53,22 @@ def encoder_table(rig: DynamicRig) -> Floats:
 def input_table(rig: DynamicRig) -> Floats:
     """Rotor, gearhead and pulley of each input, in the order of :mod:`mbcdm_cad.rig.dynamic.plant`."""
     moved = inertias(rig.drive)
-    table = np.zeros((len(rig.motors), plant.INPUT_COLUMNS))
+    table = np.zeros((len(rig.motors), columns.INPUT_COLUMNS))
     for i, (motor, gear) in enumerate(zip(rig.motors, rig.gearheads, strict=True)):
         N = gear.ratio
-        table[i, plant.ROTOR] = motor.rotor_inertia_kg_m2 * N**2
-        table[i, plant.DRAG] = motor.coulomb_Nm * N + gear.drag_Nm
-        table[i, plant.LOSS] = gear.loss_share
-        table[i, plant.VISCOUS] = motor.viscous_Nms * N**2
-        table[i, plant.STIFFNESS] = gear.stiffness_Nm_rad
-        table[i, plant.LASH] = gear.lash_rad
-        table[i, plant.MESH] = gear.mesh_error_rad
-        table[i, plant.MESH_ORDER] = gear.mesh_per_motor_turn * N
-        table[i, plant.COGGING] = motor.cogging_Nm * N
-        table[i, plant.COGGING_ORDER] = motor.cogging_per_turn * N
-        table[i, plant.COGGING_PHASE] = motor.cogging_phase_rad
-        table[i, plant.PULLEY_DRAG] = rig.input_drag_Nm
-        table[i, plant.PULLEY] = moved.inputs_kg_m2[i]
+        table[i, columns.ROTOR] = motor.rotor_inertia_kg_m2 * N**2
+        table[i, columns.DRAG] = motor.coulomb_Nm * N + gear.drag_Nm
+        table[i, columns.LOSS] = gear.loss_share
+        table[i, columns.VISCOUS] = motor.viscous_Nms * N**2
+        table[i, columns.STIFFNESS] = gear.stiffness_Nm_rad
+        table[i, columns.LASH] = gear.lash_rad
+        table[i, columns.MESH] = gear.mesh_error_rad
+        table[i, columns.MESH_ORDER] = gear.mesh_per_motor_turn * N
+        table[i, columns.COGGING] = motor.cogging_Nm * N
+        table[i, columns.COGGING_ORDER] = motor.cogging_per_turn * N
+        table[i, columns.COGGING_PHASE] = motor.cogging_phase_rad
+        table[i, columns.PULLEY_DRAG] = rig.input_drag_Nm
+        table[i, columns.PULLEY] = moved.inputs_kg_m2[i]
     return table
 
 
@@ -101,3 +101,8 @@ def path_table(rig: DynamicRig, reference: Floats) -> Floats:
         # Each cable's path knows its own input alone, so all inputs may move at once.
         table[:, :, 2] += (of(inputs + SLOPE_RAD, drum) - of(inputs - SLOPE_RAD, drum)).T / (2.0 * SLOPE_RAD)
     return table
+
+
+def plant(rig: DynamicRig) -> columns.Plant:
+    """All tables of the plant."""
+    return columns.Plant(input_table(rig), cable_table(rig), input_of(rig), drum_row(rig))

@@ -13,6 +13,7 @@ off by less than a milliradian and put right one sample later.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,29 +36,44 @@ def shaft(twist_rad: float, stiffness: float, play_rad: float) -> tuple[float, f
     return stiffness * (twist_rad - inside) + stiffness * _IN_PLAY * inside, slope
 
 
+class Course(NamedTuple):
+    """What the bench is asked over n samples.
+
+    ``input_of`` (n_cables,) is the input of each cable; ``gears`` (n_inputs, 2): stiffness in N m/rad (infinite: held)
+    and play in rad; ``motor`` (n_inputs, n) gearhead angles; ``path`` and ``lever`` (n_cables, n) extra path in m and
+    its slope in m/rad about the ``predicted`` drum angle (n,); ``load`` (n,) N m; ``strains`` (n_cables, w, n)
+    stress-free strain of rope over bed on each wrap, or n = 0.
+    """
+
+    input_of: NDArray[np.int64]
+    gears: Floats
+    motor: Floats
+    path: Floats
+    lever: Floats
+    predicted: Floats
+    load: Floats
+    strains: Floats
+
+
+class _Leftover(NamedTuple):
+    """Torques left over (pulleys, then drum), their slopes, and the tensions."""
+
+    miss: Floats
+    slopes: Floats
+    tension: Floats
+
+
 @compiled
-def _misses(
-    chains: Chains,
-    input_of: NDArray[np.int64],
-    gears: Floats,
-    motor: Floats,
-    path: Floats,
-    lever: Floats,
-    predicted: float,
-    load: float,
-    x: Floats,
-    miss: Floats,
-    slopes: Floats,
-    tension: Floats,
-) -> float:
-    """Torques left over at ``x`` (pulleys, then drum), their slopes, the tensions; returns the sum of squares."""
+def _misses(chains: Chains, course: Course, k: int, x: Floats, left: _Leftover) -> float:
+    """Fill ``left`` for the angles ``x`` (pulleys, then drum) in sample ``k``; returns the sum of squares."""
+    input_of, gears, miss, slopes, tension = course.input_of, course.gears, left.miss, left.slopes, left.tension
     n_inputs = gears.shape[0]
     miss[:] = 0.0
     slopes[:] = 0.0
     for j in range(input_of.size):
-        c, i = chains.constants[j], input_of[j]
-        inner, outer = c[chain.SIGMA] * c[chain.INPUT_RADIUS], c[chain.SIGMA] * c[chain.DRUM_RADIUS] - lever[j]
-        delta = inner * x[i] - outer * x[n_inputs] + path[j] - lever[j] * predicted
+        c, i, lever = chains.constants[j], input_of[j], course.lever[j, k]
+        inner, outer = c[chain.SIGMA] * c[chain.INPUT_RADIUS], c[chain.SIGMA] * c[chain.DRUM_RADIUS] - lever
+        delta = inner * x[i] - outer * x[n_inputs] + course.path[j, k] - lever * course.predicted[k]
         tension[j], rate = look(chains, j, delta)
         miss[n_inputs] += outer * tension[j]
         miss[i] -= inner * tension[j]
@@ -65,7 +81,7 @@ def _misses(
         slopes[i, i] -= inner * inner * rate
         slopes[i, n_inputs] += inner * outer * rate
         slopes[n_inputs, i] += inner * outer * rate
-    miss[n_inputs] -= load
+    miss[n_inputs] -= course.load[k]
     for i in range(n_inputs):
         if math.isinf(gears[i, 0]):
             # Held where its motor stands: no unknown.
@@ -74,45 +90,28 @@ def _misses(
             slopes[:, i] = 0.0
             slopes[i, i] = -1.0
         else:
-            torque, slope = shaft(motor[i] - x[i], gears[i, 0], gears[i, 1])
+            torque, slope = shaft(course.motor[i, k] - x[i], gears[i, 0], gears[i, 1])
             miss[i] += torque
             slopes[i, i] -= slope
     total = 0.0
-    for k in range(n_inputs + 1):
-        total += miss[k] * miss[k]
+    for i in range(n_inputs + 1):
+        total += miss[i] * miss[i]
     return total
 
 
 @compiled
-def run(
-    chains: Chains,
-    input_of: NDArray[np.int64],
-    gears: Floats,
-    motor: Floats,
-    path: Floats,
-    lever: Floats,
-    predicted: Floats,
-    load: Floats,
-    strains: Floats,
-    pulleys: Floats,
-    drum: Floats,
-    tension: Floats,
-) -> int:
+def run(chains: Chains, course: Course, pulleys: Floats, drum: Floats, tension: Floats) -> int:
     """Fill ``pulleys`` (n_inputs, n), ``drum`` (n,) in rad and ``tension`` (n_cables, n) in N; the sample at which no
-    balance was found, or -1.
-
-    ``gears`` (n_inputs, 2): stiffness in N m/rad (infinite: held) and play in rad; ``motor`` (n_inputs, n) gearhead
-    angles; ``path`` and ``lever`` (n_cables, n) extra path in m and its slope in m/rad about the ``predicted`` drum
-    angle (n,); ``load`` (n,) N m; ``strains`` (n_cables, 3, n) stress-free strain of rope over bed, or n = 0.
-    """
+    balance was found, or -1."""
+    motor, predicted, strains, input_of = course.motor, course.predicted, course.strains, course.input_of
     n_inputs, n_cables = motor.shape[0], input_of.size
     x, trial = np.zeros(n_inputs + 1), np.zeros(n_inputs + 1)
-    miss, slopes, found = np.empty(n_inputs + 1), np.empty((n_inputs + 1, n_inputs + 1)), np.empty(n_cables)
+    left = _Leftover(np.empty(n_inputs + 1), np.empty((n_inputs + 1, n_inputs + 1)), np.empty(n_cables))
     scale = 0.0
     for j in range(n_cables):
         scale += chains.constants[j, chain.PRELOAD] * chains.constants[j, chain.DRUM_RADIUS]
     before = np.zeros(n_inputs + 1)
-    for k in range(load.size):
+    for k in range(predicted.size):
         for i in range(n_inputs):
             x[i] += motor[i, k] - before[i]
             before[i] = motor[i, k]
@@ -122,20 +121,15 @@ def run(
             carry(chains, j, float(x[input_of[j]]), float(x[n_inputs]))
             if strains.shape[2] > 0 and k > 0:
                 strain(chains, j, strains[j, :, k] - strains[j, :, k - 1])
-        size = _misses(
-            chains, input_of, gears, motor[:, k], path[:, k], lever[:, k], predicted[k], load[k], x, miss, slopes, found
-        )
+        size = _misses(chains, course, k, x, left)
         for _ in range(_STEPS):
             if size <= (1e-12 * scale) ** 2:
                 break
-            step = np.linalg.solve(slopes - 1e-9 * np.eye(n_inputs + 1), miss)
+            step = np.linalg.solve(left.slopes - 1e-9 * np.eye(n_inputs + 1), left.miss)
             share, better = 1.0, False
             for _ in range(_HALVINGS):
                 trial[:] = x - share * step
-                there = _misses(
-                    chains, input_of, gears, motor[:, k], path[:, k], lever[:, k], predicted[k], load[k],
-                    trial, miss, slopes, found,
-                )  # fmt: skip
+                there = _misses(chains, course, k, trial, left)
                 if there < size:
                     better = True
                     break
@@ -147,8 +141,8 @@ def run(
         if not size <= (1e-7 * scale) ** 2:
             return k
         for j in range(n_cables):
-            settle(chains, j, found[j])
-            tension[j, k] = found[j]
+            settle(chains, j, left.tension[j])
+            tension[j, k] = left.tension[j]
         pulleys[:, k] = x[:n_inputs]
         drum[k] = x[n_inputs]
     return -1

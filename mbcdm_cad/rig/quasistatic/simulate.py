@@ -2,46 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import Bench, bench_of
 from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.quasistatic import equilibrium
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.result import RigError, SimulatedRun
 from mbcdm_cad.rig.sensors import counted, late
 
 # Half the span of drum angle over which an extra path's slope is taken.
 _SLOPE_RAD = 1e-5
-
-
-class RigError(MbcdmError):
-    """An experiment that cannot be run, though its file is well formed."""
-
-
-@dataclass(frozen=True, eq=False)
-class SimulatedRun:
-    """Truth and readings of a run, SI, arrays over n samples.
-
-    ``input_rad`` (n_inputs, n) are the pulleys, ``tension_N`` (n_cables, n); ``load_Nm`` is what the sensor feels.
-    """
-
-    time_s: Floats
-    input_rad: Floats
-    drum_rad: Floats
-    load_Nm: Floats
-    tension_N: Floats
-    measured_input_rad: Floats
-    measured_output_rad: Floats
-    measured_load_Nm: Floats | None
-    measured_temperature_C: Floats | None
-    truth: list[dict[str, Any]]
 
 
 def simulate(drive: Drive, experiment: Experiment) -> SimulatedRun:
@@ -101,10 +77,10 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     gears = np.array([bench.gear_stiffness_Nm_rad, bench.gear_play_rad]).T.copy()
     pulleys, drum, tension = np.empty_like(motor), np.empty(n), np.empty((n_cables, n))
     total = load_Nm + sum(bench.hidden_Nm, np.zeros(n))
-    failed = equilibrium.run(
-        chains, np.array([c.input_index for c in bench.cables]), gears, motor, path, lever, bench.drum_rad, total,
-        np.zeros((n_cables, 3, 0)) if bench.strains is None else bench.strains, pulleys, drum, tension,
-    )  # fmt: skip
+    strains = np.zeros((*chains.wraps.shape[:2], 0)) if bench.strains is None else bench.strains
+    input_of = np.array([c.input_index for c in bench.cables])
+    course = equilibrium.Course(input_of, gears, motor, path, lever, bench.drum_rad, total, strains)
+    failed = equilibrium.run(chains, course, pulleys, drum, tension)
     if failed >= 0:
         raise RigError(
             f"{experiment.name}: at {bench.time_s[failed]:.2f} s no drum angle balances {total[failed]:.4g} N m: "

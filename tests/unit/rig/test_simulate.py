@@ -14,8 +14,9 @@ from mbcdm_cad.cli import run as cli
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
-from mbcdm_cad.rig.quasistatic.simulate import RigError, simulate
+from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.result import RigError
 
 SHORT = """\
 name: short

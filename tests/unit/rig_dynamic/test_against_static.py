@@ -73,9 +73,8 @@ def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
     state = chains(cables, passed_slip=passed_slip)
     of = np.array([c.input_index for c in cables])
     angle = np.ascontiguousarray(run.input_rad)
-    failed = equilibrium.run(
-        state, of, held, angle, none, none, run.drum_rad, run.torque_Nm, np.zeros((4, 3, 0)), pulleys, drum, tension
-    )
+    course = equilibrium.Course(of, held, angle, none, none, run.drum_rad, run.torque_Nm, np.zeros((4, 3, 0)))
+    failed = equilibrium.run(state, course, pulleys, drum, tension)
     assert failed < 0
     still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0
     error = np.abs(run.drum_rad - drum)[still].max()

@@ -12,13 +12,13 @@ import yaml
 
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.paper.command import experiment_command
 from mbcdm_cad.paper.experiments import Compared, PaperResult
 from mbcdm_cad.paper.experiments_files import result_json, result_text
-from mbcdm_cad.rig.command import simulate_command
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.simulate import simulate_dynamic, truth_of
-from mbcdm_cad.rig.quasistatic.simulate import RigError
 from mbcdm_cad.rig.reading import read_experiment
+from mbcdm_cad.rig.result import RigError
 
 ROOT = Path(__file__).parents[3]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
@@ -40,7 +40,7 @@ def read(text: str, folder: Path) -> DynamicExperiment:
 
 
 def test_files_of_a_run_are_a_measurement_with_its_truth_apart(tmp_path: Path) -> None:
-    said = simulate_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
+    said = experiment_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
     folder = tmp_path / "out" / "short"
     assert sorted(p.name for p in folder.iterdir()) == ["short.csv", "short.png", "short.truth.yaml", "short.yaml"]
     rows = np.genfromtxt(folder / "short.csv", delimiter=",", names=True)
@@ -53,7 +53,7 @@ def test_files_of_a_run_are_a_measurement_with_its_truth_apart(tmp_path: Path) -
     ]
     assert "200 samples" in said
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
-    simulate_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
+    experiment_command(DRIVE, read(SHORT, tmp_path), tmp_path / "out")
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before, "the same file gave other bytes"
 
 
@@ -113,7 +113,7 @@ def test_a_drive_too_weak_for_the_paper_s_experiment_is_told(paper: str, tmp_pat
     weak = replace(DRIVE, motor=replace(DRIVE.motor, rated_torque_mNm=0.05))
     experiment = read(f"rig: dynamic\nname: weak\npaper: {paper}\n", tmp_path)
     with pytest.raises(RigError, match="does not get through"):
-        simulate_command(weak, experiment, tmp_path / "out")
+        experiment_command(weak, experiment, tmp_path / "out")
     assert not (tmp_path / "out").exists(), "something was written"
 
 

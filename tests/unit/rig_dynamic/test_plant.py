@@ -26,7 +26,9 @@ class Springs:
             self.inputs[0, getattr(plant, name.upper())] = value
         self.cables = np.array([[s, inner, outer, SPRING_N_M] for inner, outer, s in RADII])
         self.drum = np.array([DRUM_INERTIA, drum_drag, 0.0])
-        self.q, self.v, self.guess, self.push = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+        self.plant = plant.Plant(self.inputs, self.cables, np.zeros(2, np.int64), self.drum)
+        self.state = plant.State(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
+        self.q, self.v = self.state.q, self.state.v
         self.account = np.zeros(plant.ACCOUNTS)
         self.tension = self.pull()
 
@@ -38,11 +40,8 @@ class Springs:
 
     def step(self, motor: float = 0.0, load: float = 0.0, brake: float = 0.0) -> None:
         before, tension = self.stretch(), self.tension
-        of = np.zeros(2, np.int64)
-        plant.advance(
-            self.inputs, self.cables, of, self.drum, tension, np.array([motor]), load, brake, self.h, self.q, self.v,
-            self.guess, self.push, self.account,
-        )  # fmt: skip
+        torques = plant.Torques(np.array([motor]), load, brake)
+        plant.advance(self.plant, self.state, tension, torques, self.h, self.account)
         self.tension = self.pull()
         self.account[plant.CABLE_WORK] += ((tension + self.tension) / 2.0 * (self.stretch() - before)).sum()
 
@@ -75,13 +74,13 @@ def balance_error(h: float) -> tuple[float, float]:
     """What the account misses and what went through it, J, for a run with every loss in it."""
     system = Springs(h, drum_drag=5e-3, drag=2e-3, loss=0.47, viscous=1e-4, stiffness=30.0, lash=1e-3, mesh=1e-4,
                      mesh_order=76.0, cogging=2e-3)  # fmt: skip
-    start = plant.stored(system.inputs, system.drum, system.q, system.v)
+    start = plant.stored(system.plant, system.state)
     for k in range(int(0.4 / h)):
         system.step(motor=0.1 * np.sin(2 * pi * 5.0 * k * h), load=0.2 * np.sin(2 * pi * 3.0 * k * h), brake=0.05)
     a = system.account
     lost = a[[plant.ROTOR_LOSS, plant.PULLEY_LOSS, plant.DRUM_LOSS, plant.VISCOUS_LOSS]]
     spent = a[plant.LOAD_WORK] + a[plant.CABLE_WORK] + lost.sum()
-    missing = a[plant.MOTOR_WORK] - spent - (plant.stored(system.inputs, system.drum, system.q, system.v) - start)
+    missing = a[plant.MOTOR_WORK] - spent - (plant.stored(system.plant, system.state) - start)
     assert lost.min() >= 0.0 and lost[0] > 0.0 and lost[2] > 0.0, f"losses {lost} J"
     return float(missing), float(abs(a[plant.MOTOR_WORK]) + abs(a[plant.LOAD_WORK]))
 
