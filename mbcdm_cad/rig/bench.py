@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.si import to_si
-from mbcdm_cad.rig.cables import RigCable, cables_of
+from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import Body, DriveRoutes
 
@@ -127,7 +126,7 @@ def bench_of(
     input_at: str = "pulley",
 ) -> Bench:
     """A faultless bench: gearheads stiff and without play, cables as designed."""
-    bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive), to_si(drive).routes, input_at)
+    bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive), routes_of(drive), input_at)
     n_inputs = len(drive.input_names)
     bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])
     bench.gear_stiffness_Nm_rad = [float("inf")] * n_inputs

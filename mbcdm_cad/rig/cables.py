@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.si import to_si
-from mbcdm_cad.routes.route import CableRoute, Wrap
+from mbcdm_cad.routes.route import CableRoute, DriveRoutes, Wrap
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,18 @@ class RigCable:
         return self.route.passed
 
 
+def routes_of(drive: Drive) -> DriveRoutes:
+    """How the cables of ``drive`` run. Errors: ValueError where the geometry leaves no free span."""
+    found = configuration_of(drive).routes(drive)
+    routes = found.routes
+    if any(math.isnan(route.free_length_m) for route in routes.cables):
+        raise ValueError(found.geometry.fault(found.parameters))
+    return routes
+
+
 def cables_of(drive: Drive) -> tuple[RigCable, ...]:
-    """The cables as the design file has them. Errors: ``ModelError`` where the geometry leaves no free span."""
-    routes = to_si(drive).routes
+    """The cables as the design file has them. Errors: ValueError where the geometry leaves no free span."""
+    routes = routes_of(drive)
     return tuple(
         RigCable(
             name=route.cable,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.rig.cables import routes_of
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.plot import run_picture, transmission_error_urad
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
@@ -26,7 +26,7 @@ def simulated(drive: Drive, experiment: Experiment | DynamicExperiment) -> Simul
 def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, out: Path) -> str:
     """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
     run = simulated(drive, experiment)
-    turns = [body.turns_per_drum for body in to_si(drive).routes.inputs]
+    turns = [body.turns_per_drum for body in routes_of(drive).inputs]
     files = run_files(run, experiment, drive.input_names)
     files[f"{experiment.name}.png"] = run_picture(run, experiment.about or experiment.name, turns)
     folder = out / experiment.name

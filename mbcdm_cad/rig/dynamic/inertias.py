@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.rig.cables import routes_of
 from mbcdm_cad.routes.route import DriveRoutes
 
 _G_CM2 = 1e-7  # kg m2
@@ -51,4 +51,4 @@ def inertias(drive: Drive) -> Inertias:
     """Inertias of the moving parts of ``drive``."""
     rotor = drive.motor.rotor_inertia_g_cm2 * _G_CM2
     bodies = configuration_of(drive).inertias_kg_m2(drive)
-    return Inertias(rotor, drive.gearhead.ratio, bodies, to_si(drive).routes)
+    return Inertias(rotor, drive.gearhead.ratio, bodies, routes_of(drive))

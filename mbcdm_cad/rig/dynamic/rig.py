@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig.bench import PathOf
-from mbcdm_cad.rig.cables import RigCable, cables_of
+from mbcdm_cad.rig.cables import RigCable, cables_of, routes_of
 from mbcdm_cad.rig.chain import PIECE_RAD
 from mbcdm_cad.rig.dynamic.controller import ControllerSpec
 from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of
@@ -97,4 +96,4 @@ def rig_of(
 
 def input_turns(drive: Drive) -> tuple[float, ...]:
     """Turns of each input for one of the drum: the mean over its cables."""
-    return tuple(body.turns_per_drum for body in to_si(drive).routes.inputs)
+    return tuple(body.turns_per_drum for body in routes_of(drive).inputs)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.rig.bench import Bench, bench_of
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.dynamic.load import LoadSpec
@@ -44,7 +43,7 @@ def _bench(drive: Drive, experiment: DynamicExperiment, drum: Any) -> Bench:
     strays = np.zeros((len(drive.input_names), drum.size))
     try:
         bench = bench_of(drive, time, drum, strays, np.random.default_rng(experiment.seed), "pulley")
-    except ModelError as error:
+    except ValueError as error:
         raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}") from None
     for effect in experiment.effects:
         try:

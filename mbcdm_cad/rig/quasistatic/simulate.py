@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import Bench, bench_of
 from mbcdm_cad.rig.compiled import Floats
@@ -38,7 +37,7 @@ def set_up(drive: Drive, experiment: Experiment) -> Bench:
     strays = experiment.motion.strays_rad(time, len(drive.input_names), rng)
     try:
         bench = bench_of(drive, time, drum, strays, rng, experiment.sensors.input_at)
-    except ModelError as error:
+    except ValueError as error:
         raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}") from None
     for effect in experiment.effects:
         try:
