@@ -8,7 +8,7 @@ span is an internal tangent: seen along Z it leaves the line of centres by beta 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -43,7 +43,8 @@ class BevelGeometry:
     input_of: tuple[int, ...]
     input_side: tuple[int, ...]
     drum_side: tuple[int, ...]
-    lead_m: float = 0.0
+    # Designs that differ in it alone have the same spans and wraps.
+    lead_m: float = field(default=0.0, compare=False)
     per_cable: tuple[str, ...] = (INPUT_RADIUS, GUIDE_RADIUS, DRUM_RADIUS)
     varied: tuple[Varied, ...] = (
         Varied(DISTANCE, "centre distance", (26e-3, 30e-3, 34.6e-3, 45e-3, 60e-3), (33e-3, 40e-3)),

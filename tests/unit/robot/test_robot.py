@@ -115,14 +115,14 @@ class TestUrdf:
         assert abs(whole * 1e3 / masses["mass_g"] - 1.0) < 1e-9, (whole, masses["mass_g"])
 
     def test_one_joint_leads_and_the_others_follow_by_the_ratios(self, urdf: Any, loaded: Any) -> None:
-        turns = analyse(loaded.drive).shaft_turns[0]
-        ratio = {"guide": turns.guide_deg / turns.drum_deg}
+        turns = analyse(loaded.drive).shaft_turns[0].turned_deg
+        ratio = {"guide": turns["guide"] / turns["drum"]}
         assert urdf.actuated_joint_names == ["drum"]
         urdf.update_cfg([0.3])
         for joint in urdf.robot.joints:
             if joint.name == "drum":
                 continue
-            wanted = ratio.get(joint.name, turns.input_deg / turns.drum_deg)
+            wanted = ratio.get(joint.name, turns["input"] / turns["drum"])
             assert abs(joint.mimic.multiplier / wanted - 1.0) < 1e-9, (joint.name, joint.mimic.multiplier, wanted)
             frame = urdf.get_transform(joint.child)
             angle = np.arctan2(frame[1, 0], frame[0, 0])
