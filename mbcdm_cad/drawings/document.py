@@ -97,7 +97,7 @@ def document_bytes(doc: Drawing) -> bytes:
         doc.write(stream)
     except DXFError as error:
         raise ValueError(f"DXF: {error}") from error
-    return re.sub(r"\r?\n", "\r\n", stream.getvalue()).encode(doc.encoding, errors="dxfreplace")
+    return re.sub(r"\r?\n", "\r\n", stream.getvalue()).encode(doc.output_encoding, errors="dxfreplace")
 
 
 def _required_classes(doc: Drawing) -> set[str]:

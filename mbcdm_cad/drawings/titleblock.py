@@ -141,7 +141,7 @@ def draw_tables(doc: Drawing, tables: tuple[Table, ...], right: float, top: floa
     y = top
     for table in tables:
         widths, tall = table_size_mm(table.columns, table.rows)
-        name = "TABLE_" + "".join(c if c.isalnum() else "_" for c in table.title.upper())
+        name = "TABLE_" + "".join(c if c.isascii() and c.isalnum() else "_" for c in table.title.upper())
         block = doc.blocks.new(name)
         _table(block, table, widths)
         across = max(sum(widths), text_width_mm(table.title) + 1.0)

@@ -1,0 +1,168 @@
+"""Sheets of all made parts of the reference design: readable, sound DXF, the same every time, holes as in the solid."""
+
+from __future__ import annotations
+
+import io
+import re
+from itertools import combinations
+from pathlib import Path
+
+import cadquery as cq
+import ezdxf
+import pytest
+from ezdxf.document import Drawing
+
+from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
+from mbcdm_cad.drawings.style import text_width_mm
+from mbcdm_cad.parts.make import make
+from mbcdm_cad.parts.sheets.lookup import sheet_of
+from tests.support.drawing_reader import document, table
+
+ROOT = Path(__file__).parents[3]
+_DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
+_OF = configuration(_DRIVE.configuration)
+_BILL = _OF.bill(_OF.layout(_DRIVE))
+MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "made"))
+_FACTS = PartFacts("mbcdm", "metal", 1.0, "0")
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dict[str, tuple[cq.Solid, dict[str, bytes]]]:
+    """Solid and files of every made part."""
+    made = {}
+    for name in MADE:
+        spec = _BILL.parts[name]
+        solid = make(spec.maker, spec.args)
+        made[name] = (solid, draw_sheet(sheet_of(name, spec.maker, spec.args), solid, _FACTS))
+    return made
+
+
+Drawn = dict[str, tuple[cq.Solid, dict[str, bytes]]]
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_audit_finds_nothing(drawn: Drawn, name: str) -> None:
+    found = document(drawn[name][1]["dxf"]).audit()
+    assert not found.errors
+    assert not found.fixes
+
+
+@pytest.mark.parametrize("name", ["input_pulley_left", "collar", "top_plate"])
+def test_the_same_bytes_twice(drawn: Drawn, name: str) -> None:
+    spec = _BILL.parts[name]
+    solid = make(spec.maker, spec.args)
+    again = draw_sheet(sheet_of(name, spec.maker, spec.args), solid, _FACTS)
+    for kind, data in drawn[name][1].items():
+        assert again[kind] == data, kind
+
+
+def _boxes(doc: Drawing) -> list[tuple[str, tuple[float, float, float, float]]]:
+    """Every text on the paper with its box: labels, titles, and what stands at dimensions."""
+    boxes = []
+    for text in doc.modelspace().query("TEXT"):
+        width = text_width_mm(text.dxf.text, text.dxf.height)
+        x, y, _ = text.dxf.align_point if text.dxf.hasattr("align_point") else text.dxf.insert
+        left, low = (x, y) if text.dxf.halign == 0 else (x - width / 2, y - text.dxf.height / 2)
+        boxes.append((text.dxf.text, (left, low, left + width, low + text.dxf.height)))
+    for dimension in doc.modelspace().query("DIMENSION"):
+        for text in doc.blocks.get(dimension.dxf.geometry).query("MTEXT"):
+            width, height = text_width_mm(text.plain_text()), text.dxf.char_height
+            turned = abs(text.get_rotation() % 180.0 - 90.0) < 45.0
+            half = (height / 2, width / 2) if turned else (width / 2, height / 2)
+            x, y, _ = text.dxf.insert
+            boxes.append((text.plain_text(), (x - half[0], y - half[1], x + half[0], y + half[1])))
+    return boxes
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_no_text_stands_on_another(drawn: Drawn, name: str) -> None:
+    doc = document(drawn[name][1]["dxf"])
+    over = [
+        (one, other)
+        for (one, a), (other, b) in combinations(_boxes(doc), 2)
+        if a[0] < b[2] - 0.1 and b[0] < a[2] - 0.1 and a[1] < b[3] - 0.1 and b[1] < a[3] - 0.1
+    ]
+    assert not over
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_all_texts_are_inside_the_frame(drawn: Drawn, name: str) -> None:
+    doc = document(drawn[name][1]["dxf"])
+    frame = next(p for p in doc.modelspace().query("LWPOLYLINE") if p.dxf.layer == "BORDER")
+    xs, ys = zip(*((p[0], p[1]) for p in frame.get_points()), strict=True)
+    outside = [
+        text
+        for text, (left, low, right, top) in _boxes(doc)
+        if left < min(xs) or right > max(xs) or low < min(ys) or top > max(ys)
+    ]
+    assert not outside
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_readable_by_others(drawn: Drawn, name: str) -> None:
+    """SVG of the paper's size, a PDF of one page, and a DXF whose dimensions measure the part, not the paper."""
+    files = drawn[name][1]
+    assert re.search(rb'width="(297|420|594|841)mm"', files["svg"])
+    assert files["pdf"].startswith(b"%PDF-1.4")
+    assert files["pdf"].count(b"/Type /Page ") == 1
+    doc = ezdxf.read(io.StringIO(files["dxf"].decode("utf-8").replace("\r\n", "\n")))
+    shown = [d for d in doc.modelspace().query("DIMENSION") if d.dimtype == 0]
+    assert shown
+    for dimension in shown:
+        block = doc.blocks.get(dimension.dxf.geometry)
+        text = next(t.plain_text() for t in block.query("MTEXT"))
+        value = float(re.search(r"(\d+\.?\d*)(?!x)(?:$|[^\dx.])", re.sub(r"^\d+x ", "", text))[1])  # type: ignore[index]
+        factor = dimension.override().get("dimlfac", 1.0)
+        a, b = dimension.dxf.defpoint2, dimension.dxf.defpoint3
+        along = abs(b.x - a.x) if abs(dimension.dxf.get("angle", 0.0)) < 1 else abs(b.y - a.y)
+        assert along * factor == pytest.approx(value, abs=6e-3), text
+
+
+def _cylinders(solid: cq.Solid, least_share: float) -> set[tuple[float, str, float, float]]:
+    """(diameter, axis direction, the two coordinates across it) of the cylinders bored into a solid, of whose wall
+    at least ``least_share`` is left."""
+    found: dict[tuple[float, str, float, float], float] = {}
+    for face in solid.Faces():
+        if face.geomType() != "CYLINDER":
+            continue
+        surface = face._geomAdaptor().Cylinder()
+        at, along = surface.Axis().Location(), surface.Axis().Direction()
+        radius = surface.Radius()
+        # Inside faces only: their normal points to the axis.
+        inward = face.wrapped.Orientation().name.endswith("REVERSED")
+        if not inward:
+            continue
+        for name, d, place in (("Z", along.Z(), (at.X(), at.Y())), ("Y", along.Y(), (at.X(), at.Z()))):
+            if abs(d) > 0.999:
+                key = (round(2 * radius, 3), name, round(place[0], 3) + 0.0, round(place[1], 3) + 0.0)
+                box = face.BoundingBox()
+                length = box.zlen if name == "Z" else box.ylen
+                found[key] = max(found.get(key, 0.0), face.Area() / (2 * 3.14159265 * radius * max(length, 1e-9)))
+    return {key for key, share in found.items() if share > least_share}
+
+
+def test_hole_table_of_the_frame_is_what_the_solid_has(drawn: Drawn) -> None:
+    solid, files = drawn["frame"]
+    doc = document(files["dxf"])
+    rows = {row[0]: row for row in table(doc, "Holes")[1:]}
+    said = set()
+    for axis in "ZY":
+        title = f"Positions from A and the drum axis, along {axis}"
+        for name, first, second in table(doc, title)[1:]:
+            row = rows[name[0]]
+            diameter = float(row[3][1:].split()[0]) if row[3] != "-" else float(row[2])
+            said.add((round(diameter, 3), axis, float(first), float(second)))
+            if row[6] != "-":
+                sunk = float(re.match(r"Ø([\d.]+)", row[6])[1])  # type: ignore[index]
+                said.add((round(sunk, 3), axis, float(first), float(second)))
+    drum = {(16.0, "Y", 0.0, 0.0), (14.2, "Y", 0.0, 0.0), (24.5, "Y", 0.0, 0.0)}
+
+    def near(a: tuple[float, str, float, float], b: tuple[float, str, float, float]) -> bool:
+        return a[1] == b[1] and all(abs(p - q) < 2e-3 for p, q in zip((a[0], *a[2:]), (b[0], *b[2:]), strict=True))
+
+    # Holes that cut into each other keep a part of their walls; corners of pockets are quarters of cylinders.
+    walls, whole = _cylinders(solid, 0.05), _cylinders(solid, 0.45) - drum
+    assert not [hole for hole in said if not any(near(hole, other) for other in walls)]
+    assert not [hole for hole in whole if not any(near(hole, other) for other in said)]
