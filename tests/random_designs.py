@@ -24,13 +24,14 @@ import trimesh
 import yaml
 
 sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it is run
+sys.path.insert(0, str(Path(__file__).parent / "support"))
 
+from interference_of_solids import interferences
 from random_generator import Passing, passing
 
-from mbcdm_cad.build.interference import interferences
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
-from mbcdm_cad.build.poses import travel_poses
+from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest

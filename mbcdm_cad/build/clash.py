@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.parts.bill import cable_item
 from mbcdm_cad.routes.cable_path import CablePath
 
 Points = NDArray[np.float64]
+Place = tuple[float, float, float]
 
 _COARSE_MM = 0.2
 _FINE_MM = 0.01
@@ -29,7 +29,7 @@ class Clash:
     second: str
     kind: Literal["solids", "cable and solid", "cables"]
     drum_angle_deg: float
-    place_mm: tuple[float, float, float]
+    place_mm: Place
     volume_mm3: float = 0.0
     overlap_mm: float = 0.0
 
@@ -93,17 +93,13 @@ def centre_line_distance(first: CablePath, second: CablePath, diameter_mm: float
     return best
 
 
-def cable_clashes(paths: Sequence[CablePath], diameter_mm: float, drum_angle_deg: float) -> Iterator[Clash]:
-    """Cables whose centre lines come nearer than their diameter, each with each and each with itself."""
-    pairs = [*combinations(paths, 2), *((p, p) for p in paths)]
-    for first, second in pairs:
-        distance, place = centre_line_distance(first, second, diameter_mm)
+def cable_overlaps(paths: Sequence[CablePath], diameter_mm: float) -> Iterator[tuple[int, int, float, Place]]:
+    """Cables whose centre lines come nearer than their diameter, each with each and each with itself.
+
+    Gives the indices of both, how deep one lies in the other (mm), and where.
+    """
+    count = len(paths)
+    for i, j in (*combinations(range(count), 2), *((k, k) for k in range(count))):
+        distance, place = centre_line_distance(paths[i], paths[j], diameter_mm)
         if distance < diameter_mm - 1e-6:
-            yield Clash(
-                cable_item(first.cable.name),
-                cable_item(second.cable.name),
-                "cables",
-                drum_angle_deg,
-                (float(place[0]), float(place[1]), float(place[2])),
-                overlap_mm=diameter_mm - distance,
-            )
+            yield i, j, diameter_mm - distance, (float(place[0]), float(place[1]), float(place[2]))

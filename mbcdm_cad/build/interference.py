@@ -1,157 +1,135 @@
 """Does anything overlap anything, over the whole travel? Solids by booleans, cables by a rod a hair thinner.
 
-What moves together is tested once; what moves apart at every pose. Cable against cable, and against its own turns, by
-the distance of centre lines, since rods that touch make booleans fail. No list of exceptions.
+The run lists what has to be looked at, pose by pose, and the tests that answer for it, each test once: pairs that lie
+alike at many poses are one test, and after an edit only the pairs that it has changed have to be tested. Bodies that
+move together are looked at with the drum centred. Cable against cable, and against its own turns, by the distance of
+centre lines, since rods that touch make booleans fail. No list of exceptions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
-from itertools import combinations
-from math import radians
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
-from OCP.Bnd import Bnd_Box
-from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
-from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepGProp import BRepGProp
-from OCP.GProp import GProp_GProps
-from OCP.TopoDS import TopoDS_Shape
-from threadpoolctl import threadpool_limits
 
-from mbcdm_cad.build.clash import Clash, cable_clashes
-from mbcdm_cad.build.kernel import kernel_shape, location
-from mbcdm_cad.configurations.interface import Layout
-from mbcdm_cad.configurations.registry import configuration
-from mbcdm_cad.parts.bill import CABLE, cable_item
-from mbcdm_cad.parts.cable import create_cable
-from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.build.clash import Clash
+from mbcdm_cad.build.pairs import Body, Box, Cables, Found, Pair, Rod, RodShape, Test, rounded
+from mbcdm_cad.build.scene import Scene, is_longest
+from mbcdm_cad.parts.bill import cable_item
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.storage.parallel import fork_map
 
-# Two bodies that share less than this touch; they do not overlap.
-VOLUME_LIMIT_MM3 = 0.01
-# The rod tested against solids is thinner by this, or surfaces that touch along a line give nonsense.
-CABLE_UNDERSIZE_MM = 0.005
-_CULL_STEP_MM = 0.5
 
-Box = NDArray[np.float64]  # (2, 3): lowest and highest corner
+@dataclass(frozen=True)
+class Look:
+    """Bodies at one pose: the test that answers for them, and how its answer reads there."""
 
+    key: str
+    kind: str
+    names: tuple[str, ...]
+    drum_angle_deg: float
+    placement: Placement
 
-class _Body(NamedTuple):
-    name: str
-    group: str
-    shape: TopoDS_Shape
-    box: Box
-
-
-def _box(shape: TopoDS_Shape) -> Box:
-    bounds = Bnd_Box()
-    BRepBndLib.Add_s(shape, bounds, False)
-    x0, y0, z0, x1, y1, z1 = bounds.Get()
-    return np.array([[x0, y0, z0], [x1, y1, z1]])
-
-
-def _common(first: TopoDS_Shape, second: TopoDS_Shape) -> tuple[float, tuple[float, float, float]]:
-    """Volume two solids share, mm^3, and its centre."""
-    operation = BRepAlgoAPI_Common(first, second)
-    properties = GProp_GProps()
-    if not operation.IsDone() or operation.Shape().IsNull():
-        return 0.0, (0.0, 0.0, 0.0)
-    BRepGProp.VolumeProperties_s(operation.Shape(), properties)
-    centre = properties.CentreOfMass()
-    return properties.Mass(), (centre.X(), centre.Y(), centre.Z())
+    def clashes(self, found: Found) -> Iterator[Clash]:
+        """The test's answer in the names of the bodies and the frame of the assembly."""
+        for i, j, size, *place in found:
+            x, y, z = (float(value) for value in self.placement.apply(np.array(place)))
+            first, second, where = self.names[i], self.names[j], (x, y, z)
+            if self.kind == "cables":
+                yield Clash(first, second, "cables", self.drum_angle_deg, where, overlap_mm=size)
+            else:
+                kind = "solids" if self.kind == "solids" else "cable and solid"
+                yield Clash(first, second, kind, self.drum_angle_deg, where, volume_mm3=size)  # type: ignore[arg-type]
 
 
-def _bodies(layout: Layout, solids: Mapping[str, Any], angle_deg: float) -> list[_Body]:
-    placed = []
-    for item in configuration(layout.drive.configuration).bill(layout, angle_deg).items:
-        if not item.name.startswith(CABLE) and item.part in solids:
-            shape = kernel_shape(solids[item.part]).Moved(location(item.location))
-            placed.append(_Body(item.name, item.group, shape, _box(shape)))
-    return placed
+@dataclass
+class Run:
+    """The looks in the order of the result, and the tests by key."""
+
+    looks: list[Look] = field(default_factory=list)
+    tests: dict[str, Test] = field(default_factory=dict)
+
+    def add(self, test: Test, kind: str, names: tuple[str, ...], angle_deg: float, placement: Placement) -> None:
+        """Look at bodies at one pose; ``placement`` leads from the test's frame to the assembly's."""
+        key = test.key
+        self.tests.setdefault(key, test)
+        self.looks.append(Look(key, kind, names, angle_deg, placement))
+
+    def missing(self, known: Mapping[str, Found]) -> list[str]:
+        """Keys of the tests whose answers are not known, those that take long first."""
+        return sorted((key for key in self.tests if key not in known), key=lambda key: -self.tests[key].work)
+
+    def clashes(self, known: Mapping[str, Found]) -> tuple[Clash, ...]:
+        """All overlaps, from the answers to all tests."""
+        return tuple(clash for look in self.looks for clash in look.clashes(known[look.key]))
 
 
-def _boxes_meet(first: Box, second: Box) -> bool:
-    return bool(np.all(first[0] < second[1]) and np.all(second[0] < first[1]))
+def interference_run(
+    scenes: Mapping[float, Scene],
+    bodies: Mapping[str, Body],
+    poses_deg: Sequence[float],
+    half_travel_deg: float,
+    diameter_mm: float,
+) -> Run:
+    """All that has to be looked at over ``poses_deg``. ``scenes`` by drum angle: the poses, the centre, both ends.
 
-
-def _solid_clashes(bodies: Sequence[_Body], angle_deg: float, same_group: bool) -> Iterator[Clash]:
-    for a, b in combinations(bodies, 2):
-        if (a.group == b.group) == same_group and _boxes_meet(a.box, b.box):
-            volume, place = _common(a.shape, b.shape)
-            if abs(volume) >= VOLUME_LIMIT_MM3:
-                yield Clash(a.name, b.name, "solids", angle_deg, place, volume_mm3=volume)
-
-
-def _near(points: NDArray[np.float64], box: Box, margin: float) -> bool:
-    return bool(np.any(np.all((points > box[0] - margin) & (points < box[1] + margin), axis=1)))
-
-
-def _rod_clashes(layout: Layout, path: CablePath, bodies: Sequence[_Body], angle_deg: float) -> Iterator[Clash]:
-    radius = layout.drive.cable.diameter_mm / 2
-    points = path.sample(_CULL_STEP_MM)
-    near = [b for b in bodies if _near(points, b.box, radius + _CULL_STEP_MM)]
-    if near:
-        rod = create_cable(path.line, radius - CABLE_UNDERSIZE_MM).wrapped
-        for body in near:
-            volume, place = _common(rod, body.shape)
-            if abs(volume) >= VOLUME_LIMIT_MM3:
-                yield Clash(
-                    cable_item(path.cable.name), body.name, "cable and solid", angle_deg, place, volume_mm3=volume
-                )
-
-
-def _pose_clashes(layout: Layout, solids: Mapping[str, Any], angle_deg: float) -> list[Clash]:
-    """What can only be seen at this pose. What a cable shares with the pulley it is wound on, or with the drum, is not:
-    there less of it lies in the same place than at the end of travel where it is longest."""
-    bodies = _bodies(layout, solids, angle_deg)
-    found = list(_solid_clashes(bodies, angle_deg, same_group=False))
-    paths = layout.cable_paths(radians(angle_deg))
-    # Poses run side by side: threads of the linear algebra besides wait for each other more than they work.
-    with threadpool_limits(1, "blas"):
-        found += cable_clashes(paths, layout.drive.cable.diameter_mm, angle_deg)
-    for path in paths:
-        for stretch in path.stretches:
-            others = [b for b in bodies if b.group != stretch.body]
-            found += _rod_clashes(layout, path.only(stretch.pieces), others, angle_deg)
-    return found
-
-
-def _static_clashes(layout: Layout, solids: Mapping[str, Any]) -> list[Clash]:
-    """Bodies that move together, and each cable with what it is fixed to, where most of it lies there."""
-    found = list(_solid_clashes(_bodies(layout, solids, 0.0), 0.0, same_group=True))
-    half = layout.drive.half_travel_deg
-    for angle in (-half, half):
-        bodies = _bodies(layout, solids, angle)
-        paths, opposite = layout.cable_paths(radians(angle)), layout.cable_paths(radians(-angle))
-        for path, other in zip(paths, opposite, strict=True):
-            for stretch in (s for s in path.stretches if s.body is not None):
-                here = path.only(stretch.pieces)
-                if here.length_mm >= other.only(stretch.pieces).length_mm:
-                    own = [b for b in bodies if b.group == stretch.body]
-                    found += _rod_clashes(layout, here, own, angle)
-    return found
-
-
-def interference_tasks(
-    layout: Layout, solids: Mapping[str, Any], poses_deg: Sequence[float]
-) -> list[Callable[[], list[Clash]]]:
-    """The run as independent pieces of work, one a pose and one for what moves together; their results in order."""
-    return [
-        partial(_static_clashes, layout, solids),
-        *(partial(_pose_clashes, layout, solids, angle_deg) for angle_deg in poses_deg),
-    ]
-
-
-def interferences(
-    layout: Layout, solids: Mapping[str, Any], poses_deg: Sequence[float], jobs: int = 1
-) -> tuple[Clash, ...]:
-    """All overlaps at the given drum angles. ``solids``: part name to solid in the part's own frame.
-
-    Order of the result does not depend on ``jobs``. Parts without a solid in the mapping are left out.
+    ``bodies`` by part; items whose part is not among them are left out.
     """
-    tasks = interference_tasks(layout, solids, poses_deg)
-    return tuple(clash for found in fork_map(lambda task: task(), tasks, jobs) for clash in found)
+    run = Run()
+    placed = {
+        angle: [(item, bodies[item.part].box_at(item.location)) for item in scene.bodies if item.part in bodies]
+        for angle, scene in scenes.items()
+    }
+
+    def solids(angle_deg: float, together: bool) -> None:
+        for first, second in _meeting(placed[angle_deg]):
+            if (first.group == second.group) == together:
+                placement = rounded(first.location.inverse @ second.location)
+                pair = Pair(bodies[first.part], bodies[second.part], placement)
+                run.add(pair, "solids", (first.name, second.name), angle_deg, first.location)
+
+    def rods(angle_deg: float, path: CablePath, stretch: Stretch, own: bool) -> None:
+        rod = RodShape(path.only(stretch.pieces), diameter_mm)
+        for item, box in placed[angle_deg]:
+            if (item.group == stretch.body) == own and rod.is_near(box):
+                test = Rod(rod, bodies[item.part], rounded(item.location))
+                names = (cable_item(path.cable.name), item.name)
+                run.add(test, "cable and solid", names, angle_deg, Placement.identity())
+
+    solids(0.0, together=True)
+    ends = (-half_travel_deg, half_travel_deg)
+    for end in ends:
+        for k, path in enumerate(scenes[end].cables):
+            for stretch in path.stretches:
+                # What a cable shares with the body that carries it is seen where most of it lies there.
+                if stretch.body is not None and is_longest(path, stretch, [scenes[other].cables[k] for other in ends]):
+                    rods(end, path, stretch, own=True)
+    for angle in poses_deg:
+        solids(angle, together=False)
+        paths = scenes[angle].cables
+        names = tuple(cable_item(path.cable.name) for path in paths)
+        run.add(Cables(paths, diameter_mm), "cables", names, angle, Placement.identity())
+        for path in paths:
+            for stretch in path.stretches:
+                rods(angle, path, stretch, own=False)
+    return run
+
+
+def answers(run: Run, known: Mapping[str, Found], jobs: int) -> dict[str, Found]:
+    """Answers to all tests of ``run``: those ``known``, and the others worked out, the same for any ``jobs``."""
+    missing = run.missing(known)
+    worked_out = fork_map(lambda key: run.tests[key].test(), missing, jobs)
+    return {**{key: known[key] for key in run.tests if key in known}, **dict(zip(missing, worked_out, strict=True))}
+
+
+def _meeting(placed: Sequence[tuple[Item, Box]]) -> Iterator[tuple[Item, Item]]:
+    """The pairs whose boxes meet, in the order of the items."""
+    if not placed:
+        return
+    low, high = (np.array([box[k] for _, box in placed]) for k in (0, 1))
+    meet = np.all((low[:, None] < high[None, :]) & (low[None, :] < high[:, None]), axis=2)
+    for i, j in np.argwhere(np.triu(meet, 1)):
+        yield placed[i][0], placed[j][0]

@@ -76,7 +76,7 @@ def build(
     store = Store(cache, progress)
     posed, centred = kind.bill(dims, angle_deg), kind.bill(dims)
     parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes)
-    from mbcdm_cad.build.poses import travel_poses
+    from mbcdm_cad.build.scene import travel_poses
 
     poses = travel_poses(drive.half_travel_deg, POSES)
     clashes, frame = store.judged(dims, parts, poses, processes)

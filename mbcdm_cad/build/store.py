@@ -9,11 +9,16 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from math import radians
 from typing import Any
 
+import numpy as np
+
 from mbcdm_cad.build.clash import Clash
+from mbcdm_cad.build.interference import Run, interference_run
+from mbcdm_cad.build.known import KnownTests
+from mbcdm_cad.build.pairs import Body
 from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.build.scene import scenes
 from mbcdm_cad.configurations.interface import FrameCompliance, Layout
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
@@ -96,44 +101,28 @@ class Store:
     def judged(
         self, layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...], jobs: int
     ) -> tuple[tuple[Clash, ...], FrameCompliance | None]:
-        """Interference run over ``poses_deg`` and compliance of the frame, side by side where both have to be made.
-
-        Cables are drawn anew at every pose, so their paths are in the run's key; of the parts only their solids count:
-        another material or mesh repeats nothing.
-        """
-        kind = configuration(layout.drive.configuration)
-        rigid = {n: p for n, p in parts.items() if not n.startswith(CABLE)}
-        shapes = {n: hashlib.sha256(p.files.brep).hexdigest() for n, p in rigid.items()}
-        source = source_hash("mbcdm_cad.build.interference")
-        moving = [
-            (
-                [(i.name, i.part, i.group, i.location) for i in kind.bill(layout, a).items],
-                [(p.cable.name, p.cable.input_name, p.pieces) for p in layout.cable_paths(radians(a))],
-            )
-            for a in poses_deg
-        ]
-        run_key = content_key("interference", (moving, layout.drive.cable.diameter_mm, shapes), source, versions())
-        study = kind.frame_study(layout)
+        """Interference run over ``poses_deg`` and compliance of the frame, side by side where both have to be made."""
+        run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache)
+        missing = run.missing(known)
+        study = configuration(layout.drive.configuration).frame_study(layout)
         frame_key = content_key("frame", study.inputs, source_hash(study.module), versions()) if study else ""
-        run, frame = self._cache.get(run_key), self._cache.get(frame_key) if study else None
+        frame = self._cache.get(frame_key) if study else None
         tasks: list[Callable[[], Any]] = []
         if study and frame is None:
             tasks.append(study.compliance)
             self._note("stiffness of the frame")
-        if run is None:
-            from mbcdm_cad.build.interference import interference_tasks
+        if missing:
+            from mbcdm_cad.build.separation import prepare
 
+            prepare()
             self._note(f"interference at {len(poses_deg)} poses")
-            tasks += interference_tasks(layout, self.solids(rigid), poses_deg)
+            tasks += [run.tests[key].test for key in missing]
         results = fork_map(lambda task: task(), tasks, jobs)
         if study and frame is None:
             frame = {"compliance": json.dumps(asdict(results.pop(0))).encode()}
             self._cache.put(frame_key, frame)
-        if run is None:
-            run = {"clashes": json.dumps([asdict(clash) for found in results for clash in found]).encode()}
-            self._cache.put(run_key, run)
-        clashes = tuple(Clash(**{**c, "place_mm": tuple(c["place_mm"])}) for c in json.loads(run["clashes"]))
-        return clashes, FrameCompliance(**json.loads(frame["compliance"])) if frame else None
+        known.add(dict(zip(missing, results, strict=True)), run.tests)
+        return run.clashes(known), FrameCompliance(**json.loads(frame["compliance"])) if frame else None
 
     def solids(self, parts: dict[str, MadePart]) -> dict[str, Any]:
         """Kernel shapes of ``parts``, each read once."""
@@ -145,6 +134,20 @@ class Store:
     def _note(self, *names: str) -> None:
         self.made += names
         self._progress(", ".join(names))
+
+
+def _interference_run(layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...]) -> Run:
+    bodies = {name: _body(part) for name, part in parts.items() if not name.startswith(CABLE)}
+    half = layout.drive.half_travel_deg
+    seen = scenes(layout, (0.0, -half, half, *poses_deg))
+    return interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm)
+
+
+def _body(part: MadePart) -> Body:
+    """A part for the interference run. Only its solid counts: another material or mesh repeats no test."""
+    shape = part.files.shape
+    key = hashlib.sha256(part.files.brep).hexdigest()
+    return Body(key, np.array([shape.low_mm, shape.high_mm]), part.solid, part.files.mesh)
 
 
 def _keys(parts: dict[str, MadePart]) -> dict[str, str]:

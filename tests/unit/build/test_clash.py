@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.clash import Clash, cable_clashes, centre_line_distance
+from mbcdm_cad.build.clash import Clash, cable_overlaps, centre_line_distance
 from mbcdm_cad.configurations.miso_bevel.cable_path import cable_path
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.routes.cable_path import CablePath
@@ -52,20 +52,19 @@ def test_neighbouring_turns_lie_a_lead_apart(dims: Layout) -> None:
 
 def test_reference_cables_clear_each_other_and_themselves(dims: Layout) -> None:
     for angle in np.linspace(-35, 35, 5):
-        assert not list(cable_clashes(dims.cable_paths(radians(angle)), dims.drive.cable.diameter_mm, angle))
+        assert not list(cable_overlaps(dims.cable_paths(radians(angle)), dims.drive.cable.diameter_mm))
 
 
 def test_a_lead_under_the_diameter_is_a_cable_that_overlaps_itself(dims: Layout) -> None:
     tight = layout(replace(dims.drive, helix_lead_mm=0.80))
-    found = list(cable_clashes(tight.cable_paths(0.0), 0.81, 0.0))
-    assert [(c.first, c.second) for c in found] == [(f"cable_{k}", f"cable_{k}") for k in (1, 2, 3, 4)]
-    for c in found:
+    found = list(cable_overlaps(tight.cable_paths(0.0), 0.81))
+    assert [(i, j) for i, j, _, _ in found] == [(k, k) for k in range(4)]
+    for k, _, depth_mm, (x, y, z) in found:
         # Turn beside turn: 0.81 - 0.80 cos(helix); a bit more where the span leaves, on the side of the turn before.
-        assert 0.0101 < c.overlap_mm < 0.0125, str(c)
-        x, y, z = c.place_mm
-        cable = next(r for r in dims.drive.cables if r.name == c.first)
+        cable = dims.drive.cables[k]
+        assert 0.0101 < depth_mm < 0.0125, f"{cable.name}: {depth_mm}"
         from_axis = np.hypot(x - cable.input_side * dims.drive.centre_distance_mm, y)
-        assert from_axis == pytest.approx(cable.input_radius_mm, abs=0.05), f"{c}: not on the pulley"
+        assert from_axis == pytest.approx(cable.input_radius_mm, abs=0.05), f"{cable.name}: not on the pulley"
         assert abs(z - cable.drum_radius_mm) < 2.1
 
 
@@ -73,9 +72,10 @@ def test_two_cables_made_to_cross_are_named_with_depth_and_place(dims: Layout) -
     """Thicker than their centre lines are apart, they clash; a hair thinner, they do not."""
     first, second = dims.cable_paths(0.0)[:2]
     distance, _ = centre_line_distance(first, second, 0.81)
-    assert all(c.first == c.second for c in cable_clashes([first, second], distance - 1e-3, 0.0))
-    (clash,) = [c for c in cable_clashes([first, second], distance + 0.05, 0.0) if c.first != c.second]
-    assert clash.overlap_mm == pytest.approx(0.05, abs=1e-4) and clash.kind == "cables"
+    assert all(i == j for i, j, _, _ in cable_overlaps([first, second], distance - 1e-3))
+    ((i, j, depth_mm, _),) = [o for o in cable_overlaps([first, second], distance + 0.05) if o[0] != o[1]]
+    assert (i, j) == (0, 1) and depth_mm == pytest.approx(0.05, abs=1e-4)
+    clash = Clash("cable_1", "cable_2", "cables", 0.0, (0.0, 0.0, 0.0), overlap_mm=depth_mm)
     assert "cable_1 and cable_2 overlap: 0.0500 mm deep at (" in str(clash)
 
 

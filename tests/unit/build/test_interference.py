@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from math import acos, pi, sqrt
+from pathlib import Path
 from typing import Any
 
 import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.build import interference
 from mbcdm_cad.build.clash import Clash
-from mbcdm_cad.build.interference import interferences
-from mbcdm_cad.build.poses import travel_poses
+from mbcdm_cad.build.pairs import CABLE_UNDERSIZE_MM
+from mbcdm_cad.build.scene import travel_poses
+from mbcdm_cad.configurations.miso_bevel import CONFIGURATION
 from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
+
+from interference_of_solids import interferences
 
 Move = Callable[[dict[str, Placement]], None]
 
@@ -51,7 +57,7 @@ def move(monkeypatch: pytest.MonkeyPatch) -> Move:
             items = tuple(replace(i, location=i.location @ moves[i.name]) if i.name in moves else i for i in b.items)
             return replace(b, items=items)
 
-        monkeypatch.setattr(interference, "bill", moved)
+        monkeypatch.setattr(type(CONFIGURATION), "bill", lambda self, dims, angle_deg=0.0: moved(dims, angle_deg))
 
     return install
 
@@ -119,7 +125,7 @@ def test_a_thicker_rope_uses_up_the_flank_gap(dims: Layout) -> None:
         assert pairs(found) == expected, f"d = {diameter}: " + "\n".join(map(str, found))
         for c in found:
             step = int(c.first[-1]) - 1
-            flank = drive.cable.diameter_mm / 2 - interference.CABLE_UNDERSIZE_MM
+            flank = drive.cable.diameter_mm / 2 - CABLE_UNDERSIZE_MM
             depth = flank - (thick.drum.lands[step + 1].y_start - drive.cables[step].guide_radius_mm)
             wrap = thick.drum.tensioners[step].anchor_rad + np.radians(35.0)
             expected_volume = segment_area(flank, depth) * drive.cables[step].drum_radius_mm * wrap
@@ -229,7 +235,7 @@ def test_every_item_of_the_bill_takes_part(
                                   location=Placement.translation(*map(float, at))))  # fmt: skip
         return replace(b, items=(*b.items, *probes))
 
-    monkeypatch.setattr(interference, "bill", probed)
+    monkeypatch.setattr(type(CONFIGURATION), "bill", lambda self, dims, angle_deg=0.0: probed(dims, angle_deg))
     found = interferences(dims, {**solids, "ball": ball}, (0.0,), jobs=2)
     rigid = [i.name for i in bill(dims).items if not i.name.startswith(CABLE)]
     expected = {(min(name, f"probe_{name}"), max(name, f"probe_{name}")) for name in rigid}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mbcdm_cad.build.poses import travel_poses
+from mbcdm_cad.build.scene import travel_poses
 
 
 def test_nine_poses_hold_both_ends_and_the_centre() -> None:

@@ -1,0 +1,207 @@
+"""Tests of single pairs: two solids, a stretch of a cable and a solid, the cables of one pose.
+
+A test is named by the content of the shapes and by how they lie to each other, and its answer holds wherever they do.
+Kernel and compiled code are imported inside the functions: a run whose answers are all known does without them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.build.clash import cable_overlaps
+from mbcdm_cad.build.trianglemesh import TriangleMesh
+from mbcdm_cad.parts.placement import Placement, Row
+from mbcdm_cad.routes.cable_path import CablePath
+
+if TYPE_CHECKING:
+    from mbcdm_cad.build.separation import Surface
+
+# Two bodies that share less than this touch; they do not overlap.
+VOLUME_LIMIT_MM3 = 0.01
+# The rod tested against solids is thinner by this, or surfaces that touch along a line give nonsense.
+CABLE_UNDERSIZE_MM = 0.005
+_CULL_STEP_MM = 0.5
+# The box of a part is exact to rounding.
+_BOX_MARGIN_MM = 1e-3
+# A motion is rounded to these places, far below any tolerance, so that pairs that move together have one name.
+_ROTATION_DIGITS, _SHIFT_DIGITS = 12, 9
+# The last bits of the kernel's figures differ from process to process.
+_FIGURE_DIGITS = 9
+
+Box = NDArray[np.float64]  # (2, 3): lowest and highest corner
+# What a test finds, one row a place: index of the first and the second body, size (mm^3, or mm for cables), place.
+Found = list[tuple[int, int, float, float, float, float]]
+
+
+class Body:
+    """A part's shape. ``key`` names its content; ``load`` gives its solid and is called only when a boolean needs it;
+    without a mesh nothing is proven apart."""
+
+    def __init__(self, key: str, box: Box, load: Callable[[], Any], mesh: TriangleMesh | None = None) -> None:
+        self.key = key
+        self.box = box
+        self.mesh = mesh
+        self._load = load
+
+    @cached_property
+    def solid(self) -> Any:
+        """The solid in the part's own frame."""
+        return self._load()
+
+    @cached_property
+    def surface(self) -> Surface | None:
+        """The mesh, made ready to be compared with others."""
+        from mbcdm_cad.build.separation import Surface
+
+        return None if self.mesh is None else Surface.of_mesh(self.mesh)
+
+    def box_at(self, placement: Placement) -> Box:
+        """An upright box about the part at a placement: about its own box, turned."""
+        corners = placement.apply(np.array(np.meshgrid(*self.box.T)).reshape(3, -1).T)
+        return np.stack([corners.min(axis=0) - _BOX_MARGIN_MM, corners.max(axis=0) + _BOX_MARGIN_MM])
+
+
+class RodShape:
+    """A stretch of a cable as a rod, drawn and sampled once for all bodies that it is tested against."""
+
+    def __init__(self, path: CablePath, diameter_mm: float) -> None:
+        self.pieces = path.line
+        self.length_mm = path.length_mm
+        self.radius_mm = diameter_mm / 2 - CABLE_UNDERSIZE_MM
+        self.key = digest(self.pieces, self.radius_mm)
+        self._points = path.sample(_CULL_STEP_MM)
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The rod, made ready to be compared with meshes."""
+        from mbcdm_cad.build.separation import Surface
+
+        return Surface.of_rod(self.pieces, self.radius_mm)
+
+    @cached_property
+    def solid(self) -> Any:
+        """The rod drawn."""
+        from mbcdm_cad.build.overlap import rod
+
+        return rod(self.pieces, self.radius_mm)
+
+    def is_near(self, box: Box) -> bool:
+        """Whether the rod may reach into a box."""
+        margin = self.radius_mm + _CULL_STEP_MM
+        return bool(np.any(np.all((self._points > box[0] - margin) & (self._points < box[1] + margin), axis=1)))
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two solids; ``placement`` leads from the second's frame to the first's."""
+
+    first: Body
+    second: Body
+    placement: Placement
+
+    @property
+    def key(self) -> str:
+        """The test's name."""
+        return digest("pair", self.first.key, self.second.key, self.placement.rows)
+
+    @property
+    def work(self) -> float:
+        """Rough measure of how long the test takes."""
+        return float(sum(len(body.mesh.triangles) for body in (self.first, self.second) if body.mesh is not None))
+
+    def test(self) -> Found:
+        """What the two share, in the frame of the first."""
+        if _apart(self.first, self.second, self.placement):
+            return []
+        return _shared(self.first.solid, self.second.solid, self.placement)
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A stretch of a cable and a solid; ``placement`` leads from the solid's frame to the cable's."""
+
+    rod: RodShape
+    body: Body
+    placement: Placement
+
+    @property
+    def key(self) -> str:
+        """The test's name."""
+        return digest("rod", self.rod.key, self.body.key, self.placement.rows)
+
+    @property
+    def work(self) -> float:
+        """Rough measure of how long the test takes: the kernel is slow where a helix touches a cylinder."""
+        return 1e6 * self.rod.length_mm
+
+    def test(self) -> Found:
+        """What the two share, in the frame of the cable."""
+        if _apart(self.rod, self.body, self.placement):
+            return []
+        return _shared(self.rod.solid, self.body.solid, self.placement)
+
+
+@dataclass(frozen=True)
+class Cables:
+    """All cables of one pose, each against each and each against its own other turns."""
+
+    paths: tuple[CablePath, ...]
+    diameter_mm: float
+    work: float = 1e5
+
+    @property
+    def key(self) -> str:
+        """The test's name."""
+        return digest("cables", self.diameter_mm, *(path.pieces for path in self.paths))
+
+    def test(self) -> Found:
+        """Where centre lines come nearer than the diameter, and by how much."""
+        from threadpoolctl import threadpool_limits
+
+        # Tests run side by side: threads of the linear algebra besides wait for each other more than they work.
+        with threadpool_limits(1, "blas"):
+            found = list(cable_overlaps(self.paths, self.diameter_mm))
+        return [(i, j, round(depth_mm, _FIGURE_DIGITS), *place) for i, j, depth_mm, place in found]
+
+
+Test = Pair | Rod | Cables
+
+
+def rounded(placement: Placement) -> Placement:
+    """A motion to the places that count: motions that differ by rounding come out equal."""
+
+    def row(values: Row) -> Row:
+        a, b, c = (round(value, _ROTATION_DIGITS) + 0.0 for value in values[:3])
+        return a, b, c, round(values[3], _SHIFT_DIGITS) + 0.0
+
+    first, second, third = placement.rows
+    return Placement((row(first), row(second), row(third)))
+
+
+def digest(*content: Any) -> str:
+    """A name, 32 hexadecimal digits, for plain data."""
+    return hashlib.blake2b(repr(content).encode(), digest_size=16).hexdigest()
+
+
+def _apart(first: Body | RodShape, second: Body, placement: Placement) -> bool:
+    from mbcdm_cad.build.separation import apart
+
+    one, other = first.surface, second.surface
+    return one is not None and other is not None and apart(one, other, placement)
+
+
+def _shared(first: Any, second: Any, placement: Placement) -> Found:
+    from mbcdm_cad.build.overlap import common
+
+    volume_mm3, place = common(first, second, placement)
+    if abs(volume_mm3) < VOLUME_LIMIT_MM3:
+        return []
+    x, y, z = (round(value, _FIGURE_DIGITS) for value in place)
+    return [(0, 1, round(volume_mm3, _FIGURE_DIGITS), x, y, z)]

@@ -1,0 +1,40 @@
+"""The interference run on solids at hand, as the tests draw and move them, with nothing known before."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.build.clash import Clash
+from mbcdm_cad.build.interference import Run, answers, interference_run
+from mbcdm_cad.build.kernel import brep_bytes
+from mbcdm_cad.build.measure import bounding_box
+from mbcdm_cad.build.meshing import mesh_solid
+from mbcdm_cad.build.pairs import Body
+from mbcdm_cad.build.scene import scenes
+from mbcdm_cad.configurations.interface import Layout
+
+
+def body(name: str, solid: Any, mesh_tolerance_mm: float | None = None) -> Body:
+    """A solid for the run; without a mesh tolerance every pair whose boxes meet is left to a boolean."""
+    mesh = None if mesh_tolerance_mm is None else mesh_solid(name, solid, mesh_tolerance_mm)
+    key = hashlib.sha256(brep_bytes(solid)).hexdigest()
+    return Body(key, np.array(bounding_box(solid)), lambda: solid, mesh)
+
+
+def run_of(dims: Layout, bodies: Mapping[str, Body], poses_deg: Sequence[float]) -> Run:
+    """The run of a design with these bodies in place of its parts."""
+    half = dims.drive.half_travel_deg
+    seen = scenes(dims, (0.0, -half, half, *poses_deg))
+    return interference_run(seen, bodies, poses_deg, half, dims.drive.cable.diameter_mm)
+
+
+def interferences(
+    dims: Layout, solids: Mapping[str, Any], poses_deg: Sequence[float], jobs: int = 1
+) -> tuple[Clash, ...]:
+    """All overlaps at the given drum angles. ``solids``: part name to solid in the part's own frame."""
+    run = run_of(dims, {name: body(name, solid) for name, solid in solids.items()}, poses_deg)
+    return run.clashes(answers(run, {}, jobs))
