@@ -213,8 +213,19 @@ def reproduce(design: Path | None) -> int:
     "--apply", "as_built", type=_FILE, metavar="AS_BUILT.yaml", help="Write the design file with what was found in it."
 )
 @click.option("--report", type=_FILE, metavar="FOLDER", help="Write a page with plots there.")
+@click.option(
+    "--correction",
+    type=_FILE,
+    metavar="FOLDER",
+    help="Write a correction table for the controller there.",
+)
 def loop(
-    design: Path, measurements: tuple[Path, ...], json_path: Path | None, as_built: Path | None, report: Path | None
+    design: Path,
+    measurements: tuple[Path, ...],
+    json_path: Path | None,
+    as_built: Path | None,
+    report: Path | None,
+    correction: Path | None,
 ) -> int:
     """Find in measured runs what the model lacks.
 
@@ -225,7 +236,7 @@ def loop(
     loaded = load_design(design)  # before the rest is imported, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
-    return loop_command(loaded, measurements, Outputs(json_path, as_built, report))
+    return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction))
 
 
 @mbcdm.command(epilog=_examples("mbcdm simulate my_drive.yaml params/experiments/winding-short-brake.yaml"))

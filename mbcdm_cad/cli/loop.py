@@ -16,15 +16,17 @@ from mbcdm_cad.measurement.reading import MeasurementFile, load_file
 from mbcdm_cad.storage.files import write_whole
 
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")
+CORRECTION_FILES = ("correction.csv", "correction.json", "correction.h")
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """Files to write: the result as JSON, the design as built, and the folder of the report page; None for none."""
+    """Files to write: result as JSON, design as built, folders of report page and correction table; None for none."""
 
     json: Path | None = None
     as_built: Path | None = None
     report: Path | None = None
+    correction: Path | None = None
 
 
 def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
@@ -51,6 +53,13 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
 
         page = report_page(report.result, report.design(), [(one.run, one.findings, one.notes) for one in vetted])
         outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: json_bytes(content)}
+    if wanted.correction is not None and report.result.correction is not None:
+        from mbcdm_cad.identification.correction_files import correction_files, correction_words
+
+        table = report.result.correction()
+        source = f"{loaded.path.name} and {', '.join(one.run.source for one in vetted)}"
+        outputs |= {wanted.correction / name: text for name, text in correction_files(table, source).items()}
+        click.echo(f"\ncorrection: {correction_words(table)}")
     write_whole(outputs)
     for path in outputs:
         click.echo(f"{path} written" + (f": {applied}" if path == wanted.as_built else ""))
@@ -61,8 +70,8 @@ def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: O
     """Figures of a paper: no search, what could explain them."""
     from mbcdm_cad.paper.published import judge_published
 
-    if len(files) > 1 or wanted.as_built is not None:
-        remedy = "give it alone, without --apply"
+    if len(files) > 1 or wanted.as_built is not None or wanted.correction is not None:
+        remedy = "give it alone, without --apply and --correction"
         wrong = next(file for file in files if file.content.published is not None)
         raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
     result = judge_published(loaded.drive, files[0])
@@ -87,11 +96,14 @@ def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], want
     taken += [("data of " + path.name, path.parent / name) for path, name in data]
     outputs = [] if wanted.json is None else [("--json", wanted.json)]
     outputs += [] if wanted.as_built is None else [("--apply", wanted.as_built)]
-    if wanted.report is not None:
-        if wanted.report.exists() and not wanted.report.is_dir():
-            remedy = "the report needs a folder; give another name"
-            raise InputError([Problem(str(wanted.report), 1, "--report", "a file", remedy=remedy)])
-        outputs += [("--report", wanted.report / name) for name in REPORT_FILES]
+    folders = (("--report", wanted.report, REPORT_FILES), ("--correction", wanted.correction, CORRECTION_FILES))
+    for option, folder, names in folders:
+        if folder is None:
+            continue
+        if folder.exists() and not folder.is_dir():
+            remedy = "it needs a folder; give another name"
+            raise InputError([Problem(str(folder), 1, option, "a file", remedy=remedy)])
+        outputs += [(option, folder / name) for name in names]
     problems = []
     for option, output in outputs:
         where = (str(output), 1, option)
@@ -102,7 +114,7 @@ def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], want
         if output.is_dir():
             problems.append(Problem(*where, "a folder, and a file is to be written", remedy="give another name"))
         there = next((folder for folder in output.parents if folder.exists()), Path())
-        if not there.is_dir() or (option != "--report" and there != output.parent):
+        if not there.is_dir() or (option not in ("--report", "--correction") and there != output.parent):
             what = f"there is no folder {output.parent}" if there.is_dir() else f"{there} is no folder"
             problems.append(Problem(*where, what, remedy="make it, or choose another path"))
         elif not os.access(there, os.W_OK):

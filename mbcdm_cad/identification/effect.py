@@ -59,7 +59,9 @@ class Effect:
     may have seen only a part of the run, need not know. ``generic``: a single curve of load or speed without a name may
     look like it, so it is tried against such curves (:mod:`mbcdm_cad.identification.generic`). ``after`` are names that
     are refitted, however little they promise, before this one is taken; ``doubtful`` says of fitted values that no such
-    part is built, in a sentence that says what to look for instead, or nothing.
+    part is built, in a sentence that says what to look for instead, or nothing. ``hangs_on`` is what it hangs on where
+    that is not angle, direction or load: no correction table can hold it. ``last``: a shape more than a cause, taken
+    only where no cause will do.
     """
 
     name: str
@@ -79,6 +81,8 @@ class Effect:
     generic: bool = False
     after: tuple[str, ...] = ()
     doubtful: Callable[[Floats], str] | None = None
+    hangs_on: str = ""
+    last: bool = False
 
     @property
     def key(self) -> tuple[str, str | None, tuple[str, ...]]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from mbcdm_cad.identification.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
+from mbcdm_cad.identification.correction import correction_of
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.fit import Fit, Fitter
@@ -100,6 +102,7 @@ class _Loop:
                 Helpful(self._as_named(one.effect, one.values, one.covariance, one.fall_rad), one.odds)
                 for one in self.judge.helpful
             ),
+            partial(correction_of, self.whole, judged, self.search.floor_rad),
         )
 
     def _located(self, fit: Fit) -> Fit:

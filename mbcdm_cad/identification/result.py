@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.measurement.run import Floats
 
 if TYPE_CHECKING:
+    from mbcdm_cad.identification.correction import Correction
     from mbcdm_cad.identification.noise import Noise
     from mbcdm_cad.identification.prepared import Windows
     from mbcdm_cad.identification.unknown import Unknown
@@ -162,7 +163,7 @@ class LoopResult:
 
     ``noise`` is what the floor was taken from, ``windows`` the smoothing of each run, ``doubts`` what the data
     themselves say against the sensors or against a figure that was found, ``helpful`` what lowers the error
-    certainly and is not named.
+    certainly and is not named, ``correction`` works out a table for the controller when it is called.
     """
 
     verdict: str
@@ -180,6 +181,7 @@ class LoopResult:
     windows: tuple[Windows, ...] = ()
     doubts: tuple[str, ...] = ()
     helpful: tuple[Helpful, ...] = ()
+    correction: Callable[[], Correction] | None = field(repr=False, default=None)
 
     def to_json(self) -> dict[str, Any]:
         """The result file."""

@@ -34,6 +34,8 @@ MOST_EFFECTS = 6
 MOST_LEANING = 3
 # What they then leave beyond the floor, over what they explain, at most.
 MOST_LEFT = 0.1
+# Held-out RMS, over the floor, by which an effect that leans on one place must fall to be believed for leaving nothing.
+MUCH = 1.5
 MOST_THREADS = 4
 
 
@@ -201,6 +203,12 @@ class Search:
 
         That is only believed if the two, fitted jointly, are both borne out and leave little more than the floor.
         """
+        for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
+            # One effect that alone leaves nothing above the noise, and does much: what else could it be?
+            much = self.held_rms(now) ** 2 - self.held_rms(one) ** 2 > (MUCH * self.floor_rad) ** 2
+            if much and not self.too_much(one):
+                self._note("leaves nothing beside it", one.effects[-1], now, one)
+                return self.backward(one)
         leaning: dict[object, Fit] = {}
         for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
             leaning.setdefault(one.effects[-1].key, one)
@@ -223,19 +231,30 @@ class Search:
         Where all close candidates are refused, those that promised less are refitted too: a strong preload error
         promises little by a linear step, and may do it all.
         """
-        least, done = now.square, list[Screened]()
+        done = list[Screened]()
+        tried = list[Fit]()
+        found: Fit | None = None
         for first in range(0, len(self.screening.screen(now)), MOST_REFITS):
             chosen = [c for c in self.close(now, first=first) if c not in done]
             done += chosen
-            tried = self.refits(now, chosen)
-            least = min([least, *(one.square for one in tried)])
-            for one in tried:
-                # What does far less than a best one that was refused only picks up its crumbs.
-                crumbs = now.square - one.square < RUNNER_UP * (now.square - least)
-                if not crumbs and self.acceptable(now, one):
-                    return one
-            if not self.too_much(now):
+            new = self.refits(now, chosen)
+            tried += new
+            found = self._first_acceptable(now, new, [one for one in tried if not one.effects[-1].last])
+            if found is not None or not self.too_much(now):
                 break
+        if found is None:
+            shapes = sorted((one for one in tried if one.effects[-1].last), key=lambda one: one.square)
+            found = self._first_acceptable(now, shapes, shapes)
+        return found
+
+    def _first_acceptable(self, now: Fit, new: Sequence[Fit], among: Sequence[Fit]) -> Fit | None:
+        """The first of ``new`` that can be taken and that is not far behind the best of ``among``."""
+        least = min((one.square for one in among), default=now.square)
+        for one in new:
+            # What does far less than a best one that was refused only picks up its crumbs.
+            crumbs = now.square - one.square < RUNNER_UP * (now.square - least)
+            if one in among and not crumbs and self.acceptable(now, one):
+                return one
         return None
 
     def too_much(self, fit: Fit) -> bool:

@@ -45,6 +45,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "a longer travel: a wave of the drum comes back after a turn, a bow goes on",
             (Parameter("parabola_rad_rad2", 1e-6 / half**2), Parameter("cubic_rad_rad3", 1e-6 / half**3)),
             _apply,
+            last=True,
             figures=(Figure("height_rad", height),),
         )
     ]

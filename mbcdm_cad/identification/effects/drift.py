@@ -44,6 +44,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 *warming[1:],
                 (Parameter("turn_rad_K", 1e-6),),
                 _by_temperature,
+                hangs_on="temperature",
             )
         )
     else:
@@ -58,6 +59,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 ),
                 _by_time,
                 starts=_times,
+                hangs_on="time",
             )
         )
     found.append(
@@ -73,6 +75,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             ),
             _settling,
             starts=_times,
+            hangs_on="time",
         )
     )
     return found

@@ -61,6 +61,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             _mount,
             starts=partial(_jumps, 0.0),
             once=True,
+            hangs_on="time",
             generic=True,
         )
     ]
@@ -78,6 +79,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 partial(_anchor, j),
                 starts=partial(_jumps, 0.0),
                 once=True,
+                hangs_on="time",
                 generic=True,
             )
             for j, cable in enumerate(d.cable_names)

@@ -40,6 +40,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         "an output sensor of known latency, or none of its filters",
         (Parameter("delay_s", 1e-5),),
         _late,
+        hangs_on="speed",
         generic=True,
     )
     bias = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
@@ -73,6 +74,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         "the same motion with a filter-free sensor",
         (Parameter("drag_Nm_s", 0.05, 0.0),),
         _viscous,
+        hangs_on="speed",
         generic=True,
     )
     return [late, viscous, bearing]
