@@ -16,15 +16,16 @@ ROPE_DIAMETER = "rope diameter_mm"
 class DesignVariable(NamedTuple):
     """A parameter under the name it has in the design file.
 
-    ``scale``: its value is a factor on a list of radii. ``explicit``: only for designs whose radii are (not) given
-    one by one.
+    ``scale``: its value is a factor on a list of radii. ``applies``: whether the design file gives it. ``shown``: its
+    name in a remedy and what to add there, where these depend on the design.
     """
 
     path: str
-    get: Callable[[Drive], float]
-    put: Callable[[Drive, float], Drive]
+    get: Callable[[Any], float]
+    put: Callable[[Any, float], Drive]
     scale: bool = False
-    explicit: bool | None = None
+    applies: Callable[[Any], bool] = lambda drive: True
+    shown: Callable[[Any], tuple[str, str]] | None = None
 
 
 class Adjustment(NamedTuple):
@@ -70,7 +71,7 @@ def radii(path: str, attributes: tuple[str, ...]) -> DesignVariable:
         cables = (replace(c, **{name: getattr(c, name) * factor for name in attributes}) for c in drive.cables)
         return replace(drive, cables=tuple(cables))
 
-    return DesignVariable(path, lambda drive: 1.0, put, True, None if path == ALL_RADII else True)
+    return DesignVariable(path, lambda drive: 1.0, put, scale=True)
 
 
 def _preload(drive: Drive, value: float) -> Drive:

@@ -11,7 +11,7 @@ from math import ceil, floor, log10
 
 from mbcdm_cad.checks.comparison import Check, Comparison
 from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
-from mbcdm_cad.checks.design_variables import ALL_RADII, ROPE_DIAMETER, DesignVariable
+from mbcdm_cad.checks.design_variables import ROPE_DIAMETER, DesignVariable
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 
@@ -54,7 +54,7 @@ def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
             break
         variable = variables.get(path)
         # Shared families name variables that not every configuration has.
-        if variable is not None and (variable.explicit is None or variable.explicit == drive.radii_explicit):
+        if variable is not None and variable.applies(drive):
             value = passing_value(variable, sense, design, check.measure, budget)
             if value is not None:
                 found.append(_offer(variable, sense, drive, value))
@@ -65,10 +65,9 @@ def _offer(variable: DesignVariable, sense: int, drive: Drive, value: float) -> 
     bound, figure = "at least" if sense > 0 else "at most", f"{value:.{SIGNIFICANT_DIGITS}g}"
     if variable.path == ROPE_DIAMETER:
         return f"choose a rope of {bound} {figure} mm{_rope_of(drive, sense, value)}"
-    if variable.path == ALL_RADII and not drive.radii_explicit:
-        return f"scale transmission.drum_radii_mm by {bound} {figure} (the others follow)"
     if variable.scale:
-        return f"scale {variable.path} by {bound} {figure}"
+        name, note = variable.shown(drive) if variable.shown else (variable.path, "")
+        return f"scale {name} by {bound} {figure}{note}"
     verb = "raise" if sense > 0 else "lower"
     return f"{verb} {variable.path} from {variable.get(drive):.4g} to {bound} {figure}"
 

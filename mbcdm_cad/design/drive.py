@@ -9,95 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from mbcdm_cad.design.bought import Bearing, CableSpec, Encoder, Gearhead, Material, Motor, Screw, TensionerSpec
+from mbcdm_cad.design.bought import CableSpec, Encoder, Gearhead, Material, Motor, Screw
 
 
 @dataclass(frozen=True)
 class CableRun:
-    """One cable of the drive and the three pitch radii it runs on (to the cable's centre line)."""
+    """One cable of the drive and its pitch radii at both ends (to the cable's centre line)."""
 
     name: str
     input_name: str
-    input_side: int  # -1: input at x = -L, +1: at x = +L
-    drum_side: int  # +1: runs on the drum towards +x, -1: towards -x
-    step: int  # 1..4, axial step on guide and drum
     input_radius_mm: float
-    guide_radius_mm: float
     drum_radius_mm: float
     preload_N: float
-
-    @property
-    def sigma(self) -> int:
-        """Sense in which this cable's tension turns the drum about +Y (mechanism: -1 towards +x, +1 towards -x)."""
-        return -self.drum_side
-
-
-@dataclass(frozen=True)
-class Clearances:
-    """Gaps the geometry must keep, all in mm between finished surfaces."""
-
-    transfer_gap_mm: float  # guide step 1 surface to the drum's inner face
-    land_edge_mm: float  # edge of a drum land to the next cable's contact line
-    running_mm: float  # any moving solid to any fixed one, elsewhere
-
-
-@dataclass(frozen=True)
-class Bearings:
-    """The bearing chosen for each role."""
-
-    drum: Bearing
-    guide: Bearing
-    input_lower: Bearing  # next to the gearhead
-    input_upper: Bearing  # in the top plate
-
-    def all(self) -> tuple[Bearing, ...]:
-        """The four roles in the order drum, guide, input lower, input upper (types may repeat)."""
-        return (self.drum, self.guide, self.input_lower, self.input_upper)
-
-
-@dataclass(frozen=True)
-class DrumSpec:
-    """Drum sector and its shaft; y is measured along the drum axis from the guide's axis."""
-
-    material: Material
-    sector_half_angle_deg: float
-    rim_inner_radius_mm: float
-    outer_face_y_mm: float
-    web_thickness_mm: float
-    hub_diameter_mm: float
-    hub_face_y_mm: float
-    shaft_bore_mm: float
-    shaft_material: Material
-
-
-@dataclass(frozen=True)
-class GuideSpec:
-    """Guide pulley and its fixed axle."""
-
-    material: Material
-    axle_material: Material
-
-
-@dataclass(frozen=True)
-class InputPulleySpec:
-    """Input pulleys, both alike but for their radii."""
-
-    material: Material
-
-
-@dataclass(frozen=True)
-class SupportSpec:
-    """Frame: back plate, side walls, shelves, ribs and the separate top plate."""
-
-    material: Material
-    back_y_mm: float
-    back_plate_mm: float
-    side_wall_mm: float
-    motor_shelf_mm: float
-    coupling_space_mm: float
-    bearing_shelf_mm: float
-    top_plate_mm: float
-    rib_mm: float
 
 
 @dataclass(frozen=True)
@@ -137,15 +60,14 @@ class ExportSettings:
     mesh_tolerance_mm: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Sigmas:
-    """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable."""
+    """Standard deviations of the values that were given with one, 0 for the others; tuples are by cable.
+
+    A configuration adds those of its own lengths, each under the length's name.
+    """
 
     preload_N: tuple[float, ...]
-    input_radius_mm: tuple[float, ...]
-    guide_radius_mm: tuple[float, ...]
-    drum_radius_mm: tuple[float, ...]
-    centre_distance_mm: float
     friction_coefficient: float
     modulus_GPa: float
     area_mm2: float  # of the area that the modulus refers to
@@ -185,7 +107,7 @@ class AsBuilt:
 
 @dataclass(frozen=True)
 class Drive:
-    """All that the model, the checks and the parts need to know of one design.
+    """All that is known of a design whatever its configuration, which adds fields of its own in a class of its own.
 
     ``as_built`` holds what was found on the built drive and is not among its values; a modulus, preload or friction
     that was found is (:mod:`mbcdm_cad.design.as_built`).
@@ -198,26 +120,16 @@ class Drive:
     configuration: str
     cables: tuple[CableRun, ...]
     input_names: tuple[str, ...]
-    input_sides: tuple[int, ...]
-    centre_distance_mm: float
     half_travel_deg: float
     stop_clearance_deg: float
     cable: CableSpec
     friction_coefficient: float
     helix_lead_mm: float
     dead_turns: float
-    radii_explicit: bool
-    clearances: Clearances
     motor: Motor
     gearhead: Gearhead
     encoder: Encoder
     drum_encoder: Encoder
-    bearings: Bearings
-    tensioner: TensionerSpec
-    drum: DrumSpec
-    guide: GuideSpec
-    input_pulleys: InputPulleySpec
-    support: SupportSpec
     loads: Loads
     limits: Limits
     targets: Targets

@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_reach import reach_findings
 from mbcdm_cad.measurement.vet_signals import signal_findings
 from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.routes.route import input_body
 
 # Samples that the comparison of columns needs; longer runs are thinned.
 MOST_SAMPLES = 20_000
@@ -51,8 +53,8 @@ def arranged(run: Run, drive: Drive) -> Run:
     names = run.input_names
     if sorted(names) == sorted(drive.input_names):
         rows = [names.index(name) for name in drive.input_names]
-    elif sorted(names) == sorted(SIDES) and sorted(drive.input_sides) == sorted(SIDES.values()):
-        rows = [[SIDES[name] for name in names].index(side) for side in drive.input_sides]
+    elif sorted(names) == sorted(SIDES) and sorted(sides := _input_sides(drive)) == sorted(SIDES.values()):
+        rows = [[SIDES[name] for name in names].index(side) for side in sides]
     else:
         return run
     if rows == list(range(len(rows))):
@@ -76,6 +78,12 @@ def _after_gearhead(run: Run, gearhead_ratio: float) -> Run:
         input_noise_rad=behind(run.sensors.input_noise_rad),
     )
     return replace(run, input_rad=run.input_rad / ratios[:, None], sensors=sensors, motor_side=())
+
+
+def _input_sides(drive: Drive) -> list[int]:
+    """For each input the sign of the x coordinate at which it stands."""
+    bodies = {body.name: body for body in configuration_of(drive).routes(drive).routes.bodies}
+    return [int(np.sign(bodies[input_body(name)].point_m[0])) for name in drive.input_names]
 
 
 def vet(run: Run, drive: Drive | None) -> list[VettingNote]:

@@ -44,7 +44,6 @@ AGAINST_THE_ORDER: dict[tuple[str, str], str] = {
 }
 # Files outside configurations/ that hold a configuration's name or a guide as an identifier, and why.
 NAMED: dict[str, str] = {
-    "design.drive": "still holds the fields of miso_bevel",
     "identification.account": "reads the model's guide radii; to read routes",
     "identification.effects.once_per_rev": "reads the model's guide radii; to read routes",
     "identification.spans": "reads the model's guide radii; to read routes",

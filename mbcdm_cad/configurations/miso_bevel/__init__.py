@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.configurations.interface import Conventions, FrameStudy
+from mbcdm_cad.configurations.miso_bevel.drive import bevel
 from mbcdm_cad.design.drive import Drive
 
 if TYPE_CHECKING:
@@ -38,19 +39,19 @@ class MisoBevel:
         """Input pulley, free span, guide, transfer, drum."""
         from mbcdm_cad.configurations.miso_bevel.routes import routed
 
-        return routed(drive)
+        return routed(bevel(drive))
 
     def inertias_kg_m2(self, drive: Drive) -> dict[str, float]:
         """Pulleys, guide and drum."""
         from mbcdm_cad.configurations.miso_bevel.inertias import inertias_kg_m2
 
-        return inertias_kg_m2(drive)
+        return inertias_kg_m2(bevel(drive))
 
     def layout(self, drive: Drive) -> Layout:
         """All derived dimensions."""
         from mbcdm_cad.configurations.miso_bevel.layout import layout
 
-        return layout(drive)
+        return layout(bevel(drive))
 
     def check_families(self) -> tuple[ModuleType, ...]:
         """The checks' modules in order."""
@@ -62,7 +63,7 @@ class MisoBevel:
         """The drive as the checks see it."""
         from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 
-        return BevelUnderTest(drive, layout)
+        return BevelUnderTest(bevel(drive), layout)
 
     def bill(self, layout: Layout, drum_angle_deg: float = 0.0) -> Bill:
         """All parts and instances."""

@@ -9,10 +9,10 @@ from dataclasses import replace
 from math import atan2, cos, degrees, radians, sin
 from typing import Any
 
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
 from mbcdm_cad.design.bought import Bearing, Screw
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, cable_item
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, StopSlot
 from mbcdm_cad.parts.placement import Placement
@@ -56,7 +56,7 @@ class _Builder(BillBuilder):
     def __init__(self, layout: Layout, drum_angle_deg: float) -> None:
         super().__init__(moving_bodies(layout), drum_angle_deg)
         self.layout = layout
-        self.drive: Drive = layout.drive
+        self.drive: BevelDrive = layout.drive
 
     def steel_screw(self, name: str, screw: Screw, place: Placement, group: str = FIXED) -> None:
         """A screw of the catalogue's steel."""

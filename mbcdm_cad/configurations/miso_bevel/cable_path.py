@@ -15,7 +15,7 @@ from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 
 import numpy as np
 
-from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 
@@ -43,7 +43,7 @@ class Winding:
     reduction: float  # r_o / r_m
 
 
-def winding(drive: Drive, cable: CableRun) -> Winding:
+def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
     """Tangent points of the figure-eight span between an input pulley and the guide.
 
     Free span sqrt(L^2 - (r_g + r_m)^2), paper Eq. (11). Raises ValueError if L <= r_g + r_m (pulleys overlap).
@@ -92,7 +92,7 @@ class StopGeometry:
     stop_end_mm: float
 
 
-def stop_geometry(drive: Drive, cable: CableRun) -> StopGeometry:
+def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
     """The bend is as wide as the pulley allows: its chord runs just inside the land, clear of neck and bearing."""
     d = drive.cable.diameter_mm
     w = winding(drive, cable)
@@ -118,7 +118,7 @@ FREE = ("span_in", "span", "span_out", "guide")
 ON_DRUM = ("drum", "tail")
 
 
-def axial_walk_mm(drive: Drive, cable: CableRun, drum_angle_rad: float) -> float:
+def axial_walk_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
     """Offset of the input contact from the step plane, positive away from the dead turn. p (r_o/r_m) theta / 2 pi."""
     w = winding(drive, cable)
     return -w.payout * w.reduction * drum_angle_rad * drive.helix_lead_mm / tau
@@ -128,7 +128,9 @@ def _t(v: Vector) -> Triple:
     return (float(v[0]), float(v[1]), float(v[2]))
 
 
-def cable_path(drive: Drive, cable: CableRun, anchor_rad: float, tail_mm: float, drum_angle_rad: float) -> CablePath:
+def cable_path(
+    drive: BevelDrive, cable: BevelRun, anchor_rad: float, tail_mm: float, drum_angle_rad: float
+) -> CablePath:
     """Centre line at ``drum_angle_rad``.
 
     ``anchor_rad``: angle on the drum, from +Z towards the cable's side, where the cable leaves its land with the drum
@@ -193,17 +195,17 @@ def cable_path(drive: Drive, cable: CableRun, anchor_rad: float, tail_mm: float,
     return CablePath(cable, drum_angle_rad, tuple(pieces), stretches)
 
 
-def fleet_angle_at_deg(drive: Drive, cable: CableRun, drum_angle_rad: float) -> float:
+def fleet_angle_at_deg(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
     """Fleet angle at a drum angle, with the sign of the walk: atan(walk / free span)."""
     return degrees(atan2(axial_walk_mm(drive, cable, drum_angle_rad), winding(drive, cable).free_span_mm))
 
 
-def fleet_angle_deg(drive: Drive, cable: CableRun) -> float:
+def fleet_angle_deg(drive: BevelDrive, cable: BevelRun) -> float:
     """Largest fleet angle over the travel, at both of its ends (the walk is symmetric)."""
     return abs(fleet_angle_at_deg(drive, cable, radians(drive.half_travel_deg)))
 
 
-def self_clearance_mm(drive: Drive, cable: CableRun, drum_angle_rad: float) -> float:
+def self_clearance_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
     """Centre-line distance less d between the leaving span and the turn wound just before it (negative: they overlap).
 
     The fleet angle bends the span back over its own last turn, most at the fully wound end.
@@ -224,7 +226,7 @@ def self_clearance_mm(drive: Drive, cable: CableRun, drum_angle_rad: float) -> f
     return best - drive.cable.diameter_mm
 
 
-def guide_landing_walk_mm(drive: Drive, cable: CableRun) -> float:
+def guide_landing_walk_mm(drive: BevelDrive, cable: BevelRun) -> float:
     """Largest offset of the landing point on the guide from its step plane in a full sweep towards the drum (mm).
 
     Cable coming from the drum lies in the step plane; cable laid on from the input lags the input's walk with the free

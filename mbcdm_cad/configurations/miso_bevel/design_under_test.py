@@ -12,18 +12,20 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.checks.design_variables import DesignVariable
 from mbcdm_cad.configurations.miso_bevel.design_variables import VARIABLES
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
-from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.routes.cable_path import CablePath
 
 
 class BevelUnderTest(DesignUnderTest):
     """Adds the levels and the cables in the order of their steps."""
 
-    def __init__(self, drive: Drive, layout: Layout | None = None) -> None:
+    drive: BevelDrive
+
+    def __init__(self, drive: BevelDrive, layout: Layout | None = None) -> None:
         super().__init__(drive, layout)
-        self.steps: tuple[CableRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
+        self.steps: tuple[BevelRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
 
     @property
     def variables(self) -> Mapping[str, DesignVariable]:
@@ -75,11 +77,11 @@ class BevelUnderTest(DesignUnderTest):
         half = self.half_travel_rad
         return tuple((angle, self.layout.cable_paths(angle)) for angle in (-half, 0.0, half))
 
-    def anchor_rad(self, cable: CableRun) -> float:
+    def anchor_rad(self, cable: BevelRun) -> float:
         """Where the cable leaves its land, drum centred."""
         return next(t.anchor_rad for t in self.layout.drum.tensioners if t.cable_name == cable.name)
 
-    def smallest_wrap_rad(self, cable: CableRun) -> float:
+    def smallest_wrap_rad(self, cable: BevelRun) -> float:
         """Wrap on the drum at the end of travel that unwinds it."""
         return self.anchor_rad(cable) - self.half_travel_rad
 

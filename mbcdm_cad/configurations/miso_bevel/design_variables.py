@@ -5,11 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
-from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 
 
-def _input_ratio(drive: Drive, value: float) -> Drive:
+def _input_ratio(drive: BevelDrive, value: float) -> BevelDrive:
     return replace(drive, cables=tuple(replace(c, input_radius_mm=c.guide_radius_mm / value) for c in drive.cables))
+
+
+def _radii_explicit(drive: BevelDrive) -> bool:
+    return drive.radii_explicit
+
+
+def _all_radii(drive: BevelDrive) -> tuple[str, str]:
+    return (ALL_RADII, "") if drive.radii_explicit else ("transmission.drum_radii_mm", " (the others follow)")
 
 
 _DRUM = (
@@ -35,14 +43,14 @@ VARIABLES: dict[str, DesignVariable] = by_path(
     (
         *SHARED,
         field("transmission.centre_distance_mm", "centre_distance_mm"),
-        radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm")),
-        radii("transmission.input_radii_mm", ("input_radius_mm",)),
-        radii("transmission.guide_radii_mm", ("guide_radius_mm",)),
+        radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm"))._replace(shown=_all_radii),
+        radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=_radii_explicit),
+        radii("transmission.guide_radii_mm", ("guide_radius_mm",))._replace(applies=_radii_explicit),
         DesignVariable(
             "transmission.ratios.input_to_guide",
             lambda drive: drive.cables[0].guide_radius_mm / drive.cables[0].input_radius_mm,
             _input_ratio,
-            explicit=False,
+            applies=lambda drive: not drive.radii_explicit,
         ),
         field("rope.helix_lead_mm", "helix_lead_mm"),
         field("rope.dead_turns", "dead_turns"),

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from math import asin, atan2, degrees, hypot, radians, sin, tan
 
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, nut_corner_radius_mm
-from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims, Land, Window
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
 from mbcdm_cad.parts.terminal.dims import Tensioner
@@ -40,7 +40,7 @@ STOP_SLOT_PLAY_MM = 0.3
 STOP_PIN_WALL_MM = 1.5
 
 
-def lands(drive: Drive, levels: Stack) -> tuple[Land, ...]:
+def lands(drive: BevelDrive, levels: Stack) -> tuple[Land, ...]:
     """Lands in the order of the steps; the wall before step k+1 stands at r_g,k+1 less the edge margin."""
     cables = sorted(drive.cables, key=lambda c: c.step)
     walls = [levels.drum_inner_y, *(c.guide_radius_mm - drive.clearances.land_edge_mm for c in cables[1:])]
@@ -51,13 +51,13 @@ def lands(drive: Drive, levels: Stack) -> tuple[Land, ...]:
     )
 
 
-def half_width_mm(drive: Drive) -> float:
+def half_width_mm(drive: BevelDrive) -> float:
     """Half the sector's width along x with the drum centred: R sin(min(angle, 90 deg))."""
     outer = max(c.drum_radius_mm for c in drive.cables) - drive.cable.diameter_mm / 2
     return outer * sin(radians(min(drive.drum.sector_half_angle_deg, 90.0)))
 
 
-def _anchor_limit(drive: Drive, cable: CableRun, tip: float, nuts_end: float) -> float:
+def _anchor_limit(drive: BevelDrive, cable: BevelRun, tip: float, nuts_end: float) -> float:
     """Largest anchor angle (rad) that keeps the terminal inside the sector's angle and its width."""
     r = cable.drum_radius_mm
     by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
@@ -69,18 +69,18 @@ def _anchor_limit(drive: Drive, cable: CableRun, tip: float, nuts_end: float) ->
     return min(by_angle, by_width)
 
 
-def _pocket_end(drive: Drive, cable: CableRun, anchor_rad: float, tip: float) -> float:
+def _pocket_end(drive: BevelDrive, cable: BevelRun, anchor_rad: float, tip: float) -> float:
     end = tip + 1.0
     left = radians(drive.drum.sector_half_angle_deg) - anchor_rad - atan2(end, cable.drum_radius_mm)
     return end if left * cable.drum_radius_mm > MIN_GUARD_MM else end + BEYOND_MM
 
 
-def nut_pocket_mm(drive: Drive) -> float:
+def nut_pocket_mm(drive: BevelDrive) -> float:
     """Half width of the nuts' pocket: the end mill's corner must not lift the nut off its seat."""
     return nut_corner_radius_mm(drive) + drive.clearances.running_mm + drive.drum.material.min_internal_radius_mm
 
 
-def _pocket_top(drive: Drive, cable: CableRun, anchor_rad: float, pocket_end: float) -> float:
+def _pocket_top(drive: BevelDrive, cable: BevelRun, anchor_rad: float, pocket_end: float) -> float:
     """Outward reach of a terminal's pockets, so that no thin wall is left before the surface of a land further out."""
     r = cable.drum_radius_mm
     left = max(0.0, radians(drive.drum.sector_half_angle_deg) - anchor_rad)
@@ -94,7 +94,7 @@ def _pocket_top(drive: Drive, cable: CableRun, anchor_rad: float, pocket_end: fl
     return top if top < surfaces[-1] - r else BEYOND_MM
 
 
-def tensioners(drive: Drive) -> tuple[Tensioner, ...]:
+def tensioners(drive: BevelDrive) -> tuple[Tensioner, ...]:
     """Place the terminals as far out as the sector allows; neighbours on one side are staggered.
 
     Where two cables of one side lie close in radius, the outer one's lug must end before the inner one's pocket
@@ -144,7 +144,7 @@ def tensioners(drive: Drive) -> tuple[Tensioner, ...]:
     return tuple(sorted(placed, key=lambda p: order[p.cable_name]))
 
 
-def _pocket_radius(drive: Drive, placed: tuple[Tensioner, ...], swage_pocket: float) -> float:
+def _pocket_radius(drive: BevelDrive, placed: tuple[Tensioner, ...], swage_pocket: float) -> float:
     """Radius of the pockets' corners: what the material allows, or a little more.
 
     Where a corner would end within a hair of a land's edge, a sliver would be left that no kernel and no mill can make.
@@ -171,7 +171,7 @@ def _pocket_radius(drive: Drive, placed: tuple[Tensioner, ...], swage_pocket: fl
     return next((radius for radius in tried if nearest(radius) >= SLIVER_MM), max(tried, key=nearest))
 
 
-def _windows(drive: Drive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
+def _windows(drive: BevelDrive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
     d = drive.drum
     inner = d.hub_diameter_mm / 2 + 3.0
     outer = d.rim_inner_radius_mm - 2.5
@@ -199,7 +199,7 @@ def stop_pin_z(levels: Stack) -> float:
     return levels.motor_shelf_bottom_z + STOP_PIN_MM / 2 + STOP_PIN_WALL_MM
 
 
-def drum(drive: Drive, levels: Stack) -> DrumDims:
+def drum(drive: BevelDrive, levels: Stack) -> DrumDims:
     """Dimensions of the drum."""
     d = drive.drum
     stop_radius = stop_pin_z(levels)
@@ -245,7 +245,7 @@ def drum(drive: Drive, levels: Stack) -> DrumDims:
     )
 
 
-def drum_shaft(drive: Drive, levels: Stack) -> DrumShaftDims:
+def drum_shaft(drive: BevelDrive, levels: Stack) -> DrumShaftDims:
     """Shaft through the boss: encoder, flange, rear bearing, front bearing, hub."""
     bearing = drive.bearings.drum
     encoder_front = levels.back_y + drive.drum_encoder.length_mm

@@ -8,25 +8,25 @@ from __future__ import annotations
 
 from math import pi, radians
 
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.routes import DRUM, GUIDE
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.inertia import disc_kg_m2, sector_kg_m2
 from mbcdm_cad.routes.route import input_body
 
 _MM = 1e-3
 
 
-def inertias_kg_m2(drive: Drive) -> dict[str, float]:
+def inertias_kg_m2(drive: BevelDrive) -> dict[str, float]:
     """Inertia of each body of the routes about its own axis, kg m2."""
     found = {DRUM: _drum(drive), GUIDE: _guide(drive)}
     return found | {input_body(name): _input_pulley(drive, name) for name in drive.input_names}
 
 
-def _surface_mm(drive: Drive, pitch_mm: float) -> float:
+def _surface_mm(drive: BevelDrive, pitch_mm: float) -> float:
     return pitch_mm - drive.cable.diameter_mm / 2.0
 
 
-def _input_pulley(drive: Drive, name: str) -> float:
+def _input_pulley(drive: BevelDrive, name: str) -> float:
     """Each step is as long as its cable's band: dead turns, live turns, one rope."""
     total = 0.0
     for cable in (c for c in drive.cables if c.input_name == name):
@@ -37,7 +37,7 @@ def _input_pulley(drive: Drive, name: str) -> float:
     return total
 
 
-def _guide(drive: Drive) -> float:
+def _guide(drive: BevelDrive) -> float:
     """Steps as far apart as the drum's radii, bored for the bearings all through."""
     cables = sorted(drive.cables, key=lambda c: c.step)
     radii = [c.drum_radius_mm for c in cables]
@@ -47,7 +47,7 @@ def _guide(drive: Drive) -> float:
     return sum(disc_kg_m2(density, abs(length), _surface_mm(drive, c.guide_radius_mm), bore) for c in cables)
 
 
-def _drum(drive: Drive) -> float:
+def _drum(drive: BevelDrive) -> float:
     """Stepped rim, web and hub; studs and sleeves of the tensioners count as solid steel at the pitch radius."""
     spec, cables = drive.drum, sorted(drive.cables, key=lambda c: c.step)
     half, density = radians(spec.sector_half_angle_deg), spec.material.density_g_cm3

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import cable_path
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.drum import drum, drum_shaft
 from mbcdm_cad.configurations.miso_bevel.pulleys import axle, guide, input_pulley
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
 from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -23,7 +23,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 class Layout:
     """Dimensions of every part of one design, mm, drum centred."""
 
-    drive: Drive
+    drive: BevelDrive
     levels: Stack
     drum: DrumDims
     drum_shaft: DrumShaftDims
@@ -43,7 +43,7 @@ class Layout:
         )
 
 
-def layout(drive: Drive) -> Layout:
+def layout(drive: BevelDrive) -> Layout:
     """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
     levels = stack(drive)
     return Layout(
@@ -52,7 +52,7 @@ def layout(drive: Drive) -> Layout:
         drum=drum(drive, levels),
         drum_shaft=drum_shaft(drive, levels),
         inputs=tuple(input_pulley(drive, levels, name) for name in drive.input_names),
-        collar=collar(drive, levels.motor_shelf_top_z),
+        collar=collar(drive, *drive.collar_seat_mm, levels.motor_shelf_top_z),
         guide=guide(drive, levels),
         axle=axle(drive, levels),
         frame=frame(drive, levels),

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, winding
+from mbcdm_cad.configurations.miso_bevel.drive import BevelRun
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.parts.terminal.dims import Tensioner
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
@@ -84,7 +84,8 @@ def path_figures(layout: Layout) -> PathFigures:
 
 
 def _cable_figures(layout: Layout, centred: CablePath, posed: list[CablePath]) -> CablePathFigures:
-    drive, run = layout.drive, centred.cable
+    drive = layout.drive
+    run = next(run for run in drive.cables if run.name == centred.cable.name)
     angles = [path.drum_angle_rad for path in posed]
     w = winding(drive, run)
     return CablePathFigures(
@@ -157,7 +158,7 @@ def _wrap_at_guide(layout: Layout, terminal: Tensioner) -> float:
     return asin(min(share, 1.0)) - atan2(along, across)
 
 
-def _fleet_limits(layout: Layout, run: CableRun) -> Iterator[TravelLimit]:
+def _fleet_limits(layout: Layout, run: BevelRun) -> Iterator[TravelLimit]:
     drive = layout.drive
     w = winding(drive, run)
     per_rad = abs(axial_walk_mm(drive, run, 1.0))

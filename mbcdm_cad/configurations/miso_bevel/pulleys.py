@@ -13,8 +13,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import stop_geometry
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.stack import BAND_MARGIN_MM, END_PLAY_MM, Stack, band, outward_of
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
@@ -23,7 +23,7 @@ from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, InputPulleyD
 JOURNAL_SLIT_MM = 0.6
 
 
-def input_pulley(drive: Drive, levels: Stack, name: str) -> InputPulleyDims:
+def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims:
     """Dimensions of the input pulley called ``name``."""
     cables = sorted((c for c in drive.cables if c.input_name == name), key=lambda c: c.step)
     low, high = cables
@@ -87,7 +87,7 @@ def input_pulley(drive: Drive, levels: Stack, name: str) -> InputPulleyDims:
     )
 
 
-def guide(drive: Drive, levels: Stack) -> IdlerDims:
+def guide(drive: BevelDrive, levels: Stack) -> IdlerDims:
     """Guide pulley: walls half way between the steps, so that the landing point may wander both ways."""
     cables = sorted(drive.cables, key=lambda c: c.step)
     flank = drive.cable.diameter_mm / 2
@@ -103,7 +103,7 @@ def guide(drive: Drive, levels: Stack) -> IdlerDims:
     )
 
 
-def axle(drive: Drive, levels: Stack) -> AxleDims:
+def axle(drive: BevelDrive, levels: Stack) -> AxleDims:
     """Guide axle between bearing shelf and top plate, with the spacer above the upper bearing."""
     bearing = drive.bearings.guide
     return AxleDims(

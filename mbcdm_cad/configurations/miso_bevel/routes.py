@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import (
     DRUM_RADIUS,
@@ -128,7 +128,7 @@ class BevelGeometry:
         )
 
 
-def routed(drive: Drive) -> RoutedDrive:
+def routed(drive: BevelDrive) -> RoutedDrive:
     """How the cables of ``drive`` run, and the lengths that follow from its file."""
 
     def column(attribute: str) -> Floats:

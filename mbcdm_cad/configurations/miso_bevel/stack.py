@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import radians
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
-from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 
 # Land beyond the outermost turn: the wall of the slot that holds the swaged stop.
@@ -37,7 +37,7 @@ class Band:
     dead_end_mm: float
 
 
-def band(drive: Drive, cable: CableRun, outward: int) -> Band:
+def band(drive: BevelDrive, cable: BevelRun, outward: int) -> Band:
     """Band of one cable on its input pulley: +-walk about the step plane, dead turns on the outward side."""
     walk = abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg)))
     flank = drive.cable.diameter_mm / 2
@@ -82,18 +82,18 @@ class Stack:
         return self.hub_face_y - self.back_y
 
 
-def outward_of(drive: Drive, cable: CableRun) -> int:
+def outward_of(drive: BevelDrive, cable: BevelRun) -> int:
     """+1 if this cable's dead turn lies above its step plane: the upper step of a pulley winds up, the lower down."""
     steps = [c.step for c in drive.cables if c.input_name == cable.input_name]
     return 1 if cable.step == max(steps) else -1
 
 
-def nut_corner_radius_mm(drive: Drive) -> float:
+def nut_corner_radius_mm(drive: BevelDrive) -> float:
     """Half the width across corners of the tensioner's hexagon nut: AF / sqrt(3)."""
     return drive.tensioner.nut_across_flats_mm / 3**0.5
 
 
-def stack(drive: Drive) -> Stack:
+def stack(drive: BevelDrive) -> Stack:
     """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
     bands = {c.name: band(drive, c, outward_of(drive, c)) for c in drive.cables}
     walk_on_guide = max(guide_landing_walk_mm(drive, c) for c in drive.cables)
@@ -119,7 +119,7 @@ def stack(drive: Drive) -> Stack:
         drive.gearhead.diameter_mm / 2,
         drive.motor.diameter_mm / 2,
         max(c.input_radius_mm for c in drive.cables) + flank,
-        collar_sweep_mm(drive),
+        collar_sweep_mm(drive, *drive.collar_seat_mm),
     )
     side_inner = drive.centre_distance_mm + widest + drive.clearances.running_mm
     return Stack(

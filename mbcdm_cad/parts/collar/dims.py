@@ -31,11 +31,10 @@ class CollarDims:
     head_seat: float  # along the screw, from the slit's middle to the head's seat
 
 
-def _section(drive: Drive) -> tuple[float, float, float]:
+def _section(drive: Drive, bore_mm: float, min_wall_mm: float) -> tuple[float, float, float]:
     """Outer radius, screw's distance from the axis, and its seat's distance from the slit's middle."""
     screw = drive.screw(COLLAR_SCREW)
-    bore = drive.bearings.input_lower.bore_mm / 2
-    wall = drive.support.material.min_wall_mm
+    bore, wall = bore_mm / 2, min_wall_mm
     offset = bore + wall + screw.clearance_mm / 2
     inner_edge = offset - screw.head_diameter_mm / 2 - HEAD_PLAY_MM
     # The flat leaves a wall round the bore, and one beside the slit.
@@ -53,20 +52,20 @@ def collar_width_mm(drive: Drive) -> float:
     return max(head + 2 * HEAD_EDGE_MM, shaft + HEAD_EDGE_MM)
 
 
-def collar_sweep_mm(drive: Drive) -> float:
-    """Radius that collar and screw sweep about the pulley's axis."""
-    radius, offset, seat = _section(drive)
+def collar_sweep_mm(drive: Drive, bore_mm: float, min_wall_mm: float) -> float:
+    """Radius that collar and screw sweep about the pulley's axis; ``bore_mm`` fits the journal that it clamps."""
+    radius, offset, seat = _section(drive, bore_mm, min_wall_mm)
     screw = drive.screw(COLLAR_SCREW)
     return max(radius, hypot(offset + screw.head_diameter_mm / 2, seat + screw.head_height_mm))
 
 
-def collar(drive: Drive, motor_shelf_top_z: float) -> CollarDims:
+def collar(drive: Drive, bore_mm: float, min_wall_mm: float, motor_shelf_top_z: float) -> CollarDims:
     """Collar about its own axis, heights as in the assembly: just above the gearhead's screws, whose heads lie on the
     motor shelf."""
-    radius, offset, seat = _section(drive)
+    radius, offset, seat = _section(drive, bore_mm, min_wall_mm)
     bottom = motor_shelf_top_z + drive.screw(drive.gearhead.screw).head_height_mm + 0.8
     return CollarDims(
-        bore_radius=drive.bearings.input_lower.bore_mm / 2,
+        bore_radius=bore_mm / 2,
         radius=radius,
         bottom_z=bottom,
         top_z=bottom + collar_width_mm(drive),

@@ -25,7 +25,7 @@ TABLE_2 = [  # cable, input, r_m, r_g, r_o, sigma: the mechanism's table
 def test_reference_radii_are_those_of_table_2(load_edited: Edit) -> None:
     drive = load_edited({}).drive
     rows = [
-        (c.name, c.input_name, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm, c.sigma) for c in drive.cables
+        (c.name, c.input_name, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm, c.sense) for c in drive.cables
     ]
     assert rows == TABLE_2
     assert [c.input_side for c in drive.cables] == [-1, -1, 1, 1]

@@ -138,5 +138,5 @@ def test_any_drive_has_figures_or_a_reason(
     assert taken < 2.0, f"{taken:.2f} s"
     json.dumps(figures.to_dict(), allow_nan=False)
     pulls = zip(cables, figures.peak[0].tension_N, strict=True)
-    carried = sum(run.sigma * tension * run.drum_radius_mm * 1e-3 for run, tension in pulls)
+    carried = sum(run.sense * tension * run.drum_radius_mm * 1e-3 for run, tension in pulls)
     assert carried == pytest.approx(peak, rel=1e-6, abs=1e-6), f"{carried} N m carried of {peak}"

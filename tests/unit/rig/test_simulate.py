@@ -107,7 +107,7 @@ def test_what_cannot_be_run_is_refused_in_words(project):
 def test_the_drum_balances_its_load_at_every_sample(project):
     drive = load_design(project / "params" / "mbcdm.yaml").drive
     run = simulate(drive, Experiment.model_validate(yaml.safe_load(SHORT)))
-    pull = sum(c.sigma * c.drum_radius_mm * 1e-3 * t for c, t in zip(drive.cables, run.tension_N, strict=True))
+    pull = sum(c.sense * c.drum_radius_mm * 1e-3 * t for c, t in zip(drive.cables, run.tension_N, strict=True))
     assert np.abs(pull - run.load_Nm).max() < 1e-9
 
 

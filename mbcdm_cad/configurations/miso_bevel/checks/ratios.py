@@ -13,7 +13,7 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted, shown
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.design.drive import CableRun
+from mbcdm_cad.configurations.miso_bevel.drive import BevelRun
 
 # 0.6 um on a radius of 6 mm, a tenth of what good turning holds: rounding of the drawing, not of the part.
 RATIO_TOLERANCE = 1e-4
@@ -24,7 +24,7 @@ MISMATCH_SHARE = 0.1
 EQ1 = "paper Eq. (1)"
 
 
-def _spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note: str = "") -> Comparison:
+def _spread(name: str, ratios: Sequence[float], cables: Sequence[BevelRun], note: str = "") -> Comparison:
     """Largest relative deviation of the ratios from the first of them."""
     off = [abs(ratio / ratios[0] - 1.0) for ratio in ratios]
     k = int(np.argmax(off))
@@ -37,7 +37,7 @@ def guide_to_drum(s: BevelUnderTest) -> Comparison:
     return _spread("r_g/r_o", [c.guide_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
 
 
-def _own(s: BevelUnderTest, index: int) -> list[CableRun]:
+def _own(s: BevelUnderTest, index: int) -> list[BevelRun]:
     return [c for c in s.steps if c.input_name == s.drive.input_names[index]]
 
 

@@ -15,8 +15,8 @@ from mbcdm_cad.configurations.miso_bevel.cable_path import (
     winding,
 )
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
-from mbcdm_cad.design.drive import CableRun, Drive
 
 # Gap between a cable's flank and a wall or another cable that it must not rub on (estimate).
 CABLE_GAP_MM = 0.1
@@ -31,7 +31,7 @@ def centre_distance(s: BevelUnderTest) -> Comparison:
     """L beyond r_g + r_m, so that a straight span exists, with room for the blends at both ends of it."""
     blends = 2 * BLEND_DIAMETERS * s.drive.cable.diameter_mm
 
-    def reach(c: CableRun) -> float:
+    def reach(c: BevelRun) -> float:
         return float(np.hypot(c.guide_radius_mm + c.input_radius_mm, blends))
 
     return worst(
@@ -70,7 +70,7 @@ def helix_lead(s: BevelUnderTest) -> Comparison:
     return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, s.drive.cable.diameter_mm, "mm")
 
 
-def straight_span_clearance_mm(drive: Drive, cable: CableRun) -> float:
+def straight_span_clearance_mm(drive: BevelDrive, cable: BevelRun) -> float:
     """Centre-line distance less d between the straight free span and its own previous turn, fully wound, mm.
 
     The span leaves helix and pulley at the contact point along the tangent, rising by the fleet angle over the turn

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.design.drive import CableRun
+from mbcdm_cad.configurations.miso_bevel.drive import BevelRun
 
 # Thinnest stub that is still turned between journals of this size (estimate).
 SMALLEST_SURFACE_MM = 1.0
@@ -13,7 +13,7 @@ SMALLEST_SURFACE_MM = 1.0
 SURFACE_TOLERANCE_MM = 1e-6
 
 
-def ratio_if_cut_as_surface(s: BevelUnderTest, cable: CableRun) -> float:
+def ratio_if_cut_as_surface(s: BevelUnderTest, cable: BevelRun) -> float:
     """Total ratio of a cable if its pitch radii were cut as surface radii: (r_o + d/2) / (r_m + d/2)."""
     return (cable.drum_radius_mm + s.flank_mm) / (cable.input_radius_mm + s.flank_mm)
 

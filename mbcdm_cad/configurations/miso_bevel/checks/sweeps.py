@@ -46,6 +46,10 @@ class Upright(NamedTuple):
     moves: bool = False
 
 
+def _collar_reach_mm(s: BevelUnderTest) -> float:
+    return collar_sweep_mm(s.drive, *s.drive.collar_seat_mm)
+
+
 def drum_zones(s: BevelUnderTest) -> list[Ring]:
     """Rings that together hold everything which turns with the drum in front of the frame."""
     d = s.layout.drum
@@ -74,7 +78,14 @@ def uprights(s: BevelUnderTest) -> list[Upright]:
         Upright("gearheads", x, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.motor_shelf_bottom_z),
         Upright("motors", x, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.gearhead_bottom_z),
         Upright("encoders", x, drive.encoder.diameter_mm / 2, v.top_plate_top_z, v.encoder_top_z),
-        Upright("clamp collars", x, collar_sweep_mm(s.drive), lay.collar.bottom_z, lay.collar.top_z, True),
+        Upright(
+            "clamp collars",
+            x,
+            collar_sweep_mm(s.drive, *s.drive.collar_seat_mm),
+            lay.collar.bottom_z,
+            lay.collar.top_z,
+            True,
+        ),
     ]
     for p in lay.inputs:
         radius = max(c.input_radius_mm for c in s.steps if c.input_name == p.name) + s.flank_mm
@@ -122,7 +133,7 @@ def frame_front(s: BevelUnderTest) -> Comparison:
 def collar_space(s: BevelUnderTest) -> Comparison:
     """Clamp collars turn clear of web, side walls, back plate and the mounting screws' heads."""
     v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
-    reach, x = collar_sweep_mm(s.drive), s.drive.centre_distance_mm
+    reach, x = _collar_reach_mm(s), s.drive.centre_distance_mm
     return worst(
         (
             at_least("clamp collar from the web between the drives", x - reach - f.web_half_width, running, "mm"),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from mbcdm_cad.configurations.miso_bevel import drive as d
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign, Transmission
-from mbcdm_cad.design import drive as d
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
@@ -13,10 +13,10 @@ from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
 _SIGN = {"-x": -1, "+x": 1}
 
 
-def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.Drive:
+def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.BevelDrive:
     """The drive of a design that breaks no rule; its cables are in the order of their steps."""
     drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
-    return d.Drive(
+    return d.BevelDrive(
         **shared_values(design, catalogue),
         cables=_cables(design),
         input_sides=tuple(_SIGN[item.side] for item in design.inputs),
@@ -62,11 +62,11 @@ def _by_step(design: BevelDesign) -> list[int]:
     return sorted(range(len(design.cables)), key=lambda k: design.cables[k].step)
 
 
-def _cables(design: BevelDesign) -> tuple[d.CableRun, ...]:
+def _cables(design: BevelDesign) -> tuple[d.BevelRun, ...]:
     guide, pulley = pitch_radii_mm(design.transmission)
     sides = {item.name: _SIGN[item.side] for item in design.inputs}
     return tuple(
-        d.CableRun(
+        d.BevelRun(
             name=cable.name,
             input_name=cable.input,
             input_side=sides[cable.input],
@@ -81,13 +81,13 @@ def _cables(design: BevelDesign) -> tuple[d.CableRun, ...]:
     )
 
 
-def _sigmas(design: BevelDesign, catalogue: Catalogue, given: Mapping[FieldPath, float]) -> d.Sigmas:
+def _sigmas(design: BevelDesign, catalogue: Catalogue, given: Mapping[FieldPath, float]) -> d.BevelSigmas:
     places = _by_step(design)
 
     def radii(name: str) -> tuple[float, ...]:
         return tuple(given.get(("transmission", name, design.cables[k].step - 1), 0.0) for k in places)
 
-    return d.Sigmas(
+    return d.BevelSigmas(
         **shared_sigmas(design, catalogue, given, places),
         input_radius_mm=radii("input_radii_mm"),
         guide_radius_mm=radii("guide_radii_mm"),

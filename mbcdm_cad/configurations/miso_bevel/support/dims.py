@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.drum import STOP_PIN_MM, drum_shaft, stop_pin_z
 from mbcdm_cad.configurations.miso_bevel.stack import Stack
-from mbcdm_cad.design.drive import Drive
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
@@ -133,13 +133,13 @@ def dowels(levels: Stack) -> tuple[tuple[float, float], ...]:
     return ((-x, y), (x, y))
 
 
-def pocket_corner_radius_mm(drive: Drive, levels: Stack) -> float:
+def pocket_corner_radius_mm(drive: BevelDrive, levels: Stack) -> float:
     """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
     depth = levels.front_y - levels.pocket_floor_y
     return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
 
 
-def frame(drive: Drive, levels: Stack) -> FrameDims:
+def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     """Dimensions of the frame."""
     shaft = drum_shaft(drive, levels)
     drum_bearing, lower = drive.bearings.drum, drive.bearings.input_lower
@@ -212,7 +212,7 @@ def frame(drive: Drive, levels: Stack) -> FrameDims:
     )
 
 
-def top_plate(drive: Drive, levels: Stack) -> TopPlateDims:
+def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
     """Dimensions of the top plate."""
     upper = drive.bearings.input_upper
     screw = drive.screw(PLATE_SCREW)

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import pytest
 
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
-from mbcdm_cad.design.drive import Drive
 
 from .designs import reference
 
 
 @pytest.fixture(scope="session")
-def drive() -> Drive:
+def drive() -> BevelDrive:
     """The reference design's drive."""
     return reference()
 
 
 @pytest.fixture(scope="session")
-def dims(drive: Drive) -> Layout:
+def dims(drive: BevelDrive) -> Layout:
     """The reference design's layout."""
     return layout(drive)

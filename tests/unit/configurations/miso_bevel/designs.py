@@ -9,25 +9,25 @@ from pathlib import Path
 from hypothesis import strategies as st
 
 from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 
 ROOT = Path(__file__).parents[4]
 
 
 @cache
-def reference() -> Drive:
+def reference() -> BevelDrive:
     """The drive of params/mbcdm.yaml."""
     return load_design(ROOT / "params" / "mbcdm.yaml").drive
 
 
-def mirrored(drive: Drive) -> Drive:
+def mirrored(drive: BevelDrive) -> BevelDrive:
     """The drive with every cable on the other side of the drum: its mirror image in x as far as cables go."""
     cables = tuple(replace(c, drum_side=-c.drum_side, input_side=-c.input_side) for c in drive.cables)
     return replace(drive, cables=cables, input_sides=tuple(-s for s in drive.input_sides))
 
 
 @st.composite
-def drives(draw: st.DrawFn) -> Drive:
+def drives(draw: st.DrawFn) -> BevelDrive:
     """Radii, centre distance, lead, travel, rope and sides drawn at random; Eq. (1) holds for every cable."""
     first = reference()
     smallest = draw(st.floats(3.0, 20.0))
@@ -35,7 +35,7 @@ def drives(draw: st.DrawFn) -> Drive:
     input_to_guide, guide_to_drum = draw(st.floats(0.7, 3.0)), draw(st.floats(1.5, 8.0))
     sides = draw(st.sampled_from([(1, -1, -1, 1), (-1, 1, 1, -1), (1, -1, 1, -1), (-1, 1, -1, 1)]))
     flip = draw(st.sampled_from([1, -1]))
-    cables: list[CableRun] = []
+    cables: list[BevelRun] = []
     for k, (run, side) in enumerate(zip(first.cables, sides, strict=True)):
         r_m = smallest * (1 + growth * k)
         r_g = r_m * input_to_guide

@@ -19,9 +19,9 @@ from mbcdm_cad.configurations.miso_bevel.cable_path import (
     stop_geometry,
     winding,
 )
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
-from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.routes.curves import Arc, Helix, Line
 
 # name, landing on the guide, wrap on the guide, sense there, free span, fleet angle: derived from Table 2, p = 0.87.
@@ -35,7 +35,7 @@ ROUTING = [
 
 @pytest.mark.parametrize(("name", "landing", "wrap", "sense", "span", "fleet"), ROUTING)
 def test_routing_as_derived_from_the_tables(
-    drive: Drive, name: str, landing: float, wrap: float, sense: int, span: float, fleet: float
+    drive: BevelDrive, name: str, landing: float, wrap: float, sense: int, span: float, fleet: float
 ) -> None:
     cable = next(c for c in drive.cables if c.name == name)
     w = winding(drive, cable)
@@ -46,7 +46,7 @@ def test_routing_as_derived_from_the_tables(
     assert fleet_angle_deg(drive, cable) == pytest.approx(fleet, abs=0.006)
 
 
-def crossing_tangent(drive: Drive, cable: CableRun) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def crossing_tangent(drive: BevelDrive, cable: BevelRun) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Points of tangency on pulley and guide, by the centre of similitude: every crossed tangent passes through it."""
     pulley = np.array([cable.input_side * drive.centre_distance_mm, 0.0])
     r_m, r_g = cable.input_radius_mm, cable.guide_radius_mm
@@ -66,7 +66,7 @@ def crossing_tangent(drive: Drive, cable: CableRun) -> tuple[NDArray[np.float64]
     return best
 
 
-def test_tangent_points_by_the_centre_of_similitude(drive: Drive, dims: Layout) -> None:
+def test_tangent_points_by_the_centre_of_similitude(drive: BevelDrive, dims: Layout) -> None:
     for path in dims.cable_paths(0.0):
         on_pulley, on_guide = crossing_tangent(drive, path.cable)
         contact = path.piece("helix").points(np.array([1.0]))[0][:2]
@@ -75,7 +75,7 @@ def test_tangent_points_by_the_centre_of_similitude(drive: Drive, dims: Layout) 
         assert np.abs(landing - on_guide).max() < 1e-12, f"{path.cable.name}: {landing} against {on_guide}"
 
 
-def test_transfer_points_lie_on_one_line_through_the_apex(drive: Drive, dims: Layout) -> None:
+def test_transfer_points_lie_on_one_line_through_the_apex(drive: BevelDrive, dims: Layout) -> None:
     """(0, r_g, r_o), reached and left along x."""
     for path in dims.cable_paths(0.3):
         guide, drum = path.piece("guide"), path.piece("drum")
@@ -103,11 +103,11 @@ def test_tension_turns_the_drum_by_sigma(dims: Layout) -> None:
     for path in dims.cable_paths(0.0):
         drum = path.piece("drum")
         at, pull = drum.points(np.array([0.0]))[0], -drum.tangent(0.0)
-        assert np.sign(np.cross(at, pull)[1]) == path.cable.sigma, path.cable.name
+        assert np.sign(np.cross(at, pull)[1]) == path.cable.sense, path.cable.name
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, -17.0, 0.0, 35.0])
-def test_piece_ends_follow_the_drum_and_the_pulley(drive: Drive, dims: Layout, angle_deg: float) -> None:
+def test_piece_ends_follow_the_drum_and_the_pulley(drive: BevelDrive, dims: Layout, angle_deg: float) -> None:
     """In the pulley's own frame the winding is one fixed helix; the drum's wrap ends at the moving anchor."""
     theta = radians(angle_deg)
     centred = {p.cable.name: p for p in dims.cable_paths(0.0)}
@@ -125,7 +125,7 @@ def test_piece_ends_follow_the_drum_and_the_pulley(drive: Drive, dims: Layout, a
         assert drum.angle_end == pytest.approx(anchors[c.name].anchor_rad + c.drum_side * theta, abs=1e-14)
 
 
-def test_dead_turns_are_left_at_the_unwound_end(drive: Drive, dims: Layout) -> None:
+def test_dead_turns_are_left_at_the_unwound_end(drive: BevelDrive, dims: Layout) -> None:
     half = radians(drive.half_travel_deg)
     for side in (-half, half):
         for path in dims.cable_paths(side):
@@ -162,7 +162,7 @@ def span_length(span: float, helix_slope: float, rise: float, blend: float) -> f
     return parabola(helix_slope, slope) + (span - 2 * blend) * hypot(1.0, slope) + parabola(slope, 0.0)
 
 
-def test_a_cable_keeps_its_length_but_for_the_helix_and_the_fleet_angle(drive: Drive, dims: Layout) -> None:
+def test_a_cable_keeps_its_length_but_for_the_helix_and_the_fleet_angle(drive: BevelDrive, dims: Layout) -> None:
     """What the drum takes up the pulley gives, r_o theta; a helix takes a hair more, and so does the span's slope."""
     centred = {p.cable.name: p.length_mm for p in dims.cable_paths(0.0)}
     lead, worst = drive.helix_lead_mm, 0.0
@@ -185,7 +185,7 @@ def test_a_cable_keeps_its_length_but_for_the_helix_and_the_fleet_angle(drive: D
     assert 0.015 < worst < 0.025, f"over the travel a cable strains by {worst:.4f} mm; 0.019 by hand"
 
 
-def test_walk_is_the_lead_times_the_turns(drive: Drive) -> None:
+def test_walk_is_the_lead_times_the_turns(drive: BevelDrive) -> None:
     """p i_c theta / 2 pi: 0.87 x 9 x 35/360 = 0.761 mm, opposite at both ends, outward where the cable is wound on."""
     for c in drive.cables:
         end = radians(drive.half_travel_deg)
@@ -194,7 +194,7 @@ def test_walk_is_the_lead_times_the_turns(drive: Drive) -> None:
         assert axial_walk_mm(drive, c, c.drum_side * end) == -walk
 
 
-def test_band_on_the_input_pulley(drive: Drive) -> None:
+def test_band_on_the_input_pulley(drive: BevelDrive) -> None:
     """-1.17 mm inward, +2.04 mm outward of the step plane."""
     for c in drive.cables:
         outward = outward_of(drive, c)
@@ -203,7 +203,7 @@ def test_band_on_the_input_pulley(drive: Drive) -> None:
         assert edges == pytest.approx([-1.17, 2.04], abs=0.006), f"{c.name}: {edges}"
 
 
-def lag(drive: Drive, cable: CableRun, steps: int) -> float:
+def lag(drive: BevelDrive, cable: BevelRun, steps: int) -> float:
     """dz/ds = (w - z)/L_free integrated by small steps over one sweep that draws cable onto the drum."""
     w = winding(drive, cable)
     amplitude = axial_walk_mm(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))
@@ -216,14 +216,14 @@ def lag(drive: Drive, cable: CableRun, steps: int) -> float:
     return worst
 
 
-def test_landing_point_walks_with_the_span_as_space_constant(drive: Drive) -> None:
+def test_landing_point_walks_with_the_span_as_space_constant(drive: BevelDrive) -> None:
     figures = [guide_landing_walk_mm(drive, c) for c in drive.cables]
     assert min(figures) > 0.22 and max(figures) < 0.29, f"{figures}; mechanism: 0.22 to 0.28 mm"
     for c, figure in zip(drive.cables, figures, strict=True):
         assert figure == pytest.approx(lag(drive, c, 20000), abs=2e-4), c.name
 
 
-def straight_span_clearance(drive: Drive, cable: CableRun) -> float:
+def straight_span_clearance(drive: BevelDrive, cable: BevelRun) -> float:
     """Self-clearance at the wound end of a span that leaves the helix with a kink, by brute force."""
     r, lead, w = cable.input_radius_mm, drive.helix_lead_mm, winding(drive, cable)
     walk = axial_walk_mm(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))
@@ -235,7 +235,7 @@ def straight_span_clearance(drive: Drive, cable: CableRun) -> float:
     return float(min(gaps)) - drive.cable.diameter_mm
 
 
-def test_self_clearance_at_the_wound_end(drive: Drive) -> None:
+def test_self_clearance_at_the_wound_end(drive: BevelDrive) -> None:
     """0.009 mm for a span that kinks; the rope's stiffness rounds the kink and leaves more."""
     kinked = [straight_span_clearance(drive, c) for c in drive.cables]
     assert min(kinked) == pytest.approx(0.009, abs=0.003), f"{kinked}"
@@ -244,7 +244,7 @@ def test_self_clearance_at_the_wound_end(drive: Drive) -> None:
         assert least < rounded < drive.helix_lead_mm - drive.cable.diameter_mm, f"{c.name}: {rounded} mm"
 
 
-def test_the_stop_sits_inside_the_land(drive: Drive) -> None:
+def test_the_stop_sits_inside_the_land(drive: BevelDrive) -> None:
     """Bend tangent to the land, chord inside it by stop and wall; the stop ends on the chord where it is said to."""
     for c in drive.cables:
         g, d = stop_geometry(drive, c), drive.cable.diameter_mm
@@ -262,6 +262,6 @@ def test_the_stop_sits_inside_the_land(drive: Drive) -> None:
         assert start @ along == pytest.approx(g.stop_end_mm, abs=1e-9)
 
 
-def test_pulleys_that_overlap_are_refused_with_a_sentence(drive: Drive) -> None:
+def test_pulleys_that_overlap_are_refused_with_a_sentence(drive: BevelDrive) -> None:
     with pytest.raises(ValueError, match=r"centre distance 18.0 mm must exceed r_g \+ r_m = 18.0 mm for cable_4"):
         winding(replace(drive, centre_distance_mm=18.0), drive.cables[3])

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads, unit_tensions_N
 from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance, frame_windup_mrad
-from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.si import to_si
 
 from .designs import drives, mirrored, reference
@@ -20,11 +20,11 @@ from .designs import drives, mirrored, reference
 WALLS = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
 
 
-def with_walls(drive: Drive, **walls: float) -> Drive:
+def with_walls(drive: BevelDrive, **walls: float) -> BevelDrive:
     return replace(drive, support=replace(drive.support, **walls))
 
 
-def drawable(drive: Drive) -> Layout:
+def drawable(drive: BevelDrive) -> Layout:
     """The layout, where the random radii leave one."""
     try:
         return layout(drive)
@@ -34,7 +34,7 @@ def drawable(drive: Drive) -> Layout:
 
 @settings(max_examples=25, deadline=None)
 @given(drives())
-def test_load_of_1_Nm_leaves_the_mount_a_moment_about_the_drum_alone(drive: Drive) -> None:
+def test_load_of_1_Nm_leaves_the_mount_a_moment_about_the_drum_alone(drive: BevelDrive) -> None:
     dims = drawable(drive)
     loads = seat_loads(dims, unit_tensions_N(to_si(drive)))
     force = loads.force_N.sum(axis=0)
@@ -48,7 +48,7 @@ def test_load_of_1_Nm_leaves_the_mount_a_moment_about_the_drum_alone(drive: Driv
 
 @settings(max_examples=25, deadline=None)
 @given(drives(), st.lists(st.floats(0.0, 200.0), min_size=4, max_size=4))
-def test_any_tensions_load_the_mount_by_their_moment_on_the_drum(drive: Drive, tension: list[float]) -> None:
+def test_any_tensions_load_the_mount_by_their_moment_on_the_drum(drive: BevelDrive, tension: list[float]) -> None:
     d = to_si(drive)
     loads = seat_loads(drawable(drive), np.array(tension))
     on_drum = float((d.sigma * np.array(tension) * d.drum_radius_m).sum())
@@ -58,7 +58,7 @@ def test_any_tensions_load_the_mount_by_their_moment_on_the_drum(drive: Drive, t
     assert np.allclose(moment, [0.0, -on_drum, 0.0], atol=1e-9 * (1 + max(tension))), f"{moment}, drum {on_drum} N m"
 
 
-def test_unit_tensions_carry_1_Nm(drive: Drive) -> None:
+def test_unit_tensions_carry_1_Nm(drive: BevelDrive) -> None:
     d = to_si(drive)
     carried = float((d.sigma * unit_tensions_N(d) * d.drum_radius_m).sum())
     assert carried == pytest.approx(1.0, abs=1e-12), f"{carried} N m"
@@ -73,7 +73,7 @@ def test_reference_keeps_its_limit_and_shares_add_up(dims: Layout) -> None:
     assert frame_windup_mrad(dims, torque) == pytest.approx(found.windup_urad_Nm * torque * 1e-3)
 
 
-def test_windup_is_inverse_to_the_modulus(drive: Drive) -> None:
+def test_windup_is_inverse_to_the_modulus(drive: BevelDrive) -> None:
     material = drive.support.material
     softer = replace(material, youngs_modulus_GPa=material.youngs_modulus_GPa / 3)
     ratio = (
@@ -84,7 +84,7 @@ def test_windup_is_inverse_to_the_modulus(drive: Drive) -> None:
 
 
 @pytest.mark.parametrize("wall", WALLS)
-def test_a_thicker_wall_is_stiffer(drive: Drive, wall: str) -> None:
+def test_a_thicker_wall_is_stiffer(drive: BevelDrive, wall: str) -> None:
     thickness = getattr(drive.support, wall)
     thin, thick = (
         frame_compliance(layout(with_walls(drive, **{wall: f * thickness}))).windup_urad_Nm for f in (0.75, 1.25)
@@ -92,14 +92,14 @@ def test_a_thicker_wall_is_stiffer(drive: Drive, wall: str) -> None:
     assert thick < thin, f"{wall}: {thin:.3f} urad per N m at 0.75, {thick:.3f} at 1.25 of {thickness} mm"
 
 
-def test_mirror_image_is_as_stiff(drive: Drive) -> None:
+def test_mirror_image_is_as_stiff(drive: BevelDrive) -> None:
     here, there = (frame_compliance(layout(d)).windup_urad_Nm for d in (drive, mirrored(drive)))
     assert there == pytest.approx(here, rel=1e-6), f"{here} and {there} urad per N m"
 
 
 @settings(max_examples=12, deadline=None)
 @given(drives(), st.tuples(*[st.floats(0.5, 9.0)] * 6))
-def test_any_design_has_a_windup_or_a_sentence(drive: Drive, walls: tuple[float, ...]) -> None:
+def test_any_design_has_a_windup_or_a_sentence(drive: BevelDrive, walls: tuple[float, ...]) -> None:
     dims = drawable(with_walls(drive, **dict(zip(WALLS, walls, strict=True))))
     try:
         found = frame_compliance(dims).windup_urad_Nm

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import cable_path, winding
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures, path_figures, terminal_to_guide_mm
-from mbcdm_cad.design.drive import Drive
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def figures(dims: Layout) -> PathFigures:
     return path_figures(dims)
 
 
-def test_tangent_points_lie_on_their_pulleys(drive: Drive, figures: PathFigures) -> None:
+def test_tangent_points_lie_on_their_pulleys(drive: BevelDrive, figures: PathFigures) -> None:
     for run, c in zip(drive.cables, figures.cables, strict=True):
         x, y, _ = c.input_contact_mm
         assert hypot(x - run.input_side * drive.centre_distance_mm, y) == pytest.approx(run.input_radius_mm)
@@ -32,7 +32,7 @@ def test_tangent_points_lie_on_their_pulleys(drive: Drive, figures: PathFigures)
         )
 
 
-def test_wraps_turn_as_the_ratios_say(drive: Drive, figures: PathFigures) -> None:
+def test_wraps_turn_as_the_ratios_say(drive: BevelDrive, figures: PathFigures) -> None:
     travel = figures.drum_angle_deg[-1] - figures.drum_angle_deg[0]
     assert travel == pytest.approx(2 * drive.half_travel_deg)
     for run, c in zip(drive.cables, figures.cables, strict=True):
@@ -42,7 +42,7 @@ def test_wraps_turn_as_the_ratios_say(drive: Drive, figures: PathFigures) -> Non
         assert min(c.input_wrap_deg) == pytest.approx(360 * drive.dead_turns)
 
 
-def test_walk_and_fleet_angle_along_the_travel(drive: Drive, figures: PathFigures) -> None:
+def test_walk_and_fleet_angle_along_the_travel(drive: BevelDrive, figures: PathFigures) -> None:
     for run, c in zip(drive.cables, figures.cables, strict=True):
         turned = np.array(figures.drum_angle_deg) * run.drum_radius_mm / run.input_radius_mm / 360
         assert np.abs(c.axial_walk_mm) == pytest.approx(np.abs(turned) * drive.helix_lead_mm)
@@ -50,7 +50,7 @@ def test_walk_and_fleet_angle_along_the_travel(drive: Drive, figures: PathFigure
         assert c.fleet_angle_deg == pytest.approx(slope)
 
 
-def test_lengths_change_by_helix_and_fleet_angle(drive: Drive, figures: PathFigures) -> None:
+def test_lengths_change_by_helix_and_fleet_angle(drive: BevelDrive, figures: PathFigures) -> None:
     """What is odd in the angle is the helix longer than its circle; what is even, the slanted span: walk^2/2L.
 
     The short parabolas that join the slopes add some per cent.
@@ -73,7 +73,7 @@ def test_usable_travel_ends_at_the_nearest_limit(figures: PathFigures) -> None:
     assert figures.usable_deg == pytest.approx((-35.25, 35.25))
 
 
-def test_another_limit_takes_over_when_it_is_drawn_in(drive: Drive) -> None:
+def test_another_limit_takes_over_when_it_is_drawn_in(drive: BevelDrive) -> None:
     strict = replace(drive, limits=replace(drive.limits, fleet_angle_max_deg=1.0))
     shorter = path_figures(layout(strict))
     assert shorter.limits_positive[0].cause == "fleet angle of cable_4 reaches 1 deg"

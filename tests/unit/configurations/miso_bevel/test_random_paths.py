@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, cable_path, fleet_angle_deg, winding
-from mbcdm_cad.design.drive import CableRun, Drive
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.routes.curves import Arc, Helix
 
 from .designs import drives, mirrored
@@ -20,14 +20,14 @@ FRACTIONS = st.floats(-1.0, 1.0)
 ANCHOR = 2.5  # rad, beyond any travel drawn here
 
 
-def each(drive: Drive, fraction: float) -> list[tuple[CableRun, float]]:
+def each(drive: BevelDrive, fraction: float) -> list[tuple[BevelRun, float]]:
     theta = fraction * radians(drive.half_travel_deg)
     return [(c, theta) for c in drive.cables]
 
 
 @settings(max_examples=60, deadline=None)
 @given(drives(), FRACTIONS)
-def test_every_joint_is_smooth(drive: Drive, fraction: float) -> None:
+def test_every_joint_is_smooth(drive: BevelDrive, fraction: float) -> None:
     for cable, theta in each(drive, fraction):
         pieces = cable_path(drive, cable, ANCHOR, 4.0, theta).pieces
         for (before, a), (after, b) in pairwise(pieces):
@@ -39,7 +39,7 @@ def test_every_joint_is_smooth(drive: Drive, fraction: float) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(drives())
-def test_tangents_cross_between_pulley_and_guide(drive: Drive) -> None:
+def test_tangents_cross_between_pulley_and_guide(drive: BevelDrive) -> None:
     for cable in drive.cables:
         on_pulley, on_guide = crossing_tangent(drive, cable)
         w = winding(drive, cable)
@@ -54,7 +54,7 @@ def test_tangents_cross_between_pulley_and_guide(drive: Drive) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(drives(), FRACTIONS)
-def test_cables_of_eq_1_do_not_stretch(drive: Drive, fraction: float) -> None:
+def test_cables_of_eq_1_do_not_stretch(drive: BevelDrive, fraction: float) -> None:
     """First order: nothing. Second order: the helix's slope on the length wound, and the slope of the span."""
     lead = drive.helix_lead_mm
     for cable, theta in each(drive, fraction):
@@ -70,7 +70,7 @@ def test_cables_of_eq_1_do_not_stretch(drive: Drive, fraction: float) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(drives(), FRACTIONS, FRACTIONS)
-def test_winding_is_one_helix_in_the_pulleys_frame(drive: Drive, first: float, second: float) -> None:
+def test_winding_is_one_helix_in_the_pulleys_frame(drive: BevelDrive, first: float, second: float) -> None:
     for cable in drive.cables:
         seen = []
         for fraction in (first, second):
@@ -85,7 +85,7 @@ def test_winding_is_one_helix_in_the_pulleys_frame(drive: Drive, first: float, s
 
 @settings(max_examples=40, deadline=None)
 @given(drives())
-def test_fleet_angle_is_that_of_the_steepest_span(drive: Drive) -> None:
+def test_fleet_angle_is_that_of_the_steepest_span(drive: BevelDrive) -> None:
     half = radians(drive.half_travel_deg)
     for cable in drive.cables:
         span = winding(drive, cable).free_span_mm
@@ -95,7 +95,7 @@ def test_fleet_angle_is_that_of_the_steepest_span(drive: Drive) -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(drives(), FRACTIONS)
-def test_the_mirror_image_is_the_mirror_image(drive: Drive, fraction: float) -> None:
+def test_the_mirror_image_is_the_mirror_image(drive: BevelDrive, fraction: float) -> None:
     """x -> -x with the drum turned the other way."""
     other = mirrored(drive)
     for (cable, theta), twin in zip(each(drive, fraction), other.cables, strict=True):
@@ -106,7 +106,7 @@ def test_the_mirror_image_is_the_mirror_image(drive: Drive, fraction: float) -> 
 
 @settings(max_examples=40, deadline=None)
 @given(drives(), FRACTIONS)
-def test_wrapped_pieces_keep_their_radius(drive: Drive, fraction: float) -> None:
+def test_wrapped_pieces_keep_their_radius(drive: BevelDrive, fraction: float) -> None:
     for cable, theta in each(drive, fraction):
         path = cable_path(drive, cable, ANCHOR, 4.0, theta)
         drum = path.piece("drum")

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import guide_landing_walk_mm
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.stack import BAND_MARGIN_MM, END_PLAY_MM, SHOULDER_MM, band, outward_of, stack
-from mbcdm_cad.design.drive import Drive
 
 
-def test_height_is_the_sum_of_what_stands_on_each_other(drive: Drive, dims: Layout) -> None:
+def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims: Layout) -> None:
     """Motor, gearhead, motor shelf, coupling space, bearing shelf, gap, pulley, gap and play, top plate, encoder."""
     pulley = dims.inputs[0].land_top_z - dims.inputs[0].land_bottom_z
     low = min(p.land_bottom_z for p in dims.inputs)
@@ -29,7 +29,7 @@ def test_height_is_the_sum_of_what_stands_on_each_other(drive: Drive, dims: Layo
     assert dims.levels.height_mm == pytest.approx(drive.targets.envelope_mm[1], abs=drive.targets.envelope_tolerance_mm)
 
 
-def test_depth_runs_from_the_back_plate_to_the_hubs_face(drive: Drive, dims: Layout) -> None:
+def test_depth_runs_from_the_back_plate_to_the_hubs_face(drive: BevelDrive, dims: Layout) -> None:
     assert dims.levels.depth_mm == drive.drum.hub_face_y_mm - drive.support.back_y_mm
     assert dims.levels.depth_mm == pytest.approx(34.8, abs=1e-12)
 
@@ -46,7 +46,7 @@ def test_levels_are_in_order(dims: Layout) -> None:
     assert back == sorted(back)
 
 
-def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: Drive, dims: Layout) -> None:
+def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: BevelDrive, dims: Layout) -> None:
     for pulley in dims.inputs:
         low, high = sorted((c for c in drive.cables if c.input_name == pulley.name), key=lambda c: c.step)
         assert pulley.land_bottom_z == band(drive, low, outward_of(drive, low)).low_mm - BAND_MARGIN_MM
@@ -54,7 +54,7 @@ def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: Drive, dim
         assert pulley.land_bottom_z < low.drum_radius_mm < pulley.wall_z < high.drum_radius_mm < pulley.land_top_z
 
 
-def test_dead_turns_lie_on_the_outer_ends(drive: Drive) -> None:
+def test_dead_turns_lie_on_the_outer_ends(drive: BevelDrive) -> None:
     """Both helices of a pulley have the same hand and wind apart, or they would meet in the middle."""
     for cable in drive.cables:
         outward = outward_of(drive, cable)
@@ -64,7 +64,7 @@ def test_dead_turns_lie_on_the_outer_ends(drive: Drive) -> None:
         assert (limits.dead_end_mm - cable.drum_radius_mm) * outward > 0
 
 
-def test_guide_is_longer_than_the_steps_by_walk_and_flank(drive: Drive, dims: Layout) -> None:
+def test_guide_is_longer_than_the_steps_by_walk_and_flank(drive: BevelDrive, dims: Layout) -> None:
     r = [c.drum_radius_mm for c in drive.cables]
     walk = max(guide_landing_walk_mm(drive, c) for c in drive.cables)
     flank = drive.cable.diameter_mm / 2
@@ -72,7 +72,7 @@ def test_guide_is_longer_than_the_steps_by_walk_and_flank(drive: Drive, dims: La
     assert dims.levels.guide_top_z > r[-1] + flank + walk + 0.5
 
 
-def test_bodies_come_closest_at_the_transfer(drive: Drive, dims: Layout) -> None:
+def test_bodies_come_closest_at_the_transfer(drive: BevelDrive, dims: Layout) -> None:
     """0.155 mm from the guide's first step to the drum's inner face, 0.255 at the walls: no cable slips in."""
     gap = dims.levels.drum_inner_y - dims.guide.surface_radii[0]
     assert gap == pytest.approx(drive.clearances.transfer_gap_mm, abs=1e-12) and gap < drive.cable.diameter_mm / 2
@@ -82,7 +82,7 @@ def test_bodies_come_closest_at_the_transfer(drive: Drive, dims: Layout) -> None
     assert at_walls == pytest.approx([0.255] * 3, abs=1e-12)
 
 
-def test_frame_stays_clear_of_the_drum_and_of_the_tensioners(drive: Drive, dims: Layout) -> None:
+def test_frame_stays_clear_of_the_drum_and_of_the_tensioners(drive: BevelDrive, dims: Layout) -> None:
     v, running = dims.levels, drive.clearances.running_mm
     nut = drive.tensioner.nut_across_flats_mm / 3**0.5
     assert v.front_y + running <= min(t.y_mm for t in dims.drum.tensioners) - nut + 1e-12
@@ -90,7 +90,7 @@ def test_frame_stays_clear_of_the_drum_and_of_the_tensioners(drive: Drive, dims:
     assert v.boss_front_y == dims.drum.spigot_y < dims.drum.hub_start_y < dims.drum.web_start_y
 
 
-def test_walls_stand_beside_the_widest_of_what_turns_and_hangs_there(drive: Drive, dims: Layout) -> None:
+def test_walls_stand_beside_the_widest_of_what_turns_and_hangs_there(drive: BevelDrive, dims: Layout) -> None:
     half_room = dims.levels.side_inner_x - drive.centre_distance_mm
     flank = drive.cable.diameter_mm / 2
     for what, radius in {
@@ -119,7 +119,7 @@ FOLLOWS: list[tuple[str, str, str, int]] = [
 
 
 @pytest.mark.parametrize(("block", "field", "level", "sign"), FOLLOWS, ids=lambda v: str(v))
-def test_a_level_follows_its_field(drive: Drive, block: str, field: str, level: str, sign: int) -> None:
+def test_a_level_follows_its_field(drive: BevelDrive, block: str, field: str, level: str, sign: int) -> None:
     before: Any = getattr(drive, block) if block else drive
     moved = replace(before, **{field: getattr(before, field) + 0.125})
     after = stack(replace(drive, **{block: moved}) if block else moved)
@@ -130,7 +130,7 @@ def test_a_level_follows_its_field(drive: Drive, block: str, field: str, level: 
     assert change == pytest.approx(sign * 0.125, abs=1e-12), f"{level} moved by {change}"
 
 
-def test_longer_travel_makes_longer_pulleys(drive: Drive) -> None:
+def test_longer_travel_makes_longer_pulleys(drive: BevelDrive) -> None:
     """Walk outward at the top of one pulley, inward at the bottom of the other: p i_c / 2 pi mm per rad each way."""
     more = stack(replace(drive, half_travel_deg=drive.half_travel_deg + 5.0))
     per_rad = drive.helix_lead_mm * 9 / (2 * 3.141592653589793)

@@ -1,0 +1,131 @@
+"""What a miso_bevel drive has beyond what all drives have: guide, steps and sides, and the parts of this design."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.design.bought import Bearing, Material, TensionerSpec
+from mbcdm_cad.design.drive import CableRun, Drive, Sigmas
+
+
+@dataclass(frozen=True)
+class BevelRun(CableRun):
+    """One cable, with the guide's step that it runs on."""
+
+    input_side: int  # -1: input at x = -L, +1: at x = +L
+    drum_side: int  # +1: runs on the drum towards +x, -1: towards -x
+    step: int  # 1..4, axial step on guide and drum
+    guide_radius_mm: float
+
+    @property
+    def sense(self) -> int:
+        """Sense in which this cable's tension turns the drum about +Y (mechanism: -1 towards +x, +1 towards -x)."""
+        return -self.drum_side
+
+
+@dataclass(frozen=True)
+class Clearances:
+    """Gaps the geometry must keep, all in mm between finished surfaces."""
+
+    transfer_gap_mm: float  # guide step 1 surface to the drum's inner face
+    land_edge_mm: float  # edge of a drum land to the next cable's contact line
+    running_mm: float  # any moving solid to any fixed one, elsewhere
+
+
+@dataclass(frozen=True)
+class Bearings:
+    """The bearing chosen for each role."""
+
+    drum: Bearing
+    guide: Bearing
+    input_lower: Bearing  # next to the gearhead
+    input_upper: Bearing  # in the top plate
+
+    def all(self) -> tuple[Bearing, ...]:
+        """The four roles in the order drum, guide, input lower, input upper (types may repeat)."""
+        return (self.drum, self.guide, self.input_lower, self.input_upper)
+
+
+@dataclass(frozen=True)
+class DrumSpec:
+    """Drum sector and its shaft; y is measured along the drum axis from the guide's axis."""
+
+    material: Material
+    sector_half_angle_deg: float
+    rim_inner_radius_mm: float
+    outer_face_y_mm: float
+    web_thickness_mm: float
+    hub_diameter_mm: float
+    hub_face_y_mm: float
+    shaft_bore_mm: float
+    shaft_material: Material
+
+
+@dataclass(frozen=True)
+class GuideSpec:
+    """Guide pulley and its fixed axle."""
+
+    material: Material
+    axle_material: Material
+
+
+@dataclass(frozen=True)
+class InputPulleySpec:
+    """Input pulleys, both alike but for their radii."""
+
+    material: Material
+
+
+@dataclass(frozen=True)
+class SupportSpec:
+    """Frame: back plate, side walls, shelves, ribs and the separate top plate."""
+
+    material: Material
+    back_y_mm: float
+    back_plate_mm: float
+    side_wall_mm: float
+    motor_shelf_mm: float
+    coupling_space_mm: float
+    bearing_shelf_mm: float
+    top_plate_mm: float
+    rib_mm: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class BevelSigmas(Sigmas):
+    """Standard deviations of this configuration's own lengths too."""
+
+    input_radius_mm: tuple[float, ...]
+    guide_radius_mm: tuple[float, ...]
+    drum_radius_mm: tuple[float, ...]
+    centre_distance_mm: float
+
+
+@dataclass(frozen=True)
+class BevelDrive(Drive):
+    """A drive with two inputs, a guide and a bevel transfer. ``input_sides``: -1 for an input at x = -L, +1 at +L."""
+
+    cables: tuple[BevelRun, ...]
+    sigmas: BevelSigmas
+    input_sides: tuple[int, ...]
+    centre_distance_mm: float
+    radii_explicit: bool
+    clearances: Clearances
+    bearings: Bearings
+    tensioner: TensionerSpec
+    drum: DrumSpec
+    guide: GuideSpec
+    input_pulleys: InputPulleySpec
+    support: SupportSpec
+
+    @property
+    def collar_seat_mm(self) -> tuple[float, float]:
+        """Bore of the clamp collar, which the pulley's lower journal has, and its thinnest wall."""
+        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm
+
+
+def bevel(drive: Drive) -> BevelDrive:
+    """``drive`` as one of this configuration. Raises ``TypeError`` for a drive of another."""
+    if not isinstance(drive, BevelDrive):
+        raise TypeError(f"{drive.name}: a drive of configuration {drive.configuration}, not of miso_bevel")
+    return drive
