@@ -11,7 +11,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees, hypot, pi, radians, tan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
@@ -80,36 +80,67 @@ def _drives(rng: random.Random, data: Data, lower: Data, upper: Data, drum: Data
     shaft = min(max(1.5, round(pilot * 2 - rng.uniform(0.6, 2.0), 1)), lower["bore_mm"] - 1.0, 4.3)
     radius = max(bolt + screw["head_diameter_mm"] / 2, rng.uniform(5.0, 10.0))
     data["catalogue"] = {
-        "gearheads": {"drawn": _source({
-            "ratio": round(rng.uniform(30.0, 150.0), 1), "efficiency": 0.7, "rated_torque_mNm": 400.0,
-            "max_torque_mNm": 4000.0, "radial_load_N": 20.0, "diameter_mm": round(2 * radius, 2),
-            "length_mm": round(rng.uniform(14.0, 26.0), 1), "shaft_diameter_mm": shaft,
-            "shaft_length_mm": round(shelf + screw["head_height_mm"] + 0.9 + shaft * rng.uniform(1.0, 1.4), 2),
-            "pilot_diameter_mm": round(2 * pilot, 3),
-            "pilot_height_mm": 1.0, "bolt_circle_mm": round(2 * bolt, 3), "screw": name, "screw_count": 2,
-            "mass_g": 18.0,
-        })},
-        "motors": {"drawn": _source({
-            "diameter_mm": round(2 * radius * rng.uniform(0.8, 1.0), 2), "length_mm": round(rng.uniform(14.0, 30.0), 1),
-            "rated_torque_mNm": 40.0, "rotor_inertia_g_cm2": 0.7, "mass_g": 18.0,
-        })},
-    }  # fmt: skip
+        "gearheads": {
+            "drawn": _source(
+                {
+                    "ratio": round(rng.uniform(30.0, 150.0), 1),
+                    "efficiency": 0.7,
+                    "rated_torque_mNm": 400.0,
+                    "max_torque_mNm": 4000.0,
+                    "radial_load_N": 20.0,
+                    "diameter_mm": round(2 * radius, 2),
+                    "length_mm": round(rng.uniform(14.0, 26.0), 1),
+                    "shaft_diameter_mm": shaft,
+                    "shaft_length_mm": round(shelf + screw["head_height_mm"] + 0.9 + shaft * rng.uniform(1.0, 1.4), 2),
+                    "pilot_diameter_mm": round(2 * pilot, 3),
+                    "pilot_height_mm": 1.0,
+                    "bolt_circle_mm": round(2 * bolt, 3),
+                    "screw": name,
+                    "screw_count": 2,
+                    "mass_g": 18.0,
+                }
+            )
+        },
+        "motors": {
+            "drawn": _source(
+                {
+                    "diameter_mm": round(2 * radius * rng.uniform(0.8, 1.0), 2),
+                    "length_mm": round(rng.uniform(14.0, 30.0), 1),
+                    "rated_torque_mNm": 40.0,
+                    "rotor_inertia_g_cm2": 0.7,
+                    "mass_g": 18.0,
+                }
+            )
+        },
+    }
     head = screws["M1.6x4"]["head_diameter_mm"] / 2 + 0.1
     circle = upper["outer_diameter_mm"] / 2 + head + rng.uniform(0.8, 1.5)
     ring = drum["outer_diameter_mm"] / 2 + 1.0 + rng.uniform(0.6, 1.5)
     small = {"resolution_urad": 191.7, "screw_count": 2}
     data["catalogue"]["encoders"] = {
-        "drawn": _source({
-            **small, "diameter_mm": round(2 * (circle + rng.uniform(1.4, 2.5)), 2), "mass_g": 7.0, "screw": "M1.6x4",
-            "length_mm": round(rng.uniform(12.0, 16.0), 1), "bore_mm": upper["bore_mm"],
-            "bolt_circle_mm": round(2 * circle, 3),
-        }),
-        "drawn-ring": _source({
-            **small, "diameter_mm": round(2 * (ring + rng.uniform(1.6, 2.5)), 2), "mass_g": 9.0, "screw": "M2x6",
-            "length_mm": round(rng.uniform(4.5, 9.0), 1), "bore_mm": drum["bore_mm"],
-            "bolt_circle_mm": round(2 * ring, 3),
-        }),
-    }  # fmt: skip
+        "drawn": _source(
+            {
+                **small,
+                "diameter_mm": round(2 * (circle + rng.uniform(1.4, 2.5)), 2),
+                "mass_g": 7.0,
+                "screw": "M1.6x4",
+                "length_mm": round(rng.uniform(12.0, 16.0), 1),
+                "bore_mm": upper["bore_mm"],
+                "bolt_circle_mm": round(2 * circle, 3),
+            }
+        ),
+        "drawn-ring": _source(
+            {
+                **small,
+                "diameter_mm": round(2 * (ring + rng.uniform(1.6, 2.5)), 2),
+                "mass_g": 9.0,
+                "screw": "M2x6",
+                "length_mm": round(rng.uniform(4.5, 9.0), 1),
+                "bore_mm": drum["bore_mm"],
+                "bolt_circle_mm": round(2 * ring, 3),
+            }
+        ),
+    }
     data["drive"] = {"motor": "drawn", "gearhead": "drawn", "encoder": "drawn", "drum_encoder": "drawn-ring"}
     return radius
 
@@ -169,16 +200,24 @@ def draw(seed: int) -> Data:
     }
     preload = rope["breaking_load_N"] * rng.uniform(0.03, 0.12)
     data["rope"] = {
-        "type": rope_name, "friction_coefficient": round(rng.uniform(0.08, 0.3), 3), "preload_N": round(preload, 1),
-        "helix_lead_mm": lead, "dead_turns": round(rng.uniform(0.6, 2.0), 2),
-    }  # fmt: skip
+        "type": rope_name,
+        "friction_coefficient": round(rng.uniform(0.08, 0.3), 3),
+        "preload_N": round(preload, 1),
+        "helix_lead_mm": lead,
+        "dead_turns": round(rng.uniform(0.6, 2.0), 2),
+    }
     gap = round(min(rng.uniform(0.08, 0.25), 0.8 * d / 2, d / 2 + edge - step + d / 2), 3)
     data["clearances"] = {
-        "transfer_gap_mm": max(0.06, gap), "land_edge_mm": edge, "running_mm": round(rng.uniform(0.15, 0.4), 2),
-    }  # fmt: skip
-    _bodies(rng, data, d, nut, half, drum_radii, i2, i1, tensioner, lower, upper, drum)
-    data["guide"] = {"material": rng.choice(["aluminium-7075", "aluminium-6082", "brass"]), "bearing": guide_name,
-                     "axle_material": "steel"}  # fmt: skip
+        "transfer_gap_mm": max(0.06, gap),
+        "land_edge_mm": edge,
+        "running_mm": round(rng.uniform(0.15, 0.4), 2),
+    }
+    _bodies(rng, data, _Drawn(d, nut, half, drum_radii, i2, tensioner, lower, upper, drum))
+    data["guide"] = {
+        "material": rng.choice(["aluminium-7075", "aluminium-6082", "brass"]),
+        "bearing": guide_name,
+        "axle_material": "steel",
+    }
     data["input_pulleys"] = {"material": "steel", "lower_bearing": lower_name, "upper_bearing": upper_name}
     data["drum"] |= {"bearing": drum_name, "tensioner": tensioner_name}
     # What the preload carries without slack, and what stop pin and collars of the sizes drawn hold.
@@ -198,11 +237,23 @@ def draw(seed: int) -> Data:
     return data
 
 
-def _bodies(
-    rng: random.Random, data: Data, d: float, nut: float, half: float, drum_radii: list[float], i2: float, i1: float,
-    tensioner: Data, lower: Data, upper: Data, drum: Data,
-) -> None:  # fmt: skip
+class _Drawn(NamedTuple):
+    """What is drawn at random before drum and support: mm and rad, and catalogue entries of the parts chosen."""
+
+    cable_diameter: float
+    nut_radius: float
+    half_travel: float
+    drum_radii: list[float]
+    guide_to_drum: float
+    tensioner: Data
+    lower_bearing: Data
+    upper_bearing: Data
+    drum_bearing: Data
+
+
+def _bodies(rng: random.Random, data: Data, drawn: _Drawn) -> None:
     """Drum and support: thicknesses at random above what they must hold."""
+    d, nut, half, drum_radii, i2, tensioner, lower, upper, drum = drawn
     outer_g = drum_radii[3] / i2
     inner_y = drum_radii[0] / i2 - d / 2 + data["clearances"]["transfer_gap_mm"]
     terminal = tensioner["stud_length_mm"] + 1.5
