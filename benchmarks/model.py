@@ -90,10 +90,13 @@ def designs(d: DriveSI, n: int) -> DriveSI:
     size = rng.uniform(0.8, 1.5, n)
     return d.with_(
         input_radius_m=d.input_radius_m[:, None] * size * rng.uniform(0.97, 1.03, (4, n)),
-        guide_radius_m=d.value("guide_radius_m")[:, None] * size, drum_radius_m=d.drum_radius_m[:, None] * size,
-        preload_N=rng.uniform(40, 120, (4, n)), centre_distance_m=rng.uniform(30e-3, 48e-3, n),
-        friction_coefficient=rng.uniform(0.05, 0.4, n), modulus_Pa=rng.uniform(30e9, 90e9, n),
-    )  # fmt: skip
+        guide_radius_m=d.value("guide_radius_m")[:, None] * size,
+        drum_radius_m=d.drum_radius_m[:, None] * size,
+        preload_N=rng.uniform(40, 120, (4, n)),
+        centre_distance_m=rng.uniform(30e-3, 48e-3, n),
+        friction_coefficient=rng.uniform(0.05, 0.4, n),
+        modulus_Pa=rng.uniform(30e9, 90e9, n),
+    )
 
 
 def measured(design: Path, repeat: int) -> list[Figure]:

@@ -64,9 +64,11 @@ def quasi_static(drive: Drive, repeat: int) -> list[Figure]:
     figures = []
     for amplitude in (50.0, 450.0):
         experiment = Experiment(
-            name="speed", duration_s=SIMULATED_S, motion=Motion(amplitude_mrad=amplitude, period_s=20.0),
+            name="speed",
+            duration_s=SIMULATED_S,
+            motion=Motion(amplitude_mrad=amplitude, period_s=20.0),
             load=Load(kind="brake", levels_Nm=(0.91,)),
-        )  # fmt: skip
+        )
         simulate(drive, experiment.model_copy(update={"duration_s": 1.0}))
         taken = least(lambda experiment=experiment: simulate(drive, experiment), repeat)
         figures += [

@@ -64,8 +64,9 @@ def held(drive: Drive, load_Nm: Any, **options: Any) -> tuple[Any, Any]:
 def to_and_fro(amplitude_rad: float, samples: int, sweeps: int) -> tuple[Any, Any]:
     """Input angles of a triangle of the drum at 9 turns, and the load of a brake on it; ``samples`` a quarter."""
     corners = [0.0] + [amplitude_rad * (-1.0) ** k for k in range(sweeps)]
-    legs = [np.linspace(a, b, samples * (1 if k == 0 else 2), endpoint=False)
-            for k, (a, b) in enumerate(pairwise(corners))]  # fmt: skip
+    legs = [
+        np.linspace(a, b, samples * (1 if k == 0 else 2), endpoint=False) for k, (a, b) in enumerate(pairwise(corners))
+    ]
     drum = np.concatenate(legs)
     # The flank is the same share of a sweep at any fineness, and short.
     return np.stack([9.0 * drum] * 2), brake(drum, np.full(drum.size, TORQUE_NM), amplitude_rad / 50.0)
@@ -108,11 +109,21 @@ def agreement(drive: Drive, piece_rad: float = chain.PIECE_RAD) -> list[Row]:
     at = np.array([0.0, 1e-6, TORQUE_NM - 1e-3, TORQUE_NM + 1e-3])
     steps, _ = held(drive, np.concatenate([at[:2], np.linspace(0.01, at[2], 400), at[3:]]), piece_rad=piece_rad)
     rows += [
-        Row("stiffness while all sticks", "N m/rad", float(stiffness.sticking_stiffness_Nm_rad(d)),
-            -1e-6 / (steps[1] - steps[0]), 1e-3),
-        Row("stiffness at 0.91 N m, loading", "N m/rad", float(stiffness.tangent_stiffness_Nm_rad(d, TORQUE_NM)),
-            -2e-3 / (steps[-1] - steps[-2]), 1e-2),
-    ]  # fmt: skip
+        Row(
+            "stiffness while all sticks",
+            "N m/rad",
+            float(stiffness.sticking_stiffness_Nm_rad(d)),
+            -1e-6 / (steps[1] - steps[0]),
+            1e-3,
+        ),
+        Row(
+            "stiffness at 0.91 N m, loading",
+            "N m/rad",
+            float(stiffness.tangent_stiffness_Nm_rad(d, TORQUE_NM)),
+            -2e-3 / (steps[-1] - steps[-2]),
+            1e-2,
+        ),
+    ]
     limit = drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio
     for sign in (1, -1):
         load = sign * np.linspace(0.0, 5.0, 2001)
@@ -121,8 +132,15 @@ def agreement(drive: Drive, piece_rad: float = chain.PIECE_RAD) -> list[Row]:
         peak = np.abs(torque).max(axis=0)
         reached = np.interp(limit, peak[first - 1 : first + 1], np.abs(load[first - 1 : first + 1]))
         modelled = np.abs(capability.torque_at_input_limit_Nm(d, limit, sign)).min()
-        rows.append(Row(f"load at which an input reaches {limit:.4f} N m, {'+' if sign > 0 else '-'}", "N m",
-                        float(modelled), float(reached), 1e-3))  # fmt: skip
+        rows.append(
+            Row(
+                f"load at which an input reaches {limit:.4f} N m, {'+' if sign > 0 else '-'}",
+                "N m",
+                float(modelled),
+                float(reached),
+                1e-3,
+            )
+        )
     return rows
 
 
@@ -142,8 +160,15 @@ def winding(drive: Drive, piece_rad: float = chain.PIECE_RAD) -> list[Row]:
     for name, (inputs, load) in motions.items():
         modelled = hysteresis.simulate(d, inputs, load, winding=True).drum_angle_rad - inputs[0] / 9.0
         carried, _ = rig_drum_rad(drive, inputs, load, piece_rad=piece_rad, transport=True)
-        rows.append(Row(f"extremes, {name}, both with carried rope", "urad", extremes_urad(modelled),
-                        extremes_urad(carried - inputs[0] / 9.0), 1e-3))  # fmt: skip
+        rows.append(
+            Row(
+                f"extremes, {name}, both with carried rope",
+                "urad",
+                extremes_urad(modelled),
+                extremes_urad(carried - inputs[0] / 9.0),
+                1e-3,
+            )
+        )
     return rows
 
 
@@ -155,8 +180,15 @@ def parting(drive: Drive, piece_rad: float = chain.PIECE_RAD, samples: int = 500
         inputs, load = to_and_fro(travel, samples, 9)
         declared = hysteresis.simulate(d, inputs, load).drum_angle_rad - inputs[0] / 9.0
         carried, _ = rig_drum_rad(drive, inputs, load, piece_rad=piece_rad, transport=True)
-        rows.append(Row(f"extremes at +-{travel * 1e3:.0f} mrad, rope carried along", "urad", extremes_urad(declared),
-                        extremes_urad(carried - inputs[0] / 9.0), None))  # fmt: skip
+        rows.append(
+            Row(
+                f"extremes at +-{travel * 1e3:.0f} mrad, rope carried along",
+                "urad",
+                extremes_urad(declared),
+                extremes_urad(carried - inputs[0] / 9.0),
+                None,
+            )
+        )
     ramp = np.linspace(0.0, TORQUE_NM, 200)
     still = hysteresis.simulate(d, np.zeros((2, 200)), ramp).drum_angle_rad
     slipping, _ = held(drive, ramp, piece_rad=piece_rad, passed_slip=True)
@@ -166,8 +198,10 @@ def parting(drive: Drive, piece_rad: float = chain.PIECE_RAD, samples: int = 500
 
 def convergence(drive: Drive) -> str:
     """Figures against piece length and time step, as two tables."""
-    lines = ["| piece (mrad) | first loading (urad) | swing (urad) | extremes at +-50 mrad, carried (urad) |",
-             "| --- | --- | --- | --- |"]  # fmt: skip
+    lines = [
+        "| piece (mrad) | first loading (urad) | swing (urad) | extremes at +-50 mrad, carried (urad) |",
+        "| --- | --- | --- | --- |",
+    ]
     for piece in (0.08, 0.04, 0.02, 0.01, 0.005):
         fit, beyond = agreement(drive, piece), parting(drive, piece)
         lines.append(f"| {piece * 1e3:.0f} | {fit[0].rig:.4f} | {fit[1].rig:.4f} | {beyond[0].rig:.3f} |")
@@ -189,11 +223,16 @@ def table(rows: list[Row]) -> str:
 
 def page(drive: Drive) -> str:
     """All tables."""
-    return "\n\n".join([
-        "### Where the assumptions hold", table(agreement(drive) + winding(drive)),
-        "### Where they part", table(parting(drive)),
-        "### Convergence", convergence(drive),
-    ])  # fmt: skip
+    return "\n\n".join(
+        [
+            "### Where the assumptions hold",
+            table(agreement(drive) + winding(drive)),
+            "### Where they part",
+            table(parting(drive)),
+            "### Convergence",
+            convergence(drive),
+        ]
+    )
 
 
 def main() -> None:

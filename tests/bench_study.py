@@ -40,10 +40,16 @@ def judge(task: tuple[str, int]) -> dict[str, Any]:
     drive = load_design(DESIGN).drive
     run, traits = simulate_real(drive, case, seed)
     row: dict[str, Any] = {
-        "case": case, "seed": seed, "group": REAL_CASES[case].group, "load": run.plan.load, "rate_hz": traits.rate_hz,
-        "true": " + ".join(label(effect) for effect in run.effects) or "none", "true_floor": traits.floor_rad,
-        "gain": gain_rad(drive, case, seed) if run.effects else 0.0, "samples": int(run.bench.time_s.size),
-    }  # fmt: skip
+        "case": case,
+        "seed": seed,
+        "group": REAL_CASES[case].group,
+        "load": run.plan.load,
+        "rate_hz": traits.rate_hz,
+        "true": " + ".join(label(effect) for effect in run.effects) or "none",
+        "true_floor": traits.floor_rad,
+        "gain": gain_rad(drive, case, seed) if run.effects else 0.0,
+        "samples": int(run.bench.time_s.size),
+    }
     with tempfile.TemporaryDirectory() as name:
         write_run(Path(name), "run", run, drive.input_names)
         measured = load_measurement(Path(name) / "run.yaml")
@@ -54,10 +60,15 @@ def judge(task: tuple[str, int]) -> dict[str, Any]:
         return row | {"outcome": "error", "said": f"{type(fault).__name__}: {fault}", "seconds": 0.0}
     error = result["error"]
     return row | {
-        "outcome": outcome_of(result, run.effects), "said": said_of(result), "verdict": result["verdict"],
-        "before": error["before_rad"], "after": error["after_rad"], "floor": error["floor_rad"],
-        "values": values_of(result, run.effects), "seconds": time.perf_counter() - start,
-    }  # fmt: skip
+        "outcome": outcome_of(result, run.effects),
+        "said": said_of(result),
+        "verdict": result["verdict"],
+        "before": error["before_rad"],
+        "after": error["after_rad"],
+        "floor": error["floor_rad"],
+        "values": values_of(result, run.effects),
+        "seconds": time.perf_counter() - start,
+    }
 
 
 def interval(right: int, of: int) -> tuple[float, float]:
@@ -97,8 +108,10 @@ def summary(rows: list[dict[str, Any]], least: float) -> str:
     covered = [low <= true <= high for r in rows for _, true, _, low, high in r.get("values", []) if low is not None]
     if covered:
         low, high = interval(sum(covered), len(covered))
-        lines.append(f"| 95 % intervals that hold the truth | 85 to 99 % | {sum(covered)} | {len(covered)} | "
-                     f"{sum(covered) / len(covered):.0%} | {low:.0%} to {high:.0%} |")  # fmt: skip
+        lines.append(
+            f"| 95 % intervals that hold the truth | 85 to 99 % | {sum(covered)} | {len(covered)} | "
+            f"{sum(covered) / len(covered):.0%} | {low:.0%} to {high:.0%} |"
+        )
     return "\n".join(lines)
 
 

@@ -66,8 +66,14 @@ def _table(nodes: SchemaNodes, rows: dict[str, Node]) -> Iterator[str]:
         reference = f"`{flow(node['examples'][0])}`" if node.get("in_reference") else ""
         if node.get("type") == "array" and "properties" in nodes.solid(node.get("items", {})):
             reference = "see `mbcdm init`" if node["examples"][0] else reference
-        cells = (f"`{key}`", node.get("unit", "-"), _limits(node), reference, node.get("description", ""),
-                 node.get("source", "-"))  # fmt: skip
+        cells = (
+            f"`{key}`",
+            node.get("unit", "-"),
+            _limits(node),
+            reference,
+            node.get("description", ""),
+            node.get("source", "-"),
+        )
         yield _row(cells)
     yield ""
 

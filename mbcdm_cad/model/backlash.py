@@ -39,9 +39,14 @@ def cable_backlash(d: DriveSI, load_Nm: Any) -> CableBacklash:
 
     def angle(tension: Floats) -> Floats:
         return eq.eq20_backlash(
-            tension, w.preload_N, w.friction_coefficient, w.drum_radius_m, w.input_radius_m, w.free_span_m,
+            tension,
+            w.preload_N,
+            w.friction_coefficient,
+            w.drum_radius_m,
+            w.input_radius_m,
+            w.free_span_m,
             w.axial_stiffness_N,
-        )  # fmt: skip
+        )
 
     return CableBacklash(low, high, angle(high), simple_low, simple_high, angle(simple_high))
 

@@ -168,9 +168,15 @@ def eq19_backlash(stretch_input_m: Any, stretch_drum_m: Any, stretch_free_m: Any
 
 
 def eq20_backlash(
-    high_N: Any, preload_N: Any, friction: Any, drum_radius_m: Any, input_radius_m: Any, free_span_m: Any,
-    axial_stiffness_N: Any, as_printed: bool = False,
-) -> Floats:  # fmt: skip
+    high_N: Any,
+    preload_N: Any,
+    friction: Any,
+    drum_radius_m: Any,
+    input_radius_m: Any,
+    free_span_m: Any,
+    axial_stiffness_N: Any,
+    as_printed: bool = False,
+) -> Floats:
     """Eq. (20): theta_b = T_pre (r_o + r_i)/(EA mu r_o) [(t - 1)(1 + kappa) - ln t], t = T_h/T_pre, rad.
 
     With t from (18) it is the paper's formula, with t from (14) the exact one. Printed without mu r_o in the

@@ -115,9 +115,13 @@ def tolerance_stack(
     measured = np.stack([_swept(d, pose, np.tensordot(x, path, 1), x @ preload) for x in draw])
     spread = np.quantile(np.stack([np.ptp(linear, axis=1), np.ptp(measured, axis=1)]), [0.5, 0.95], axis=1).T
     return ToleranceStack(
-        pose, names, np.sqrt((effect**2).mean(axis=1)), np.sqrt((effect**2).sum(axis=0)),
-        np.sqrt((measured**2).mean(axis=0)), spread,
-    )  # fmt: skip
+        pose,
+        names,
+        np.sqrt((effect**2).mean(axis=1)),
+        np.sqrt((effect**2).sum(axis=0)),
+        np.sqrt((measured**2).mean(axis=0)),
+        spread,
+    )
 
 
 def _swept(d: DriveSI, pose: Floats, path: Floats, preload_error: Floats) -> Floats:

@@ -102,16 +102,29 @@ def positioning(drive: Drive, seed: int = 0) -> PaperResult:
     motor_order = drive.gearhead.ratio * drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm
     compared = (
         Compared("largest tracking error", "mrad", float(np.abs(error).max()) * 1e3, 0.3),
-        Compared("highest peak, where", "cycle/rad", at, 694.3, "the rig's motor turns once per "
-                 f"{motor_order / 2.0 / np.pi:.1f} cycle/rad = {motor_order:.0f} per turn of the drum"),
+        Compared(
+            "highest peak, where",
+            "cycle/rad",
+            at,
+            694.3,
+            "the rig's motor turns once per "
+            f"{motor_order / 2.0 / np.pi:.1f} cycle/rad = {motor_order:.0f} per turn of the drum",
+        ),
         Compared("highest peak, where", "cycle/turn", at * 2.0 * np.pi, 694.3, "if the paper's axis is per turn"),
-        Compared("highest peak, amplitude", "urad", peak * 1e6, 24.67,
-                 f"follows the ripple chosen, {ripple * 1e3:.3f} mN m at the motor"),
+        Compared(
+            "highest peak, amplitude",
+            "urad",
+            peak * 1e6,
+            24.67,
+            f"follows the ripple chosen, {ripple * 1e3:.3f} mN m at the motor",
+        ),
         Compared("ripple that would give the paper's peak", "mN m", ripple * 1e3 * 24.67e-6 / peak),
-    )  # fmt: skip
+    )
     chosen: dict[str, float | str] = {
-        "bandwidth_Hz": 5.0, "plate_kg_m2": PLATE_kg_m2, "ripple_share_of_rated_torque": RIPPLE_SHARE,
-    }  # fmt: skip
+        "bandwidth_Hz": 5.0,
+        "plate_kg_m2": PLATE_kg_m2,
+        "ripple_share_of_rated_torque": RIPPLE_SHARE,
+    }
     return PaperResult("positioning", "Fig. 8", compared, {"positioning": run}, chosen)
 
 
@@ -123,9 +136,14 @@ def backlash(drive: Drive, seed: int = 0) -> PaperResult:
     if not swings.size:
         raise ValueError(f"the drum never reversed under the brake, the run ended at {run.time_s[-1]:.2f} s")
     compared = (
-        Compared("swing of the transmission error at a reversal", "mrad", float(np.mean(swings)) * 1e3, 0.33,
-                 f"mean of {swings.size}, {swings.min() * 1e3:.4f} to {swings.max() * 1e3:.4f}"),
-    )  # fmt: skip
+        Compared(
+            "swing of the transmission error at a reversal",
+            "mrad",
+            float(np.mean(swings)) * 1e3,
+            0.33,
+            f"mean of {swings.size}, {swings.min() * 1e3:.4f} to {swings.max() * 1e3:.4f}",
+        ),
+    )
     chosen: dict[str, float | str] = {"bandwidth_Hz": 5.0, "brake_Nm": BRAKE_NM}
     return PaperResult("backlash", "Fig. 9", compared, {"backlash": run}, chosen)
 

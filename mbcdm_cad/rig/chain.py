@@ -53,8 +53,24 @@ INPUT = 0
 # it begins at an anchor, sum of (T - T_pre) dphi, the factors e^(mu s) to the outer and the next piece of each end, and
 # after how many pieces in a row that hold no further ones are looked at, and the turns of a passed body for one of the
 # drum.
-(LOW, HIGH, LOW_0, HIGH_0, RADIUS, MU, ANCHORED, SUM, PIECE, PER_PIECE,
- HIGH_OUTER, HIGH_NEXT, LOW_OUTER, LOW_NEXT, ENOUGH, PER_DRUM) = range(16)  # fmt: skip
+(
+    LOW,
+    HIGH,
+    LOW_0,
+    HIGH_0,
+    RADIUS,
+    MU,
+    ANCHORED,
+    SUM,
+    PIECE,
+    PER_PIECE,
+    HIGH_OUTER,
+    HIGH_NEXT,
+    LOW_OUTER,
+    LOW_NEXT,
+    ENOUGH,
+    PER_DRUM,
+) = range(16)
 _COLUMNS = 16
 # The outer piece is a mixture of old and new rope and may hold in front of one that does not.
 _TWO = 2.0
@@ -100,9 +116,14 @@ def chains(
     state = Chains(np.zeros((n, 7)), np.zeros((n, n_wraps, _COLUMNS)), np.empty((n, n_wraps, n_pieces)), np.empty(n))
     for j, c in enumerate(cables):
         state.constants[j] = (
-            c.sigma, c.input_radius_m, c.drum_radius_m, c.free_span_m, c.stiffness_N, c.preload_N,
+            c.sigma,
+            c.input_radius_m,
+            c.drum_radius_m,
+            c.free_span_m,
+            c.stiffness_N,
+            c.preload_N,
             1.0 if transport else 0.0,
-        )  # fmt: skip
+        )
         state.pieces[j] = state.tension[j] = c.preload_N
         spans = [(INPUT, input_wrap_rad, c.input_radius_m), (n_wraps - 1, drum_wrap_rad, c.drum_radius_m)]
         spans += [(w, p.angle_rad if passed_slip else 0.0, p.radius_m) for w, p in enumerate(c.passed, start=1)]

@@ -69,8 +69,13 @@ class Added:
 
 def added(drive: Drive, experiment: Experiment) -> Added:
     """Run an experiment with perfect sensors with and without its faults."""
-    perfect = Sensors(input_at=experiment.sensors.input_at, input_resolution_rad=0.0, output_resolution_rad=0.0,
-                      torque_noise_Nm=0.0, temperature_noise_K=0.0)  # fmt: skip
+    perfect = Sensors(
+        input_at=experiment.sensors.input_at,
+        input_resolution_rad=0.0,
+        output_resolution_rad=0.0,
+        torque_noise_Nm=0.0,
+        temperature_noise_K=0.0,
+    )
     faulty = experiment.model_copy(update={"sensors": perfect})
     physics = experiment.physics.model_copy(update={"cable_transport": False, "passed_slip": False})
     declared = faulty.model_copy(update={"effects": (), "physics": physics})

@@ -15,8 +15,17 @@ from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.quasistatic.experiment import MAX_SAMPLES, Experiment
 
 _KIND = ("experiment file", "; docs/experiments.md shows examples")
-_BOUNDS = {"gt": "over", "ge": "at least", "lt": "under", "le": "at most", "min_length": "at least",
-           "max_length": "at most", "pattern": "signs", "expected": "one of", "expected_tags": "one of"}  # fmt: skip
+_BOUNDS = {
+    "gt": "over",
+    "ge": "at least",
+    "lt": "under",
+    "le": "at most",
+    "min_length": "at least",
+    "max_length": "at most",
+    "pattern": "signs",
+    "expected": "one of",
+    "expected_tags": "one of",
+}
 
 
 def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
@@ -36,11 +45,16 @@ def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
         raise InputError(
             [
                 Problem(
-                    str(path), tree.line_of(("duration_s",)), "duration_s", "a run of that many steps cannot be made",
-                    f"{samples:.0f} steps", f"8 to {MAX_SAMPLES}", "change duration_s or sample_rate_Hz",
+                    str(path),
+                    tree.line_of(("duration_s",)),
+                    "duration_s",
+                    "a run of that many steps cannot be made",
+                    f"{samples:.0f} steps",
+                    f"8 to {MAX_SAMPLES}",
+                    "change duration_s or sample_rate_Hz",
                 )
             ]
-        )  # fmt: skip
+        )
     return experiment
 
 
@@ -50,13 +64,17 @@ def _problem(item: Any, tree: yamltree.Tree, file: str) -> Problem:
     where = tuple(part for k, part in enumerate(item["loc"]) if not (k == 2 and item["loc"][0] == "effects"))
     limit = ", ".join(f"{word} {context[key]}" for key, word in _BOUNDS.items() if key in context)
     what = {
-        "missing": "missing", "extra_forbidden": "unknown field", "union_tag_invalid": "unknown effect",
+        "missing": "missing",
+        "extra_forbidden": "unknown field",
+        "union_tag_invalid": "unknown effect",
         "union_tag_not_found": "an effect without its name",
-    }.get(item["type"], "not possible")  # fmt: skip
+    }.get(item["type"], "not possible")
     remedy = {
-        "missing": "add it", "extra_forbidden": "check its spelling", "union_tag_invalid": "choose one of them",
+        "missing": "add it",
+        "extra_forbidden": "check its spelling",
+        "union_tag_invalid": "choose one of them",
         "union_tag_not_found": "add 'effect: NAME'",
-    }.get(item["type"], _remedy(item))  # fmt: skip
+    }.get(item["type"], _remedy(item))
     shown = item["input"].get("effect") if item["type"] == "union_tag_invalid" else item["input"]
     value = "" if item["type"] == "missing" else shortened(shown)
     return Problem(file, tree.line_of(where), dotted(where), what, value, limit, remedy)

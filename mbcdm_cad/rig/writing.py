@@ -35,13 +35,19 @@ def run_files(
         columns["temperature"] = {"column": "temp", "unit": "degC"}
         table, header = [*table, run.measured_temperature_C], [*header, "temp"]
     sensors = experiment.sensors
-    measurement: dict[str, Any] = {"data": f"{name}.csv", "columns": columns, "sensors": {
-        key: value for key, value in (
-            ("input_resolution_rad", sensors.input_resolution_rad),
-            ("output_resolution_rad", sensors.output_resolution_rad),
-            ("torque_noise_Nm", sensors.torque_noise_Nm if sensors.log_torque else 0.0),
-        ) if value > 0.0
-    }}  # fmt: skip
+    measurement: dict[str, Any] = {
+        "data": f"{name}.csv",
+        "columns": columns,
+        "sensors": {
+            key: value
+            for key, value in (
+                ("input_resolution_rad", sensors.input_resolution_rad),
+                ("output_resolution_rad", sensors.output_resolution_rad),
+                ("torque_noise_Nm", sensors.torque_noise_Nm if sensors.log_torque else 0.0),
+            )
+            if value > 0.0
+        },
+    }
     if not measurement["sensors"]:
         del measurement["sensors"]
     truth = {"experiment": name, "effects": run.truth}

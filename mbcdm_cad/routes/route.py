@@ -144,8 +144,9 @@ class CableRoute:
     @property
     def length_m(self) -> float:
         """Length of the cable from anchor to terminal along its pitch line; infinite unless the wraps are set."""
-        return self.free_length_m + sum(float(np.hypot(w.radius_m, w.lead_m / (2 * np.pi))) * w.angle_rad
-                                        for w in self.wraps)  # fmt: skip
+        return self.free_length_m + sum(
+            float(np.hypot(w.radius_m, w.lead_m / (2 * np.pi))) * w.angle_rad for w in self.wraps
+        )
 
     def contacts(self) -> Iterator[Contact]:
         """Each wrap with the directions of travel at its ends."""

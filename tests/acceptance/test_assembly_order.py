@@ -104,9 +104,13 @@ class Workshop:
         for name in others:
             b = self.shapes[name].BoundingBox()
             apart = (
-                box.xmin > b.xmax or b.xmin > box.xmax or box.ymin > b.ymax or b.ymin > box.ymax
-                or box.zmin > b.zmax or b.zmin > box.zmax
-            )  # fmt: skip
+                box.xmin > b.xmax
+                or b.xmin > box.xmax
+                or box.ymin > b.ymax
+                or b.ymin > box.ymax
+                or box.zmin > b.zmax
+                or b.zmin > box.zmax
+            )
             if not apart:
                 volume = shape.intersect(self.shapes[name]).Volume()
                 if volume > OVERLAP_MM3:

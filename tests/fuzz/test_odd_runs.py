@@ -46,12 +46,15 @@ def odd_run(seed: int) -> Run:
     shafts = np.tile(9.0 * output, (inputs, 1)) + rng.normal(size=(inputs, count)) * rng.choice([0.0, 1e-5])
     load = None if rng.random() < 0.4 else odd_signal(rng, count) * rng.choice([0.0, 1e-9, 0.9, 2.0])
     return Run(
-        np.cumsum(np.broadcast_to(steps, count)), shafts,
+        np.cumsum(np.broadcast_to(steps, count)),
+        shafts,
         output + rng.choice([0.0, 1e-4, 1e-2]) * odd_signal(rng, count),
-        load, None if rng.random() < 0.7 else 10.0 * odd_signal(rng, count),
+        load,
+        None if rng.random() < 0.7 else 10.0 * odd_signal(rng, count),
         Sensors(*(None if rng.random() < 0.5 else float(10.0 ** rng.uniform(-7.0, -3.0)) for _ in range(3))),
-        ("left", "right") if inputs == 2 else ("input",), ratio=None if inputs == 2 else 9.0,
-    )  # fmt: skip
+        ("left", "right") if inputs == 2 else ("input",),
+        ratio=None if inputs == 2 else 9.0,
+    )
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")

@@ -16,11 +16,50 @@ from mbcdm_cad.errors import InputError
 
 BIG = "x" * 3000
 EXTREME = st.sampled_from(
-    [0, -1, 1, 0.0, -0.0, 1e-300, 1e15, 1e16, -1e300, 10**30, -(10**400), float("inf"), float("nan"), True, False,
-     None, "", " ", "nan", "1e3", "34.6 mm", "0x10", "../..", "/etc/passwd", "a\nb", "\u202e", BIG, b"\x00\xff",
-     [], {}, [[]], [{}], {"a": {"b": {"c": 1}}}, [None] * 100, datetime.date(2020, 1, 1),
-     "left", "-x", "+x", "miso_bevel", "steel", "618/8"]
-).map(copy.deepcopy)  # fmt: skip
+    [
+        0,
+        -1,
+        1,
+        0.0,
+        -0.0,
+        1e-300,
+        1e15,
+        1e16,
+        -1e300,
+        10**30,
+        -(10**400),
+        float("inf"),
+        float("nan"),
+        True,
+        False,
+        None,
+        "",
+        " ",
+        "nan",
+        "1e3",
+        "34.6 mm",
+        "0x10",
+        "../..",
+        "/etc/passwd",
+        "a\nb",
+        "\u202e",
+        BIG,
+        b"\x00\xff",
+        [],
+        {},
+        [[]],
+        [{}],
+        {"a": {"b": {"c": 1}}},
+        [None] * 100,
+        datetime.date(2020, 1, 1),
+        "left",
+        "-x",
+        "+x",
+        "miso_bevel",
+        "steel",
+        "618/8",
+    ]
+).map(copy.deepcopy)
 VALUES = EXTREME | st.floats() | st.integers() | st.text(max_size=30)
 
 

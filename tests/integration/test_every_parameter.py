@@ -25,44 +25,68 @@ NODES = design_file().nodes
 # Not numbers of the mechanism: the file's version, its free names and the only configuration there is so far.
 FREE = {("schema_version",), ("name",), ("configuration",), ("waivers",), ("as_built",), ("catalogue",)}
 # Seen in the report alone, each with its own test below.
-REPORTED = {("targets", "prototype_mass_g"), ("targets", "mass_g"), ("targets", "mass_tolerance_g"),
-            ("export", "mesh_tolerance_mm"), ("limits", "frame_windup_max_mrad")}  # fmt: skip
+REPORTED = {
+    ("targets", "prototype_mass_g"),
+    ("targets", "mass_g"),
+    ("targets", "mass_tolerance_g"),
+    ("export", "mesh_tolerance_mm"),
+    ("limits", "frame_windup_max_mrad"),
+}
 KIND_OF = {
-    "material": "materials", "shaft_material": "materials", "axle_material": "materials", "bearing": "bearings",
-    "lower_bearing": "bearings", "upper_bearing": "bearings", "tensioner": "tensioners", "motor": "motors",
-    "gearhead": "gearheads", "encoder": "encoders", "drum_encoder": "encoders", "type": "ropes",
-}  # fmt: skip
+    "material": "materials",
+    "shaft_material": "materials",
+    "axle_material": "materials",
+    "bearing": "bearings",
+    "lower_bearing": "bearings",
+    "upper_bearing": "bearings",
+    "tensioner": "tensioners",
+    "motor": "motors",
+    "gearhead": "gearheads",
+    "encoder": "encoders",
+    "drum_encoder": "encoders",
+    "type": "ropes",
+}
 MOTOR = "motor-2.9mNm-15"
 COUPLED: dict[str, dict[Path, Any]] = {
     "sides of the inputs": {("inputs", 0, "side"): "+x", ("inputs", 1, "side"): "-x"},
     "inputs of the cables": {
-        ("cables", 0, "input"): "right", ("cables", 1, "input"): "right",
-        ("cables", 2, "input"): "left", ("cables", 3, "input"): "left",
+        ("cables", 0, "input"): "right",
+        ("cables", 1, "input"): "right",
+        ("cables", 2, "input"): "left",
+        ("cables", 3, "input"): "left",
     },
     "steps": {("cables", 0, "step"): 2, ("cables", 1, "step"): 1},
     "sides of the drum": {("cables", 0, "drum_side"): "-x", ("cables", 1, "drum_side"): "+x"},
     "explicit radii": {
-        ("transmission", "ratios"): None, ("transmission", "guide_radii_mm"): [9.0, 9.6, 10.2, 10.81],
+        ("transmission", "ratios"): None,
+        ("transmission", "guide_radii_mm"): [9.0, 9.6, 10.2, 10.81],
         ("transmission", "input_radii_mm"): [6.0, 6.4, 6.8, 7.2],
     },
     "explicit input radii": {
-        ("transmission", "ratios"): None, ("transmission", "guide_radii_mm"): [9.0, 9.6, 10.2, 10.8],
+        ("transmission", "ratios"): None,
+        ("transmission", "guide_radii_mm"): [9.0, 9.6, 10.2, 10.8],
         ("transmission", "input_radii_mm"): [6.0, 6.4, 6.8, 7.21],
     },
     "a modulus found on the built drive": {
-        ("as_built",): [{
-            "name": "stiffness_error", "form": "modulus of the rope", "values": [{"name": "share", "value": 0.01}],
-        }],
+        ("as_built",): [
+            {
+                "name": "stiffness_error",
+                "form": "modulus of the rope",
+                "values": [{"name": "share", "value": 0.01}],
+            }
+        ],
     },
     "a cable's own preload": {("cables", 1, "preload_N"): 66.0},
     "a rope written out": {
-        ("rope", "type"): None, ("rope", "modulus_GPa"): None, ("rope", "modulus_area"): None,
+        ("rope", "type"): None,
+        ("rope", "modulus_GPa"): None,
+        ("rope", "modulus_area"): None,
         ("rope", "inline"): {**package_entries("ropes")["FF-081"], "breaking_load_N": 531.0},
     },
     "a catalogue entry of its own": {
         ("catalogue",): {"motors": {MOTOR: {**package_entries("motors")[MOTOR], "mass_g": 19.0}}},
     },
-}  # fmt: skip
+}
 
 
 def leaves(data: Any, path: Path = ()) -> Iterator[Path]:
@@ -78,9 +102,10 @@ def leaves(data: Any, path: Path = ()) -> Iterator[Path]:
 
 
 SINGLE = [
-    path for path in leaves(reference_data())
+    path
+    for path in leaves(reference_data())
     if path not in FREE | REPORTED and path[0] != "inputs" and not (path[0] == "cables" and path[2] != "name")
-]  # fmt: skip
+]
 
 
 def edited(changes: dict[Path, Any]) -> str:

@@ -60,8 +60,13 @@ def test_most_seeds_pass_and_vary_widely() -> None:
     found = [p for p in drawn if isinstance(p, Passing)]
     assert len(found) >= 6, f"{len(found)} of 9 pass: {[p for p in drawn if isinstance(p, str)]}"
     values = [random_designs.figures(p) for p in found]
-    for name, ratio in {"rope diameter, mm": 2.0, "largest drum radius, mm": 1.6, "total ratio": 2.0,
-                        "half travel, deg": 1.5, "preload, N": 3.0}.items():  # fmt: skip
+    for name, ratio in {
+        "rope diameter, mm": 2.0,
+        "largest drum radius, mm": 1.6,
+        "total ratio": 2.0,
+        "half travel, deg": 1.5,
+        "preload, N": 3.0,
+    }.items():
         span = max(v[name] for v in values) / min(v[name] for v in values)
         assert span > ratio, f"{name} varies by {span:.2f} only"
 

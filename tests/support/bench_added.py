@@ -128,7 +128,23 @@ def texture(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Generator) 
 ADDED: dict[str, Added] = {
     function.__name__: function
     for function in (
-        output_scale, output_encoder, division, shaft_compliance, latency, output_play, warming, settling, mount_jump,
-        damaged_strand, climbing, worn_land, hardening, one_sided_square, speed_squared, stick_slip, wander, texture,
+        output_scale,
+        output_encoder,
+        division,
+        shaft_compliance,
+        latency,
+        output_play,
+        warming,
+        settling,
+        mount_jump,
+        damaged_strand,
+        climbing,
+        worn_land,
+        hardening,
+        one_sided_square,
+        speed_squared,
+        stick_slip,
+        wander,
+        texture,
     )
-}  # fmt: skip
+}

@@ -47,10 +47,26 @@ def run_chain(
     radii = np.stack([chain.r_in, chain.r_drum], axis=1)
     drum, tension = np.empty(n), np.empty((n_cables, n))
     missed = _march(
-        chain.sense, chain.input_of, chain.r_in, chain.r_drum, radii, chain.preload, chain.span, chain.friction,
-        chain.stiffness, np.ascontiguousarray(input_rad), np.ascontiguousarray(load_Nm), np.ascontiguousarray(path_m),
-        transport, play, piece_rad, wraps, nodes, drum, tension,
-    )  # fmt: skip
+        chain.sense,
+        chain.input_of,
+        chain.r_in,
+        chain.r_drum,
+        radii,
+        chain.preload,
+        chain.span,
+        chain.friction,
+        chain.stiffness,
+        np.ascontiguousarray(input_rad),
+        np.ascontiguousarray(load_Nm),
+        np.ascontiguousarray(path_m),
+        transport,
+        play,
+        piece_rad,
+        wraps,
+        nodes,
+        drum,
+        tension,
+    )
     if missed >= 0:
         raise ValueError(f"sample {missed}: the chain finds no balance at {load_Nm[missed]:.3g} N m")
     return drum, tension
@@ -124,9 +140,26 @@ def _tension(nodes, held, at, before, radii, rest, span, mu, ea, piece, stretch,
 
 @njit(cache=True)
 def _balance(
-    sense, r_drum, radii, preload, span, mu, ea, piece, transport, wraps, nodes, held, place, before, offset, turned,
-    load, theta, pulls,
-):  # fmt: skip
+    sense,
+    r_drum,
+    radii,
+    preload,
+    span,
+    mu,
+    ea,
+    piece,
+    transport,
+    wraps,
+    nodes,
+    held,
+    place,
+    before,
+    offset,
+    turned,
+    load,
+    theta,
+    pulls,
+):
     """Drum angle at which the cables carry ``load``; ``pulls`` and ``place`` are left at that state."""
     low, high = -math.inf, math.inf
     miss = math.inf
@@ -157,9 +190,26 @@ def _balance(
 
 @njit(cache=True)
 def _march(
-    sense, input_of, r_in, r_drum, radii, preload, span, mu, ea, angle, load, path, transport, play, piece, wraps,
-    nodes, drum, tension,
-):  # fmt: skip
+    sense,
+    input_of,
+    r_in,
+    r_drum,
+    radii,
+    preload,
+    span,
+    mu,
+    ea,
+    angle,
+    load,
+    path,
+    transport,
+    play,
+    piece,
+    wraps,
+    nodes,
+    drum,
+    tension,
+):
     n_cables, n = path.shape
     n_inputs = angle.shape[0]
     held = np.zeros((n_cables, 2))
@@ -211,9 +261,26 @@ def _march(
                     turned[j] = angle[input_of[j], k] - lag
                     offset[j] = sense[j] * r_in[j] * turned[j] + path[j, k]
                 theta, miss = _balance(
-                    sense, r_drum, radii, preload, span, mu, ea, piece, transport, wraps, nodes, held, place, before,
-                    offset, turned, load[k], theta, pulls,
-                )  # fmt: skip
+                    sense,
+                    r_drum,
+                    radii,
+                    preload,
+                    span,
+                    mu,
+                    ea,
+                    piece,
+                    transport,
+                    wraps,
+                    nodes,
+                    held,
+                    place,
+                    before,
+                    offset,
+                    turned,
+                    load[k],
+                    theta,
+                    pulls,
+                )
                 carried = 0.0
                 for j in range(n_cables):
                     if input_of[j] == i:
@@ -232,9 +299,26 @@ def _march(
                 turned[j] = angle[input_of[j], k]
                 offset[j] = sense[j] * r_in[j] * turned[j] + path[j, k]
             theta, miss = _balance(
-                sense, r_drum, radii, preload, span, mu, ea, piece, transport, wraps, nodes, held, place, before,
-                offset, turned, load[k], theta, pulls,
-            )  # fmt: skip
+                sense,
+                r_drum,
+                radii,
+                preload,
+                span,
+                mu,
+                ea,
+                piece,
+                transport,
+                wraps,
+                nodes,
+                held,
+                place,
+                before,
+                offset,
+                turned,
+                load[k],
+                theta,
+                pulls,
+            )
         if not abs(miss) <= 1e-6:
             return k
         for j in range(n_cables):

@@ -50,9 +50,21 @@ class Effect:
 
 
 VOCABULARY = (
-    "once_per_rev", "ripple", "ratio_error", "stiffness_error", "preload_error", "cable_friction", "friction", "delay",
-    "lash", "bow", "thermal_drift", "creep", "winding_history", "slip_step",
-)  # fmt: skip
+    "once_per_rev",
+    "ripple",
+    "ratio_error",
+    "stiffness_error",
+    "preload_error",
+    "cable_friction",
+    "friction",
+    "delay",
+    "lash",
+    "bow",
+    "thermal_drift",
+    "creep",
+    "winding_history",
+    "slip_step",
+)
 Draw = Callable[[np.random.Generator, Plan], tuple[Effect, ...]]
 
 

@@ -205,27 +205,46 @@ def _of(name: str, plan: object = FREE) -> Case:
 
 
 _SINGLE = {
-    **{name: _of(name) for name in (
-        "pulley_drum", "pulley_guide", "pulley_input_left", "pulley_input_right", "stiffness_modulus",
-        "stiffness_shaft", "preload_all", "cable_friction", "lash_output", "lash_input_left", "slip_anchor",
-        "slip_mount", "thermal",
-        "creep",
-    )},
+    **{
+        name: _of(name)
+        for name in (
+            "pulley_drum",
+            "pulley_guide",
+            "pulley_input_left",
+            "pulley_input_right",
+            "stiffness_modulus",
+            "stiffness_shaft",
+            "preload_all",
+            "cable_friction",
+            "lash_output",
+            "lash_input_left",
+            "slip_anchor",
+            "slip_mount",
+            "thermal",
+            "creep",
+        )
+    },
     **{name: _of(name, SINE) for name in ("friction", "delay", "drag")},
     **{name: _of(name, ANY) for name in ("ratio_radii", "ratio_encoder", "ripple_slow", "ripple_fast")},
     "encoder_guide": Case(FREE, pulley("guide", 3.0, 12.0)),  # type: ignore[arg-type]
     "encoder_left": Case(FREE, input_encoder("input_left", 4e-4, 1.5e-3), "fair"),  # type: ignore[arg-type]
     "encoder_drum": Case(FREE, output_encoder(2e-4, 6e-4)),  # type: ignore[arg-type]
-}  # fmt: skip
+}
 _PAIRS = (
-    ("pulley_guide", "ratio_encoder"), ("ripple_fast", "friction"), ("stiffness_modulus", "ripple_slow"),
-    ("preload_low", "pulley_guide"), ("lash_left", "lash_right"), ("thermal", "pulley_input_right"),
-    ("delay", "stiffness_shaft"), ("friction", "ratio_radii"),
-)  # fmt: skip
+    ("pulley_guide", "ratio_encoder"),
+    ("ripple_fast", "friction"),
+    ("stiffness_modulus", "ripple_slow"),
+    ("preload_low", "pulley_guide"),
+    ("lash_left", "lash_right"),
+    ("thermal", "pulley_input_right"),
+    ("delay", "stiffness_shaft"),
+    ("friction", "ratio_radii"),
+)
 _THREES = (
-    ("pulley_guide", "ratio_encoder", "friction"), ("stiffness_modulus", "ripple_fast", "delay"),
+    ("pulley_guide", "ratio_encoder", "friction"),
+    ("stiffness_modulus", "ripple_fast", "delay"),
     ("ratio_radii", "ripple_slow", "slip_mount"),
-)  # fmt: skip
+)
 
 
 def _together(names: tuple[str, ...], group: str) -> Case:
@@ -274,8 +293,13 @@ def gain_rad(drive: Drive, name: str, seed: int) -> float:
     chain = chain_of(drive)
     ratio = float(np.mean(chain.r_drum / chain.r_in))
     bench = tracked(
-        loaded(bench_run(plan, ratio, len(drive.input_names), stream(key, seed, "motion")), plan,
-               stream(key, seed, "load")), ratio, traits, stream(key, seed, "tracking"))  # fmt: skip
+        loaded(
+            bench_run(plan, ratio, len(drive.input_names), stream(key, seed, "motion")), plan, stream(key, seed, "load")
+        ),
+        ratio,
+        traits,
+        stream(key, seed, "tracking"),
+    )
     effects = case.effects(stream(key, seed, "effects"), plan)
     plain, _ = run_chain(chain, bench.input_rad, bench.load_Nm, np.zeros((chain.sense.size, bench.load_Nm.size)))
     change = drum_angle(chain, drive.input_names, bench, effects, stream(key, seed, "wander")) - plain

@@ -60,8 +60,13 @@ def simulate_on_grid(
         )
     cells = int((start + reserve + 0.5).max() / cell_rad) + 4
     columns = (
-        d.free_span_m, d.axial_stiffness_N, d.preload_N, d.drum_radius_m, d.input_radius_m, d.sigma,
-    )  # fmt: skip
+        d.free_span_m,
+        d.axial_stiffness_N,
+        d.preload_N,
+        d.drum_radius_m,
+        d.input_radius_m,
+        d.sigma,
+    )
     table = np.ascontiguousarray(np.stack(np.broadcast_arrays(*columns), axis=1))
     last = np.arange(load.size)
     if winding:
@@ -70,9 +75,19 @@ def simulate_on_grid(
     profile = np.empty((d.n_cables, 2, cells))
     profile[...] = np.broadcast_to(d.preload_N, (d.n_cables,))[:, None, None]
     failed = _run_grid(
-        table, np.array(d.input_of), radii, float(d.friction_coefficient), cell_rad, start, winding, angle, load,
-        profile, drum, tension,
-    )  # fmt: skip
+        table,
+        np.array(d.input_of),
+        radii,
+        float(d.friction_coefficient),
+        cell_rad,
+        start,
+        winding,
+        angle,
+        load,
+        profile,
+        drum,
+        tension,
+    )
     if failed >= 0:
         raise ModelError(
             f"sub-step {failed}: no balance found at {load[failed]:.6g} N m; use smaller steps between samples"
@@ -97,9 +112,16 @@ def _refined(angle: Floats, load: Floats, cell_rad: float) -> tuple[Floats, Floa
 
 @compiled
 def _wrap(
-    cells: Floats, total: float, committed: float, now: float, end: float, preload: float, mu: float, cell: float,
+    cells: Floats,
+    total: float,
+    committed: float,
+    now: float,
+    end: float,
+    preload: float,
+    mu: float,
+    cell: float,
     commit: bool,
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """Integral of (T - T_pre) ds over a wrap of length ``now`` with end tension ``end``, and its derivative by ``end``.
 
     ``total`` is that integral as stored, for length ``committed``; ``commit`` writes the clipped cells back.
@@ -142,9 +164,19 @@ def _wrap(
 
 @compiled
 def _run_grid(
-    table: Floats, input_of: Any, radii: Floats, mu: float, cell: float, start: Floats, winding: bool, angle: Floats,
-    load: Floats, profile: Floats, drum: Floats, tension: Floats,
-) -> int:  # fmt: skip
+    table: Floats,
+    input_of: Any,
+    radii: Floats,
+    mu: float,
+    cell: float,
+    start: Floats,
+    winding: bool,
+    angle: Floats,
+    load: Floats,
+    profile: Floats,
+    drum: Floats,
+    tension: Floats,
+) -> int:
     """Fill ``drum`` and ``tension``; the first sample without balance, or -1."""
     n_cables = table.shape[0]
     theta = 0.0
@@ -173,9 +205,16 @@ def _run_grid(
                 total, rate = (pulled[j] - table[j, PRELOAD]) * table[j, FREE], table[j, FREE]
                 for wrap in range(2):
                     area, part = _wrap(
-                        profile[j, wrap], totals[j, wrap], lengths[j, wrap], now[j, wrap], pulled[j], table[j, PRELOAD],
-                        mu, cell, False,
-                    )  # fmt: skip
+                        profile[j, wrap],
+                        totals[j, wrap],
+                        lengths[j, wrap],
+                        now[j, wrap],
+                        pulled[j],
+                        table[j, PRELOAD],
+                        mu,
+                        cell,
+                        False,
+                    )
                     total += radii[j, wrap] * area
                     rate += radii[j, wrap] * part
                 stretch[j], slope[j] = total / table[j, STIFFNESS], rate / table[j, STIFFNESS]
@@ -197,9 +236,16 @@ def _run_grid(
         for j in range(n_cables):
             for wrap in range(2):
                 totals[j, wrap], _ = _wrap(
-                    profile[j, wrap], totals[j, wrap], lengths[j, wrap], now[j, wrap], pulled[j], table[j, PRELOAD], mu,
-                    cell, True,
-                )  # fmt: skip
+                    profile[j, wrap],
+                    totals[j, wrap],
+                    lengths[j, wrap],
+                    now[j, wrap],
+                    pulled[j],
+                    table[j, PRELOAD],
+                    mu,
+                    cell,
+                    True,
+                )
                 lengths[j, wrap] = now[j, wrap]
             tension[j, k] = pulled[j]
         drum[k] = theta

@@ -191,9 +191,11 @@ class SupportFE:
         self.number[free] = np.arange(len(free))
         modulus = material.youngs_modulus_GPa * 1e3 * share[tuple(cells.T)]
         self.stiffness = self._assembled(
-            node, np.stack([np.diff(x)[cells[:, 0]], np.diff(y)[cells[:, 1]], np.diff(z)[cells[:, 2]]], axis=1),
-            modulus, material.poisson_ratio,
-        )  # fmt: skip
+            node,
+            np.stack([np.diff(x)[cells[:, 0]], np.diff(y)[cells[:, 1]], np.diff(z)[cells[:, 2]]], axis=1),
+            modulus,
+            material.poisson_ratio,
+        )
         self.solver = spla.splu(
             self.stiffness, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
         )

@@ -27,9 +27,12 @@ def collar_sheet(part: str, d: CollarDims, screw_thread: float, screw_clearance:
         right=X,
         up=Y,
         hidden=True,
-        axes=(((-r, 0.0, high), (r, 0.0, high)), ((0.0, -r, high), (0.0, r, high)),
-              ((d.screw_offset, -sqrt(r**2 - d.screw_offset**2), z), (d.screw_offset, d.head_seat, z))),
-    )  # fmt: skip
+        axes=(
+            ((-r, 0.0, high), (r, 0.0, high)),
+            ((0.0, -r, high), (0.0, r, high)),
+            ((d.screw_offset, -sqrt(r**2 - d.screw_offset**2), z), (d.screw_offset, d.head_seat, z)),
+        ),
+    )
     side = View(
         "side", right=Z, up=Y, column=1, cut=(0.0, 0.0, 0.0), title="A-A", axes=(((0.0, 0.0, low), (0.0, 0.0, high)),)
     )
@@ -38,9 +41,12 @@ def collar_sheet(part: str, d: CollarDims, screw_thread: float, screw_clearance:
         right=X,
         up=minus(Z),
         row=-1,
-        axes=(((0.0, 0.0, low), (0.0, 0.0, high)), ((d.screw_offset, 0.0, low), (d.screw_offset, 0.0, high)),
-              ((d.screw_offset - head_diameter / 2, 0.0, z), (d.screw_offset + head_diameter / 2, 0.0, z))),
-    )  # fmt: skip
+        axes=(
+            ((0.0, 0.0, low), (0.0, 0.0, high)),
+            ((d.screw_offset, 0.0, low), (d.screw_offset, 0.0, high)),
+            ((d.screw_offset - head_diameter / 2, 0.0, z), (d.screw_offset + head_diameter / 2, 0.0, z)),
+        ),
+    )
     edge = sqrt(r**2 - half**2)
     corner = sqrt(max(r**2 - d.head_seat**2, 0.0))
     return Sheet(
@@ -53,8 +59,15 @@ def collar_sheet(part: str, d: CollarDims, screw_thread: float, screw_clearance:
             Linear("end", (0.0, 0.0, high), (corner, d.head_seat, high), d.head_seat, "right", decimals=3),
             Linear("end", (0.0, 0.0, high), (d.screw_offset, -r / 2, z), d.screw_offset, "below"),
             Linear("end", (0.0, r, high), (flat, d.head_seat, high), flat, "above"),
-            Linear("side", (0.0, -d.bore_radius, high), (0.0, d.bore_radius, high), 2 * d.bore_radius, "right",
-                   "%%c", fit=fit),
+            Linear(
+                "side",
+                (0.0, -d.bore_radius, high),
+                (0.0, d.bore_radius, high),
+                2 * d.bore_radius,
+                "right",
+                "%%c",
+                fit=fit,
+            ),
             Linear("side", (0.0, -r, low), (0.0, -r, high), high - low, "below"),
         ),
         labels=hole_labels((above,), "top"),
@@ -65,4 +78,4 @@ def collar_sheet(part: str, d: CollarDims, screw_thread: float, screw_clearance:
             "The flat is open towards the slit's side and over the whole width.",
             f"{thread(screw_thread).name} reaches through the lower half; slit sawn last, {mm(d.slit_width)} wide.",
         ),
-    )  # fmt: skip
+    )

@@ -78,33 +78,69 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
         if b["ratio"] not in (0.0, 1.0)
     ]
     rows += [
-        ("axial stiffness of the rope, EA", f"{a['axial_stiffness_kN']:.4g} kN",
-         f"E = {a['modulus_GPa']:g} GPa on the {a['modulus_area']} area {a['area_mm2']:.4f} mm²"),
+        (
+            "axial stiffness of the rope, EA",
+            f"{a['axial_stiffness_kN']:.4g} kN",
+            f"E = {a['modulus_GPa']:g} GPa on the {a['modulus_area']} area {a['area_mm2']:.4f} mm²",
+        ),
         ("free spans", f"{min(spans):.4g} to {max(spans):.4g} mm", "centre distance and pitch radii"),
-        ("turn at the test torque", f"{abs(a['test'][0]['turn_mrad']):.4g} mrad",
-         f"{a['test'][0]['load_Nm']:g} N m, first loading, inputs locked"),
-        ("swing at a reversal", f"{a['reversal_swing_mrad']:.4g} mrad",
-         "full reversal of the test torque; friction, preload, EA"),
-        ("stiffness, wraps sticking", f"{a['sticking_stiffness_Nm_rad']:.4g} N m/rad",
-         "EA, radii, free spans and wraps"),
-        ("stiffness at the test torque, secant", f"{a['test'][0]['secant_stiffness_Nm_rad']:.4g} N m/rad",
-         "friction lets the wraps slip"),
-        ("lowest mode, inputs held", f"{torsion['lowest_inputs_held_Hz']:.4g} Hz",
-         "stiffness and the inertia of what turns"),
-        ("modes, inputs free", ", ".join(f"{f:.4g}" for f in torsion["inputs_free_Hz"]) + " Hz",
-         "rotors of the motors through the gearheads"),
-        ("inertia at the drum, without rotors", f"{moving['at_drum_without_rotors']:.6g} g mm²",
-         "each body times its ratio squared"),
+        (
+            "turn at the test torque",
+            f"{abs(a['test'][0]['turn_mrad']):.4g} mrad",
+            f"{a['test'][0]['load_Nm']:g} N m, first loading, inputs locked",
+        ),
+        (
+            "swing at a reversal",
+            f"{a['reversal_swing_mrad']:.4g} mrad",
+            "full reversal of the test torque; friction, preload, EA",
+        ),
+        (
+            "stiffness, wraps sticking",
+            f"{a['sticking_stiffness_Nm_rad']:.4g} N m/rad",
+            "EA, radii, free spans and wraps",
+        ),
+        (
+            "stiffness at the test torque, secant",
+            f"{a['test'][0]['secant_stiffness_Nm_rad']:.4g} N m/rad",
+            "friction lets the wraps slip",
+        ),
+        (
+            "lowest mode, inputs held",
+            f"{torsion['lowest_inputs_held_Hz']:.4g} Hz",
+            "stiffness and the inertia of what turns",
+        ),
+        (
+            "modes, inputs free",
+            ", ".join(f"{f:.4g}" for f in torsion["inputs_free_Hz"]) + " Hz",
+            "rotors of the motors through the gearheads",
+        ),
+        (
+            "inertia at the drum, without rotors",
+            f"{moving['at_drum_without_rotors']:.6g} g mm²",
+            "each body times its ratio squared",
+        ),
         ("inertia at a motor's shaft", f"{moving['at_motor']:.4g} g mm²", "all of it, over the whole ratio squared"),
-        ("usable travel", f"{paths['usable_deg'][0]:.2f} to {paths['usable_deg'][1]:+.2f} deg",
-         "; ".join(dict.fromkeys(way[0]["cause"] for _, way in travel_limits(report))) or "paths of the cables"),
-        ("preloads that leave no bias", ", ".join(f"{t:.4g}" for t in a["balanced_preload_N"]) + " N",
-         "T ~ 1/r within the cables of one input"),
-        ("peak torque with them", " / ".join(f"{t:.4g}" for t in a["balanced_peak_torque_Nm"]) + " N m",
-         "as the peak torque, both ways"),
-        ("torque to weight", f"{report['torque']['torque_to_weight_Nm_kg']:.4g} N m/kg",
-         "weaker direction over the mass as drawn"),
-    ]  # fmt: skip
+        (
+            "usable travel",
+            f"{paths['usable_deg'][0]:.2f} to {paths['usable_deg'][1]:+.2f} deg",
+            "; ".join(dict.fromkeys(way[0]["cause"] for _, way in travel_limits(report))) or "paths of the cables",
+        ),
+        (
+            "preloads that leave no bias",
+            ", ".join(f"{t:.4g}" for t in a["balanced_preload_N"]) + " N",
+            "T ~ 1/r within the cables of one input",
+        ),
+        (
+            "peak torque with them",
+            " / ".join(f"{t:.4g}" for t in a["balanced_peak_torque_Nm"]) + " N m",
+            "as the peak torque, both ways",
+        ),
+        (
+            "torque to weight",
+            f"{report['torque']['torque_to_weight_Nm_kg']:.4g} N m/kg",
+            "weaker direction over the mass as drawn",
+        ),
+    ]
     if report["frame"]:
         windup = report["frame"]["windup_urad_Nm"]
         rows.append(("frame's windup", f"{windup:.4g} µrad per N m", "stiffness of the support's walls"))

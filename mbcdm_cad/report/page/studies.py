@@ -38,9 +38,11 @@ def studies(drive: Drive) -> dict[str, Any]:
         unit = "" if panel.unit == "-" else f" {panel.unit}"
         charts[f"figure_5_{panel.letter}"] = _chart(
             f"Fig. 5 ({panel.letter}): {panel.parameter}",
-            ("preload", "N"), ("backlash", "mrad"), panel.preload_N,
+            ("preload", "N"),
+            ("backlash", "mrad"),
+            panel.preload_N,
             [(f"{value:g}{unit}", line * 1e3) for value, line in zip(panel.value, panel.backlash_rad, strict=True)],
-        )  # fmt: skip
+        )
     return {
         "charts": charts,
         "elasticities": _rounded(elasticities(d, need)),
@@ -96,16 +98,22 @@ def _loop(d: DriveSI, load_Nm: float) -> dict[str, Any]:
     drum = simulate(d, np.zeros((d.n_inputs, load.size)), load).drum_angle_rad * 1e3
     parts = {"first loading": slice(0, 39), "loop": slice(38, 117), "minor loop": slice(116, None)}
     return _chart(
-        "Friction's loop, inputs locked", ("load", "N m"), ("drum angle", "mrad"), [load[s] for s in parts.values()],
+        "Friction's loop, inputs locked",
+        ("load", "N m"),
+        ("drum angle", "mrad"),
+        [load[s] for s in parts.values()],
         [(name, drum[s]) for name, s in parts.items()],
-    )  # fmt: skip
+    )
 
 
 def _tolerance(stack: ToleranceStack) -> dict[str, Any]:
     return _chart(
-        "Transmission error from tolerances, zeroed at the centre", ("drum angle", "deg"),
-        ("standard deviation", "urad"), np.degrees(stack.pose_rad), [("linear theory", stack.linear_rad * 1e6)],
-    )  # fmt: skip
+        "Transmission error from tolerances, zeroed at the centre",
+        ("drum angle", "deg"),
+        ("standard deviation", "urad"),
+        np.degrees(stack.pose_rad),
+        [("linear theory", stack.linear_rad * 1e6)],
+    )
 
 
 def _sources(stack: ToleranceStack) -> list[dict[str, Any]]:

@@ -88,8 +88,12 @@ def run(plant: Plant, chains: Chains, loops: Loops, course: Course, clock: Clock
     """
     inputs, cables, input_of, drum = plant.inputs, plant.cables, plant.input_of, plant.drum
     gains, turns, current_share, encoders, noise = (
-        loops.gains, loops.turns, loops.current_share, loops.encoders, loops.noise,
-    )  # fmt: skip
+        loops.gains,
+        loops.turns,
+        loops.current_share,
+        loops.encoders,
+        loops.noise,
+    )
     reference, torque, brake, load, paths = course.reference, course.torque, course.brake, course.load, course.paths
     log, account, log_every, h = record.log, record.account, clock.log_every, clock.h
     n_inputs, n_cables = inputs.shape[0], cables.shape[0]

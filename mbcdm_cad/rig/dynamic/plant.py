@@ -26,15 +26,28 @@ from mbcdm_cad.rig.dynamic.friction import solve_friction
 from mbcdm_cad.rig.dynamic.gearhead import shaft_torque
 
 # Columns of the table of inputs; all seen at the gearhead's output, orders in periods per radian there.
-(ROTOR, DRAG, LOSS, VISCOUS, STIFFNESS, LASH, MESH, MESH_ORDER, COGGING, COGGING_ORDER, COGGING_PHASE, PULLEY,
- PULLEY_DRAG) = range(13)  # fmt: skip
+(
+    ROTOR,
+    DRAG,
+    LOSS,
+    VISCOUS,
+    STIFFNESS,
+    LASH,
+    MESH,
+    MESH_ORDER,
+    COGGING,
+    COGGING_ORDER,
+    COGGING_PHASE,
+    PULLEY,
+    PULLEY_DRAG,
+) = range(13)
 INPUT_COLUMNS = 13
 # Columns of the table of cables.
 SIGMA, INPUT_RADIUS, DRUM_RADIUS, SPAN_STIFFNESS = range(4)
 # Entries of the drum's row.
 DRUM_INERTIA, DRUM_DRAG, DRUM_VISCOUS = range(3)
 # Entries of the account of energy, J.
-(MOTOR_WORK, LOAD_WORK, ROTOR_LOSS, PULLEY_LOSS, DRUM_LOSS, VISCOUS_LOSS, CABLE_WORK) = range(7)  # fmt: skip
+(MOTOR_WORK, LOAD_WORK, ROTOR_LOSS, PULLEY_LOSS, DRUM_LOSS, VISCOUS_LOSS, CABLE_WORK) = range(7)
 ACCOUNTS = 7
 
 

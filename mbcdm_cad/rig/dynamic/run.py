@@ -66,9 +66,12 @@ def run_dynamic(
     log = np.zeros((rows, kernel.LOG_FIRST + 4 * n_inputs + len(rig.cables)))
     account = np.zeros(plant.ACCOUNTS)
     state = chains(
-        rig.cables, piece_rad=rig.piece_rad, transport=rig.transport, passed_slip=rig.passed_slip,
+        rig.cables,
+        piece_rad=rig.piece_rad,
+        transport=rig.transport,
+        passed_slip=rig.passed_slip,
         reach_rad=float(np.abs(reference[:, 0]).max()) + 2.0 * give_up_rad,
-    )  # fmt: skip
+    )
     noise = rng.standard_normal((n, n_inputs))
     loops = kernel.Loops(
         tables.loop_gains(rig), tables.turns(rig), tables.current_share(rig), tables.encoder_table(rig), noise
@@ -81,9 +84,13 @@ def run_dynamic(
         tables.path_table(rig, reference),
     )
     change, done = kernel.run(
-        tables.plant(rig), state, loops, course, kernel.Clock(rig.step_s, steps, log_every, give_up_rad),
+        tables.plant(rig),
+        state,
+        loops,
+        course,
+        kernel.Clock(rig.step_s, steps, log_every, give_up_rad),
         kernel.Record(log, account),
-    )  # fmt: skip
+    )
     rows = -(-done // log_every)
     log = log[:rows]
     time = np.arange(rows) * log_every / rate

@@ -68,8 +68,13 @@ def _beyond(bench: Bench) -> bool:
 
 def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRig:
     load, drives, sensors, physics = experiment.load, experiment.drives, experiment.sensors, experiment.physics
-    spec = LoadSpec(load.inertia_kg_m2, load.static_ratio, load.static_speed_rad_s, load.unbalance_Nm,
-                    bearing_drag_Nm=experiment.bearings.drum_Nm)  # fmt: skip
+    spec = LoadSpec(
+        load.inertia_kg_m2,
+        load.static_ratio,
+        load.static_speed_rad_s,
+        load.unbalance_Nm,
+        bearing_drag_Nm=experiment.bearings.drum_Nm,
+    )
     rig = rig_of(drive, spec, drives.lossless, drives.bandwidth_Hz)
     cogging = drives.cogging_share * rig.motors[0].torque_limit_Nm
     motors = tuple(
@@ -80,23 +85,35 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
     if drives.lossless:
         motors = tuple(replace(m, coulomb_Nm=0.0, viscous_Nms=0.0) for m in motors)
     gearheads = tuple(
-        replace(g, lash_rad=drives.lash_mrad * 1e-3 + bench.gear_play_rad[i],
-                stiffness_Nm_rad=min(g.stiffness_Nm_rad, bench.gear_stiffness_Nm_rad[i]),
-                mesh_error_rad=drives.mesh_error_urad * 1e-6, mesh_per_motor_turn=drives.mesh_per_motor_turn)
+        replace(
+            g,
+            lash_rad=drives.lash_mrad * 1e-3 + bench.gear_play_rad[i],
+            stiffness_Nm_rad=min(g.stiffness_Nm_rad, bench.gear_stiffness_Nm_rad[i]),
+            mesh_error_rad=drives.mesh_error_urad * 1e-6,
+            mesh_per_motor_turn=drives.mesh_per_motor_turn,
+        )
         for i, g in enumerate(rig.gearheads)
-    )  # fmt: skip
+    )
     encoder = EncoderSpec(
         sensors.input_resolution_rad, sensors.input_noise_rad, sensors.input_delay_s + bench.input_delay_s
     )
     late = sensors.output_delay_s + bench.output_delay_s
     return replace(
-        rig, motors=motors, gearheads=gearheads, cables=bench.cables, paths=tuple(bench.paths),
+        rig,
+        motors=motors,
+        gearheads=gearheads,
+        cables=bench.cables,
+        paths=tuple(bench.paths),
         encoders=(encoder,) * len(motors),
         drum_encoder=EncoderSpec(sensors.output_resolution_rad, sensors.output_noise_rad, late),
-        torque_noise_Nm=sensors.torque_noise_Nm, input_drag_Nm=experiment.bearings.input_Nm,
-        passed_drag_Nm=experiment.bearings.passed_Nm, step_s=physics.step_us * 1e-6,
-        piece_rad=physics.piece_mrad * 1e-3, transport=physics.cable_transport, passed_slip=physics.passed_slip,
-    )  # fmt: skip
+        torque_noise_Nm=sensors.torque_noise_Nm,
+        input_drag_Nm=experiment.bearings.input_Nm,
+        passed_drag_Nm=experiment.bearings.passed_Nm,
+        step_s=physics.step_us * 1e-6,
+        piece_rad=physics.piece_mrad * 1e-3,
+        transport=physics.cable_transport,
+        passed_slip=physics.passed_slip,
+    )
 
 
 def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]]:

@@ -24,9 +24,15 @@ def input_of(rig: DynamicRig) -> NDArray[np.int64]:
 def load_row(rig: DynamicRig) -> Floats:
     """What the load adds, in the order of :mod:`mbcdm_cad.rig.dynamic.kernel`."""
     load = rig.load
-    return np.array([
-        load.inertia_kg_m2, load.static_ratio, load.static_speed_rad_s, load.unbalance_Nm, load.unbalance_angle_rad,
-    ])  # fmt: skip
+    return np.array(
+        [
+            load.inertia_kg_m2,
+            load.static_ratio,
+            load.static_speed_rad_s,
+            load.unbalance_Nm,
+            load.unbalance_angle_rad,
+        ]
+    )
 
 
 def current_share(rig: DynamicRig) -> Floats:

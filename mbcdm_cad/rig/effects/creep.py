@@ -23,5 +23,8 @@ class Creep(Effect):
         grown = self.strain_ppm * 1e-6 * np.log1p(bench.time_s / self.t0_s)
         which = bench.which(self.cables)
         bench.add_strain(which, grown, (grown, grown, grown))
-        bench.tell("creep", cables=[bench.cables[j].name for j in which],
-                   parameters={"strain": self.strain_ppm * 1e-6, "t0_s": self.t0_s})  # fmt: skip
+        bench.tell(
+            "creep",
+            cables=[bench.cables[j].name for j in which],
+            parameters={"strain": self.strain_ppm * 1e-6, "t0_s": self.t0_s},
+        )

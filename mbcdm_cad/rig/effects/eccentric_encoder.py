@@ -23,5 +23,9 @@ class EccentricEncoder(Effect):
     def apply(self, bench: Bench) -> None:
         amplitude, phase = self.amplitude_urad * 1e-6, radians(self.phase_deg)
         bench.add_encoder_error(self.stage, lambda angle: np.asarray(amplitude * np.cos(angle + phase)))
-        bench.tell("once_per_rev", stage=self.stage, cause="eccentric_encoder",
-                   parameters={"amplitude_rad": amplitude, "phase_rad": phase})  # fmt: skip
+        bench.tell(
+            "once_per_rev",
+            stage=self.stage,
+            cause="eccentric_encoder",
+            parameters={"amplitude_rad": amplitude, "phase_rad": phase},
+        )

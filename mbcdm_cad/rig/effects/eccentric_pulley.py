@@ -37,5 +37,9 @@ class EccentricPulley(Effect):
 
         zero = path(np.zeros((len(bench.drive.input_names), 1)), np.zeros(1))
         bench.paths.append(lambda inputs, drum: path(inputs, drum) - zero)
-        bench.tell("once_per_rev", stage=self.stage, cause="eccentric_pulley",
-                   parameters={"eccentricity_m": e, "phase_rad": phase})  # fmt: skip
+        bench.tell(
+            "once_per_rev",
+            stage=self.stage,
+            cause="eccentric_pulley",
+            parameters={"eccentricity_m": e, "phase_rad": phase},
+        )

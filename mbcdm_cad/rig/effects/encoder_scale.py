@@ -24,5 +24,6 @@ class EncoderScale(Effect):
         # Output over what the inputs predict; an input counts for its part of the drive.
         inputs = len(bench.drive.input_names)
         ratio = share if self.stage == bench.routes.drum.name else -share / inputs
-        bench.tell("ratio_error", stage=self.stage, cause="encoder_scale",
-                   parameters={"share": ratio, "encoder_share": share})  # fmt: skip
+        bench.tell(
+            "ratio_error", stage=self.stage, cause="encoder_scale", parameters={"share": ratio, "encoder_share": share}
+        )

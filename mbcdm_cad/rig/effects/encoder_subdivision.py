@@ -32,6 +32,9 @@ class EncoderSubdivision(Effect):
         if self.stage != bench.routes.drum.name:
             turns, part = bench.turns(bench.input_index(self.stage)), 1.0 / len(bench.drive.input_names)
         # Seen at the output an input's error shrinks by its ratio and its part of the drive, about equal for all.
-        bench.tell("ripple", stage=self.stage, cause="encoder_subdivision",
-                   parameters={"cycles_per_output_rev": cycles * turns,
-                               "amplitude_rad": amplitude / turns * part})  # fmt: skip
+        bench.tell(
+            "ripple",
+            stage=self.stage,
+            cause="encoder_subdivision",
+            parameters={"cycles_per_output_rev": cycles * turns, "amplitude_rad": amplitude / turns * part},
+        )

@@ -30,6 +30,13 @@ class GearMesh(Effect):
         amplitude, phase, cycles = self.amplitude_urad * 1e-6, radians(self.phase_deg), self.cycles_per_input_rev
         bench.gear_errors.append((i, lambda angle: np.asarray(amplitude * np.sin(cycles * angle + phase))))
         turns = bench.turns(i)
-        bench.tell("ripple", seen=bench.input_at == "motor", stage=self.stage, cause="gear_mesh",
-                   parameters={"cycles_per_output_rev": cycles * turns,
-                               "amplitude_rad": amplitude / turns / len(bench.drive.input_names)})  # fmt: skip
+        bench.tell(
+            "ripple",
+            seen=bench.input_at == "motor",
+            stage=self.stage,
+            cause="gear_mesh",
+            parameters={
+                "cycles_per_output_rev": cycles * turns,
+                "amplitude_rad": amplitude / turns / len(bench.drive.input_names),
+            },
+        )

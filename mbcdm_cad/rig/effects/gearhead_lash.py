@@ -28,6 +28,9 @@ class GearheadLash(Effect):
         i = bench.input_index(self.stage)
         bench.gear_play_rad[i] += self.play_urad * 1e-6
         bench.gear_stiffness_Nm_rad[i] = 1.0 / (1.0 / bench.gear_stiffness_Nm_rad[i] + 1.0 / self.stiffness_Nm_rad)
-        bench.tell("lash", seen=bench.input_at == "motor", stage=self.stage,
-                   parameters={"play_rad": self.play_urad * 1e-6,
-                               "compliance_rad_Nm": 1.0 / self.stiffness_Nm_rad})  # fmt: skip
+        bench.tell(
+            "lash",
+            seen=bench.input_at == "motor",
+            stage=self.stage,
+            parameters={"play_rad": self.play_urad * 1e-6, "compliance_rad_Nm": 1.0 / self.stiffness_Nm_rad},
+        )

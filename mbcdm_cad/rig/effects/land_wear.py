@@ -47,5 +47,9 @@ class LandWear(Effect):
             return longer
 
         bench.paths.append(path)
-        bench.tell("land_wear", in_vocabulary=False, cables=[self.cable],
-                   parameters={"depth_m": self.depth_um * 1e-6, "from_rad": begin, "to_rad": end})  # fmt: skip
+        bench.tell(
+            "land_wear",
+            in_vocabulary=False,
+            cables=[self.cable],
+            parameters={"depth_m": self.depth_um * 1e-6, "from_rad": begin, "to_rad": end},
+        )

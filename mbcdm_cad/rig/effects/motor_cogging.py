@@ -30,5 +30,10 @@ class MotorCogging(Effect):
         amplitude = self.torque_mNm / self.loop_stiffness_mNm_rad / ratio
         order = self.cycles_per_motor_turn * ratio
         bench.command_rad[i] += amplitude * np.sin(order * bench.command_rad[i])
-        bench.tell("motor_cogging", in_vocabulary=False, seen=False, stage=self.stage,
-                   parameters={"motion_amplitude_rad": amplitude, "cycles_per_input_rev": order})  # fmt: skip
+        bench.tell(
+            "motor_cogging",
+            in_vocabulary=False,
+            seen=False,
+            stage=self.stage,
+            parameters={"motion_amplitude_rad": amplitude, "cycles_per_input_rev": order},
+        )

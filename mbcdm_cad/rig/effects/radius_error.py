@@ -31,5 +31,10 @@ class RadiusError(Effect):
             bench.change([j], **{"drum_radius_m" if self.stage == "drum" else "input_radius_m": factor})
             share += (1.0 / factor if self.stage == "drum" else factor) - 1.0
         names = [bench.cables[j].name for j in which]
-        bench.tell("ratio_error", stage=self.stage, cause="radius_error", cables=names,
-                   parameters={"share": share / len(bench.cables)})  # fmt: skip
+        bench.tell(
+            "ratio_error",
+            stage=self.stage,
+            cause="radius_error",
+            cables=names,
+            parameters={"share": share / len(bench.cables)},
+        )

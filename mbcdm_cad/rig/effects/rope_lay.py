@@ -46,5 +46,9 @@ class RopeLay(Effect):
         bench.paths.append(path)
         for j in which:
             c = bench.cables[j]
-            bench.tell("ripple", cause="rope_lay", cables=[c.name],
-                       parameters={"cycles_per_output_rev": wave * c.drum_radius_m})  # fmt: skip
+            bench.tell(
+                "ripple",
+                cause="rope_lay",
+                cables=[c.name],
+                parameters={"cycles_per_output_rev": wave * c.drum_radius_m},
+            )

@@ -18,5 +18,8 @@ class ShaftCompliance(Effect):
 
     def apply(self, bench: Bench) -> None:
         bench.output_twist_rad_Nm += self.compliance_urad_Nm * 1e-6
-        bench.tell("stiffness_error", cause="shaft_compliance",
-                   parameters={"compliance_rad_Nm": self.compliance_urad_Nm * 1e-6})  # fmt: skip
+        bench.tell(
+            "stiffness_error",
+            cause="shaft_compliance",
+            parameters={"compliance_rad_Nm": self.compliance_urad_Nm * 1e-6},
+        )

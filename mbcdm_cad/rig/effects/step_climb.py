@@ -41,5 +41,9 @@ class StepClimb(Effect):
             return longer
 
         bench.paths.append(path)
-        bench.tell("step_climb", in_vocabulary=False, cables=[self.cable],
-                   parameters={"height_m": self.height_um * 1e-6, "from_rad": begin})  # fmt: skip
+        bench.tell(
+            "step_climb",
+            in_vocabulary=False,
+            cables=[self.cable],
+            parameters={"height_m": self.height_um * 1e-6, "from_rad": begin},
+        )

@@ -60,5 +60,9 @@ class StrandDamage(Effect):
             return longer
 
         bench.paths.append(path)
-        bench.tell("strand_damage", in_vocabulary=False, cables=[self.cable],
-                   parameters={"height_m": self.height_um * 1e-6, "position_m": self.position_mm * 1e-3})  # fmt: skip
+        bench.tell(
+            "strand_damage",
+            in_vocabulary=False,
+            cables=[self.cable],
+            parameters={"height_m": self.height_um * 1e-6, "position_m": self.position_mm * 1e-3},
+        )

@@ -44,22 +44,32 @@ class Temperature(Effect):
         for j in range(len(bench.cables)):
             own = rope if j in which else np.zeros_like(rope)
             bench.add_strain(
-                [j], own - body * self.frame_ppm_K,
+                [j],
+                own - body * self.frame_ppm_K,
                 (own - body * self.input_ppm_K, own - body * self.frame_ppm_K, own - body * self.drum_ppm_K),
-            )  # fmt: skip
+            )
 
         def grown(inputs: Floats, drum: Floats) -> Floats:
-            return np.stack([
-                c.sigma * body * (self.input_ppm_K * c.input_radius_m * inputs[c.input_index]
-                                  - self.drum_ppm_K * c.drum_radius_m * drum)
-                for c in bench.cables
-            ])  # fmt: skip
+            return np.stack(
+                [
+                    c.sigma
+                    * body
+                    * (
+                        self.input_ppm_K * c.input_radius_m * inputs[c.input_index]
+                        - self.drum_ppm_K * c.drum_radius_m * drum
+                    )
+                    for c in bench.cables
+                ]
+            )
 
         bench.paths.append(grown)
         if self.log:
             bench.temperature_C = self.ambient_degC + warm
-        bench.tell("thermal_drift", cables=[bench.cables[j].name for j in which],
-                   parameters={"rise_K": self.rise_K, "time_constant_s": self.time_constant_s})  # fmt: skip
+        bench.tell(
+            "thermal_drift",
+            cables=[bench.cables[j].name for j in which],
+            parameters={"rise_K": self.rise_K, "time_constant_s": self.time_constant_s},
+        )
 
     def _since(self, time_s: Floats, begin_s: float) -> Floats:
         return np.asarray(self.rise_K * -np.expm1(-np.maximum(time_s - begin_s, 0.0) / self.time_constant_s))

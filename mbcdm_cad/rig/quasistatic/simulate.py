@@ -56,10 +56,14 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     reach = 1.05 * float(np.abs(bench.drum_rad).max()) + 1e-3
     try:
         chains = chain.chains(
-            bench.cables, piece_rad=physics.piece_mrad * 1e-3, transport=physics.cable_transport,
-            passed_slip=physics.passed_slip, input_wrap_rad=physics.input_wrap_rad, drum_wrap_rad=physics.drum_wrap_rad,
+            bench.cables,
+            piece_rad=physics.piece_mrad * 1e-3,
+            transport=physics.cable_transport,
+            passed_slip=physics.passed_slip,
+            input_wrap_rad=physics.input_wrap_rad,
+            drum_wrap_rad=physics.drum_wrap_rad,
             reach_rad=reach,
-        )  # fmt: skip
+        )
     except ValueError as error:
         raise RigError(
             f"{experiment.name}: {error}; lower motion.amplitude_mrad or lengthen physics.*_wrap_rad"

@@ -60,6 +60,7 @@ CHECKS = (
     *bending_checks((down("rope diameter_mm"),)),
     *strength.CHECKS,
     *motors.CHECKS,
-    Check("input_wrap", "Wrap on the input under a turn", "derived", under_a_turn,
-          adjust=(down("travel.half_angle_deg"),)),
-)  # fmt: skip
+    Check(
+        "input_wrap", "Wrap on the input under a turn", "derived", under_a_turn, adjust=(down("travel.half_angle_deg"),)
+    ),
+)

@@ -40,8 +40,17 @@ SIGNATURES = {
     "MeasuredRun.to_dict": "(self) -> 'dict[str, Any]'",
     "MeasuredRun.to_pandas": "(self) -> 'pandas.DataFrame'",
 }
-NAMES = ["load", "reference_design", "DriveDesign", "analyse_many", "load_run", "MeasuredRun", "close_loop",
-         "MbcdmError", "InputError"]  # fmt: skip
+NAMES = [
+    "load",
+    "reference_design",
+    "DriveDesign",
+    "analyse_many",
+    "load_run",
+    "MeasuredRun",
+    "close_loop",
+    "MbcdmError",
+    "InputError",
+]
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +66,12 @@ def test_names_and_signatures_are_those_promised() -> None:
         target = getattr(mc, owner)
         found[name] = str(inspect.signature(getattr(target, method) if method else target))
     assert found == SIGNATURES
-    public = {f"{c.__name__}.{n}" for c in (mc.DriveDesign, mc.MeasuredRun) for n, f in vars(c).items()
-              if inspect.isfunction(f) and not n.startswith("_")}  # fmt: skip
+    public = {
+        f"{c.__name__}.{n}"
+        for c in (mc.DriveDesign, mc.MeasuredRun)
+        for n, f in vars(c).items()
+        if inspect.isfunction(f) and not n.startswith("_")
+    }
     assert public == {name for name in SIGNATURES if "." in name}
     assert set(NAMES) <= set(dir(mc)) and all(inspect.getdoc(getattr(mc, name)) for name in NAMES)
 
@@ -282,9 +295,13 @@ def loaded_by(code: str) -> set[str]:
     watched = "{'cadquery', 'OCP', 'scipy', 'matplotlib', 'vtkmodules', 'numba', 'numpy', 'pydantic', 'pandas', 'rich'}"
     done = subprocess.run(
         [sys.executable, "-c", f"import sys\n{code}\nprint(*({watched} & set(sys.modules)))"],
-        capture_output=True, text=True, timeout=60, check=True, cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+        cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
+    )
     return set(done.stdout.split())
 
 
@@ -299,8 +316,13 @@ def test_the_ten_line_sweep_runs(tmp_path: Path) -> None:
     code = [line for line in script.read_text("utf-8").splitlines() if line and not line.startswith(("#", '"""'))]
     assert len(code) <= 12, code
     done = subprocess.run(
-        [sys.executable, str(script)], capture_output=True, text=True, timeout=120, check=False, cwd=tmp_path,
+        [sys.executable, str(script)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"},
-    )  # fmt: skip
+    )
     assert done.returncode == 0 and "1000 designs, 1000 with a free span" in done.stdout, done.stderr
     assert (tmp_path / "sweep.png").stat().st_size > 5000

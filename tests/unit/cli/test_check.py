@@ -16,8 +16,18 @@ from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
 from mbcdm_cad.report.check_report import CheckReport
 
 FIELDS = {
-    "id", "title", "status", "actual", "limit", "unit", "margin", "message", "remedy", "source", "waived_reason",
-}  # fmt: skip
+    "id",
+    "title",
+    "status",
+    "actual",
+    "limit",
+    "unit",
+    "margin",
+    "message",
+    "remedy",
+    "source",
+    "waived_reason",
+}
 LAST = f"0 fail, 0 waived, of {len(CHECKS)} checks"
 
 

@@ -34,9 +34,23 @@ class BeltDesign(Design):
     """A drive of a test."""
 
     ORDER: ClassVar[tuple[str, ...]] = (
-        "schema_version", "name", "configuration", "travel", "belt", "inputs", "cables", "rope", "drive", "loads",
-        "limits", "targets", "export", "waivers", "as_built", "catalogue",
-    )  # fmt: skip
+        "schema_version",
+        "name",
+        "configuration",
+        "travel",
+        "belt",
+        "inputs",
+        "cables",
+        "rope",
+        "drive",
+        "loads",
+        "limits",
+        "targets",
+        "export",
+        "waivers",
+        "as_built",
+        "catalogue",
+    )
 
     configuration: Literal["belt"] = choice("layout", source="a test", reference="belt")
     inputs: tuple[Input, ...] = choice("one input", reference=[{"name": "motor"}], min_length=1, max_length=1)

@@ -19,9 +19,11 @@ MODULUS = found("stiffness_error", "modulus of the rope", 0.1)
 ONE_CABLE = found("preload_error", "one cable", -0.2, cables=["cable_3"])
 FRICTION = found("cable_friction", "rope on pulley", 0.5)
 GUIDE = {
-    "name": "once_per_rev", "form": "eccentric pulley", "stage": "guide",
+    "name": "once_per_rev",
+    "form": "eccentric pulley",
+    "stage": "guide",
     "values": [{"name": "cosine_m", "value": 1e-05}, {"name": "sine_m", "value": 0.0}],
-}  # fmt: skip
+}
 
 
 def test_values_change_by_their_shares_and_get_sigmas(load_edited: Any) -> None:

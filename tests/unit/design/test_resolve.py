@@ -96,21 +96,33 @@ COUPLED = {  # fields that cannot change alone without breaking a rule
     "inputs": {("inputs", 0, "side"): "+x", ("inputs", 1, "side"): "-x"},
     "name of an input": {("inputs", 0, "name"): "port", ("cables", 0, "input"): "port", ("cables", 1, "input"): "port"},
     "inputs of the cables": {
-        ("cables", 0, "input"): "right", ("cables", 1, "input"): "right",
-        ("cables", 2, "input"): "left", ("cables", 3, "input"): "left",
+        ("cables", 0, "input"): "right",
+        ("cables", 1, "input"): "right",
+        ("cables", 2, "input"): "left",
+        ("cables", 3, "input"): "left",
     },
     "steps": {("cables", 0, "step"): 2, ("cables", 1, "step"): 1},
     "drum sides": {("cables", 0, "drum_side"): "-x", ("cables", 1, "drum_side"): "+x"},
-}  # fmt: skip
+}
 SINGLE = [
-    path for path in leaves(reference_data())
+    path
+    for path in leaves(reference_data())
     if path not in NOT_IN_THE_DRIVE and path[0] != "inputs" and not (path[0] == "cables" and path[2] != "name")
-]  # fmt: skip
+]
 KIND_OF = {
-    "material": "materials", "shaft_material": "materials", "axle_material": "materials", "bearing": "bearings",
-    "lower_bearing": "bearings", "upper_bearing": "bearings", "tensioner": "tensioners", "motor": "motors",
-    "gearhead": "gearheads", "encoder": "encoders", "drum_encoder": "encoders", "type": "ropes",
-}  # fmt: skip
+    "material": "materials",
+    "shaft_material": "materials",
+    "axle_material": "materials",
+    "bearing": "bearings",
+    "lower_bearing": "bearings",
+    "upper_bearing": "bearings",
+    "tensioner": "tensioners",
+    "motor": "motors",
+    "gearhead": "gearheads",
+    "encoder": "encoders",
+    "drum_encoder": "encoders",
+    "type": "ropes",
+}
 
 
 def changed(path: tuple[str | int, ...]) -> Any:

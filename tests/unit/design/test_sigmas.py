@@ -55,11 +55,18 @@ def test_items_of_a_list_each_for_itself() -> None:
 
 def test_sigma_of_a_nominal_area_comes_from_the_diameter() -> None:
     rope = {
-        "construction": "7x7", "diameter_mm": {"value": 0.8, "sigma": 0.008},
-        "metallic_area_mm2": {"value": 0.3, "sigma": 0.01}, "modulus_GPa": {"value": 50.0, "sigma": 2.0},
-        "modulus_area": "nominal", "breaking_load_N": 530.0, "mass_g_m": 2.5, "bend_ratio_minimum": 28.0,
-        "bend_ratio_desired": 42.0, "material": "stainless", "source": "a test",
-    }  # fmt: skip
+        "construction": "7x7",
+        "diameter_mm": {"value": 0.8, "sigma": 0.008},
+        "metallic_area_mm2": {"value": 0.3, "sigma": 0.01},
+        "modulus_GPa": {"value": 50.0, "sigma": 2.0},
+        "modulus_area": "nominal",
+        "breaking_load_N": 530.0,
+        "mass_g_m": 2.5,
+        "bend_ratio_minimum": 28.0,
+        "bend_ratio_desired": 42.0,
+        "material": "stainless",
+        "source": "a test",
+    }
     data = reference_data()
     data["rope"] = {k: v for k, v in data["rope"].items() if k not in ("type", "modulus_GPa", "modulus_area")}
     data["rope"]["inline"] = rope

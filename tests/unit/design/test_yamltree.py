@@ -51,11 +51,29 @@ def test_line_of_a_field_not_given_is_that_of_the_block_above() -> None:
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [("12", 12), ("-3.5", -3.5), ("1e3", 1000.0), (".5", 0.5), ("0", 0), ("+7", 7), ("true", True), ("False", False),
-     ("yes", "yes"), ("no", "no"), ("on", "on"), ("'12'", "12"), ('"1.5"', "1.5"), ("~", None),
-     ("2020-01-01", "2020-01-01"), ("618/8", "618/8"), ("7x7", "7x7"), ("-x", "-x"), ("1.2.3", "1.2.3"),
-     ("inf", "inf")],
-)  # fmt: skip
+    [
+        ("12", 12),
+        ("-3.5", -3.5),
+        ("1e3", 1000.0),
+        (".5", 0.5),
+        ("0", 0),
+        ("+7", 7),
+        ("true", True),
+        ("False", False),
+        ("yes", "yes"),
+        ("no", "no"),
+        ("on", "on"),
+        ("'12'", "12"),
+        ('"1.5"', "1.5"),
+        ("~", None),
+        ("2020-01-01", "2020-01-01"),
+        ("618/8", "618/8"),
+        ("7x7", "7x7"),
+        ("-x", "-x"),
+        ("1.2.3", "1.2.3"),
+        ("inf", "inf"),
+    ],
+)
 def test_scalars(text: str, value: object) -> None:
     read = yamltree.parse(f"a: {text}", "f.yaml").data["a"]
     assert read == value and type(read) is type(value), f"{text} was read as {read!r}"

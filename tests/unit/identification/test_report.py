@@ -32,19 +32,45 @@ from mbcdm_cad.measurement.sweeps import half_sweeps
 TIME = np.linspace(0.0, 60.0, 3000)
 DRUM = 0.4 * np.sin(TIME)
 NAMED = Named(
-    "once_per_rev", "eccentric pulley", "guide", (), {"eccentricity_m": Value(8.6e-6, 8.4e-6, 8.8e-6)},
-    {"eccentricity_m": 8.6e-6, "amplitude_rad": 1.4e-4}, ("eccentric encoder",), "runout of <the guide>",
-    "turn the encoder by 90 degrees", "the pitch circle runs out", 9.6e-5, {"x_m": 1.0, "y_m": 2.0},
-)  # fmt: skip
+    "once_per_rev",
+    "eccentric pulley",
+    "guide",
+    (),
+    {"eccentricity_m": Value(8.6e-6, 8.4e-6, 8.8e-6)},
+    {"eccentricity_m": 8.6e-6, "amplitude_rad": 1.4e-4},
+    ("eccentric encoder",),
+    "runout of <the guide>",
+    "turn the encoder by 90 degrees",
+    "the pitch circle runs out",
+    9.6e-5,
+    {"x_m": 1.0, "y_m": 2.0},
+)
 RESULT = LoopResult(
-    "explained", (NAMED,), (), None,
+    "explained",
+    (NAMED,),
+    (),
+    None,
     Errors(Value(9.65e-5, 9.3e-5, 1e-4), Value(4.9e-6, 4.2e-6, 5.6e-6), 2.07e-4, 1.42e-5, 4.4e-6, 0.99, "half sweep 3"),
-    (Evidence("ripple (line in angle)", 5e-6, 1e-7, "given back"),), (), ("no temperature",), ("dial gauge",),
+    (Evidence("ripple (line in angle)", 5e-6, 1e-7, "given back"),),
+    (),
+    ("no temperature",),
+    ("dial gauge",),
     {"drum": 1.0, "guide": 6.0, "input": 9.0},
-    (Traces(TIME, DRUM, np.sign(np.cos(TIME)), 1e-4 * np.cos(6 * DRUM), 4e-6 * np.sin(50.0 * TIME),
-            (TIME > 20.0) & (TIME < 30.0), half_sweeps(DRUM) > 0, np.linspace(20.0, 4000.0, 500),
-            np.full(500, 1e-6), np.full(500, 1e-7)),),
-)  # fmt: skip
+    (
+        Traces(
+            TIME,
+            DRUM,
+            np.sign(np.cos(TIME)),
+            1e-4 * np.cos(6 * DRUM),
+            4e-6 * np.sin(50.0 * TIME),
+            (TIME > 20.0) & (TIME < 30.0),
+            half_sweeps(DRUM) > 0,
+            np.linspace(20.0, 4000.0, 500),
+            np.full(500, 1e-6),
+            np.full(500, 1e-7),
+        ),
+    ),
+)
 RUN = Run(TIME, np.stack([9.0 * DRUM, 9.0 * DRUM]), DRUM, source="a<b>.csv", sha256="5" * 64)
 DESIGN = {"name": "mbcdm", "file": "mbcdm.yaml", "sha256": "6" * 64}
 
@@ -87,11 +113,27 @@ def test_the_page_needs_no_other_file_and_holds_what_the_result_holds() -> None:
     assert links.open == [] and len(links.fetched) == 4, links.fetched
     assert all(link.startswith("data:image/png;base64,") for link in links.fetched)
     for words in (
-        "8.6 µm", "8.4 µm to 8.8 µm", "140 µrad", "96.5 µrad", "99%", "ripple (line in angle)", "given back",
-        "no temperature", "dial gauge", "2 gaps", "12 half sweeps", "3 broken rows", "half sweep 3", "5" * 64,
-        "6" * 64, "Looks the same: eccentric encoder", "Measured against predicted, over time",
-        "Transmission error over output angle", "What is left over output angle and load", "Orders of what is left",
-    ):  # fmt: skip
+        "8.6 µm",
+        "8.4 µm to 8.8 µm",
+        "140 µrad",
+        "96.5 µrad",
+        "99%",
+        "ripple (line in angle)",
+        "given back",
+        "no temperature",
+        "dial gauge",
+        "2 gaps",
+        "12 half sweeps",
+        "3 broken rows",
+        "half sweep 3",
+        "5" * 64,
+        "6" * 64,
+        "Looks the same: eccentric encoder",
+        "Measured against predicted, over time",
+        "Transmission error over output angle",
+        "What is left over output angle and load",
+        "Orders of what is left",
+    ):
         assert words in page, words
 
 

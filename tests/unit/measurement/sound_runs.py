@@ -27,6 +27,9 @@ def sound_run(amplitude_rad: float = 0.3, half_sweeps: int = 12, load: str = "bi
     output = simulate(D, inputs, torque).drum_angle_rad
     step = SENSORS.input_resolution_rad
     return Run(
-        time, np.floor(inputs / step + rng.random((2, 1))) * step, output, torque + rng.normal(0.0, 0.005, time.size),
+        time,
+        np.floor(inputs / step + rng.random((2, 1))) * step,
+        output,
+        torque + rng.normal(0.0, 0.005, time.size),
         sensors=SENSORS,
-    )  # fmt: skip
+    )

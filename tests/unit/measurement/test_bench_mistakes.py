@@ -133,8 +133,9 @@ REFUSED = {
     "column not there": Mistake("did you mean q_out?", content=lambda: mapping(output={"column": "q_outt"})),
     "column in capitals": Mistake("did you mean q_out?", content=lambda: mapping(output={"column": "Q_OUT"})),
     "name without its unit": Mistake("did you mean 'q_out [rad]'?", lambda: csv().replace("q_out", "q_out [rad]", 1)),
-    "a column that is no name": Mistake("columns.output.column: not of the right kind",
-                                        content=lambda: mapping(output={"column": True})),
+    "a column that is no name": Mistake(
+        "columns.output.column: not of the right kind", content=lambda: mapping(output={"column": True})
+    ),
     "unknown unit": Mistake("did you mean rad?", content=lambda: in_unit("radian", "output")),
     "unit in small letters": Mistake("did you mean Nm?", content=lambda: in_unit("nm", "load_torque")),
     "a length": Mistake("known here: rad, mrad", content=lambda: in_unit("mm", "output")),
@@ -142,28 +143,41 @@ REFUSED = {
     "text": Mistake("no number in 'q_out' (value 'ERR')", lambda: with_cell("ERR"), file="run.csv", line=500),
     "empty cell": Mistake("no number in 'q_out' (value '')", lambda: with_cell(""), file="run.csv", line=500),
     "overload": Mistake("an overload in 'tau'", lambda: with_cell("9.9e37", "tau"), file="run.csv", line=500),
-    "glitch of an angle": Mistake("1 figure(s) of the output far from", lambda: with_cell("655.35"), file="run.csv",
-                                  line=500),
-    "glitch of the torque": Mistake("1 figure(s) of the load torque far", lambda: with_cell("-9999", "tau"),
-                                    file="run.csv", line=500),
-    "time backwards": Mistake("cut the file where a new run begins",
-                              lambda: csv(t=np.mod(_columns()["t"], 30.0)), file="run.csv", line=3002),
-    "time stands": Mistake("log the time with more digits", lambda: csv(t=np.round(_columns()["t"], 1)), file="run.csv",
-                           line=3),
-    "time is another column": Mistake("is this column the time?", lambda: exchanged("t", "q_out"), file="run.csv",
-                                      line=3),
-    "time as a date": Mistake("export the time as a number",
-                              lambda: with_time(lambda t: (START + datetime.timedelta(seconds=t)).isoformat()),
-                              file="run.csv", line=2),
-    "time of day": Mistake("export the time as a number",
-                           lambda: with_time(lambda t: f"09:{int(t) // 60:02d}:{t % 60.0:06.3f}"), file="run.csv",
-                           line=2),
+    "glitch of an angle": Mistake(
+        "1 figure(s) of the output far from", lambda: with_cell("655.35"), file="run.csv", line=500
+    ),
+    "glitch of the torque": Mistake(
+        "1 figure(s) of the load torque far", lambda: with_cell("-9999", "tau"), file="run.csv", line=500
+    ),
+    "time backwards": Mistake(
+        "cut the file where a new run begins", lambda: csv(t=np.mod(_columns()["t"], 30.0)), file="run.csv", line=3002
+    ),
+    "time stands": Mistake(
+        "log the time with more digits", lambda: csv(t=np.round(_columns()["t"], 1)), file="run.csv", line=3
+    ),
+    "time is another column": Mistake(
+        "is this column the time?", lambda: exchanged("t", "q_out"), file="run.csv", line=3
+    ),
+    "time as a date": Mistake(
+        "export the time as a number",
+        lambda: with_time(lambda t: (START + datetime.timedelta(seconds=t)).isoformat()),
+        file="run.csv",
+        line=2,
+    ),
+    "time of day": Mistake(
+        "export the time as a number",
+        lambda: with_time(lambda t: f"09:{int(t) // 60:02d}:{t % 60.0:06.3f}"),
+        file="run.csv",
+        line=2,
+    ),
     "too few samples": Mistake("too few samples (value 60", lambda: first_rows(60), file="run.csv", line=1),
-    "never moved": Mistake("no motion: the drive was never moved",
-                           lambda: csv(**dict.fromkeys(ANGLES, np.full_like(_columns()["t"], 0.3)))),
+    "never moved": Mistake(
+        "no motion: the drive was never moved", lambda: csv(**dict.fromkeys(ANGLES, np.full_like(_columns()["t"], 0.3)))
+    ),
     "output never moved": Mistake("no motion of the output", lambda: scaled(0.0, "q_out")),
-    "resolution in degrees": Mistake("turns by fewer than 20 such steps",
-                                     content=lambda: mapping(sensors={"output_resolution_rad": 0.5})),
+    "resolution in degrees": Mistake(
+        "turns by fewer than 20 such steps", content=lambda: mapping(sensors={"output_resolution_rad": 0.5})
+    ),
     "input and output swapped": Mistake("output and input_left look swapped", lambda: exchanged("q_left", "q_out")),
     "output and torque swapped": Mistake("output and load_torque look swapped", lambda: exchanged("tau", "q_out")),
     "all in degrees": Mistake("all angles look like degrees called radians", lambda: scaled(DEG, *ANGLES)),
@@ -173,40 +187,58 @@ REFUSED = {
     "output sign": Mistake("its sign is reversed; set scale: -1", lambda: scaled(-1.0, "q_out")),
     "torque sign": Mistake("load torque of reversed sign; set scale: -1", lambda: scaled(-1.0, "tau")),
     "torque in mN m": Mistake("mN*m called N*m?", lambda: scaled(1e3, "tau")),
-    "all radians called degrees": Mistake("(radians called degrees?)",
-                                          content=lambda: in_unit("deg", "input_left", "input_right", "output")),
+    "all radians called degrees": Mistake(
+        "(radians called degrees?)", content=lambda: in_unit("deg", "input_left", "input_right", "output")
+    ),
     "N m called mN m": Mistake("(N*m called mN*m?)", content=lambda: in_unit("mN*m", "load_torque")),
-    "counts a quarter": Mistake("counts_per_turn a quarter", lambda: scaled(8192.0 / (2.0 * np.pi), "q_out"),
-                                lambda: mapping(output={"unit": "counts", "counts_per_turn": 2048})),
+    "counts a quarter": Mistake(
+        "counts_per_turn a quarter",
+        lambda: scaled(8192.0 / (2.0 * np.pi), "q_out"),
+        lambda: mapping(output={"unit": "counts", "counts_per_turn": 2048}),
+    ),
     "counts without a turn": Mistake("give counts_per_turn too", content=lambda: in_unit("counts", "output")),
     "counts called radians": Mistake("are these counts, some 819", lambda: scaled(8192.0 / (2.0 * np.pi), "q_out")),
-    "counts_per_turn beside rad": Mistake("set unit: counts",
-                                          content=lambda: mapping(output={"counts_per_turn": 8192})),
-    "a counter that runs over": Mistake("a counter runs over", lambda: csv(q_out=counted(16, 2.0**20)),
-                                        lambda: mapping(output={"unit": "counts", "counts_per_turn": 2**20})),
-    "angle within a turn": Mistake("jumps by a full turn",
-                                   lambda: csv(q_left=np.mod(_columns()["q_left"], 2.0 * np.pi))),
+    "counts_per_turn beside rad": Mistake(
+        "set unit: counts", content=lambda: mapping(output={"counts_per_turn": 8192})
+    ),
+    "a counter that runs over": Mistake(
+        "a counter runs over",
+        lambda: csv(q_out=counted(16, 2.0**20)),
+        lambda: mapping(output={"unit": "counts", "counts_per_turn": 2**20}),
+    ),
+    "angle within a turn": Mistake(
+        "jumps by a full turn", lambda: csv(q_left=np.mod(_columns()["q_left"], 2.0 * np.pi))
+    ),
     "one column twice": Mistake("the column of input_left too", content=lambda: mapping(output={"column": "q_left"})),
     "names twice": Mistake("2 columns of that name", lambda: csv().replace("q_right", "q_left", 1)),
-    "decimal comma": Mistake("set decimal: comma", lambda: table(_columns(), ";").replace(".", ","), file="run.csv",
-                             line=2),
+    "decimal comma": Mistake(
+        "set decimal: comma", lambda: table(_columns(), ";").replace(".", ","), file="run.csv", line=2
+    ),
     "decimal comma between commas": Mistake("export with semicolons", lambda: csv().replace(".", ",")),
-    "another delimiter than told": Mistake("check delimiter", lambda: table(_columns(), ";"),
-                                           lambda: mapping(delimiter="comma")),
-    "lines above the header": Mistake("the name is on line 3: set skip_rows: 2",
-                                      lambda: "Logger;V2\nDate,2026-03-01\n" + csv()),
+    "another delimiter than told": Mistake(
+        "check delimiter", lambda: table(_columns(), ";"), lambda: mapping(delimiter="comma")
+    ),
+    "lines above the header": Mistake(
+        "the name is on line 3: set skip_rows: 2", lambda: "Logger;V2\nDate,2026-03-01\n" + csv()
+    ),
     "UTF-16": Mistake("UTF-16", lambda: csv().encode("utf-16"), file="run.csv", line=1),
     "UTF-16 without a mark": Mistake("UTF-16", lambda: csv().encode("utf-16-le"), file="run.csv", line=1),
-    "a spreadsheet": Mistake("export the data as text", lambda: b"PK\x03\x04" + bytes(range(256)) * 9, file="run.csv",
-                             line=1),
+    "a spreadsheet": Mistake(
+        "export the data as text", lambda: b"PK\x03\x04" + bytes(range(256)) * 9, file="run.csv", line=1
+    ),
     "line ends of CR": Mistake("line ends of LF", lambda: csv().replace("\n", "\r"), file="run.csv", line=1),
     "broken last row": Mistake("a row of another length", lambda: csv()[:-25], file="run.csv", line=6001),
     "thousands of broken rows": Mistake("a row of another length", lambda: broken(2500), file="run.csv", line=3),
-    "thousands of broken rows to skip": Mistake("too many broken rows (value 2500 of 6000", lambda: broken(2500),
-                                                lambda: mapping(broken_rows="skip"), file="run.csv", line=3),
+    "thousands of broken rows to skip": Mistake(
+        "too many broken rows (value 2500 of 6000",
+        lambda: broken(2500),
+        lambda: mapping(broken_rows="skip"),
+        file="run.csv",
+        line=3,
+    ),
     "one input of two": Mistake("an input is missing", content=lambda: mapping(input_left=None)),
     "empty": Mistake("no rows", str, file="run.csv", line=1),
-}  # fmt: skip
+}
 
 SAID = {
     "one sweep": Mistake("1 half sweep(s): nothing repeats", lambda: first_rows(480)),
@@ -215,37 +247,52 @@ SAID = {
     "ms called s": Mistake("is the time in ms", lambda: scaled(1e3, "t")),
     "s called ms": Mistake("is the time in s, called ms?", content=lambda: in_unit("ms", "time")),
     "sample numbers as time": Mistake("in sample numbers", lambda: csv(t=np.arange(_columns()["t"].size) + 0.0)),
-    "counts of another encoder": Mistake("slope between inputs and output 10.98",
-                                         lambda: scaled(8192.0 / (2.0 * np.pi), "q_out"),
-                                         lambda: mapping(output={"unit": "counts", "counts_per_turn": 10000})),
-    "one column for both inputs": Mistake("both inputs are one column",
-                                          content=lambda: mapping(input_right={"column": "q_left"})),
+    "counts of another encoder": Mistake(
+        "slope between inputs and output 10.98",
+        lambda: scaled(8192.0 / (2.0 * np.pi), "q_out"),
+        lambda: mapping(output={"unit": "counts", "counts_per_turn": 10000}),
+    ),
+    "one column for both inputs": Mistake(
+        "both inputs are one column", content=lambda: mapping(input_right={"column": "q_left"})
+    ),
     "row of units": Mistake("no figures on line 2 of run.csv", lambda: under_header("[s],[rad],[rad],[rad],[Nm]")),
-    "rows of units and channels": Mistake("no figures on lines 2 to 3 of run.csv",
-                                          lambda: under_header("s,rad,rad,rad,N m\nch1,ch2,ch3,ch4,ch5")),
-    "other units in the names": Mistake("run.csv has output in deg by its own header",
-                                        lambda: csv().replace("q_out", "q_out [deg]", 1),
-                                        lambda: mapping(output={"column": "q_out [deg]"})),
-    "row of other units": Mistake("run.csv has output in deg by its own header, the measurement file says rad",
-                                  lambda: under_header("s,rad,rad,deg,N m")),
-    "some broken rows": Mistake("50 broken rows of run.csv left out (lines 3, 5, 7, 9, 11, ...)", lambda: broken(50),
-                                lambda: mapping(broken_rows="skip")),
-}  # fmt: skip
+    "rows of units and channels": Mistake(
+        "no figures on lines 2 to 3 of run.csv", lambda: under_header("s,rad,rad,rad,N m\nch1,ch2,ch3,ch4,ch5")
+    ),
+    "other units in the names": Mistake(
+        "run.csv has output in deg by its own header",
+        lambda: csv().replace("q_out", "q_out [deg]", 1),
+        lambda: mapping(output={"column": "q_out [deg]"}),
+    ),
+    "row of other units": Mistake(
+        "run.csv has output in deg by its own header, the measurement file says rad",
+        lambda: under_header("s,rad,rad,deg,N m"),
+    ),
+    "some broken rows": Mistake(
+        "50 broken rows of run.csv left out (lines 3, 5, 7, 9, 11, ...)",
+        lambda: broken(50),
+        lambda: mapping(broken_rows="skip"),
+    ),
+}
 
 PLAIN = {
-    "another unit by a scale": Mistake("", lambda: scaled(DEG, "q_out").replace("q_out", "q_out (deg)", 1),
-                                       lambda: mapping(output={"column": "q_out (deg)", "scale": 1.0 / DEG})),
+    "another unit by a scale": Mistake(
+        "",
+        lambda: scaled(DEG, "q_out").replace("q_out", "q_out (deg)", 1),
+        lambda: mapping(output={"column": "q_out (deg)", "scale": 1.0 / DEG}),
+    ),
     "byte order mark": Mistake("", lambda: b"\xef\xbb\xbf" + csv().encode()),
     "semicolons": Mistake("", lambda: table(_columns(), ";")),
-    "decimal comma as told": Mistake("", lambda: table(_columns(), ";").replace(".", ","),
-                                     lambda: mapping(decimal="comma")),
+    "decimal comma as told": Mistake(
+        "", lambda: table(_columns(), ";").replace(".", ","), lambda: mapping(decimal="comma")
+    ),
     "header in comments": Mistake("", lambda: "# bench 7\n# " + csv()),
     "line ends of CR LF": Mistake("", lambda: csv().replace("\n", "\r\n")),
     "empty trailing columns": Mistake("", lambda: csv().replace("\n", ",,\n")),
     "trailing delimiter in rows": Mistake("", lambda: csv().replace("\n", ",\n").replace(",\n", "\n", 1)),
     "time since long ago": Mistake("", lambda: with_time(lambda t: f"{1.77e9 + t:.3f}")),
     "left and right swapped, which nobody can see": Mistake("", lambda: exchanged("q_left", "q_right")),
-}  # fmt: skip
+}
 
 
 def said_of(write: Write, mistake: Mistake, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, int]:

@@ -178,11 +178,15 @@ def test_refusals_of_the_mapping(write: Write) -> None:
     assert "no such file" in refused(write(text, mapping(data="other.csv")))
     assert "not a regular file" in refused(write(text, mapping(data=".")))
     assert "did you mean columns?" in refused(write(text, mapping(colums={})))
-    assert "an input is missing" in refused(write(text, mapping(columns={
-        "time": {"column": "t", "unit": "s"}, "output": {"column": "drum", "unit": "rad"}})))  # fmt: skip
+    assert "an input is missing" in refused(
+        write(
+            text, mapping(columns={"time": {"column": "t", "unit": "s"}, "output": {"column": "drum", "unit": "rad"}})
+        )
+    )
     assert "nothing is left" in refused(write(text, with_column("output", scale=0)))
-    assert "beside published" in refused(write(text, mapping(published=[
-        {"quantity": "mass", "value": 342, "unit": "g", "where": "Table 1"}])))  # fmt: skip
+    assert "beside published" in refused(
+        write(text, mapping(published=[{"quantity": "mass", "value": 342, "unit": "g", "where": "Table 1"}]))
+    )
     content = mapping()
     content["columns"]["input"] = {"column": "left", "unit": "rad"}
     assert "given beside input_left" in refused(write(text, content))
@@ -258,8 +262,16 @@ def test_inputs_are_called_as_the_design_calls_them(write: Write) -> None:
     run = load_measurement(write(table(signals()), renamed("port", "star")))
     assert run.input_names == ("port", "star"), run.input_names
     np.testing.assert_allclose(run.input_rad[1], signals()["right"], atol=1e-9)
-    said = refused(write(table(signals()), renamed("port", "star") | {"data": "run.csv", "columns": {
-        **renamed("port", "star")["columns"], "torque": {"column": "tau", "unit": "N*m"}}}))  # fmt: skip
+    said = refused(
+        write(
+            table(signals()),
+            renamed("port", "star")
+            | {
+                "data": "run.csv",
+                "columns": {**renamed("port", "star")["columns"], "torque": {"column": "tau", "unit": "N*m"}},
+            },
+        )
+    )
     assert "columns.torque: unknown field; did you mean load_torque?" in said, said
     wrong = renamed("port", "star")
     wrong["columns"]["input_star"]["unit"] = "furlong"

@@ -74,20 +74,36 @@ def test_a_sound_run_is_left_in_peace() -> None:
         (with_inputs(1, 0.25), "unit", "input_right", "the reverse of counts_per_turn a quarter"),
         (replace(RUN, output_rad=RUN.output_rad * 57.29578), "unit", "output", "output too large by 57.3, degrees"),
         (with_inputs(3, 3), "ratio", "input_left", "slope between inputs and output 27"),
-        (replace(RUN, output_rad=RUN.input_rad[1], input_rad=np.stack([RUN.input_rad[0], RUN.output_rad])),
-         "swapped", "output", "output and input_right look swapped"),
-        (replace(RUN, output_rad=RUN.load_Nm, load_Nm=RUN.output_rad), "swapped", "output",
-         "output and load_torque look swapped"),
-        (replace(RUN, output_rad=57.29578 * RUN.output_rad, input_rad=57.29578 * RUN.input_rad),
-         "travel", "output", "degrees called radians"),
-        (replace(RUN, input_rad=np.stack([RUN.input_rad[0], np.random.default_rng(1).normal(size=RUN.time_s.size)])),
-         "unrelated", "input_right", "does not follow the right input"),
+        (
+            replace(RUN, output_rad=RUN.input_rad[1], input_rad=np.stack([RUN.input_rad[0], RUN.output_rad])),
+            "swapped",
+            "output",
+            "output and input_right look swapped",
+        ),
+        (
+            replace(RUN, output_rad=RUN.load_Nm, load_Nm=RUN.output_rad),
+            "swapped",
+            "output",
+            "output and load_torque look swapped",
+        ),
+        (
+            replace(RUN, output_rad=57.29578 * RUN.output_rad, input_rad=57.29578 * RUN.input_rad),
+            "travel",
+            "output",
+            "degrees called radians",
+        ),
+        (
+            replace(RUN, input_rad=np.stack([RUN.input_rad[0], np.random.default_rng(1).normal(size=RUN.time_s.size)])),
+            "unrelated",
+            "input_right",
+            "does not follow the right input",
+        ),
         (replace(RUN, load_Nm=-RUN.load_Nm), "reversed_load", "load_torque", "scale: -1 on load_torque"),
         (replace(RUN, load_Nm=1000.0 * RUN.load_Nm), "load", "load_torque", "mN*m called N*m?"),
         (replace(RUN, input_rad=RUN.input_rad[:1], input_names=("input",)), "inputs", "columns", "1 input column"),
         (replace(RUN, input_rad=np.mod(RUN.input_rad, 2.0 * np.pi)), "wrapped", "input_left", "jumps by a full turn"),
     ],
-)  # fmt: skip
+)
 def test_wrong_columns_are_refused_with_field_and_remedy(run: Run, kind: str, field: str, words: str) -> None:
     found = refusals(vet(run, DRIVE))
     said = [f"{finding.kind} {finding.field}: {finding}" for finding in found]

@@ -119,15 +119,22 @@ def test_any_drive_has_figures_or_a_reason(
     base = reference()
     cables = tuple(
         replace(
-            run, input_radius_mm=run.input_radius_mm * a, guide_radius_mm=run.guide_radius_mm * b,
-            drum_radius_mm=run.drum_radius_mm * c, preload_N=preload,
+            run,
+            input_radius_mm=run.input_radius_mm * a,
+            guide_radius_mm=run.guide_radius_mm * b,
+            drum_radius_mm=run.drum_radius_mm * c,
+            preload_N=preload,
         )
         for run, (a, b, c, preload) in zip(base.cables, changes, strict=True)
-    )  # fmt: skip
+    )
     odd = replace(
-        base, cables=cables, centre_distance_mm=distance, friction_coefficient=friction, half_travel_deg=travel,
+        base,
+        cables=cables,
+        centre_distance_mm=distance,
+        friction_coefficient=friction,
+        half_travel_deg=travel,
         loads=replace(base.loads, peak_torque_Nm=peak),
-    )  # fmt: skip
+    )
     if max(run.guide_radius_mm + run.input_radius_mm for run in cables) >= distance:
         with pytest.raises(ModelError, match="free span"):
             analyse(odd)

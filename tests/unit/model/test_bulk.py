@@ -29,11 +29,14 @@ def designs(n: int, seed: int = 0, unequal: float = 0.03) -> DriveSI:
     rng = np.random.default_rng(seed)
     radii = np.array([6.0, 6.4, 6.8, 7.2])[:, None] * 1e-3 * rng.uniform(0.8, 1.5, n)
     return paper_drive(
-        input_radius_m=radii * rng.uniform(1 - unequal, 1 + unequal, (4, n)), guide_radius_m=1.5 * radii,
-        drum_radius_m=rng.uniform(6, 12, n) * radii, preload_N=rng.uniform(40, 120, (4, n)),
-        centre_distance_m=rng.uniform(18e-3, 48e-3, n), friction_coefficient=rng.uniform(0.05, 0.4, n),
+        input_radius_m=radii * rng.uniform(1 - unequal, 1 + unequal, (4, n)),
+        guide_radius_m=1.5 * radii,
+        drum_radius_m=rng.uniform(6, 12, n) * radii,
+        preload_N=rng.uniform(40, 120, (4, n)),
+        centre_distance_m=rng.uniform(18e-3, 48e-3, n),
+        friction_coefficient=rng.uniform(0.05, 0.4, n),
         modulus_Pa=rng.uniform(30e9, 90e9, n),
-    )  # fmt: skip
+    )
 
 
 def single(batch: DriveSI, k: int) -> DriveSI:
@@ -57,7 +60,7 @@ def test_equal_to_one_by_one() -> None:
             "cable_backlash_rad": cable_backlash(d, 0.91).backlash_rad,
             "peak_torque_Nm": [min(x.torque_Nm for x in limits if x.direction == way) for way in (1, -1)],
             "free_span_m": d.free_span_m,
-        }  # fmt: skip
+        }
         for name, value in expected.items():
             got = getattr(bulk, name)[..., k]
             worst = float(np.max(np.abs(np.asarray(got) / np.maximum(np.abs(value), 1e-30) - np.sign(value))))

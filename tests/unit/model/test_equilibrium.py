@@ -115,18 +115,26 @@ def test_a_batch_of_designs_equals_one_by_one(seed: int) -> None:
     n = 7
     radii = 6e-3 * rng.uniform(0.9, 1.3, (4, n))
     d = paper_drive(
-        input_radius_m=radii, guide_radius_m=1.5 * radii, drum_radius_m=9 * radii,
-        preload_N=rng.uniform(40, 120, (4, n)), centre_distance_m=rng.uniform(32e-3, 45e-3, n),
-        friction_coefficient=rng.uniform(0.05, 0.4, n), modulus_Pa=rng.uniform(30e9, 90e9, n),
-    )  # fmt: skip
+        input_radius_m=radii,
+        guide_radius_m=1.5 * radii,
+        drum_radius_m=9 * radii,
+        preload_N=rng.uniform(40, 120, (4, n)),
+        centre_distance_m=rng.uniform(32e-3, 45e-3, n),
+        friction_coefficient=rng.uniform(0.05, 0.4, n),
+        modulus_Pa=rng.uniform(30e9, 90e9, n),
+    )
     load = rng.uniform(-4, 4, n)
     bulk = solve_equilibrium(d, load)
     for k in range(n):
         one = paper_drive(
-            input_radius_m=radii[:, k], guide_radius_m=1.5 * radii[:, k], drum_radius_m=9 * radii[:, k],
-            preload_N=d.preload_N[:, k], centre_distance_m=d.value("centre_distance_m")[k],
-            friction_coefficient=d.friction_coefficient[k], modulus_Pa=d.modulus_Pa[k],
-        )  # fmt: skip
+            input_radius_m=radii[:, k],
+            guide_radius_m=1.5 * radii[:, k],
+            drum_radius_m=9 * radii[:, k],
+            preload_N=d.preload_N[:, k],
+            centre_distance_m=d.value("centre_distance_m")[k],
+            friction_coefficient=d.friction_coefficient[k],
+            modulus_Pa=d.modulus_Pa[k],
+        )
         single = solve_equilibrium(one, load[k])
         assert float(bulk.drum_angle_rad[k]) == pytest.approx(float(single.drum_angle_rad), rel=1e-10, abs=1e-16)
 

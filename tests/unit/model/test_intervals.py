@@ -54,9 +54,15 @@ def test_the_middle_is_the_figure_without_sigmas() -> None:
 def test_small_sigmas_agree_with_linear_theory() -> None:
     d = paper_drive()
     sigma = {
-        "preload_N": [0.1, 0.2, 0.0, 0.1], "drum_radius_m": 5e-5, "input_radius_m": 5e-6, "guide_radius_m": 5e-6,
-        "friction_coefficient": 3e-4, "area_m2": 1e-9, "centre_distance_m": 2e-5, "load_Nm": 1e-3,
-    }  # fmt: skip
+        "preload_N": [0.1, 0.2, 0.0, 0.1],
+        "drum_radius_m": 5e-5,
+        "input_radius_m": 5e-6,
+        "guide_radius_m": 5e-6,
+        "friction_coefficient": 3e-4,
+        "area_m2": 1e-9,
+        "centre_distance_m": 2e-5,
+        "load_Nm": 1e-3,
+    }
     for name, x in intervals(d, NEED, sigma, draws=40_000).items():
         assert x.sigma == pytest.approx(x.linear_sigma, rel=0.03), f"{name}: {x.sigma:.4g}, linear {x.linear_sigma:.4g}"
 

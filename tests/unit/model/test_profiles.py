@@ -51,9 +51,10 @@ def test_any_series_is_balanced_or_refused_for_its_travel(seed: int) -> None:
     """Random frictions, moduli, wraps, steps from microns to radians and loads through slack."""
     rng = np.random.default_rng(seed)
     d = paper_drive(
-        friction_coefficient=10 ** rng.uniform(-2.5, -0.1), modulus_Pa=10 ** rng.uniform(9.0, 11.3),
+        friction_coefficient=10 ** rng.uniform(-2.5, -0.1),
+        modulus_Pa=10 ** rng.uniform(9.0, 11.3),
         preload_N=rng.uniform(5.0, 150.0, 4),
-    )  # fmt: skip
+    )
     if rng.random() < 0.6:
         d = d.with_(input_wrap_rad=rng.uniform(0.05, 30.0, 4), drum_wrap_rad=rng.uniform(0.02, 3.0, 4))
     n, step = int(rng.integers(5, 60)), 10 ** rng.uniform(-7.0, 0.3)

@@ -21,11 +21,18 @@ DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 
 
 def made_up(time: np.ndarray, **known: np.ndarray) -> DynamicRun:
-    nothing = {"reference_rad": np.zeros(time.size), "drum_rad": np.zeros(time.size), "torque_Nm": np.zeros(time.size),
-               "input_rad": np.zeros((2, time.size)), "motor_Nm": np.zeros((2, time.size)),
-               "rotor_rad": np.zeros((2, time.size)), "tension_N": np.zeros((4, time.size)),
-               "measured_drum_rad": np.zeros(time.size), "measured_input_rad": np.zeros((2, time.size)),
-               "measured_torque_Nm": np.zeros(time.size)}  # fmt: skip
+    nothing = {
+        "reference_rad": np.zeros(time.size),
+        "drum_rad": np.zeros(time.size),
+        "torque_Nm": np.zeros(time.size),
+        "input_rad": np.zeros((2, time.size)),
+        "motor_Nm": np.zeros((2, time.size)),
+        "rotor_rad": np.zeros((2, time.size)),
+        "tension_N": np.zeros((4, time.size)),
+        "measured_drum_rad": np.zeros(time.size),
+        "measured_input_rad": np.zeros((2, time.size)),
+        "measured_torque_Nm": np.zeros(time.size),
+    }
     return DynamicRun(time_s=time, energy_J={}, **{**nothing, **known})
 
 

@@ -79,15 +79,21 @@ def boxes(dims: Layout) -> dict[str, tuple[tuple[float, float, float], tuple[flo
             (-left.upper_surface_radius, -left.upper_surface_radius, left.journal_bottom_z),
             (left.upper_surface_radius, left.upper_surface_radius, left.journal_top_z),
         ),
-        "motor": ((-motor.diameter_mm / 2, -motor.diameter_mm / 2, -motor.length_mm),
-                  (motor.diameter_mm / 2, motor.diameter_mm / 2, 0.0)),
-        "gearhead": ((-gear.diameter_mm / 2, -gear.diameter_mm / 2, -gear.length_mm),
-                     (gear.diameter_mm / 2, gear.diameter_mm / 2, gear.shaft_length_mm)),
-        "encoder": ((-encoder.diameter_mm / 2, -encoder.diameter_mm / 2, 0.0),
-                    (encoder.diameter_mm / 2, encoder.diameter_mm / 2, encoder.length_mm)),
+        "motor": (
+            (-motor.diameter_mm / 2, -motor.diameter_mm / 2, -motor.length_mm),
+            (motor.diameter_mm / 2, motor.diameter_mm / 2, 0.0),
+        ),
+        "gearhead": (
+            (-gear.diameter_mm / 2, -gear.diameter_mm / 2, -gear.length_mm),
+            (gear.diameter_mm / 2, gear.diameter_mm / 2, gear.shaft_length_mm),
+        ),
+        "encoder": (
+            (-encoder.diameter_mm / 2, -encoder.diameter_mm / 2, 0.0),
+            (encoder.diameter_mm / 2, encoder.diameter_mm / 2, encoder.length_mm),
+        ),
         "drum_encoder": ((-ring.diameter_mm / 2, -11.0, 0.0), (ring.diameter_mm / 2, 11.0, ring.length_mm)),
         "nut": ((-corner, -nut.nut_across_flats_mm / 2, 0.0), (corner, nut.nut_across_flats_mm / 2, nut.nut_height_mm)),
-    }  # fmt: skip
+    }
 
 
 Boxes = Callable[[Layout], dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]]]

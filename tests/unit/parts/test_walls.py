@@ -10,9 +10,19 @@ import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
 MADE = [
-    "frame", "top_plate", "drum", "drum_shaft", "guide", "guide_axle", "guide_spacer", "input_pulley_left",
-    "input_pulley_right", "collar", "terminal", "stop",
-]  # fmt: skip
+    "frame",
+    "top_plate",
+    "drum",
+    "drum_shaft",
+    "guide",
+    "guide_axle",
+    "guide_spacer",
+    "input_pulley_left",
+    "input_pulley_right",
+    "collar",
+    "terminal",
+    "stop",
+]
 # The blunt end of the wedge where a stop's slot leaves its land (parts/input_pulley/draw.py); other walls are thicker.
 THINNEST_MM = 0.3
 SAMPLES = 3000

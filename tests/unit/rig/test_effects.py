@@ -28,12 +28,21 @@ def drive(project):
 
 
 def run(drive, *effects, load=None, amplitude_mrad=50.0, sensors=None, transport=False, duration_s=20.0):
-    return simulate(drive, Experiment.model_validate({
-        "name": "x", "duration_s": duration_s, "sample_rate_Hz": 50.0,
-        "motion": {"shape": "sine", "amplitude_mrad": amplitude_mrad, "period_s": 10.0, "stray_urad": 0.0},
-        "load": load or {"kind": "none"}, "sensors": {**PERFECT, **(sensors or {})},
-        "physics": {"cable_transport": transport}, "effects": list(effects),
-    }))  # fmt: skip
+    return simulate(
+        drive,
+        Experiment.model_validate(
+            {
+                "name": "x",
+                "duration_s": duration_s,
+                "sample_rate_Hz": 50.0,
+                "motion": {"shape": "sine", "amplitude_mrad": amplitude_mrad, "period_s": 10.0, "stray_urad": 0.0},
+                "load": load or {"kind": "none"},
+                "sensors": {**PERFECT, **(sensors or {})},
+                "physics": {"cable_transport": transport},
+                "effects": list(effects),
+            }
+        ),
+    )
 
 
 def change_urad(drive, *effects, **more):
@@ -171,8 +180,16 @@ def test_warm_rope_goes_slack_by_its_strain_and_turns_the_drum(drive):
 
 
 def test_warm_body_without_warm_rope_tightens(drive):
-    heat = {"effect": "temperature", "rise_K": 10.0, "time_constant_s": 1.0, "body_share": 1.0, "rope_ppm_K": 0.0,
-            "frame_ppm_K": 20.0, "drum_ppm_K": 20.0, "input_ppm_K": 20.0}  # fmt: skip
+    heat = {
+        "effect": "temperature",
+        "rise_K": 10.0,
+        "time_constant_s": 1.0,
+        "body_share": 1.0,
+        "rope_ppm_K": 0.0,
+        "frame_ppm_K": 20.0,
+        "drum_ppm_K": 20.0,
+        "input_ppm_K": 20.0,
+    }
     assert run(drive, heat, amplitude_mrad=0.01).tension_N[:, -1] == pytest.approx(70.0 + E_A * 200e-6, rel=2e-3)
 
 
@@ -190,9 +207,10 @@ def test_anchor_slip_is_a_step_in_time(drive):
 
 def test_local_faults_show_only_where_they_lie(drive):
     wear, base = change_urad(
-        drive, {"effect": "land_wear", "cable": "cable_2", "depth_um": 50.0, "from_deg": 10.0, "to_deg": 16.0},
+        drive,
+        {"effect": "land_wear", "cable": "cable_2", "depth_um": 50.0, "from_deg": 10.0, "to_deg": 16.0},
         amplitude_mrad=450.0,
-    )  # fmt: skip
+    )
     before = (base.time_s < 10.0) & (-base.drum_rad < radians(10.0)) & (base.time_s < 5.0)
     assert np.abs(wear[before]).max() < 1e-6
     assert np.abs(wear).max() > 1.0
@@ -202,9 +220,10 @@ def test_local_faults_show_only_where_they_lie(drive):
     assert np.abs(climb[(base.time_s < 2.5) & (base.drum_rad < radians(12.0))]).max() < 1e-6
     assert np.abs(climb).max() > 3.0
     bump, base = change_urad(
-        drive, {"effect": "strand_damage", "cable": "cable_2", "height_um": 100.0, "position_mm": 26.0},
+        drive,
+        {"effect": "strand_damage", "cable": "cable_2", "height_um": 100.0, "position_mm": 26.0},
         amplitude_mrad=450.0,
-    )  # fmt: skip
+    )
     assert np.ptp(bump) > 3.0
 
 

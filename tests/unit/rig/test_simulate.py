@@ -97,9 +97,12 @@ def test_what_cannot_be_run_is_refused_in_words(project):
     drive = load_design(project / "params" / "mbcdm.yaml").drive
     base = {"name": "x", "duration_s": 4.0, "motion": {"shape": "sine", "amplitude_mrad": 5.0, "period_s": 4.0}}
     with pytest.raises(RigError, match="cable_9"):
-        simulate(drive, Experiment.model_validate(
-            {**base, "effects": [{"effect": "preload", "share": 0.1, "cables": ["cable_9"]}]}
-        ))  # fmt: skip
+        simulate(
+            drive,
+            Experiment.model_validate(
+                {**base, "effects": [{"effect": "preload", "share": 0.1, "cables": ["cable_9"]}]}
+            ),
+        )
     with pytest.raises(RigError, match="winds off"):
         simulate(drive, Experiment.model_validate({**base, "physics": {"drum_wrap_rad": 0.004}}))
 

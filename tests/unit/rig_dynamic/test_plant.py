@@ -72,8 +72,18 @@ def test_free_mode_has_the_frequency_of_two_inertias_and_a_spring() -> None:
 
 def balance_error(h: float) -> tuple[float, float]:
     """What the account misses and what went through it, J, for a run with every loss in it."""
-    system = Springs(h, drum_drag=5e-3, drag=2e-3, loss=0.47, viscous=1e-4, stiffness=30.0, lash=1e-3, mesh=1e-4,
-                     mesh_order=76.0, cogging=2e-3)  # fmt: skip
+    system = Springs(
+        h,
+        drum_drag=5e-3,
+        drag=2e-3,
+        loss=0.47,
+        viscous=1e-4,
+        stiffness=30.0,
+        lash=1e-3,
+        mesh=1e-4,
+        mesh_order=76.0,
+        cogging=2e-3,
+    )
     start = plant.stored(system.plant, system.state)
     for k in range(int(0.4 / h)):
         system.step(motor=0.1 * np.sin(2 * pi * 5.0 * k * h), load=0.2 * np.sin(2 * pi * 3.0 * k * h), brake=0.05)

@@ -30,9 +30,12 @@ def drives(draw: st.DrawFn) -> RoutedDrive:
     sides = st.sampled_from([-1, 1])
     radii = draw(st.lists(st.floats(3e-3, 20e-3), min_size=n, max_size=n))
     geometry = BevelGeometry(
-        tuple(f"c{j}" for j in range(n)), tuple(f"i{i}" for i in range(n_inputs)), input_of,
-        tuple(draw(sides) for _ in range(n_inputs)), tuple(draw(sides) for _ in range(n)),
-    )  # fmt: skip
+        tuple(f"c{j}" for j in range(n)),
+        tuple(f"i{i}" for i in range(n_inputs)),
+        input_of,
+        tuple(draw(sides) for _ in range(n_inputs)),
+        tuple(draw(sides) for _ in range(n)),
+    )
     r = np.array(radii)
     reach = 2.5 * float(r.max())
     lengths = {
@@ -186,10 +189,13 @@ def test_length_of_a_cable_with_its_wraps_set_is_that_of_sampled_points() -> Non
     turns, on_drum = 11.0, 1.1
     whole = route.with_anchored_wraps(turns, on_drum)
     s = np.linspace(0.0, 1.0, 200001)
-    helix = np.stack([
-        route.input_radius_m * np.cos(turns * s), route.input_radius_m * np.sin(turns * s),
-        route.wraps[0].lead_m * turns * s / (2 * np.pi),
-    ])  # fmt: skip
+    helix = np.stack(
+        [
+            route.input_radius_m * np.cos(turns * s),
+            route.input_radius_m * np.sin(turns * s),
+            route.wraps[0].lead_m * turns * s / (2 * np.pi),
+        ]
+    )
     sampled = float(np.linalg.norm(np.diff(helix), axis=0).sum())
     sampled += float(np.hypot(34.6e-3, 0.0) ** 2 - (16.0e-3) ** 2) ** 0.5
     for wrap in whole.wraps[1:]:

@@ -29,21 +29,68 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
     beside = tuple(x + s * d.gear_bolt_circle for x in d.input_x for s in (-1, 1))
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
     return (
-        Holes("A", 2 * d.axle_radius, THROUGH, ((0.0, 0.0, shelf),), "bearing shelf", "guide axle",
-              fit=FITS["axle_bore"].code),
-        Holes("B", 2 * d.seat_shoulder_radius, THROUGH, tuple((x, 0.0, shelf) for x in d.input_x), "bearing shelf",
-              "bearing seats", counterbore=seat),
-        Holes("C", 2 * d.key_hole_radius, THROUGH, tuple((x, 0.0, shelf) for x in beside), "bearing shelf",
-              "key for gearhead screws"),
-        Holes("D", d.plate_screw_radius * 2, d.plate_screw_depth, tuple((x, y, top) for x, y in d.plate_screws),
-              "top", "top plate", threaded=True),
-        Holes("E", 2 * d.dowel_radius, d.dowel_depth, tuple((x, y, top) for x, y in d.dowels), "top", "dowels",
-              fit=FITS["pin_press"].code),
-        Holes("F", 2 * d.pilot_radius, THROUGH, tuple((x, 0.0, motor) for x in d.input_x), "motor shelf", "gearheads",
-              fit=FITS["pilot"].code),
-        Holes("G", 2 * d.gear_screw_clearance, THROUGH, tuple((x, 0.0, motor) for x in beside), "motor shelf",
-              "gearhead screws"),
-    )  # fmt: skip
+        Holes(
+            "A",
+            2 * d.axle_radius,
+            THROUGH,
+            ((0.0, 0.0, shelf),),
+            "bearing shelf",
+            "guide axle",
+            fit=FITS["axle_bore"].code,
+        ),
+        Holes(
+            "B",
+            2 * d.seat_shoulder_radius,
+            THROUGH,
+            tuple((x, 0.0, shelf) for x in d.input_x),
+            "bearing shelf",
+            "bearing seats",
+            counterbore=seat,
+        ),
+        Holes(
+            "C",
+            2 * d.key_hole_radius,
+            THROUGH,
+            tuple((x, 0.0, shelf) for x in beside),
+            "bearing shelf",
+            "key for gearhead screws",
+        ),
+        Holes(
+            "D",
+            d.plate_screw_radius * 2,
+            d.plate_screw_depth,
+            tuple((x, y, top) for x, y in d.plate_screws),
+            "top",
+            "top plate",
+            threaded=True,
+        ),
+        Holes(
+            "E",
+            2 * d.dowel_radius,
+            d.dowel_depth,
+            tuple((x, y, top) for x, y in d.dowels),
+            "top",
+            "dowels",
+            fit=FITS["pin_press"].code,
+        ),
+        Holes(
+            "F",
+            2 * d.pilot_radius,
+            THROUGH,
+            tuple((x, 0.0, motor) for x in d.input_x),
+            "motor shelf",
+            "gearheads",
+            fit=FITS["pilot"].code,
+        ),
+        Holes(
+            "G",
+            2 * d.gear_screw_clearance,
+            THROUGH,
+            tuple((x, 0.0, motor) for x in beside),
+            "motor shelf",
+            "gearhead screws",
+        ),
+    )
 
 
 def _from_front(d: FrameDims) -> tuple[Holes, ...]:
@@ -53,15 +100,37 @@ def _from_front(d: FrameDims) -> tuple[Holes, ...]:
     sunk = v.pocket_floor_y - d.mount_seat_y
     encoder = tuple((s * d.encoder_screw_circle, d.encoder_pocket_floor_y, 0.0) for s in (-1, 1))
     groups = [
-        Holes("H", 2 * d.axle_screw_radius, "to A", ((0.0, v.front_y, shelf_z),), "front", "axle set screw",
-              threaded=True),
-        Holes("J", 2 * d.stop_pin_radius, v.front_y - d.stop_pin_start_y, ((0.0, v.front_y, d.stop_pin_z),), "front",
-              "stop pin", fit=FITS["pin_press"].code),
-        Holes("K", 2 * d.mount_radius, THROUGH, tuple((x, v.pocket_floor_y, z) for x, z in d.mounts), "pocket floor",
-              "mounting screws", counterbore=(2 * d.mount_head_radius, sunk, "") if sunk > 0.0 else None),
-        Holes("L", 2 * d.encoder_screw_radius, d.encoder_screw_depth, encoder, "encoder pocket", "drum encoder",
-              threaded=True),
-    ]  # fmt: skip
+        Holes(
+            "H", 2 * d.axle_screw_radius, "to A", ((0.0, v.front_y, shelf_z),), "front", "axle set screw", threaded=True
+        ),
+        Holes(
+            "J",
+            2 * d.stop_pin_radius,
+            v.front_y - d.stop_pin_start_y,
+            ((0.0, v.front_y, d.stop_pin_z),),
+            "front",
+            "stop pin",
+            fit=FITS["pin_press"].code,
+        ),
+        Holes(
+            "K",
+            2 * d.mount_radius,
+            THROUGH,
+            tuple((x, v.pocket_floor_y, z) for x, z in d.mounts),
+            "pocket floor",
+            "mounting screws",
+            counterbore=(2 * d.mount_head_radius, sunk, "") if sunk > 0.0 else None,
+        ),
+        Holes(
+            "L",
+            2 * d.encoder_screw_radius,
+            d.encoder_screw_depth,
+            encoder,
+            "encoder pocket",
+            "drum encoder",
+            threaded=True,
+        ),
+    ]
     return tuple(groups)
 
 
@@ -88,18 +157,34 @@ def _views(d: FrameDims, above: tuple[Holes, ...], behind: tuple[Holes, ...]) ->
     reach = max(d.encoder_pocket_radius, d.ear_reach) + 1.5
     axle = (((0.0, v.back_y, 0.0), (0.0, v.boss_front_y, 0.0)),)
     return (
-        View("front", minus(X), Z,
-             axes=(*_marks(front_seen, X, Z),
-                   ((0.0, v.front_y, -d.boss_radius), (0.0, v.front_y, v.top_plate_bottom_z)),
-                   ((-d.ear_reach, v.front_y, 0.0), (d.ear_reach, v.front_y, 0.0)))),
+        View(
+            "front",
+            minus(X),
+            Z,
+            axes=(
+                *_marks(front_seen, X, Z),
+                ((0.0, v.front_y, -d.boss_radius), (0.0, v.front_y, v.top_plate_bottom_z)),
+                ((-d.ear_reach, v.front_y, 0.0), (d.ear_reach, v.front_y, 0.0)),
+            ),
+        ),
         View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axle),
-        View("rear", X, Z, column=1, row=-1, title="Boss from behind", magnify=1.0 + 1e-9,
-             window=((0.0, v.back_y, 1.0), reach, reach),
-             axes=(*_marks(tuple(g for g in behind if g.letter == "L"), X, Z),
-                   ((0.0, v.back_y, -d.encoder_pocket_radius), (0.0, v.back_y, d.encoder_pocket_radius)))),
+        View(
+            "rear",
+            X,
+            Z,
+            column=1,
+            row=-1,
+            title="Boss from behind",
+            magnify=1.0 + 1e-9,
+            window=((0.0, v.back_y, 1.0), reach, reach),
+            axes=(
+                *_marks(tuple(g for g in behind if g.letter == "L"), X, Z),
+                ((0.0, v.back_y, -d.encoder_pocket_radius), (0.0, v.back_y, d.encoder_pocket_radius)),
+            ),
+        ),
         View("top", minus(X), minus(Y), row=-1, axes=_marks(high, X, Y)),
         View("shelf", minus(X), minus(Y), row=-2, title="B-B", cut=(0.0, 0.0, middle), axes=_marks(low_shelf, X, Y)),
-    )  # fmt: skip
+    )
 
 
 def _in_front(d: FrameDims) -> tuple[Linear, ...]:
@@ -117,9 +202,13 @@ def _in_front(d: FrameDims) -> tuple[Linear, ...]:
         return Linear("front", (x, y, low_z), (x, y, high_z), high_z - low_z, side, decimals=decimals)
 
     ear = Linear(
-        "front", (-d.ear_reach, y, -d.ear_half_height), (-d.ear_reach, y, d.ear_half_height), 2 * d.ear_half_height,
-        "right", suffix=" ears",
-    )  # fmt: skip
+        "front",
+        (-d.ear_reach, y, -d.ear_half_height),
+        (-d.ear_reach, y, d.ear_half_height),
+        2 * d.ear_half_height,
+        "right",
+        suffix=" ears",
+    )
     return (
         wide(x_out, top, "above"),
         wide(v.side_inner_x, top, "above", " pockets"),
@@ -168,10 +257,17 @@ def _behind(d: FrameDims) -> tuple[Linear | Radius, ...]:
     v = d.levels
     r, y = d.encoder_pocket_radius, v.back_y
     return (
-        Linear("rear", (d.boss_radius, y, 0.0), (d.boss_radius, y, d.column_start_z), d.column_start_z, "right",
-               suffix=" column", decimals=3),
+        Linear(
+            "rear",
+            (d.boss_radius, y, 0.0),
+            (d.boss_radius, y, d.column_start_z),
+            d.column_start_z,
+            "right",
+            suffix=" column",
+            decimals=3,
+        ),
         Radius("rear", (0.0, y, 0.0), (-r * 0.6, y, r * 0.8), r),
-    )  # fmt: skip
+    )
 
 
 def frame_sheet(part: str, d: FrameDims) -> Sheet:
@@ -182,8 +278,9 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
     x, y = v.side_outer_x, v.front_y
     half = 0.5**0.5 * r
     middle = (v.motor_shelf_top_z + v.bearing_shelf_bottom_z) / 2
-    corner = Radius("top", (r - x, y - r, v.top_plate_bottom_z), (r - x - half, y - r + half, v.top_plate_bottom_z), r,
-                    prefix="4x ")  # fmt: skip
+    corner = Radius(
+        "top", (r - x, y - r, v.top_plate_bottom_z), (r - x - half, y - r + half, v.top_plate_bottom_z), r, prefix="4x "
+    )
     return Sheet(
         part=part,
         title="Frame",

@@ -14,22 +14,42 @@ def _holes(d: TopPlateDims, head_radius: float, head_depth: float) -> tuple[Hole
     return (
         Holes("A", 2 * d.axle_radius, THROUGH, ((0.0, 0.0, high),), "top", "guide axle", fit=FITS["axle_bore"].code),
         Holes(
-            "B", 2 * d.shoulder_radius, THROUGH, tuple((x, 0.0, low) for x in d.input_x), "below", "bearing seats",
+            "B",
+            2 * d.shoulder_radius,
+            THROUGH,
+            tuple((x, 0.0, low) for x in d.input_x),
+            "below",
+            "bearing seats",
             counterbore=(2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code),
         ),
         Holes(
-            "C", 2 * d.encoder_screw_clearance, THROUGH, encoder, "below", "encoder screws",
+            "C",
+            2 * d.encoder_screw_clearance,
+            THROUGH,
+            encoder,
+            "below",
+            "encoder screws",
             counterbore=(2 * head_radius, head_depth, ""),
         ),
         Holes(
-            "D", 2 * d.screw_clearance, THROUGH, tuple((x, y, high) for x, y in d.screws), "top", "screws",
+            "D",
+            2 * d.screw_clearance,
+            THROUGH,
+            tuple((x, y, high) for x, y in d.screws),
+            "top",
+            "screws",
             counterbore=(2 * d.screw_head_radius, d.screw_head_depth, ""),
         ),
         Holes(
-            "E", 2 * d.dowel_radius, THROUGH, tuple((x, y, high) for x, y in d.dowels), "top", "dowels",
+            "E",
+            2 * d.dowel_radius,
+            THROUGH,
+            tuple((x, y, high) for x, y in d.dowels),
+            "top",
+            "dowels",
             fit=FITS["pin_slide"].code,
         ),
-    )  # fmt: skip
+    )
 
 
 def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, encoder_head_depth: float) -> Sheet:

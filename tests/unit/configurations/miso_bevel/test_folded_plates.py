@@ -20,9 +20,7 @@ def strip(length: float, width: float, cells: int, thickness: float, normal: int
     # Cyclic axes: (z, x) for a normal along y, (x, y) for one along z.
     order = [0, 1, 3, 2] if normal == 1 else [0, 2, 3, 1]
     corner = first[:, None] + np.array(order)
-    return Plates(
-        node, corner, np.full(cells, normal), np.full(cells, thickness), np.zeros(cells, dtype=np.int64)
-    )  # fmt: skip
+    return Plates(node, corner, np.full(cells, normal), np.full(cells, thickness), np.zeros(cells, dtype=np.int64))
 
 
 def tip_mm(plates: Plates, axis: int) -> float:

@@ -51,8 +51,9 @@ def test_slots_open_to_the_end_face_by_their_own_step(dims: Layout) -> None:
         assert low.face_z == p.land_bottom_z and up.face_z == p.land_top_z
         assert p.land_bottom_z < low.end_z < p.wall_z < up.end_z < p.land_top_z
         for slot, surface, neck in (
-            (low, p.lower_surface_radius, p.lower_neck_radius), (up, p.upper_surface_radius, p.upper_neck_radius),
-        ):  # fmt: skip
+            (low, p.lower_surface_radius, p.lower_neck_radius),
+            (up, p.upper_surface_radius, p.upper_neck_radius),
+        ):
             outer = slot.bend_radius + slot.stop_radius + 0.05
             corner = hypot(outer, slot.stop_start + 0.05)
             assert surface - corner >= 0.5, f"{slot.cable_name}: wall of {surface - corner:.3f} mm"
@@ -115,8 +116,10 @@ def test_support_seats_fit_their_bearings(drive: BevelDrive, dims: Layout) -> No
         (t.seat_radius, t.seat_depth, t.shoulder_radius, b.input_upper, drive.support.top_plate_mm),
     ):
         assert (2 * seat, depth, 2 * shoulder) == (
-            bearing.outer_diameter_mm, bearing.width_mm, bearing.outer_shoulder_mm,
-        )  # fmt: skip
+            bearing.outer_diameter_mm,
+            bearing.width_mm,
+            bearing.outer_shoulder_mm,
+        )
         assert thickness - depth >= 0.8, f"{bearing.name}: shoulder of {thickness - depth:.2f} mm"
 
 

@@ -78,8 +78,13 @@ def test_winding_is_one_helix_in_the_pulleys_frame(drive: BevelDrive, first: flo
             helix = cable_path(drive, cable, ANCHOR, 4.0, theta).piece("helix")
             assert isinstance(helix, Helix)
             turned = theta * cable.drum_radius_mm / cable.input_radius_mm
-            seen.append((helix.angle_start - turned, helix.z_start, (helix.z_end - helix.z_start)
-                         / (helix.angle_end - helix.angle_start)))  # fmt: skip
+            seen.append(
+                (
+                    helix.angle_start - turned,
+                    helix.z_start,
+                    (helix.z_end - helix.z_start) / (helix.angle_end - helix.angle_start),
+                )
+            )
         assert np.abs(np.subtract(*seen)).max() < 1e-9, f"{cable.name}: {seen}"
 
 

@@ -22,9 +22,18 @@ def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims:
     assert pulley < high - low
     s = drive.support
     expected = (
-        drive.motor.length_mm + drive.gearhead.length_mm + s.motor_shelf_mm + s.coupling_space_mm + s.bearing_shelf_mm
-        + SHOULDER_MM + (high - low) + SHOULDER_MM + END_PLAY_MM + s.top_plate_mm + drive.encoder.length_mm
-    )  # fmt: skip
+        drive.motor.length_mm
+        + drive.gearhead.length_mm
+        + s.motor_shelf_mm
+        + s.coupling_space_mm
+        + s.bearing_shelf_mm
+        + SHOULDER_MM
+        + (high - low)
+        + SHOULDER_MM
+        + END_PLAY_MM
+        + s.top_plate_mm
+        + drive.encoder.length_mm
+    )
     assert dims.levels.height_mm == pytest.approx(expected, rel=1e-12)
     assert dims.levels.height_mm == pytest.approx(drive.targets.envelope_mm[1], abs=drive.targets.envelope_tolerance_mm)
 
@@ -37,10 +46,18 @@ def test_depth_runs_from_the_back_plate_to_the_hubs_face(drive: BevelDrive, dims
 def test_levels_are_in_order(dims: Layout) -> None:
     v = dims.levels
     up = [
-        v.motor_bottom_z, v.gearhead_bottom_z, v.motor_shelf_bottom_z, v.motor_shelf_top_z, v.bearing_shelf_bottom_z,
-        v.bearing_shelf_top_z, v.guide_bottom_z, v.guide_top_z, v.top_plate_bottom_z, v.top_plate_top_z,
+        v.motor_bottom_z,
+        v.gearhead_bottom_z,
+        v.motor_shelf_bottom_z,
+        v.motor_shelf_top_z,
+        v.bearing_shelf_bottom_z,
+        v.bearing_shelf_top_z,
+        v.guide_bottom_z,
+        v.guide_top_z,
+        v.top_plate_bottom_z,
+        v.top_plate_top_z,
         v.encoder_top_z,
-    ]  # fmt: skip
+    ]
     assert up == sorted(up)
     back = [v.back_y, v.pocket_floor_y, v.front_y, v.boss_front_y, v.drum_inner_y, v.drum_outer_y, v.hub_face_y]
     assert back == sorted(back)
