@@ -147,27 +147,30 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
     return [{"what": what, "value": value, "from": source} for what, value, source in rows]
 
 
-# Columns of the cables' table: field of the path figures, heading, digits after the point.
-_CABLE_COLUMNS = (
-    ("length_mm", "Length mm", 2),
-    ("free_span_mm", "Free span mm", 2),
-    ("input_wrap_deg", "Wrap on input °", 0),
-    ("guide_wrap_deg", "on guide °", 1),
-    ("drum_wrap_deg", "on drum °", 1),
-    ("fleet_angle_deg", "Fleet angle °", 2),
-)
+# Units at the end of a field's name, as they are shown, with the digits after the point.
+_UNITS = {"mm": ("mm", 2), "deg": ("°", 1)}
 
 
 def cable_rows(report: Mapping[str, Any]) -> dict[str, Any]:
-    """The cables' table: those columns that this configuration has figures for, lists as their range."""
-    paths, model = report["paths"]["cables"], {c["name"]: c for c in report["analysis"]["cables"]}
-    columns = [column for column in _CABLE_COLUMNS if all(column[0] in path for path in paths)]
+    """The cables' table: every figure in mm or degrees that this configuration's paths have, lists as their range.
+
+    Lists count if they hold a figure for each drum angle; others are points.
+    """
+    poses, model = len(report["paths"]["drum_angle_deg"]), {c["name"]: c for c in report["analysis"]["cables"]}
+    paths = report["paths"]["cables"]
+    columns = []
+    for field, value in paths[0].items():
+        stem, _, unit = field.rpartition("_")
+        along_travel = isinstance(value, list) and len(value) == poses
+        if unit in _UNITS and (along_travel or isinstance(value, float)):
+            shown, digits = _UNITS[unit]
+            columns.append((field, f"{stem.replace('_', ' ')} {shown}", digits))
     rows = []
     for path in paths:
-        cells = [_range(path[field], digits) for field, _, digits in columns]
         own = model[path["name"]]
+        cells = [_range(path[field], digits) for field, _, digits in columns]
         rows.append((path["name"], [f"{own['preload_N']:g}", f"{own['total_ratio']:.6g}", *cells]))
-    return {"head": ["Preload N", "Total ratio", *(heading for _, heading, _ in columns)], "rows": rows}
+    return {"head": ["preload N", "total ratio", *(heading for _, heading, _ in columns)], "rows": rows}
 
 
 def _range(value: Any, digits: int) -> str:

@@ -76,6 +76,17 @@ def test_fails_come_first_then_warnings_then_what_is_tight() -> None:
     assert best is not None and best["id"] == "tight"
 
 
+def test_cables_have_a_column_for_each_figure_of_their_paths() -> None:
+    path = {"name": "one", "length_mm": 12.345, "wrap_deg": [10.0, 20.0], "contact_mm": [1.0, 2.0, 3.0], "side": "+x"}
+    report = {
+        "paths": {"drum_angle_deg": [-1.0, 1.0], "cables": [path]},
+        "analysis": {"cables": [{"name": "one", "preload_N": 70.0, "total_ratio": 9.0}]},
+    }
+    table = content.cable_rows(report)
+    assert table["head"] == ["preload N", "total ratio", "length mm", "wrap °"]
+    assert table["rows"] == [("one", ["70", "9", "12.35", "10.0 to 20.0"])]
+
+
 class TestCableLines:
     @pytest.fixture(scope="class")
     @classmethod
