@@ -94,16 +94,26 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
     return build_command(design, angle_deg=angle_deg, force=force, out=out, use_cache=not no_cache, jobs=jobs)
 
 
-@mbcdm.command(epilog=_examples("mbcdm picture my_drive.yaml my_drive.png --view iso --angle 20"))
+@mbcdm.command(
+    epilog=_examples(
+        "mbcdm picture my_drive.yaml my_drive.png --view iso --angle 20",
+        "mbcdm picture my_drive.yaml my_drive.gif --travel",
+    )
+)
 @_DESIGN
-@click.argument("png", type=_FILE)
+@click.argument("png", metavar="PNG", type=_FILE)
 @_ANGLE
+@click.option("--travel", is_flag=True, help="A moving picture of the drum's swing, into a GIF file.")
 @click.option(
     "--view", type=click.Choice(VIEW_NAMES), default="output", show_default=True, help="Where the camera stands."
 )
 @_NO_CACHE
-def picture(design: Path, png: Path, angle_deg: float, view: str, no_cache: bool) -> int:
-    """Draw a design into a PNG file; needs no display."""
+def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> int:
+    """Draw a design into a PNG or GIF file; needs no display."""
+    if travel:
+        from mbcdm_cad.cli.moving import moving_picture_command
+
+        return moving_picture_command(design, png, view=view, use_cache=not no_cache)
     from mbcdm_cad.cli.building import picture_command
 
     return picture_command(design, png, angle_deg=angle_deg, view=view, use_cache=not no_cache)
