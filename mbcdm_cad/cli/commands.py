@@ -294,6 +294,22 @@ def init(new: Path, configuration: str | None) -> int:
     return init_command(new, configuration)
 
 
+@mbcdm.command("measurement-init", epilog=_examples("mbcdm measurement-init run.csv my_drive.yaml"))
+@click.argument("data", type=_FILE)
+@_DESIGN
+@click.option(
+    "--out", type=_FILE, metavar="FILE", help="Measurement file; beside the data, with their name, by default."
+)
+def measurement_init(data: Path, design: Path, out: Path | None) -> int:
+    """Draft the measurement file of a logger's CSV.
+
+    Guesses which column is what from names, units, ranges and the ratio of the design, and marks what is guessed.
+    """
+    from mbcdm_cad.cli.files import measurement_init_command
+
+    return measurement_init_command(data, design, out)
+
+
 @mbcdm.command(epilog=_examples("mbcdm schema > design.schema.json", "mbcdm schema --reference --measurement | less"))
 @click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
 @click.option("--measurement", is_flag=True, help="Of measurement files, which 'mbcdm loop' reads.")

@@ -62,3 +62,26 @@ def schema_command(*, reference: bool, measurement: bool, configuration: str | N
 
 def _json(schema: dict[str, Any]) -> str:
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+
+
+def measurement_init_command(data: Path, design: Path, out: Path | None) -> int:
+    """Write a first measurement file for a logger's data. Never overwrites a file."""
+    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.measurement.draft import draft_text
+
+    path = out or data.with_suffix(".yaml")
+    refuse_missing_folder(path)
+    text = draft_text(data, load_design(design).drive)
+    if path.parent.resolve() != data.parent.resolve():
+        remedy = "write it beside the data, since the path in it is relative to it"
+        raise InputError([Problem(str(path), 1, "", "in another folder than the data", remedy=remedy)])
+    try:
+        with open(path, "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        problem = Problem(str(path), 1, "", "exists already", remedy="choose another name with --out, or remove it")
+        raise InputError([problem]) from None
+    click.echo(text, nl=False)
+    where = f"{shlex.quote(str(design))} {shlex.quote(str(path))}"
+    click.echo(f"{path} written; look over what is guessed, then: mbcdm loop {where}")
+    return 0

@@ -1,0 +1,257 @@
+"""A first measurement file for a logger's data: which column is what, guessed from names, units, ranges and the design.
+
+Every guess is written as such, with its reason, so that a person can look it over. The output is found first; an
+input's unit, sign and place (at the pulley or on the motor, before the gearhead) follow from how far it turns with it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.measurement.datafile import read_table
+from mbcdm_cad.measurement.logformat import Format, find_format, split
+from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.measurement.units import ANGLE, FORCE, TEMPERATURE, TIME, TORQUE
+from mbcdm_cad.measurement.vet_columns import robust_slope
+
+WORDS = {
+    "time": r"^(t|time|timestamp|sec(onds)?|clock|zeit)\b|^(t|time)_",
+    "temperature": r"temp|°c|degc",
+    "load_torque": r"tau|torq|load|force|cell|moment|^f\b",
+    "output": r"out|drum|joint|link|abtrieb",
+    "input": r"^in|input|mot|left|right|enc|q_|pos|antrieb",
+}
+# Rows that are tried for figures, and the share of them that must hold one.
+TRIED_ROWS, LEAST_FIGURES = 300, 0.9
+# An output that turns by less than this share of the design's travel was hardly the drum.
+LEAST_TRAVEL = 0.02
+NEAR = 0.03
+# Lines or counts a turn that encoders are sold with, times 1 or 4 for edges.
+LINES = (100, 125, 128, 200, 250, 256, 300, 360, 400, 500, 512, 600, 720, 900, 1000, 1024, 1250, 2000, 2048, 2500, 3600)
+COUNTS = sorted({n * edges for n in LINES for edges in (1, 4)} | {2**k for k in range(8, 27)})
+
+
+@dataclass
+class _Column:
+    name: str | int
+    unit: str
+    values: Floats
+    role: str = ""
+    fields: dict[str, object] = field(default_factory=dict)
+    reasons: list[str] = field(default_factory=list)
+
+
+def draft_text(data: Path, drive: Drive) -> str:
+    """The measurement file's text for ``data``. Raises InputError where the data are no table or nothing turned."""
+    layout, decimal, columns = _columns(data)
+    _roles(columns, drive)
+    by_role = {column.role: column for column in columns if column.role}
+    missing = [role for role in ("time", "output") if role not in by_role]
+    if missing:
+        names = ", ".join(str(column.name) for column in columns)
+        what = f"no column looks like the {' or the '.join(missing)}"
+        remedy = "write the measurement file by hand; docs/measurement-file.md shows how"
+        raise InputError([Problem(str(data), layout.header_line or 1, "", what, names, remedy=remedy)])
+    _time(by_role["time"])
+    _output(by_role["output"], drive)
+    out_rad = by_role["output"].values * float(by_role["output"].fields.pop("_factor"))  # type: ignore[arg-type]
+    inputs = [column for column in columns if column.role.startswith("input")]
+    for column in inputs:
+        _input(column, out_rad, drive)
+    for role, units, unit in (("load_torque", {**TORQUE, **FORCE}, "N*m"), ("temperature", TEMPERATURE, "degC")):
+        if role in by_role:
+            _plain(by_role[role], units, unit)
+    return _written(data, decimal, columns, len(inputs), drive)
+
+
+def _columns(data: Path) -> tuple[Format, str, list[_Column]]:
+    """The columns that hold figures, with what their header says."""
+    try:
+        for decimal in ("point", "comma"):
+            layout = find_format(data, "auto", decimal, "#", 0, "auto")
+            chosen = _with_figures(data, layout)
+            if len(chosen) >= 2:
+                table = read_table(data, layout, chosen, True)
+                break
+        else:
+            remedy = "give the logger's CSV: a header and rows of figures"
+            raise InputError([Problem(str(data), 1, "", "fewer than two columns of figures", remedy=remedy)])
+    except OSError as error:
+        problem = Problem(str(data), 1, "", f"cannot be read: {error.strerror or error}", remedy="check the path")
+        raise InputError([problem]) from None
+    found = []
+    for index, values in zip(chosen, table.values, strict=True):
+        name = layout.names[index] if index < len(layout.names) else ""
+        unit = layout.units[index] if index < len(layout.units) else ""
+        inside = re.search(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$", name)
+        found.append(_Column(name or index + 1, unit.strip("[]() ") or (inside.group(1) if inside else ""), values))
+    return layout, decimal, found
+
+
+def _with_figures(data: Path, layout: Format) -> list[int]:
+    rows = []
+    with open(data, encoding="utf-8", errors="replace") as file:
+        for number, line in enumerate(file, 1):
+            if number >= layout.begin_line and line.strip() and not line.startswith("#"):
+                rows.append(split(line, layout.sign))
+            if len(rows) >= TRIED_ROWS:
+                break
+    return [k for k in range(layout.fields) if np.mean([_figure(row, k, layout) for row in rows]) >= LEAST_FIGURES]
+
+
+def _figure(row: list[str], k: int, layout: Format) -> bool:
+    try:
+        return math.isfinite(float(row[k].replace(",", ".") if layout.decimal_comma else row[k]))
+    except (ValueError, IndexError):
+        return False
+
+
+def _roles(columns: list[_Column], drive: Drive) -> None:
+    """What each column is: by the design's own names, then by words, each quantity once."""
+    names = list(drive.input_names)
+    one = len(names) == 1
+    for column in columns:
+        word = str(column.name).lower()
+        own = next((name for name in names if name.lower() in word), None)
+        role = next((r for r, pattern in WORDS.items() if re.search(pattern, word)), "")
+        if own and not re.search(WORDS["output"], word):
+            column.role = "input" if one else f"input_{own}"
+            column.reasons.append(f"its name holds that of the input {own}")
+        elif role and role != "input" and all(other.role != role for other in columns):
+            column.role = role
+            column.reasons.append("by its name")
+    taken = {column.role for column in columns}
+    if "time" not in taken:
+        rising = [c for c in columns if not c.role and bool(np.all(np.diff(c.values) > 0.0))]
+        if rising:
+            rising[0].role = "time"
+            rising[0].reasons.append("it rises in every row")
+    free = [name for name in names if f"input_{name}" not in taken and "input" not in taken]
+    named = [c for c in columns if not c.role and re.search(WORDS["input"], str(c.name).lower())]
+    for name, column in zip(free, named, strict=False):
+        column.role = "input" if one else f"input_{name}"
+        column.reasons.append("by its name, in the order of the design's inputs: check which is which")
+
+
+def _time(column: _Column) -> None:
+    unit = _said(column, TIME)
+    if not unit:
+        step = float(np.median(np.diff(column.values)))
+        unit = "s" if step < 0.5 else "ms" if step < 100.0 else "us"
+        column.reasons.append(f"steps of {step:.4g}: {unit}?")
+    column.fields["unit"] = unit
+
+
+def _output(column: _Column, drive: Drive) -> None:
+    """Unit of the output's angle: as said, else one in which it stays within the design's travel."""
+    span = float(np.ptp(column.values))
+    most = 2.1 * math.radians(drive.half_travel_deg + drive.stop_clearance_deg)
+    unit = _said(column, ANGLE)
+    if _whole(column) and unit not in ANGLE:
+        per_turn = _sold(2.0 * math.pi / (drive.drum_encoder.resolution_urad * 1e-6))
+        column.fields |= {"unit": "counts", "counts_per_turn": per_turn, "_factor": 2.0 * math.pi / per_turn}
+        column.reasons.append(f"whole numbers; {per_turn:g} a turn is the drum encoder of the design")
+        return
+    if not unit:
+        fits = [u for u in ("rad", "deg", "mrad", "turn") if LEAST_TRAVEL * most < span * ANGLE[u].factor <= most]
+        unit = fits[0] if fits else "rad"
+        column.reasons.append(f"spans {span:.4g}, the design {most / 1.05:.3g} rad between its stops: {unit}?")
+    column.fields |= {"unit": unit, "_factor": ANGLE[unit].factor}
+
+
+def _input(column: _Column, out_rad: Floats, drive: Drive) -> None:
+    """Unit, sign and side of an input from how far it turns with the output."""
+    slope, _ = robust_slope(out_rad, column.values)
+    if slope == 0.0:
+        column.fields["unit"] = _said(column, ANGLE) or "rad"
+        column.reasons.append("does not follow the output: is it the right column?")
+        return
+    ratio = float(np.mean([run.drum_radius_mm / run.input_radius_mm for run in drive.cables]))
+    ways = (("drive", ratio), ("motor", ratio * drive.gearhead.ratio))
+    unit = _said(column, ANGLE)
+    found: list[tuple[float, str, dict[str, object]]] = []
+    for side, turns in ways:
+        for word in [unit] if unit else [] if _whole(column) else ["rad", "deg", "turn", "mrad"]:
+            found.append((abs(math.log(abs(slope) * ANGLE[word].factor / turns)), side, {"unit": word}))
+        if not unit and _whole(column):
+            per_turn = _sold(abs(slope) * 2.0 * math.pi / turns)
+            # Few lines a turn are likelier on a motor, many on a shaft: what is sold decides.
+            miss = abs(math.log(abs(slope) * 2.0 * math.pi / turns / per_turn))
+            known = 0.0 if per_turn in COUNTS else NEAR
+            found.append((miss + known, side, {"unit": "counts", "counts_per_turn": per_turn}))
+    best = min(found, key=lambda one: one[0])
+    miss, side, fields = best
+    column.fields |= fields
+    if side == "motor":
+        column.fields["side"] = "motor"
+    if slope < 0.0:
+        column.fields["scale"] = -1
+    words = "after the gearhead" if side == "drive" else f"before the gearhead of {drive.gearhead.ratio:g}"
+    column.reasons.append(f"turns {abs(slope):.6g} a rad of the output: {words}")
+    if miss > NEAR:
+        column.reasons.append("no unit gives the design's ratio to a few percent: check")
+
+
+def _whole(column: _Column) -> bool:
+    """Are its figures whole numbers, as of a counter?"""
+    return bool(np.all(column.values == np.round(column.values))) and float(np.ptp(column.values)) > 50.0
+
+
+def _sold(counts: float) -> float:
+    """The nearest number of counts a turn that encoders are sold with; the figure itself where none is near."""
+    near = min(COUNTS, key=lambda n: abs(math.log(counts / n)))
+    return float(near) if abs(math.log(counts / near)) < NEAR else float(max(round(counts), 1))
+
+
+def _plain(column: _Column, units: Mapping[str, object], otherwise: str) -> None:
+    unit = column.unit if column.unit in units else ""
+    column.fields["unit"] = unit or otherwise
+    column.reasons.append("as its header says" if unit else f"{otherwise} is assumed")
+    if unit in FORCE:
+        column.fields["lever_arm_mm"] = "?"
+        column.reasons.append("a force: put the arm of the load cell in mm in place of ?")
+
+
+def _said(column: _Column, units: Mapping[str, object]) -> str:
+    """The unit that the header says, or the end of the name."""
+    if column.unit in units:
+        column.reasons.append("unit as its header says")
+        return column.unit
+    ending = str(column.name).lower().rsplit("_", 1)[-1]
+    if ending in units and "_" in str(column.name):
+        column.reasons.append("unit by the end of its name")
+        return ending
+    return ""
+
+
+def _written(data: Path, decimal: str, columns: list[_Column], inputs: int, drive: Drive) -> str:
+    lines = [
+        f"# Drafted from {data.name} and the design {drive.name}. Every line marked 'guessed' is to be looked over.",
+        f"data: {data.name}",
+        *([] if decimal == "point" else ["decimal: comma    # guessed"]),
+        "columns:",
+    ]
+    order = ("time", "input", "output", "load_torque", "temperature")
+    known = [c for c in columns if c.role]
+    known.sort(key=lambda c: (order.index(c.role.split("_")[0] if c.role.startswith("input") else c.role), c.role))
+    for column in known:
+        name = column.name if isinstance(column.name, int) else f'"{column.name}"'
+        fields = {"column": name, **{k: v for k, v in column.fields.items() if not k.startswith("_")}}
+        body = ", ".join(f"{k}: {v:g}" if isinstance(v, float) else f"{k}: {v}" for k, v in fields.items())
+        lines.append(f"  {column.role}: {{{body}}}    # guessed: {'; '.join(column.reasons)}")
+    wanted = len(drive.input_names)
+    if inputs < wanted:
+        lines.append(f"  # {inputs} of the {wanted} inputs of the design found: {', '.join(drive.input_names)}")
+    unused = [str(c.name) for c in columns if not c.role]
+    if unused:
+        lines.append(f"# not used: {', '.join(unused)}")
+    lines += ["# sensors: the steps of the encoders and the noise of the torque, from the data sheets"]
+    return "\n".join([*lines, ""])

@@ -1,0 +1,80 @@
+"""A drafted measurement file reads the data as they are: units, signs, encoders before the gearhead, forces."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sound_runs import DRIVE, sound_run
+
+from mbcdm_cad.cli import run as mbcdm
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.measurement.draft import draft_text
+from mbcdm_cad.measurement.reading import load_measurement
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.vet import arranged, refusals, vet
+
+DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+RUN = sound_run()
+DEG = 57.29577951308232
+
+
+def drafted(folder: Path, columns: dict[str, np.ndarray], sign: str = ",", comma: bool = False) -> tuple[str, Run]:
+    """The draft for a logger's file of these columns, and the run that it reads, as the design has it."""
+    rows = [sign.join(f"{value:.10g}" for value in row) for row in np.stack(list(columns.values()), axis=1)]
+    text = "\n".join([sign.join(columns), *rows]) + "\n"
+    (folder / "run.csv").write_text(text.replace(".", ",") if comma else text)
+    draft = draft_text(folder / "run.csv", DRIVE)
+    (folder / "run.yaml").write_text(draft.replace("lever_arm_mm: ?", "lever_arm_mm: 120"))
+    return draft, arranged(load_measurement(folder / "run.yaml"), DRIVE)
+
+
+def same(run: Run) -> None:
+    np.testing.assert_allclose(run.output_rad, RUN.output_rad, atol=2e-4)
+    np.testing.assert_allclose(run.input_rad, RUN.input_rad, atol=2e-3)
+    assert not refusals(vet(run, DRIVE)), refusals(vet(run, DRIVE))
+
+
+def test_plain_names_and_units(tmp_path: Path) -> None:
+    draft, run = drafted(tmp_path, {
+        "t": RUN.time_s, "q_left [rad]": RUN.input_rad[0], "q_right [rad]": RUN.input_rad[1],
+        "q_out [rad]": RUN.output_rad, "tau": RUN.load_Nm, "state": np.ones_like(RUN.time_s),
+    })  # fmt: skip
+    same(run)
+    assert "guessed" in draft and "not used: state" in draft, draft
+    np.testing.assert_allclose(run.load_Nm, RUN.load_Nm, rtol=1e-8)
+
+
+def test_counts_before_the_gearhead_degrees_and_a_load_cell(tmp_path: Path) -> None:
+    counts = np.round(RUN.input_rad * DRIVE.gearhead.ratio * 512.0 / (2.0 * np.pi))
+    draft, run = drafted(tmp_path, {
+        "time_ms": 1e3 * RUN.time_s, "motor_left": -counts[0], "motor_right": counts[1],
+        "drum": DEG * RUN.output_rad, "load_cell (N)": RUN.load_Nm / 0.12,
+    })  # fmt: skip
+    assert "side: motor" in draft and "counts_per_turn: 512" in draft and "scale: -1" in draft, draft
+    assert "unit: deg" in draft and "put the arm of the load cell" in draft, draft
+    same(run)
+    np.testing.assert_allclose(run.load_Nm, RUN.load_Nm, rtol=1e-6)
+
+
+def test_a_table_of_semicolons_and_decimal_commas(tmp_path: Path) -> None:
+    columns = {"t": RUN.time_s, "left": RUN.input_rad[0], "right": RUN.input_rad[1], "drum": RUN.output_rad}
+    draft, run = drafted(tmp_path, columns, ";", comma=True)
+    assert "decimal: comma" in draft, draft
+    same(run)
+
+
+def test_what_is_no_run_is_refused_and_nothing_is_overwritten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "run.csv").write_text("a,b\n" + "\n".join(f"{k % 7},{k % 5}" for k in range(200)) + "\n")
+    with pytest.raises(InputError, match="no column looks like the time"):
+        draft_text(tmp_path / "run.csv", DRIVE)
+    columns = {"t": RUN.time_s, "left": RUN.input_rad[0], "right": RUN.input_rad[1], "drum": RUN.output_rad}
+    drafted(tmp_path, columns)
+    before = (tmp_path / "run.yaml").read_bytes()
+    assert mbcdm(["measurement-init", str(tmp_path / "run.csv"), str(DESIGN)]) == 2
+    assert "exists already" in capsys.readouterr().err and (tmp_path / "run.yaml").read_bytes() == before
+    assert mbcdm(["measurement-init", str(tmp_path / "run.csv"), str(DESIGN), "--out", str(tmp_path / "new.yaml")]) == 0
+    assert mbcdm(["measurement-init", str(tmp_path / "none.csv"), str(DESIGN)]) == 2
