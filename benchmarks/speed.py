@@ -23,7 +23,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-CHECK_RATIO_LIMIT = 2.0
+CHECK_RATIO_LIMIT = 3.0
 BUILD_RATIO_LIMIT = 2.0
 UNCHANGED_LIMIT_S = 0.5
 INTERFERENCE_LIMIT_S = 15.0

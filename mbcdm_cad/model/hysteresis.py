@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.series import Response, checked_series, path_offset_m
 from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.storage.compiled import compiled
 
 # Columns of the table of constants, one row a cable.
 FREE, REACH, PRELOAD, DRUM, SIGMA = range(5)

@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.series import Response, checked_series, path_offset_m
 from mbcdm_cad.model.si import DriveSI, Floats
 from mbcdm_cad.model.wrap_profile import ANGLE, RATIO, commit, probe
+from mbcdm_cad.storage.compiled import compiled
 
 # Columns of the table of constants, one row a cable.
 FREE, UNIT, PRELOAD, DRUM, SIGMA = range(5)

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import math
 
-from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.si import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 # Rows of a stack: angle (rad), ln u, u, integral of (u - 1) from the anchor. Knot 0 is the anchor.
 ANGLE, LOG, RATIO, SUM = range(4)

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.dynamic.rig import input_turns
 from mbcdm_cad.rig.dynamic.run import DynamicRun
+from mbcdm_cad.routes import Floats
 
 # An input counts as saturated when its torque stays within 0.2 % of the limit, on the average of a fifth of a second.
 SATURATED_SHARE = 0.998

@@ -40,7 +40,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mbcdm_cad.rig.cables import RigCable
-from mbcdm_cad.rig.compiled import Floats, compiled
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 PIECE_RAD = 0.02
 INPUT_WRAP_RAD = 16.0

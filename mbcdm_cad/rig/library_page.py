@@ -19,13 +19,13 @@ from matplotlib.figure import Figure
 
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.plot import transmission_error_urad
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import set_up, simulate
 from mbcdm_cad.rig.reading import read_experiment
 from mbcdm_cad.rig.sensors import Sensors
+from mbcdm_cad.routes import Floats
 
 _ACROSS = 8
 _OVER_TIME = {"temperature", "creep", "anchor_slip"}

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.result import SimulatedRun
+from mbcdm_cad.routes import Floats
 
 
 def transmission_error_urad(run: SimulatedRun, turns: list[float]) -> Floats:

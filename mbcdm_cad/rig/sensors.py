@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.block import Block
-from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.routes import Floats
 
 Resolution = Annotated[float, Field(ge=0.0, le=1e-2)]
 Noise = Annotated[float, Field(ge=0.0, le=1e-2)]

@@ -1,22 +1,25 @@
 """Scalar loops compiled by numba where it is installed; the same functions run as plain Python where it is not.
 
-numba keeps compiled code beside the sources and drops it when the file of the function itself changes, but not when a
-function that it calls from another file does. So each room that compiles calls :func:`drop_stale` on its folder.
+numba keeps machine code on the disk and drops it when the file of the function itself changes, but not when a function
+that it calls from another file does. So the folder that it is kept in carries the hash of all compiled sources.
 numba takes longer to import than the whole of ``check``: only modules that are loaded for a time series import this.
 """
 
 from __future__ import annotations
 
 import hashlib
+import shutil
+import time
 from collections.abc import Callable
-from contextlib import suppress
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 COMPILED = find_spec("numba") is not None
-_STAMP = "sources.stamp"
+_ROOT = Path(__file__).parents[1]
+_UNUSED_S = 86400.0
 
 
 def compiled(function: Function) -> Function:
@@ -25,24 +28,22 @@ def compiled(function: Function) -> Function:
         return function
     import numba
 
+    cast(Any, numba.config).CACHE_DIR = str(
+        machine_code_folder()
+    )  # where it cannot be written, numba finds another place
     return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
-def drop_stale(folder: Path) -> bool:
-    """Drop compiled code in and below ``folder`` if its sources are not those of the last time; whether that was so.
-
-    Where the folder cannot be written nothing is dropped; numba keeps its code elsewhere then.
-    """
-    stats = [(str(path.relative_to(folder)), path.stat()) for path in sorted(folder.rglob("*.py"))]
-    now = hashlib.sha256(repr([(name, s.st_size, s.st_mtime_ns) for name, s in stats]).encode()).hexdigest()
-    cache = folder / "__pycache__"
-    stamp = cache / _STAMP
-    with suppress(OSError):
-        if stamp.is_file() and stamp.read_text() == now:
-            return False
-        cache.mkdir(exist_ok=True)
-        for path in [*folder.rglob("__pycache__/*.nbi"), *folder.rglob("__pycache__/*.nbc")]:
-            path.unlink(missing_ok=True)
-        stamp.write_text(now)
-        return True
-    return False
+@cache
+def machine_code_folder() -> Path:
+    """Folder of the code made from these very sources. Those of other sources go a day after they were made."""
+    digest = hashlib.sha256()
+    for file in sorted(_ROOT.rglob("*.py")):
+        content = file.read_bytes()
+        if b"\n@compiled\n" in content:
+            digest.update(hashlib.sha256(content).digest())
+    folder = _ROOT / "__pycache__" / f"numba-{digest.hexdigest()[:16]}"
+    for other in folder.parent.glob("numba-*"):
+        if other != folder and time.time() - other.stat().st_mtime > _UNUSED_S:
+            shutil.rmtree(other, ignore_errors=True)
+    return folder

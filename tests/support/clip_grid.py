@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.compiled import compiled
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.series import Response, checked_series
 from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.storage.compiled import compiled
 
 INPUT_WRAP_RAD = 16.0
 DRUM_WRAP_RAD = 3.0

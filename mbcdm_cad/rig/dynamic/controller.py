@@ -13,7 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import exp, pi
 
-from mbcdm_cad.rig.compiled import Floats, compiled
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 # Columns of a row of gains.
 POSITION, VELOCITY, INTEGRAL, ACCELERATION, FILTER, PERIOD, LIMIT = range(7)

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from pydantic import AliasChoices, Field
 
 from mbcdm_cad.rig.block import Block
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.dynamic.motion import sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
+from mbcdm_cad.routes import Floats
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Torque = Annotated[float, Field(ge=-50.0, le=50.0)]

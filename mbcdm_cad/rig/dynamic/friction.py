@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbcdm_cad.rig.compiled import Floats, compiled
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 CORRECTIONS = 40
 SWEEPS = 20000

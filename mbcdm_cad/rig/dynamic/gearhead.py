@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig.compiled import compiled
+from mbcdm_cad.storage.compiled import compiled
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.chain import Chains
-from mbcdm_cad.rig.compiled import Floats, compiled
 from mbcdm_cad.rig.dynamic import controller
 from mbcdm_cad.rig.dynamic import plant as columns
 from mbcdm_cad.rig.dynamic.controller import control
 from mbcdm_cad.rig.dynamic.plant import Plant, State, Torques, advance, stored
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 # Entries of the load's row.
 LOAD_INERTIA, STATIC_RATIO, STATIC_SPEED, UNBALANCE, UNBALANCE_ANGLE = range(5)

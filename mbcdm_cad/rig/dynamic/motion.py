@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.routes import Floats
 
 
 def standstill(duration_s: float, rate_Hz: float) -> Floats:

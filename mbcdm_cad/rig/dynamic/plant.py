@@ -21,9 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.rig.compiled import Floats, compiled
 from mbcdm_cad.rig.dynamic.friction import solve_friction
 from mbcdm_cad.rig.dynamic.gearhead import shaft_torque
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 # Columns of the table of inputs; all seen at the gearhead's output, orders in periods per radian there.
 (

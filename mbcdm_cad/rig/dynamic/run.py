@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbcdm_cad.rig.chain import chains
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.dynamic import kernel, plant, tables
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec
+from mbcdm_cad.routes import Floats
 
 LOG_RATE_HZ = 100.0
 # Far more than elasticity accounts for: the loops have lost the drum.

@@ -7,10 +7,10 @@ from math import exp, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.dynamic import plant as columns
 from mbcdm_cad.rig.dynamic.inertias import inertias
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, input_turns
+from mbcdm_cad.routes import Floats
 
 # Half the span of angle over which an extra path's slope is taken.
 SLOPE_RAD = 1e-5

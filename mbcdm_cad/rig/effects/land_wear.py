@@ -13,9 +13,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.effects.base import Effect
 from mbcdm_cad.rig.effects.shapes import hump_integral
+from mbcdm_cad.routes import Floats
 
 
 class LandWear(Effect):

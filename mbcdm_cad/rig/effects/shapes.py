@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.routes import Floats
 
 
 def hump_integral(x: Floats, begin: float, end: float) -> Floats:

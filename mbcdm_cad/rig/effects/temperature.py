@@ -14,8 +14,8 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.effects.base import CableNames, Effect
+from mbcdm_cad.routes import Floats
 
 Expansion = Annotated[float, Field(ge=0.0, le=100.0)]
 

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.chain import Chains, carry, look, settle, strain
-from mbcdm_cad.rig.compiled import Floats, compiled
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 _STEPS = 80
 _HALVINGS = 12

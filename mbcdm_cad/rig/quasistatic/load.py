@@ -13,7 +13,8 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.block import Block
-from mbcdm_cad.rig.compiled import Floats, compiled
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
 
 Torque = Annotated[float, Field(ge=-50.0, le=50.0)]
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.block import Block
-from mbcdm_cad.rig.compiled import Floats
+from mbcdm_cad.routes import Floats
 
 
 class Motion(Block):

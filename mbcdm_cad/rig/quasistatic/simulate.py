@@ -9,11 +9,11 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.bench import Bench, bench_of
-from mbcdm_cad.rig.compiled import Floats
 from mbcdm_cad.rig.quasistatic import equilibrium
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError, SimulatedRun
 from mbcdm_cad.rig.sensors import counted, late
+from mbcdm_cad.routes import Floats
 
 # Half the span of drum angle over which an extra path's slope is taken.
 _SLOPE_RAD = 1e-5
