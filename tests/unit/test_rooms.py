@@ -43,7 +43,6 @@ AGAINST_THE_ORDER: dict[tuple[str, str], str] = {
 }
 # Files outside configurations/ that hold a configuration's name or a guide as an identifier, and why.
 NAMED: dict[str, str] = {
-    "report.page.content": "a column of the page, shown where a configuration has this figure",
     "rig.dynamic.experiment": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
     "rig.effects.bearing_friction": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
     "rig.quasistatic.experiment": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
