@@ -12,8 +12,8 @@ from mbcdm_cad.identification.lines import order_spectrum
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.result import Errors, Named, Traces, Value
 from mbcdm_cad.identification.unknown import Unknown
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 # Standard deviations on both sides that hold 95 %.
 INTERVAL = 1.96

@@ -17,9 +17,9 @@ from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.result import LoopResult, Named
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 KEY = "as_built"
 _HEADING = "# Effects that the built drive was found to have, written by 'mbcdm loop --apply'"

@@ -24,7 +24,7 @@ from scipy.stats import f as f_distribution
 from scipy.stats import norm
 from scipy.stats import t as t_distribution
 
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 # Samples multiplied at one time: what keeps the copy small however long the run.
 BLOCK = 65_536

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 ANGLES, LOADS = 65, 9

@@ -14,8 +14,8 @@ import numpy as np
 
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 Starts = Callable[[Setup, Floats], list[list[float]]]
 

@@ -19,9 +19,10 @@ from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.result import Evidence, Helpful, LoopResult, Named
 from mbcdm_cad.identification.select import Search
 from mbcdm_cad.identification.verdict import Group, Judge
-from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import AsBuilt, Drive

@@ -14,7 +14,7 @@ from mbcdm_cad.identification.clusters import cluster_estimate
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.lines import line_of
 from mbcdm_cad.identification.prepared import SECTORS
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 # Probability of a chance effect, over all candidates that were looked at.
 ALPHA = 0.05

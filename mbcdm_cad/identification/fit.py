@@ -20,9 +20,9 @@ from mbcdm_cad.identification.as_built import known_effects
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator, declared
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 # Counts by which the input encoders may start apart (each anywhere within one).
 APART_COUNTS = 1.5

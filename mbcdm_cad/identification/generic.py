@@ -13,7 +13,7 @@ import numpy as np
 
 from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 
 def _regressor(form: str, unit: str, size: float, shape: Callable[[Setup], Floats]) -> Effect:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 # One half sweep of so many is held back.
 ONE_OF = 4

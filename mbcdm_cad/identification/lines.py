@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
 from mbcdm_cad.identification.setup import Setup
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 # The lowest order looked for makes this many cycles over the travel: below, it is a trend.
 LEAST_CYCLES = 2.5

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from mbcdm_cad.identification.lines import strongest_orders
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.measurement.sweeps import smoothed
+from mbcdm_cad.routes import Floats
 
 # Knots of the curves over angle, load and speed.
 ANGLE_KNOTS, LOAD_KNOTS, SPEED_KNOTS = 24, 9, 6

@@ -20,8 +20,9 @@ from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.identification.holdout import held_sweeps, held_words
 from mbcdm_cad.identification.stretches import Cut, search_cut, whole_cut
-from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed
+from mbcdm_cad.routes import Floats
 
 # Longest window of the load's smoothing, s; what is used comes from the data.
 LONGEST_LOAD_S = 1.3

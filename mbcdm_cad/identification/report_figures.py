@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from scipy.ndimage import uniform_filter1d
 
 from mbcdm_cad.identification.result import Traces, size_of
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.measurement.vet_signals import GAP_STEPS
+from mbcdm_cad.routes import Floats
 
 MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
 HELD = "#DDDDDD"

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.identification.correction import Correction

@@ -9,8 +9,8 @@ import numpy as np
 
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.routes import Floats
 
 
 @dataclass(frozen=True, eq=False)

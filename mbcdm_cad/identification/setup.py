@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.identification.prepared import Prepared
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 # Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
 REMEMBERED = 24

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.identification.result import readable
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 # Shapes within this of the best one's share are listed too.
 CLOSE = 0.03

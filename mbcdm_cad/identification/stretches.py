@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 # Samples that the search works on, and samples of a half sweep that are kept for it: fast lines need them.
 SEARCH_SAMPLES = 20_000

@@ -17,7 +17,7 @@ from mbcdm_cad.identification.lines import order_spectrum
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.result import readable
 from mbcdm_cad.identification.shapes import Shape, best_shapes
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 # A pattern counts if its RMS is this share of the noise floor or more (the size rule of a named effect) and its mean
 # product stands this many standard errors off zero.

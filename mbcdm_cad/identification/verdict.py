@@ -21,9 +21,9 @@ from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.generic import regressors
 from mbcdm_cad.identification.select import LEAST_FALL, Search
 from mbcdm_cad.identification.unknown import Unknown, describe_unknown
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.measurement.sweeps import smoothed
 from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.routes import Floats
 
 # Two candidates are alike where the one that does better could be the wrong one (see ``clusters``), where their errors
 # differ by less than this many standard errors over the cells of sweep and sector, or by less than this share of the

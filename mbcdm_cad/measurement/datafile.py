@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.errors import InputError, Problem, shortened
 from mbcdm_cad.measurement.logformat import LONGEST_LINE, Format, split, too_long
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 BLOCK_BYTES = 8 << 20
 # Share of rows that may be left out as broken; more than that is another format.

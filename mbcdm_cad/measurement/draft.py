@@ -18,9 +18,9 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.datafile import read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, split
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.measurement.units import ANGLE, FORCE, TEMPERATURE, TIME, TORQUE
 from mbcdm_cad.measurement.vet_columns import robust_slope
+from mbcdm_cad.routes import Floats
 
 WORDS = {
     "time": r"^(t|time|timestamp|sec(onds)?|clock|zeit)\b|^(t|time)_",

@@ -17,10 +17,11 @@ from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
 from mbcdm_cad.measurement.datafile import DECIMALS, Table, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
-from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.schema import Column, Columns, Measurement, is_column, node_at
 from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LOAD, Unit, kind_of, known_units, unit_of
 from mbcdm_cad.measurement.unusable import refuse_unusable
+from mbcdm_cad.routes import Floats
 
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")

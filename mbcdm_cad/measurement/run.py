@@ -9,11 +9,10 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.routes import Floats
 
-Floats = NDArray[np.float64]
 Level = Literal["refused", "doubt", "fact"]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 # A reversal counts where the output has come back by this share of its travel.

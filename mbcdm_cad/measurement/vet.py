@@ -8,11 +8,12 @@ import numpy as np
 
 from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
+from mbcdm_cad.measurement.run import Run, VettingNote, column_of
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_reach import reach_findings
 from mbcdm_cad.measurement.vet_signals import signal_findings
 from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import input_body
 
 # Samples that the comparison of columns needs; longer runs are thinned.

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
+from mbcdm_cad.measurement.run import Run, VettingNote, column_of
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 # A slope this near the declared ratio needs no word; beyond FARTHEST it is another drive or another unit.
 NEAR = 0.1

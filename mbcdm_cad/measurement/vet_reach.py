@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import LinAlgError, eigh
 
-from mbcdm_cad.measurement.run import Floats, Run, VettingNote
+from mbcdm_cad.measurement.run import Run, VettingNote
 from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 # Half sweeps below which nothing can be both fitted and held back: the first is discarded, one is held.
 FEWEST_HALF_SWEEPS = 4

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.run import Floats, Run, VettingNote, column_of
+from mbcdm_cad.measurement.run import Run, VettingNote, column_of
+from mbcdm_cad.routes import Floats
 
 # A step in time this many times the usual one is a gap.
 GAP_STEPS = 5.0

@@ -9,7 +9,8 @@ import numpy as np
 
 from mbcdm_cad.model import equations as eq
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 
 @dataclass(frozen=True, eq=False)

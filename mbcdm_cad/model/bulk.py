@@ -14,8 +14,9 @@ from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.kinematics import eq1_residuals
-from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, Floats
+from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI
 from mbcdm_cad.model.wrap import slip_angle_rad
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.helix import axial_walk_m, fleet_angle_rad
 
 # Designs worked on at a time: their arrays then stay in the processor's cache.

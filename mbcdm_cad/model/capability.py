@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.solver import tension_of_stretch
 from mbcdm_cad.model.wrap import slack_stretch_m
+from mbcdm_cad.routes import Floats
 
 
 def input_bias_Nm(d: DriveSI) -> Floats:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import Floats
 from mbcdm_cad.model.wrap import excess_minus_log
+from mbcdm_cad.routes import Floats
 
 SOLVER_STEPS = 100
 ROUNDING = 1e-15

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.solver import balance
+from mbcdm_cad.routes import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 
 def shaft_angles(d: DriveSI, shaft: str, angle_rad: Any, cable: int = 0, gear_ratio: float = 1.0) -> dict[str, Floats]:

@@ -11,8 +11,9 @@ import numpy as np
 from mbcdm_cad.model.bulk import Requirements, analyse_many
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.uncertainty import figures_of
+from mbcdm_cad.routes import Floats
 
 # Ranges of Fig. 5 are not legible in the paper's text; these are chosen round the case study.
 PRELOAD_RANGE_N = (30.0, 120.0)

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.wrap import slack_stretch_m, stretch_after_reversal, stretch_first_loading
+from mbcdm_cad.routes import Floats
 
 NEWTON_STEPS = 40
 BRACKETED_STEPS = 300

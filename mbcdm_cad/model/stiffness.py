@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.wrap import stretch_first_loading
+from mbcdm_cad.routes import Floats
 
 
 def tangent_stiffness_Nm_rad(d: DriveSI, load_Nm: Any) -> Floats:

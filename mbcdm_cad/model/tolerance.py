@@ -14,7 +14,8 @@ import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.displaced import path_slope
 
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 # What may carry a sigma besides the geometry's lengths, and which field of the drive or of the requirements it changes.
 PARAMETERS = ("friction_coefficient", "modulus_Pa", "area_m2", "load_Nm", "input_rating_Nm")

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 SERIES_BELOW = 1e-3
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from mbcdm_cad.model.si import Floats
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 # Rows of a stack: angle (rad), ln u, u, integral of (u - 1) from the anchor. Knot 0 is the anchor.

@@ -11,8 +11,9 @@ from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.result import VERDICTS, result_text
-from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import refusals, vet
+from mbcdm_cad.routes import Floats
 
 DRIVE = load_design(Path(__file__).parents[2] / "params" / "mbcdm.yaml").drive
 

@@ -19,7 +19,8 @@ import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.series import Response, checked_series
-from mbcdm_cad.model.si import DriveSI, Floats
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 INPUT_WRAP_RAD = 16.0

@@ -11,8 +11,8 @@ import numpy as np
 from mbcdm_cad.identification.effect import Effect, Figure, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 SHARE = (Parameter("share", 0.02, -0.8, 4.0),)
 # Starts of the fit: ropes settle and wear, and lose more than half of what they were set to.

@@ -7,8 +7,8 @@ import numpy as np
 from mbcdm_cad.identification.effect import Effect, Parameter, elapsed_s
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 COOL = "let the rig cool and run again: warming goes back, settling does not"
 

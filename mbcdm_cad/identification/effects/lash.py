@@ -9,8 +9,8 @@ import numpy as np
 from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator, input_torque_Nm
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"

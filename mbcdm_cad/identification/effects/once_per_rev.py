@@ -15,8 +15,8 @@ from mbcdm_cad.identification.effect import Effect, Figure, length, pair, phase,
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.identification.spans import path_change
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 NAME = "once_per_rev"
 TURN = "re-clock the encoder by 90 degrees on its shaft and run again: an encoder's phase turns with it, a pulley's not"

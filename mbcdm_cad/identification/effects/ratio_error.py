@@ -5,8 +5,8 @@ from __future__ import annotations
 from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 
 def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:

@@ -8,8 +8,8 @@ from mbcdm_cad.identification.effect import Effect, Figure, Parameter, length, p
 from mbcdm_cad.identification.lines import strongest_orders
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 
 def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:

@@ -9,8 +9,8 @@ import numpy as np
 from mbcdm_cad.identification.effect import Effect, Parameter, elapsed_s
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 # A step takes this long: an estimate, well under what the fit could tell.
 RISE_S = 0.02

@@ -9,8 +9,8 @@ import numpy as np
 from mbcdm_cad.identification.effect import Effect, Parameter, sign_of_speed
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 
 def _bearing(setup: Setup, values: Floats, _: Simulator) -> Setup:

@@ -7,8 +7,8 @@ from dataclasses import replace
 from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
 
 NAME = "stiffness_error"
 # Play or slack reads as softness: it is looked at first.

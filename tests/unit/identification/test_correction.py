@@ -15,7 +15,8 @@ from mbcdm_cad.identification.correction_files import correction_files
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.fit import Fitter
 from mbcdm_cad.identification.prepared import prepare
-from mbcdm_cad.measurement.run import Floats, Run
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.routes import Floats
 
 RATIO = 9.0
 NOISE_RAD = 5e-6

@@ -19,10 +19,11 @@ from mbcdm_cad.identification.as_built import as_built_text
 from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.setup import Setup, Simulator
-from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.routes import Floats
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 LOADED = load_design(REFERENCE)

@@ -14,9 +14,10 @@ from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.fit import Fitter
 from mbcdm_cad.identification.prepared import prepare
-from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.routes import Floats
 
 D = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
 RATIO = float(np.mean(D.total_ratio))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.identification.holdout import held_sweeps, held_words
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 
 def sweeps(loads: list[float], count: int) -> tuple[np.ndarray, Floats, Floats]:

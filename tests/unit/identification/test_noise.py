@@ -8,7 +8,8 @@ import pytest
 from mbcdm_cad.identification.noise import Noise, doubt_of, noise_of
 from mbcdm_cad.identification.prepared import Prepared, prepare, told_from_noise
 from mbcdm_cad.identification.setup import declared
-from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.routes import Floats
 
 RATIO = 9.0
 # A step of the output that makes 2 urad RMS.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.identification.lines import hotelling, line_of, order_spectrum
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 ORDER = 80.0
 

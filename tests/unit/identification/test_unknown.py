@@ -8,7 +8,8 @@ from scipy.signal import lfilter
 
 from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.unknown import describe_unknown
-from mbcdm_cad.measurement.run import Floats, Run, Sensors
+from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.routes import Floats
 
 FLOOR = 4e-6
 SIZE = 20e-6

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from mbcdm_cad.identification.clusters import cell_grams, cluster_estimate
-from mbcdm_cad.measurement.run import Floats
+from mbcdm_cad.routes import Floats
 
 SWEEPS, SECTORS, IN_CELL = 20, 8, 40
 

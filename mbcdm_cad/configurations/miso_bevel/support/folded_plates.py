@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from mbcdm_cad.routes import Floats
+
 Ints = NDArray[np.int64]
 
 # Corners of an element in its own (u, v), and the Gauss points.

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
-from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Floats, Ints, Plates
+from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Ints, Plates
+from mbcdm_cad.routes import Floats
 
 # Elements longer than this are split. Elements of 3 mm raise the reference frame's windup by 3 % and cost five times as
 # long.

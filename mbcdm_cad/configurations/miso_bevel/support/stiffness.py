@@ -25,11 +25,12 @@ import numpy as np
 from mbcdm_cad.configurations.interface import FrameCompliance, FrameStudy
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
-from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Floats, Ints, freedoms, sides, solve, stiffness
+from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Ints, freedoms, sides, solve, stiffness
 from mbcdm_cad.configurations.miso_bevel.support.loads import SeatLoads, seat_loads, unit_tensions_N
 from mbcdm_cad.configurations.miso_bevel.support.panels import SupportMesh, support_mesh
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.routes import Floats
 
 _GPA_TO_MPA = 1e3
 _SHEAR_FACTOR = 5.0 / 6.0
