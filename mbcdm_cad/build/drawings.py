@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
 
 import mbcdm_cad
+from mbcdm_cad.build.assembly_sheet import assembly_sheet
+from mbcdm_cad.build.mass import assembly_mass
 from mbcdm_cad.build.run import drawn
 from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.configurations.registry import configuration
@@ -15,6 +16,7 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.parts.bill import Bill, PartSpec
+from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_module, sheet_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
@@ -24,6 +26,9 @@ from mbcdm_cad.storage.parallel import fork_map
 FORMATS = ("dxf", "pdf", "svg")
 # Libraries whose version decides what a drawing's bytes are.
 _LIBRARIES = ("ezdxf", "matplotlib")
+# The name of the sheet of the whole drive.
+ASSEMBLY = "assembly"
+_CABLES = "mbcdm_cad.parts.cable:"
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,47 @@ class _Job:
         return draw_sheet(sheet_of(self.spec.name, self.spec.maker, self.spec.args), self.made.solid(), facts)
 
 
+@dataclass(frozen=True)
+class _Assembly:
+    """The sheet of the whole drive, without its cables, which are no solids to be made."""
+
+    posed: Bill
+    parts: dict[str, MadePart]
+    design: str
+
+    @property
+    def items(self) -> tuple[Item, ...]:
+        """What is drawn."""
+        return tuple(item for item in self.posed.items if not self.posed.parts[item.part].maker.startswith(_CABLES))
+
+    @property
+    def key(self) -> str:
+        """Names all that the sheet follows from."""
+        source = source_hash("mbcdm_cad.build.assembly_sheet", "mbcdm_cad.drawings.draw")
+        with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
+        keys = {item.part: self.parts[item.part].key for item in self.posed.items}
+        return content_key("assembly drawing", (self.posed.items, keys, self.design), source, with_libraries)
+
+    def make(self) -> dict[str, bytes]:
+        """The sheet's files by extension."""
+        import cadquery as cq
+
+        from mbcdm_cad.build.kernel import location
+        from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
+
+        shapes = {name: made.files.shape for name, made in self.parts.items()}
+        boxes = {name: (shape.low_mm, shape.high_mm) for name, shape in shapes.items()}
+        solids = {name: cq.Shape.cast(self.parts[name].solid()) for name in {item.part for item in self.items}}
+        whole = cq.Compound.makeCompound(
+            [cq.Shape.cast(solids[i.part].wrapped.Moved(location(i.location))) for i in self.items]
+        )
+        box = whole.BoundingBox()
+        envelope = ((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax))
+        sheet = assembly_sheet(ASSEMBLY, self.items, boxes, envelope)
+        mass = assembly_mass(self.posed.items, shapes).mass_g
+        return draw_sheet(sheet, whole, PartFacts(self.design, "see list of parts", mass, mbcdm_cad.__version__))
+
+
 def _centred(drive: Drive) -> Bill:
     kind = configuration(drive.configuration)
     return kind.bill(kind.layout(drive))
@@ -71,11 +117,11 @@ def drawings_of(
     jobs: int | None = None,
     progress: Progress = lambda name: None,
 ) -> dict[str, bytes]:
-    """Drawings of all made parts, or of ``part``, by file name (``NAME.dxf``, ``NAME.pdf``, ``NAME.svg``).
+    """Drawings of the assembly and all made parts, or of ``part``, by file name (``NAME.dxf``, ``.pdf``, ``.svg``).
 
-    Raises ``MbcdmError`` for a part that the design does not make.
+    ``part`` may be ``assembly``. Raises ``MbcdmError`` for a part that the design does not make.
     """
-    names = drawn_parts(drive)
+    names = (ASSEMBLY, *drawn_parts(drive))
     if part is not None and part not in names:
         raise MbcdmError(
             f"--part: no such made part (value {part}, limit one of {', '.join(names)}); "
@@ -84,15 +130,26 @@ def drawings_of(
     _, parts = drawn(drive, 0.0, cache, progress)
     posed = _centred(drive)
     materials = {item.part: item.material for item in posed.items}
-    wanted = [
-        _Job(posed.parts[name], materials[name], parts[name], drive.name) for name in ((part,) if part else names)
-    ]
-    sheets = {job.spec.name: cache.get(job.key) for job in wanted}
-    missing = [job for job in wanted if sheets[job.spec.name] is None]
+    wanted: dict[str, _Job | _Assembly] = {
+        name: _Assembly(posed, parts, drive.name)
+        if name == ASSEMBLY
+        else _Job(posed.parts[name], materials[name], parts[name], drive.name)
+        for name in ((part,) if part else names)
+    }
+    sheets = {name: cache.get(job.key) for name, job in wanted.items()}
+    missing = [name for name, found in sheets.items() if found is None]
     if missing:
-        progress(", ".join(f"drawing of {job.spec.name}" for job in missing))
-        make: Callable[[_Job], dict[str, bytes]] = _Job.make
-        for job, files in zip(missing, fork_map(make, missing, jobs or os.cpu_count() or 1), strict=True):
-            cache.put(job.key, files)
-            sheets[job.spec.name] = files
+        progress(", ".join(f"drawing of {name}" for name in missing))
+        made = fork_map(lambda name: wanted[name].make(), missing, jobs or os.cpu_count() or 1)
+        for name, files in zip(missing, made, strict=True):
+            cache.put(wanted[name].key, files)
+            sheets[name] = files
     return {f"{name}.{kind}": found[kind] for name, found in sheets.items() if found is not None for kind in FORMATS}
+
+
+def prints_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None) -> dict[str, bytes]:
+    """All made parts for printing, by file name (``NAME.3mf``)."""
+    from mbcdm_cad.build.export.threemf import threemf_bytes
+
+    _, parts = drawn(drive, 0.0, cache, progress)
+    return {f"{name}.3mf": threemf_bytes(name, parts[name].files.mesh) for name in drawn_parts(drive)}

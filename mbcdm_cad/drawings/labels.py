@@ -21,6 +21,7 @@ class Room:
     def __init__(self, within: Box) -> None:
         self._within = within
         self._segments: list[NDArray[np.float64]] = []
+        self._together: NDArray[np.float64] | None = None
         self._boxes: list[Box] = []
         self._faces: list[list[NDArray[np.float64]]] = []
 
@@ -33,6 +34,7 @@ class Room:
     def add_line(self, points: NDArray[np.float64]) -> None:
         """A polyline on paper, (n, 2)."""
         self._segments.append(np.concatenate([points[:-1], points[1:]], axis=1))
+        self._together = None
 
     def add_face(self, loops: Iterable[tuple[Point, ...]], origin: Point, scale: float) -> None:
         """A hatched face of a view."""
@@ -51,7 +53,9 @@ class Room:
             return False
         if any(_inside(((left + right) / 2, (bottom + top) / 2), loops) for loops in self._faces):
             return False
-        return not self._segments or not _crossed(np.concatenate(self._segments), wanted)
+        if self._together is None:
+            self._together = np.concatenate(self._segments) if self._segments else np.zeros((0, 4))
+        return not _crossed(self._together, wanted)
 
     def place(self, at: Point, width: float, height: float, clear: float) -> Point:
         """Middle of a text near ``at``, at least ``clear`` away from it; that place is taken from then on."""
@@ -78,15 +82,17 @@ class Room:
 
 def _crossed(segments: NDArray[np.float64], wanted: Box) -> bool:
     """Whether any segment (n, 4) meets the box (separating axes: x, y and the segment's normal)."""
-    ax, ay, bx, by = segments.T
     left, bottom, right, top = wanted
-    apart = (np.maximum(ax, bx) < left) | (np.minimum(ax, bx) > right)
-    apart |= (np.maximum(ay, by) < bottom) | (np.minimum(ay, by) > top)
+    ax, ay, bx, by = segments.T
+    near = (np.maximum(ax, bx) >= left) & (np.minimum(ax, bx) <= right)
+    near &= (np.maximum(ay, by) >= bottom) & (np.minimum(ay, by) <= top)
+    if not near.any():
+        return False
+    ax, ay, bx, by = segments[near].T
     nx, ny = ay - by, bx - ax
     corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
     side = np.outer(nx, corners[:, 0]) + np.outer(ny, corners[:, 1]) - (nx * ax + ny * ay)[:, None]
-    apart |= (side.min(axis=1) > 0) | (side.max(axis=1) < 0)
-    return bool((~apart).any())
+    return bool(((side.min(axis=1) <= 0) & (side.max(axis=1) >= 0)).any())
 
 
 def _inside(point: Point, loops: list[NDArray[np.float64]]) -> bool:
