@@ -69,6 +69,13 @@ class Rope(Block):
         "axial advance per turn on the input pulley, above the rope's diameter", unit="mm", ge=0.2, le=10.0
     )
     dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", unit="-", ge=0.0, le=10.0)
+    cut_tolerance_mm: Number = quantity(
+        "how far the length of a finished cable, stop to terminal, may be from the one listed",
+        unit="mm",
+        default=0.5,
+        ge=0.0,
+        le=20.0,
+    )
 
 
 class DriveTrain(Block):

@@ -37,6 +37,7 @@ class CableSpec:
     modulus_area: str  # "metallic" or "nominal"
     breaking_load_N: float
     mass_g_m: float
+    bedding_in_share: float  # lasting stretch in the first runs under load, over the length
     bend_ratio_minimum: float
     bend_ratio_desired: float
     material: str
@@ -146,9 +147,11 @@ class TensionerSpec:
     thread_mm: float
     clearance_mm: float
     stress_area_mm2: float
+    pitch_mm: float
     nut_across_flats_mm: float
     nut_height_mm: float
     swage_diameter_mm: float
+    swage_flats_mm: float  # across the two flats that keep the terminal from turning
     swage_length_mm: float
     lug_thickness_mm: float
     stud_length_mm: float

@@ -126,6 +126,7 @@ class Drive:
     friction_coefficient: float
     helix_lead_mm: float
     dead_turns: float
+    cut_tolerance_mm: float
     motor: Motor
     gearhead: Gearhead
     encoder: Encoder

@@ -26,13 +26,20 @@ class Entry(Block):
 class RopeEntry(Entry):
     """A rope. The modulus is never given without the area it refers to."""
 
-    construction: Literal["7x7", "7x19"] = _field("strands x wires", "-")
+    construction: Literal["7x7", "7x19", "1x19", "braid"] = _field("strands x wires, or braid for fibre", "-")
     diameter_mm: Number = _field("nominal diameter", "mm", uncertain=True, ge=0.2, le=5.0)
-    metallic_area_mm2: Number = _field("sum of the wires' cross-sections", "mm2", uncertain=True, gt=0.0, le=20.0)
+    metallic_area_mm2: Number = _field("cross-section of all wires or fibres", "mm2", uncertain=True, gt=0.0, le=20.0)
     modulus_GPa: Number = _field("effective tensile modulus of the rope", "GPa", uncertain=True, ge=1.0, le=250.0)
     modulus_area: Literal["metallic", "nominal"] = _field("area the modulus refers to: wires, or pi d^2 / 4", "-")
     breaking_load_N: Number = _field("minimum breaking load", "N", ge=10.0, le=50000.0)
     mass_g_m: Number = _field("mass per length", "g/m", gt=0.0, le=200.0)
+    bedding_in_share: Number = Field(
+        0.003,
+        description="lasting stretch in the first runs under load, over the length (constructional stretch)",
+        json_schema_extra={"unit": "-"},
+        ge=0.0,
+        le=0.05,
+    )
     bend_ratio_minimum: Number = _field("smallest D/d the maker allows", "-", ge=1.0, le=200.0)
     bend_ratio_desired: Number = _field("D/d the maker asks for", "-", ge=1.0, le=200.0)
     material: EntryName = _field("material of the wires", "-")
@@ -112,12 +119,18 @@ class TensionerEntry(Entry):
     thread_mm: Number = _field("nominal thread diameter", "mm", ge=0.5, le=12.0)
     clearance_mm: Number = _field("clearance hole in the lug", "mm", ge=0.5, le=15.0)
     stress_area_mm2: Number = _field("tensile stress area of the thread", "mm2", gt=0.0, le=100.0)
+    pitch_mm: Number = _field("pitch of the thread", "mm", gt=0.0, le=3.0)
     nut_across_flats_mm: Number = _field("nut across flats", "mm", ge=1.0, le=25.0)
     nut_height_mm: Number = _field("nut height", "mm", ge=0.3, le=15.0)
     swage_diameter_mm: Number = _field("diameter of the swaged sleeve", "mm", ge=0.5, le=20.0)
+    swage_flats_mm: Number = _field(
+        "across the two flats of the sleeve, which keep it from turning", "mm", ge=0.4, le=20.0
+    )
     swage_length_mm: Number = _field("length of the swaged sleeve", "mm", ge=0.5, le=50.0)
     lug_thickness_mm: Number = _field("thickness of the drum's lug along the stud", "mm", ge=0.5, le=20.0)
-    stud_length_mm: Number = _field("length of the threaded stud", "mm", ge=2.0, le=100.0)
+    stud_length_mm: Number = _field(
+        "length from the front of the sleeve to the end of the stud", "mm", ge=2.0, le=100.0
+    )
     material: EntryName = _field("material of stud, sleeve and nuts", "-")
 
 

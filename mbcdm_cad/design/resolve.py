@@ -28,6 +28,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "friction_coefficient": design.rope.friction_coefficient,
         "helix_lead_mm": design.rope.helix_lead_mm,
         "dead_turns": design.rope.dead_turns,
+        "cut_tolerance_mm": design.rope.cut_tolerance_mm,
         "motor": catalogue.get("motors", train.motor),
         "gearhead": catalogue.get("gearheads", train.gearhead),
         "encoder": catalogue.get("encoders", train.encoder),

@@ -16,6 +16,7 @@ from mbcdm_cad.configurations.interface import Conventions, FrameCompliance, Lay
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import analyse, measured
+from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
 from mbcdm_cad.report.paths import path_data
@@ -75,6 +76,10 @@ def checks_data(checks: Sequence[CheckResult]) -> dict[str, Any]:
     plain = _rounded({"checks": [asdict(c) for c in checks], "failed_checks": failed, "forced": bool(failed)})
     assert isinstance(plain, dict)
     return plain
+
+
+def _tensioning(plan: TensioningPlan | None) -> dict[str, Any] | None:
+    return None if plan is None else asdict(plan)
 
 
 def report_data(
@@ -156,6 +161,7 @@ def report_data(
             }
             for name, made in sorted(parts.items())
         },
+        "tensioning": _tensioning(kind.tensioning(layout)),
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
         "assembly_order": [step.text for step in order],
         "assembly_items": [list(step.items) for step in order],

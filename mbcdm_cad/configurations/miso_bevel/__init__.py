@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.configurations.miso_bevel.layout import Layout
     from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures
     from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.model.tensioning_plan import TensioningPlan
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
     from mbcdm_cad.routes.geometry import RoutedDrive
 
@@ -111,6 +112,12 @@ class MisoBevel:
         "lengths in mm.",
         cables="Cables are round rods at the nominal diameter; on the guide they lie in their step planes.",
     )
+
+    def tensioning(self, layout: Layout) -> TensioningPlan:
+        """How the preloads are set."""
+        from mbcdm_cad.configurations.miso_bevel.tensioning import plan
+
+        return plan(layout)
 
 
 CONFIGURATION = MisoBevel()

@@ -7,7 +7,9 @@ from math import pi
 from mbcdm_cad.configurations.miso_bevel.cable_path import winding
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, PLATE_SCREW
+from mbcdm_cad.configurations.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.terminal.instructions import tensioning_words
 
 
 def assembly_order(layout: Layout) -> tuple[AssemblyStep, ...]:
@@ -135,7 +137,9 @@ def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
             tuple(item for name in names for item in (f"terminal_{name}", f"nut_{name}_1", f"nut_{name}_2")),
         ),
         AssemblyStep(
-            f"With the drum centred and the motors holding, tension the cables in turn to {preloads} N with a "
-            f"{drive.tensioner.nut_across_flats_mm:g} mm spanner, holding the swage; lock the nuts."
+            f"Set the preloads, {preloads} N, with the drum centred, turning each nut with a "
+            f"{drive.tensioner.nut_across_flats_mm:g} mm spanner: the flat of the sleeve lies against its pocket and "
+            "keeps the rope from twisting."
         ),
+        *(AssemblyStep(words) for words in tensioning_words(plan(layout))),
     )

@@ -213,8 +213,9 @@ def _drum(b: _Builder) -> None:
             x, z = p.at(s)
             return _at(x, p.y_mm, z) @ turn
 
-        radii = (t.swage_diameter_mm / 2, t.thread_mm / 2, drive.cable.diameter_mm / 2)
-        common = (p.swage_start, p.cable_end, p.swage_end, p.tip)
+        radii = (t.swage_diameter_mm / 2, t.swage_flats_mm / 2, t.thread_mm / 2, drive.cable.diameter_mm / 2)
+        # Drawn slack, and drawn in as far as its own cable asks: one part for all cables.
+        common = tuple(round(s - p.drawn_in, 9) for s in (p.swage_start, p.cable_end, p.swage_end, p.tip))
         b.add(
             f"terminal_{p.cable_name}",
             "mbcdm_cad.parts.terminal.draw:create_terminal",
@@ -222,7 +223,8 @@ def _drum(b: _Builder) -> None:
             part="terminal",
             material=steel,
             group="drum",
-            place=along(0.0),
+            # A flat of the sleeve towards the drum's axis, along the wall of its pocket.
+            place=along(p.drawn_in) @ Placement.about(_Z, 90.0),
         )
         for n in range(2):
             b.add(

@@ -16,6 +16,7 @@ from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 import numpy as np
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, STOP_CUTTER, STOP_PLAY_MM
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 
@@ -26,6 +27,8 @@ BLEND_DIAMETERS = 2.5
 STOP_RADIUS_DIAMETERS = 0.93
 STOP_LENGTH_DIAMETERS = 2.5
 STOP_WALL_MM = 0.75
+# Kept over the material's thinnest wall at the pocket's corners.
+STOP_CORNER_SPARE_MM = 0.01
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,8 @@ def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
     w = winding(drive, cable)
     wound = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
     stop_radius = STOP_RADIUS_DIAMETERS * d
-    bend_radius = cable.input_radius_mm - d / 2 - stop_radius - STOP_WALL_MM
+    surface = cable.input_radius_mm - d / 2
+    bend_radius = min(surface - stop_radius - STOP_WALL_MM, _deepest_bend_mm(drive, surface, stop_radius))
     slope = atan2(drive.helix_lead_mm, tau * cable.input_radius_mm)
     return StopGeometry(
         end_angle_rad=w.input_contact_rad + w.guide_sense * wound,
@@ -110,6 +114,16 @@ def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
         stop_start_mm=STOP_LENGTH_DIAMETERS * d / 2,
         stop_end_mm=-STOP_LENGTH_DIAMETERS * d / 2,
     )
+
+
+def _deepest_bend_mm(drive: BevelDrive, surface_mm: float, stop_radius_mm: float) -> float:
+    """Bend radius at which the corners of the stop's pocket, further out than its middle, leave the wall they need."""
+    d = drive.cable.diameter_mm
+    cutter = STOP_CUTTER * (d + SLOT_PLAY_MM) / 2
+    inset = cutter / sqrt(2.0)
+    along = STOP_LENGTH_DIAMETERS * d / 2 + STOP_PLAY_MM - inset
+    room = surface_mm - drive.input_pulleys.material.min_wall_mm - STOP_CORNER_SPARE_MM - cutter
+    return inset + sqrt(max(room**2 - along**2, 0.0)) - stop_radius_mm - STOP_PLAY_MM
 
 
 # The stretches of a cable by what carries them: wound on the input pulley, free and on the guide, on the drum.

@@ -8,10 +8,11 @@ hub      |==============================......|    hub face: the output
 
 from __future__ import annotations
 
-from math import asin, atan2, degrees, hypot, radians, sin, tan
+from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, nut_corner_radius_mm
+from mbcdm_cad.configurations.miso_bevel.tensioning import terminal_travel_mm
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims, Land, Window
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
 from mbcdm_cad.parts.terminal.dims import Tensioner
@@ -20,8 +21,10 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 SWAGE_START_MM = 0.5
 # Solid end of the swage behind the cable's bore.
 SWAGE_FLOOR_MM = 0.5
-# Swage to lug: what the terminal may be drawn in while tensioning.
-DRAW_IN_MM = 0.3
+# Swage to the pocket's corner with the terminal drawn in all the way.
+END_GAP_MM = 0.1
+# Play of the swage's flat at the pocket's inner wall, which keeps the terminal from turning with its nut.
+FLAT_PLAY_MM = 0.1
 # Wall of a lug beside the stud's hole.
 LUG_WALL_MM = 0.75
 # Stud and nuts must end this far before the sector's end face.
@@ -61,12 +64,20 @@ def _anchor_limit(drive: BevelDrive, cable: BevelRun, tip: float, nuts_end: floa
     """Largest anchor angle (rad) that keeps the terminal inside the sector's angle and its width."""
     r = cable.drum_radius_mm
     by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
-    reach = r + nut_corner_radius_mm(drive)
-    width = half_width_mm(drive) - 0.1
-    # (r + nut) sin a + s cos a <= width, s the nuts' end.
-    amplitude = (reach**2 + nuts_end**2) ** 0.5
-    by_width = asin(min(1.0, width / amplitude)) - atan2(nuts_end, reach) if width < amplitude else by_angle
-    return min(by_angle, by_width)
+    corners = ((r + nut_corner_radius_mm(drive), nuts_end), (r + drive.tensioner.thread_mm / 2, tip))
+    return min(by_angle, *(_angle_within(half_width_mm(drive) - 0.1, out, along, by_angle) for out, along in corners))
+
+
+def _angle_within(width: float, out: float, along: float, otherwise: float) -> float:
+    """Angle at which a corner, ``out`` from the axis and ``along`` the tangent, reaches ``width``."""
+    amplitude = hypot(out, along)
+    return asin(width / amplitude) - atan2(along, out) if width < amplitude else otherwise
+
+
+def _end_gap_mm(drive: BevelDrive) -> float:
+    """Swage to lug, drawn in: the round corner that the pocket's cutter leaves must not lift the swage's flat."""
+    radius = drive.drum.material.min_internal_radius_mm + drive.clearances.running_mm
+    return radius - sqrt(radius**2 - max(radius - FLAT_PLAY_MM, 0.0) ** 2) + END_GAP_MM
 
 
 def _pocket_end(drive: BevelDrive, cable: BevelRun, anchor_rad: float, tip: float) -> float:
@@ -101,11 +112,14 @@ def tensioners(drive: BevelDrive) -> tuple[Tensioner, ...]:
     begins: then it stands on solid rim, and a spanner reaches both nuts.
     """
     t = drive.tensioner
+    travel, drawn_in = terminal_travel_mm(drive, radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG))
     swage_end = SWAGE_START_MM + t.swage_length_mm
-    lug_start = swage_end + DRAW_IN_MM
+    lug_start = swage_end + travel + _end_gap_mm(drive)
     lug_end = lug_start + t.lug_thickness_mm
     nuts_end = lug_end + 2 * t.nut_height_mm
-    tip = SWAGE_START_MM + t.stud_length_mm
+    slack_tip = SWAGE_START_MM + t.stud_length_mm
+    # With the terminal drawn in all the way.
+    tip = slack_tip + travel
     nut = nut_corner_radius_mm(drive)
     # Nearer than this, the inner one's pocket would reach the outer cable's land.
     reach = nut_pocket_mm(drive) + drive.cable.diameter_mm / 2 + MIN_FLOOR_MM
@@ -121,30 +135,33 @@ def tensioners(drive: BevelDrive) -> tuple[Tensioner, ...]:
             floor = drive.drum.outer_face_y_mm - cable.guide_radius_mm - nut - drive.clearances.running_mm
             through = floor < MIN_FLOOR_MM
             pocket_end = _pocket_end(drive, cable, limit, tip)
+            moved = drawn_in[cable.name]
             inner = Tensioner(
                 cable_name=cable.name,
                 side=side,
                 radius_mm=cable.drum_radius_mm,
                 y_mm=cable.guide_radius_mm,
                 anchor_rad=limit,
-                swage_start=SWAGE_START_MM,
-                cable_end=swage_end - SWAGE_FLOOR_MM,
-                swage_end=swage_end,
+                swage_start=SWAGE_START_MM + moved,
+                cable_end=swage_end - SWAGE_FLOOR_MM + moved,
+                swage_end=swage_end + moved,
                 lug_start=lug_start,
                 lug_end=lug_end,
                 nuts_end=nuts_end,
-                tip=tip,
+                tip=slack_tip + moved,
                 pocket_end=pocket_end,
                 # A pocket through the whole rim is open outwards, or what is left over it hangs on nothing.
                 pocket_top=BEYOND_MM if through else _pocket_top(drive, cable, limit, pocket_end),
                 cut_through=through,
+                travel=travel,
+                drawn_in=moved,
             )
             placed.append(inner)
     order = {c.name: c.step for c in drive.cables}
     return tuple(sorted(placed, key=lambda p: order[p.cable_name]))
 
 
-def _pocket_radius(drive: BevelDrive, placed: tuple[Tensioner, ...], swage_pocket: float) -> float:
+def _pocket_radius(drive: BevelDrive, placed: tuple[Tensioner, ...], flat_wall: float) -> float:
     """Radius of the pockets' corners: what the material allows, or a little more.
 
     Where a corner would end within a hair of a land's edge, a sliver would be left that no kernel and no mill can make.
@@ -158,8 +175,8 @@ def _pocket_radius(drive: BevelDrive, placed: tuple[Tensioner, ...], swage_pocke
             hypot(t.radius_mm + n, s)
             for t in placed
             for half, s in (
-                (swage_pocket, t.swage_start - POCKET_LEAD_MM),
-                (swage_pocket, t.lug_start),
+                (flat_wall, t.slack_start - POCKET_LEAD_MM),
+                (flat_wall, t.lug_start),
                 (nuts, t.lug_end),
                 (nuts, t.pocket_end),
             )
@@ -212,7 +229,7 @@ def drum(drive: BevelDrive, levels: Stack) -> DrumDims:
     hub_radius = d.hub_diameter_mm / 2
     web_start = levels.drum_inner_y + 3 * drive.clearances.running_mm
     placed = tensioners(drive)
-    swage_pocket = drive.tensioner.swage_diameter_mm / 2 + drive.clearances.running_mm
+    flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
         half_angle_deg=d.sector_half_angle_deg,
         rim_inner_radius=d.rim_inner_radius_mm,
@@ -232,9 +249,10 @@ def drum(drive: BevelDrive, levels: Stack) -> DrumDims:
         tensioners=placed,
         stud_hole_radius=drive.tensioner.clearance_mm / 2,
         lug_half_width=drive.tensioner.clearance_mm / 2 + LUG_WALL_MM,
-        swage_pocket=swage_pocket,
+        swage_pocket=drive.tensioner.swage_diameter_mm / 2 + drive.clearances.running_mm,
+        flat_wall=flat_wall,
         nut_pocket=nut_pocket_mm(drive),
-        pocket_radius=_pocket_radius(drive, placed, swage_pocket),
+        pocket_radius=_pocket_radius(drive, placed, flat_wall),
         set_screw=screw.name,
         set_screw_y=(web_start + d.web_thickness_mm + d.hub_face_y_mm) / 2,
         set_screw_radius=shaft_radius,

@@ -125,7 +125,7 @@ def _terminal(layout: Layout, terminal: Tensioner) -> tuple[float, float, float]
     """Nearest corner of a terminal, across and along the tangent at its anchor, and how far the guide reaches, mm."""
     drive, drum = layout.drive, layout.drum
     reach = max(run.guide_radius_mm for run in drive.cables) + drive.cable.diameter_mm / 2
-    return terminal.radius_mm - max(drum.nut_pocket, drum.lug_half_width), terminal.swage_start, reach
+    return terminal.radius_mm - max(drum.nut_pocket, drum.lug_half_width), terminal.slack_start, reach
 
 
 def _limits(layout: Layout) -> Iterator[TravelLimit]:
@@ -140,7 +140,7 @@ def _limits(layout: Layout) -> Iterator[TravelLimit]:
         yield _limit(off * terminal.anchor_rad, f"wrap of {run.name} on the drum ends")
         left = _wrap_at_guide(layout, terminal)
         yield _limit(off * (terminal.anchor_rad - left), f"terminal of {run.name} meets the guide")
-        round_rad = tau - terminal.anchor_rad - atan2(terminal.tip, terminal.radius_mm)
+        round_rad = tau - terminal.anchor_rad - atan2(terminal.last_tip, terminal.radius_mm)
         yield _limit(-off * round_rad, f"terminal of {run.name} comes round to the transfer point")
         used = half + tau * drive.dead_turns / w.reduction
         yield _limit(-off * used, f"dead turns of {run.name} on the input are used up")

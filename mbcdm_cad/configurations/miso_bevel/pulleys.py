@@ -18,7 +18,7 @@ from mbcdm_cad.configurations.miso_bevel.stack import BAND_MARGIN_MM, END_PLAY_M
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
-from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, SLOT_PLAY_MM, InputPulleyDims, StopSlot
 
 JOURNAL_SLIT_MM = 0.6
 
@@ -45,7 +45,7 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
             face_z=land_bottom if c is low else land_top,
             pitch_radius=c.input_radius_mm,
             bend_radius=g.bend_radius_mm,
-            width=drive.cable.diameter_mm + 0.1,
+            width=drive.cable.diameter_mm + SLOT_PLAY_MM,
             stop_radius=g.stop_radius_mm,
             stop_start=g.stop_start_mm,
             stop_end=g.stop_end_mm,

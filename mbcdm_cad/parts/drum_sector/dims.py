@@ -8,6 +8,8 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 
 # Pocket before the swage.
 POCKET_LEAD_MM = 0.2
+# A lug reaches this far below the pocket's inner wall, to grow from the rim.
+LUG_ROOT_MM = 0.3
 
 # At 45 degrees, on every outer edge that is chamfered.
 CHAMFER_MM = 0.3
@@ -55,7 +57,8 @@ class DrumDims:
     tensioners: tuple[Tensioner, ...]
     stud_hole_radius: float
     lug_half_width: float
-    swage_pocket: float
+    swage_pocket: float  # half depth along y
+    flat_wall: float  # wall inside the pocket that a flat of the swage slides along, from the terminal's axis
     nut_pocket: float
     pocket_radius: float
     set_screw: str
@@ -65,3 +68,8 @@ class DrumDims:
     payload_circle_radius: float
     payload_depth: float
     corner_radius: float
+
+    @property
+    def lug_root(self) -> float:
+        """How far inside the terminal's axis a lug is rooted in the rim."""
+        return self.flat_wall + LUG_ROOT_MM

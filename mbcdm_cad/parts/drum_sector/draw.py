@@ -66,11 +66,12 @@ def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
         return outer if t.cut_through else t.y_mm + half
 
     swage, nuts, top, r = dims.swage_pocket, dims.nut_pocket, t.pocket_top, dims.pocket_radius
+    low = -dims.flat_wall
     rooms = [
-        _milled(_box(t, (t.swage_start - POCKET_LEAD_MM, t.lug_start), (-swage, top), (inner, depth(swage))), r),
+        _milled(_box(t, (t.slack_start - POCKET_LEAD_MM, t.lug_start), (low, top), (inner, depth(swage))), r),
         _milled(_box(t, (t.lug_end, t.pocket_end), (-nuts, top), (inner, depth(nuts))), r),
         # Round the lug, which is put back after; outside it the cutter runs through, leaving no corners of its own.
-        _box(t, (t.lug_start, t.lug_end), (-swage, top), (inner, depth(swage))),
+        _box(t, (t.lug_start, t.lug_end), (low, top), (inner, depth(swage))),
         _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), (inner, depth(swage))),
     ]
     # One tool: the kernel errs where tools that touch each other cut at once.
@@ -83,7 +84,7 @@ def _lug(dims: DrumDims, t: Tensioner) -> cq.Solid:
         t,
         (t.lug_start, t.lug_end),
         # Rooted in the rim but no deeper: below may run the cable of the next land.
-        (-dims.swage_pocket - 0.3, dims.lug_half_width),
+        (-dims.lug_root, dims.lug_half_width),
         (t.y_mm - dims.lug_half_width, outer),
     )
 

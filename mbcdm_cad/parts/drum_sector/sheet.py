@@ -65,10 +65,10 @@ def _terminals(d: DrumDims) -> Table:
                 mm(t.side * degrees(t.anchor_rad), 3),
                 mm3(t.radius_mm),
                 mm3(depth),
-                mm3(t.swage_start - POCKET_LEAD_MM),
+                mm3(t.slack_start - POCKET_LEAD_MM),
                 mm3(t.lug_start),
                 mm3(t.lug_end),
-                "open" if t.pocket_end > t.tip + 2.0 else mm3(t.pocket_end),
+                "open" if t.pocket_end > t.last_tip + 2.0 else mm3(t.pocket_end),
                 "open" if t.radius_mm + t.pocket_top > ends else mm3(t.pocket_top),
                 swage,
                 nuts,
@@ -96,7 +96,7 @@ def _terminals(d: DrumDims) -> Table:
 def _shape(d: DrumDims) -> Table:
     """Sizes that all terminals and the stop's slot share."""
     rows = (
-        ("swage pocket n from", mm3(-d.swage_pocket)),
+        ("swage pocket n from", mm3(-d.flat_wall)),
         ("nut pocket n from", mm3(-d.nut_pocket)),
         ("lug n up to", mm3(d.lug_half_width)),
         ("stud slot of the lug, width, round end", mm3(2 * d.stud_hole_radius)),

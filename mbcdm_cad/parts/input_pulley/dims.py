@@ -8,6 +8,8 @@ from math import acos, degrees, hypot, sqrt
 ENCODER_INSERTION_MM = 10.0
 # Play of a cable's stop in its pocket.
 STOP_PLAY_MM = 0.05
+# Slot over the cable it holds.
+SLOT_PLAY_MM = 0.1
 # Diameter of the pocket's cutter in slot widths: its corners are relieved so that the stop's square ends seat.
 STOP_CUTTER = 0.85
 # Where the slot leaves the land, the wedge outside it is cut back to this thickness.

@@ -14,7 +14,8 @@ class Tensioner:
     """Threaded terminal of one cable on the drum, drum centred.
 
     ``anchor_rad``: where the cable leaves its land, from +Z towards ``side``; distances s run from there along the
-    tangent, n outward along the radius at that point.
+    tangent, n outward along the radius at that point. Swage and tip stand where a cable of nominal length holds them,
+    bedded in and at its preload: ``drawn_in`` from slack, of a ``travel`` that the drum leaves them.
     """
 
     cable_name: str
@@ -32,6 +33,23 @@ class Tensioner:
     pocket_end: float  # behind the tip; beyond the sector where no wall worth leaving would stand there
     pocket_top: float  # outward; open to the outside where no wall worth leaving would stand before a land's surface
     cut_through: bool  # pockets go through the whole rim instead of leaving a thin floor
+    travel: float
+    drawn_in: float
+
+    @property
+    def slack_start(self) -> float:
+        """Front of the swage before the cable is tensioned."""
+        return self.swage_start - self.drawn_in
+
+    @property
+    def last_end(self) -> float:
+        """Back of the swage with the terminal drawn in all the way."""
+        return self.swage_end + self.travel - self.drawn_in
+
+    @property
+    def last_tip(self) -> float:
+        """End of the stud with the terminal drawn in all the way."""
+        return self.tip + self.travel - self.drawn_in
 
     def at(self, s: float, n: float = 0.0) -> tuple[float, float]:
         """(x, z) of the point ``s`` along and ``n`` outward, mm."""

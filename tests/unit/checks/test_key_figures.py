@@ -183,12 +183,12 @@ class TestFiguresOfTheMechanism:
 
     def test_slip_angles(self, drive: Drive) -> None:
         # Cables alone, as the paper counts them, would slip 23.2 deg at the test torque; together the first slips less.
-        assert result("wrap_slip_test", drive).limit == pytest.approx(22.6, abs=0.05)
-        assert result("wrap_slip_peak", put(drive, "loads.peak_torque_Nm", 3.3)).limit == pytest.approx(82.1, abs=0.1)
+        assert result("wrap_slip_test", drive).limit == pytest.approx(21.7, abs=0.05)
+        assert result("wrap_slip_peak", put(drive, "loads.peak_torque_Nm", 3.3)).limit == pytest.approx(80.6, abs=0.1)
 
     def test_wraps_left(self, drive: Drive) -> None:
         left = sorted(degrees(BevelUnderTest(drive).smallest_wrap_rad(c)) for c in drive.cables)
-        assert left[0] > 25.0 and left[-1] < 33.0, left
+        assert left[0] > 18.0 and left[-1] < 33.0, left
 
     def test_guide_bearings_by_moments_about_one_of_them(self, drive: Drive) -> None:
         """Forces of the four cables on the guide, summed cable by cable about the lower bearing."""

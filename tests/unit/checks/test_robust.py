@@ -65,7 +65,7 @@ def test_every_figure_of_a_remedy_mends_its_check() -> None:
     for _, drive in random_drives(100, 30, changes=2):
         for r in run_checks(drive):
             # Advice beside the figures may speak of several parameters at once.
-            if r.status != "pass" and r.actual is not None and BY_ID[r.id].turns:
+            if r.status != "pass" and r.actual is not None and BY_ID[r.id].adjust:
                 for mended in _mended(drive, r.remedy):
                     after = run_check(BY_ID[r.id], BevelUnderTest(mended))
                     tried += 1

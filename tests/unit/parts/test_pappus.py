@@ -62,6 +62,12 @@ def test_terminal_stop_and_pins(drive: Drive, dims: Layout, solids: dict[str, cq
     swage, stud, bore = spec.swage_diameter_mm / 2, spec.thread_mm / 2, drive.cable.diameter_mm / 2
     body = cone(swage - c, swage, c) + ring(swage, 0.0, t.swage_end - t.swage_start - c)
     body += ring(stud, 0.0, t.tip - t.swage_end - c) + cone(stud, stud - c, c)
+    flat = spec.swage_flats_mm / 2
+    # Two circular segments along the sleeve, smaller in its chamfer.
+    wide = np.maximum(swage - c + c * np.linspace(0.0, 1.0, 400001), flat)
+    segment = wide**2 * np.arccos(flat / wide) - flat * np.sqrt(wide**2 - flat**2)
+    in_chamfer = float((segment[1:] + segment[:-1]).mean()) / 2 * c
+    body -= 2 * (in_chamfer + float(segment[-1]) * (t.swage_end - t.swage_start - c))
     close(solids["terminal"], body - ring(bore, 0.0, t.cable_end - t.swage_start), "terminal")
     slot = dims.inputs[0].slots[0]
     close(solids["stop"], ring(slot.stop_radius, bore, slot.stop_start - slot.stop_end), "stop")

@@ -8,7 +8,7 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.configurations.miso_bevel.checks.terminals import _bodies
+from mbcdm_cad.configurations.miso_bevel.checks.terminals import bodies_of
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -36,8 +36,8 @@ def _rim_points(d: DrumDims) -> np.ndarray:
             sine, cosine = sin(t.anchor_rad), cos(t.anchor_rad)
             out = t.side * x * sine + z * cosine - t.radius_mm
             along = t.side * x * cosine - z * sine
-            floor = np.where(along > t.lug_end, -d.nut_pocket, -d.swage_pocket)
-            kept &= ~((along > t.swage_start) & (along < t.pocket_end) & (out > floor))
+            floor = np.where(along > t.lug_end, -d.nut_pocket, -d.flat_wall)
+            kept &= ~((along > t.slack_start) & (along < t.pocket_end) & (out > floor))
     return np.stack([x[kept], z[kept]], axis=1)
 
 
@@ -50,7 +50,7 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
     ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, on_input, -on_input]
     for t in d.tensioners:
-        for _, outline, _, high in _bodies(s, t):
+        for _, outline, _, high in bodies_of(s, t, moved=False):
             points.append(outline)
             ys.append(high)
     cloud = np.concatenate(points)

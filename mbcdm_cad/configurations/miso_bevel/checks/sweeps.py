@@ -55,7 +55,7 @@ def drum_zones(s: BevelUnderTest) -> list[Ring]:
     d = s.layout.drum
     spec = s.drive.tensioner
     half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
-    below = max(half, d.swage_pocket + 0.3)
+    below = max(half, d.lug_root)
     zones = [
         Ring("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
         Ring("drum's web", d.spigot_radius, d.rim_inner_radius + 1.0, min(d.web_start_y, d.lands[0].y_start)),
@@ -63,7 +63,7 @@ def drum_zones(s: BevelUnderTest) -> list[Ring]:
     ]
     for t in d.tensioners:
         name = f"terminal of {t.cable_name}"
-        zones.append(Ring(name, t.radius_mm - below, hypot(t.radius_mm + half, t.tip), t.y_mm - half))
+        zones.append(Ring(name, t.radius_mm - below, hypot(t.radius_mm + half, t.last_tip), t.y_mm - half))
     for c in s.steps:
         radii = (c.drum_radius_mm - s.flank_mm, c.drum_radius_mm + s.flank_mm)
         zones.append(Ring(f"{c.name} on the drum", *radii, c.guide_radius_mm - s.flank_mm))
@@ -191,7 +191,7 @@ def spans_clear(s: BevelUnderTest) -> Comparison:
         cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
         for t in d.tensioners:
-            along = np.linspace(t.swage_start, t.tip, int(t.tip / step) + 2)
+            along = np.linspace(t.slack_start, t.last_tip, int(t.last_tip / step) + 2)
             axis = np.array([(x, t.y_mm, z) for x, z in (t.at(a) for a in along)]) @ turn.T
             what = f"terminal of {t.cable_name} from the free spans with the drum at {angle:+.4g} deg"
             found.append(at_least(what, _nearest(free, axis, step) - keep, CABLE_GAP_MM, "mm"))

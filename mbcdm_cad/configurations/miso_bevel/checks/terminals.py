@@ -24,8 +24,12 @@ STUD_SAFETY = 2.0
 LUG_SAFETY = 2.0
 
 
-def _bodies(s: BevelUnderTest, t: Tensioner) -> list[tuple[str, Points, float, float]]:
-    """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug."""
+def bodies_of(s: BevelUnderTest, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
+    """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug.
+
+    ``moved``: the room they take over the whole travel of the terminal, else where they stand at preload.
+    """
+    start, end, tip = (t.slack_start, t.last_end, t.last_tip) if moved else (t.swage_start, t.swage_end, t.tip)
     spec, d = s.drive.tensioner, s.layout.drum
     nut = spec.nut_across_flats_mm / 3**0.5
     swage, stud, lug = spec.swage_diameter_mm / 2, spec.thread_mm / 2, d.lug_half_width
@@ -34,10 +38,10 @@ def _bodies(s: BevelUnderTest, t: Tensioner) -> list[tuple[str, Points, float, f
         return np.array([t.at(start, low), t.at(end, low), t.at(end, high), t.at(start, high)])
 
     return [
-        ("swage", outline(t.swage_start, t.swage_end, -swage, swage), t.y_mm - swage, t.y_mm + swage),
-        ("stud", outline(t.swage_end, t.tip, -stud, stud), t.y_mm - stud, t.y_mm + stud),
+        ("swage", outline(start, end, -swage, swage), t.y_mm - swage, t.y_mm + swage),
+        ("stud", outline(end, tip, -stud, stud), t.y_mm - stud, t.y_mm + stud),
         ("nuts", outline(t.lug_end, t.nuts_end, -nut, nut), t.y_mm - nut, t.y_mm + nut),
-        ("lug", outline(t.lug_start, t.lug_end, -d.swage_pocket - 0.3, lug), t.y_mm - lug, d.lands[-1].y_end),
+        ("lug", outline(t.lug_start, t.lug_end, -d.lug_root, lug), t.y_mm - lug, d.lands[-1].y_end),
     ]
 
 
@@ -52,8 +56,8 @@ def terminals_apart(s: BevelUnderTest) -> Comparison:
     """Terminals and lugs of neighbours on one side do not touch, nut corners included."""
     found = []
     for a, b in _pairs(s.layout.drum):
-        for name, outline, low, high in _bodies(s, a):
-            for other, other_outline, other_low, other_high in _bodies(s, b):
+        for name, outline, low, high in bodies_of(s, a):
+            for other, other_outline, other_low, other_high in bodies_of(s, b):
                 along_y = max(other_low - high, low - other_high)
                 gap = along_y if along_y >= TERMINAL_GAP_MM else max(along_y, polygon_gap(outline, other_outline))
                 what = f"{name} of {a.cable_name} to {other} of {b.cable_name}"
@@ -70,7 +74,7 @@ def lands_intact(s: BevelUnderTest) -> Comparison:
         inner, outer = lands[a.cable_name], lands[b.cable_name]
         # Along the rim: where the inner pocket begins, and where the outer lug ends.
         apart = (a.anchor_rad - (b.anchor_rad + atan2(b.lug_end, b.radius_mm))) * b.radius_mm
-        pocket_top = hypot(a.radius_mm + a.pocket_top, a.tip)
+        pocket_top = hypot(a.radius_mm + a.pocket_top, a.last_tip)
         above = -np.inf if a.cut_through else outer.surface_radius_mm - pocket_top
         names = f"{a.cable_name} and {b.cable_name}"
         found += [
@@ -83,7 +87,7 @@ def lands_intact(s: BevelUnderTest) -> Comparison:
             ),
             at_least(
                 f"lug of {b.cable_name} over {a.cable_name}",
-                max(b.radius_mm - d.swage_pocket - 0.3 - a.radius_mm, b.y_mm - d.lug_half_width - a.y_mm) - half,
+                max(b.radius_mm - d.lug_root - a.radius_mm, b.y_mm - d.lug_half_width - a.y_mm) - half,
                 TERMINAL_GAP_MM,
                 "mm",
             ),
@@ -117,7 +121,7 @@ def pocket_corners(s: BevelUnderTest) -> Comparison:
         (f"{name} of {t.cable_name}", min(length, half + t.pocket_top))
         for t in d.tensioners
         for name, length, half in (
-            ("swage", t.lug_start - t.swage_start + POCKET_LEAD_MM, d.swage_pocket),
+            ("swage", t.lug_start - t.slack_start + POCKET_LEAD_MM, d.flat_wall),
             ("nuts", t.pocket_end - t.lug_end, d.nut_pocket),
         )
     ]
@@ -148,7 +152,7 @@ def lug_stress(s: BevelUnderTest) -> Comparison:
     for t in d.tensioners:
         width = max(d.lands[-1].y_end - t.y_mm - d.stud_hole_radius, 1e-6)
         modulus = width * (t.lug_end - t.lug_start) ** 2 / 6
-        stress = s.loads.highest_N * (d.swage_pocket + 0.3) / modulus
+        stress = s.loads.highest_N * d.lug_root / modulus
         what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa in the lug of {t.cable_name}"
         found.append(at_least(what, strength / stress, LUG_SAFETY, "times"))
     return worst(found)

@@ -40,7 +40,7 @@ def wrap_under_a_turn(s: BevelUnderTest) -> Comparison:
     return worst(
         at_most(
             f"largest wrap of {t.cable_name}, terminal included",
-            degrees(t.anchor_rad + s.half_travel_rad + atan2(t.tip, t.radius_mm)),
+            degrees(t.anchor_rad + s.half_travel_rad + atan2(t.last_tip, t.radius_mm)),
             FULL_TURN_DEG,
             "deg",
         )

@@ -36,6 +36,7 @@ SHARED = {
     "rope.preload_N": Given(70.0, "section 5.3"),
     "rope.helix_lead_mm": Given(0.87, f"{DERIVED}: 0.860 to 0.884 clears itself and keeps the fleet angle"),
     "rope.dead_turns": Given(1.0, ESTIMATE),
+    "rope.cut_tolerance_mm": Given(0.5, "estimate: both ends swaged by hand against a jig"),
     "drive.motor": Given("motor-2.9mNm-15", "section 4.1"),
     "drive.gearhead": Given("gearhead-76-16", "section 4.1"),
     "drive.encoder": Given("encoder-17", "section 5"),

@@ -76,16 +76,17 @@ def test_terminal_lies_on_the_tangent_at_the_anchor(dims: Layout) -> None:
 def test_terminal_is_swage_gap_lug_two_nuts_and_a_stud_that_passes_them(drive: BevelDrive, dims: Layout) -> None:
     spec = drive.tensioner
     for t in dims.drum.tensioners:
-        assert t.swage_end - t.swage_start == spec.swage_length_mm
+        assert t.swage_end - t.swage_start == pytest.approx(spec.swage_length_mm)
         assert t.lug_end - t.lug_start == pytest.approx(spec.lug_thickness_mm)
         assert t.nuts_end - t.lug_end == pytest.approx(2 * spec.nut_height_mm)
-        assert t.swage_start < t.cable_end < t.swage_end < t.lug_start < t.nuts_end < t.tip
+        assert t.slack_start < t.swage_start < t.cable_end < t.swage_end < t.last_end < t.lug_start < t.nuts_end
+        assert t.nuts_end < t.tip - t.drawn_in < t.tip < t.last_tip
 
 
 def test_cable_is_still_on_the_drum_at_both_ends_of_travel(drive: BevelDrive, dims: Layout) -> None:
     for t in dims.drum.tensioners:
         left = degrees(t.anchor_rad) - drive.half_travel_deg
-        assert left > 20.0, f"{t.cable_name}: {left:.1f} deg of wrap at the end of travel"
+        assert left > 18.0, f"{t.cable_name}: {left:.1f} deg of wrap at the end of travel"
 
 
 def polar_box(t: Tensioner, s0: float, s1: float, n0: float, n1: float) -> tuple[float, float, float, float]:

@@ -101,7 +101,7 @@ def test_limits_are_where_they_are_said_to_be(dims: Layout, figures: PathFigures
         elif "meets the guide" in kind:
             assert terminal_to_guide_mm(dims, terminal, wrap) == pytest.approx(drive.clearances.running_mm)
         elif "comes round" in kind:
-            assert wrap + atan2(terminal.tip, terminal.radius_mm) == pytest.approx(tau)
+            assert wrap + atan2(terminal.last_tip, terminal.radius_mm) == pytest.approx(tau)
         elif "dead turns" in kind:
             wound = tau * drive.dead_turns + w.reduction * (radians(drive.half_travel_deg) - w.payout * angle)
             assert wound == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,85 @@
+"""Terminals can be tensioned: take-up from slack to the highest preload, thread under both nuts, flats that hold."""
+
+from __future__ import annotations
+
+from math import acos, degrees
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.tensioning import take_up_of
+
+# A nut holds on all its turns once the thread stands out this many pitches (usual rule).
+THREAD_OUT_PITCHES = 1.0
+# Pitches behind the sleeve on which no nut runs: where the thread was cut or rolled to.
+RUN_OUT_PITCHES = 2.0
+# A terminal that turns further than this twists the rope while its nut is turned (estimate).
+TWIST_DEG = 20.0
+
+
+def take_up(s: BevelUnderTest) -> Comparison:
+    """Way of each terminal with thread under nut and lock nut, against what its cable asks of it.
+
+    Asked: stretch at the highest preload, bedding-in, both ends of the cut length's tolerance.
+    """
+    pitch, found = s.drive.tensioner.pitch_mm, []
+    for c, path, t in zip(s.drive.cables, s.layout.cable_paths(0.0), s.layout.drum.tensioners, strict=True):
+        need = take_up_of(s.drive, c, path.length_mm)
+        # A stud that does not reach through both nuts from the start begins its way later.
+        short = max(0.0, t.nuts_end + THREAD_OUT_PITCHES * pitch - (t.tip - t.drawn_in))
+        note = (
+            f"stretch {need.elastic_m * 1e3:.3g} mm, bedding-in {need.bedding_m * 1e3:.3g} mm, "
+            f"cut length {need.cut_m * 1e3:.3g} mm"
+        )
+        found.append(at_least(f"take-up for {c.name}", t.travel - short, need.total_m * 1e3, "mm", note))
+    return worst(found)
+
+
+def thread_at_end(s: BevelUnderTest) -> Comparison:
+    """With the terminal drawn in all the way, the nut still finds thread at the lug."""
+    spec = s.drive.tensioner
+    return worst(
+        at_least(
+            f"back of the lug to the sleeve of {t.cable_name}, drawn in",
+            t.lug_end - t.last_end,
+            RUN_OUT_PITCHES * spec.pitch_mm,
+            "mm",
+        )
+        for t in s.layout.drum.tensioners
+    )
+
+
+def terminal_twist(s: BevelUnderTest) -> Comparison:
+    """How far a terminal turns with its nut before the flat of its sleeve lies against the pocket's wall."""
+    spec, wall = s.drive.tensioner, s.layout.drum.flat_wall
+    corner, flat = spec.swage_diameter_mm / 2, spec.swage_flats_mm / 2
+    # Turned by a, the flat's corner lies corner cos(h - a) below the axis, h its angle from the flat's middle.
+    middle_to_corner = acos(min(1.0, flat / corner))
+    turn = 180.0 if wall >= corner else degrees(middle_to_corner - acos(wall / corner))
+    return at_most("turn of a terminal until its flat is held", turn, TWIST_DEG, "deg")
+
+
+CHECKS = (
+    Check(
+        "take_up",
+        "Terminals reach the preload",
+        "derived: T l / EA + bedding-in + cut length",
+        take_up,
+        adjust=(down("rope.preload_N"),),
+        advice="choose a drum.tensioner with a longer stud",
+    ),
+    Check(
+        "thread_at_end",
+        "Nut finds thread with the terminal drawn in",
+        "two pitches of run-out: usual rule",
+        thread_at_end,
+        advice="choose a drum.tensioner with a thicker lug",
+    ),
+    Check(
+        "terminal_twist",
+        "Terminals cannot turn with their nuts",
+        "derived; 20 degrees: estimate",
+        terminal_twist,
+        advice="choose a drum.tensioner with deeper flats",
+    ),
+)

@@ -1,0 +1,225 @@
+"""Setting the preload: how far a terminal is drawn in, nut turns, plucked pitch, what one cable takes from another.
+
+SI throughout. Lengths are those of the whole cable between its two ends, along the centre line. Two limits are kept
+apart: a cable *worked in* (the drum swung a few times over its travel, so that the tension is the same all along) and
+one just tightened, where friction on the wraps keeps part of the rope from being pulled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, cosh, exp, pi, sin, sinh, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+# Beyond this argument cosh and sinh are one to machine precision, and would overflow soon after.
+_LARGE = 30.0
+
+
+@dataclass(frozen=True)
+class TakeUp:
+    """What a terminal has to be drawn in from slack to its highest preload, m (derived).
+
+    ``cut_m`` is the whole band of the cut length: a cable at the long end of its tolerance needs all of it, one at the
+    short end none.
+    """
+
+    elastic_m: float
+    bedding_m: float
+    cut_m: float
+
+    @property
+    def total_m(self) -> float:
+        """Take-up that the worst cable needs."""
+        return self.elastic_m + self.bedding_m + self.cut_m
+
+    @property
+    def nominal_m(self) -> float:
+        """Take-up used by a cable of nominal length, bedded in and at its preload."""
+        return self.elastic_m + self.bedding_m + self.cut_m / 2
+
+
+def take_up(
+    length_m: float, highest_preload_N: float, axial_stiffness_N: float, bedding_share: float, cut_tolerance_m: float
+) -> TakeUp:
+    """Take-up of one cable whose tension is the same all along: T L / EA + bedding share x L + both cut tolerances.
+
+    ``length_m`` is the length under tension; the part inside swages is not to be counted. Raises ``ValueError`` for a
+    figure below zero or a stiffness of zero.
+    """
+    figures = (length_m, highest_preload_N, bedding_share, cut_tolerance_m)
+    if min(figures) < 0.0 or axial_stiffness_N <= 0.0:
+        raise ValueError(
+            f"take-up of a length, tension, share and tolerance below zero: {figures}, EA {axial_stiffness_N}"
+        )
+    return TakeUp(highest_preload_N * length_m / axial_stiffness_N, bedding_share * length_m, 2.0 * cut_tolerance_m)
+
+
+def untensioned_length_m(length_m: float, tension_N: float, axial_stiffness_N: float) -> float:
+    """Length to cut, slack, of a cable that is ``length_m`` long at ``tension_N``: l / (1 + T/EA)."""
+    return length_m / (1.0 + tension_N / axial_stiffness_N)
+
+
+def reached_length_m(pieces: Sequence[tuple[float, float]], friction: float) -> float:
+    """Length that would stretch as much under an even tension, for a small pull at the end of a cable held by friction.
+
+    ``pieces`` holds (length in m, angle turned in rad) from the pulled end: 0 rad for a straight piece or a wrap on a
+    pulley that turns freely. The tension gained falls by e^(-mu phi) over each (derived; capstan equation).
+    """
+    reached, share = 0.0, 1.0
+    for length_m, angle_rad in pieces:
+        x = friction * angle_rad
+        reached += share * length_m * ((1.0 - exp(-x)) / x if x > 0.0 else 1.0)
+        share *= exp(-x)
+    return reached
+
+
+def plucked_Hz(
+    tension_N: float, mass_kg_m: float, length_m: float, bending_stiffness_N_m2: float = 0.0, clamped: bool = True
+) -> float:
+    """Lowest frequency of a span plucked sideways: a beam under tension, clamped or pinned at both ends.
+
+    Without bending stiffness it is the string's f = sqrt(T/m')/(2 l). Pinned: f sqrt(1 + pi^2 EI/(T l^2)). Clamped:
+    the lowest root of 2 a b (1 - cosh a cos b) + (a^2 - b^2) sinh a sin b = 0 with a^2 = b^2 + T l^2/EI
+    (Euler-Bernoulli beam under tension), found by bisection.
+    """
+    string = sqrt(tension_N / mass_kg_m) / (2.0 * length_m)
+    if bending_stiffness_N_m2 <= 0.0:
+        return string
+    pull = tension_N * length_m**2 / bending_stiffness_N_m2
+    if not clamped:
+        return string * sqrt(1.0 + pi**2 / pull)
+
+    def balance(b: float) -> float:
+        a = sqrt(b * b + pull)
+        if a > _LARGE:
+            return -2.0 * a * b * cos(b) + (a * a - b * b) * sin(b)
+        return (2.0 * a * b * (1.0 - cosh(a) * cos(b)) + (a * a - b * b) * sinh(a) * sin(b)) / cosh(a)
+
+    # The root lies between that of a string (pi) and that of an untensioned clamped beam (4.7300).
+    low, high = pi, 4.7301
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        if balance(middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    b = 0.5 * (low + high)
+    a = sqrt(b * b + pull)
+    return a * b * sqrt(bending_stiffness_N_m2 / mass_kg_m) / (2.0 * pi * length_m**2)
+
+
+def tension_from_pitch_N(
+    frequency_Hz: float, mass_kg_m: float, length_m: float, bending_stiffness_N_m2: float = 0.0, clamped: bool = True
+) -> float:
+    """Tension of a span that sounds at ``frequency_Hz``; 0 where its bending stiffness alone would sound higher."""
+    low, high = 0.0, 4.0 * mass_kg_m * (length_m * frequency_Hz) ** 2
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        if middle > 0.0 and plucked_Hz(middle, mass_kg_m, length_m, bending_stiffness_N_m2, clamped) > frequency_Hz:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)
+
+
+def influence(stiffness_N_m: Any, lever_m: Any) -> Floats:
+    """Change of each tension (row) when one terminal (column) is drawn in by a metre, inputs held, drum free; N/m.
+
+    ``stiffness_N_m`` (n,) is EA/L of each cable, ``lever_m`` (n,) its signed lever at the drum, sigma r_o. The drum
+    turns until the sum of sigma r_o T is what it was: K_kj = k_k (d_kj - l_k k_j l_j / sum k l^2) (derived).
+    """
+    k, lever = np.asarray(stiffness_N_m, dtype=float), np.asarray(lever_m, dtype=float)
+    held = k * lever
+    return np.asarray(np.diag(k) - np.outer(held, held) / (held * lever).sum())
+
+
+def taken_from_others(stiffness_N_m: Any, lever_m: Any) -> Floats:
+    """N that each cable (row) loses for each N that another (column) gains by its own nut; (n, n), diagonal -1."""
+    change = influence(stiffness_N_m, lever_m)
+    return np.asarray(-change / np.diag(change)[None, :])
+
+
+@dataclass(frozen=True, eq=False)
+class Tightening:
+    """One pull on one nut: which cable (index), and the tensions (N) of all cables after it."""
+
+    cable: int
+    drawn_in_m: float
+    tension_N: Floats
+
+
+def sequence(
+    stiffness_N_m: Any, lever_m: Any, goal_N: Any, order: tuple[int, ...], within: float = 0.02
+) -> list[Tightening]:
+    """Tighten cables in ``order``, each to its goal, round after round, until all stand within ``within`` of it.
+
+    From slack, inputs held, drum free and unloaded, cables worked in after each pull; a cable never pushes. Raises
+    ``ValueError`` where 50 rounds do not do it: goals that do not balance at the drum cannot stand together.
+    """
+    k, lever, goal = (np.asarray(a, dtype=float) for a in (stiffness_N_m, lever_m, goal_N))
+    drawn = np.zeros_like(k)
+    done: list[Tightening] = []
+    for _ in range(50):
+        for j in order:
+            before = drawn[j]
+            drawn[j] = _drawn_for(k, lever, drawn, j, goal[j])
+            done.append(Tightening(j, float(drawn[j] - before), balanced_tension_N(k, lever, drawn)))
+        if np.all(np.abs(done[-1].tension_N - goal) <= within * goal):
+            return done
+    short = np.round(done[-1].tension_N, 1).tolist()
+    raise ValueError(f"tensions stay at {short} N, wanted {goal.tolist()}: their torques on the drum do not balance")
+
+
+def balanced_tension_N(stiffness_N_m: Floats, lever_m: Floats, drawn_in_m: Floats) -> Floats:
+    """Tensions with each terminal drawn in so far past slack and the drum where they balance: T = k (x - l theta)+."""
+    # Sum of l T falls with theta and is straight between the angles at which a cable goes slack.
+    corners = np.sort(drawn_in_m / lever_m)
+    pull = lever_m * stiffness_N_m
+    sums = (pull * np.maximum(drawn_in_m - lever_m * corners[:, None], 0.0)).sum(axis=1)
+    after = int(np.searchsorted(-sums, 0.0))
+    if after == 0 or after == corners.size:
+        # All that still pull do so one way: the drum turns until they are slack.
+        theta = corners[0] if after == 0 else corners[-1]
+    else:
+        share = sums[after - 1] / (sums[after - 1] - sums[after]) if sums[after - 1] > sums[after] else 0.0
+        theta = corners[after - 1] + share * (corners[after] - corners[after - 1])
+    tension = stiffness_N_m * np.maximum(drawn_in_m - lever_m * theta, 0.0)
+    return np.asarray(tension)
+
+
+def _drawn_for(k: Floats, lever: Floats, drawn: Floats, j: int, goal_N: float) -> float:
+    """How far cable ``j`` is drawn in when it reaches its goal, or as far as a bare spring would go if it cannot."""
+    limit = 20.0 * goal_N / k[j] + float(drawn.max(initial=0.0))
+    low, high = 0.0, limit
+    trial = drawn.copy()
+    for _ in range(60):
+        trial[j] = 0.5 * (low + high)
+        if balanced_tension_N(k, lever, trial)[j] < goal_N:
+            low = trial[j]
+        else:
+            high = trial[j]
+    if high >= limit * (1.0 - 1e-9):
+        # Nothing pulls against it yet: draw it in as far as the goal needs once the others hold the drum.
+        return float(max(drawn[j], goal_N / k[j]))
+    return float(0.5 * (low + high))
+
+
+def limits_of_pitch_Hz(
+    tension_N: float, mass_kg_m: float, length_m: float, loose_N_m2: float, bonded_N_m2: float
+) -> tuple[float, float]:
+    """Plucked frequency from free wires with ends that turn to bonded wires with ends that do not."""
+    return (
+        plucked_Hz(tension_N, mass_kg_m, length_m, loose_N_m2, clamped=False),
+        plucked_Hz(tension_N, mass_kg_m, length_m, bonded_N_m2, clamped=True),
+    )
+
+
+def bedding_loss_N(bedding_share: float, axial_stiffness_N: float) -> float:
+    """Tension that bedding-in takes from a cable whose ends stand still: share x EA; why it is retightened."""
+    return bedding_share * axial_stiffness_N

@@ -1,0 +1,56 @@
+"""Setting the preload, in words: for the order of assembly and the report."""
+
+from __future__ import annotations
+
+from mbcdm_cad.model.tensioning_plan import TensioningPlan
+
+# Times the drum is swung over its travel to let the tension even out along a cable (estimate).
+SWINGS = 10
+
+
+def tensioning_words(plan: TensioningPlan) -> tuple[str, ...]:
+    """Steps of the bench, drum centred and inputs held: a known tension, the pulls in order, bedding in, and again."""
+    first_round = plan.pulls[: len(plan.cables)]
+    highest = max(max(pull.tension_N) for pull in plan.pulls)
+    return (
+        _calibration(plan),
+        "Hold the inputs and leave the drum free. Tighten the cables in this order, each to its reading, and swing the "
+        f"drum {SWINGS} times over its travel after each, since friction on the wraps keeps the far end slack: "
+        + ", ".join(
+            f"{p.cable} to {p.tension_N[[c.name for c in plan.cables].index(p.cable)]:.0f} N ({p.turns:.1f} turns)"
+            for p in first_round
+        )
+        + f". What is tightened first changes as the others follow, up to {highest:.0f} N on the way.",
+        "Go round again until all readings stay: "
+        + "; ".join(f"{p.cable} {p.turns:+.2f} turns" for p in plan.pulls[len(first_round) :])
+        + f" if all goes as computed. {_turns(plan)}",
+        f"Lock the nuts, run the drive for some hundred sweeps, wait a day and tighten again: bedding-in takes up to "
+        f"{max(c.bedding_loss_N for c in plan.cables):.0f} N from a new rope. Repeat until a day takes less than 2 %.",
+    )
+
+
+def _turns(plan: TensioningPlan) -> str:
+    by_name = ", ".join(f"{c.name} {1.0 / c.turns_per_N:.0f}" for c in plan.cables)
+    first = ", ".join(f"{1.0 / c.turns_per_N_first:.0f}" for c in plan.cables)
+    return (
+        f"One turn of a nut ({plan.pitch_m * 1e3:g} mm) is worth, in N: {by_name} with the drum held and the cable "
+        f"worked in; {first} before the drum is swung."
+    )
+
+
+def _calibration(plan: TensioningPlan) -> str:
+    if not all(c.span_m for c in plan.cables):
+        return (
+            "No span of these cables is free to be plucked: hang a known weight on each cable before its terminal goes "
+            "into the lug, mark where the terminal stands, and count turns of the nut from there."
+        )
+    ranges = ", ".join(f"{c.name} {c.pitch_Hz[0][0]:.0f} to {c.pitch_Hz[0][1]:.0f} Hz" for c in plan.cables)
+    spread = max(c.tension_spread for c in plan.cables)
+    if plan.by_pitch:
+        return f"Pluck the free span of each cable and read its pitch: {ranges} at its preload."
+    return (
+        f"Calibrate first: the pitch of a plucked span at its preload lies anywhere in {ranges}, by how firmly the "
+        f"wires stick to each other, so a pitch alone leaves {spread:.0%} of the tension open. Clamp a length of the "
+        "same rope over two edges as far apart as the span, hang the preload on it as a weight, pluck it and note the "
+        "pitch; tensions near it go with the square of the pitch and of the span."
+    )
