@@ -86,7 +86,7 @@ def plan(layout: Layout) -> TensioningPlan:
                 highest_preload_N=highest_preload_N(drive, c),
                 length_m=path.length_mm * 1e-3,
                 ends_m=ends * 1e-3,
-                lever_m=c.sigma * c.drum_radius_mm * 1e-3,
+                lever_m=-c.drum_side * c.drum_radius_mm * 1e-3,
                 pieces=pieces,
                 spans_m=(w.free_span_mm * 1e-3,),
                 travel_m=t.travel * 1e-3,
