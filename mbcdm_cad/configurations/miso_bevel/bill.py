@@ -16,6 +16,7 @@ from mbcdm_cad.design.bought import Bearing, Screw
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, cable_item
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, StopSlot
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.terminal.dims import TerminalDims
 
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
 _Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
@@ -213,13 +214,13 @@ def _drum(b: _Builder) -> None:
             x, z = p.at(s)
             return _at(x, p.y_mm, z) @ turn
 
-        radii = (t.swage_diameter_mm / 2, t.swage_flats_mm / 2, t.thread_mm / 2, drive.cable.diameter_mm / 2)
         # Drawn slack, and drawn in as far as its own cable asks: one part for all cables.
-        common = tuple(round(s - p.drawn_in, 9) for s in (p.swage_start, p.cable_end, p.swage_end, p.tip))
+        slack = (round(s - p.drawn_in, 9) for s in (p.swage_start, p.cable_end, p.swage_end, p.tip))
+        radii = (t.swage_diameter_mm / 2, t.swage_flats_mm / 2, t.thread_mm / 2, drive.cable.diameter_mm / 2)
         b.add(
             f"terminal_{p.cable_name}",
             "mbcdm_cad.parts.terminal.draw:create_terminal",
-            (*common, *radii),
+            (TerminalDims(*slack, *radii),),
             part="terminal",
             material=steel,
             group="drum",

@@ -10,6 +10,20 @@ CHAMFER_MM = 0.2
 
 
 @dataclass(frozen=True)
+class TerminalDims:
+    """A terminal by itself, mm; z = 0 where its cable leaves the drum's land before it is tensioned."""
+
+    swage_start: float
+    cable_end: float  # bottom of the swage's bore
+    swage_end: float
+    tip: float
+    swage_radius: float
+    flat: float  # from the axis to each of the swage's two flats
+    stud_radius: float
+    bore_radius: float
+
+
+@dataclass(frozen=True)
 class Tensioner:
     """Threaded terminal of one cable on the drum, drum centred.
 

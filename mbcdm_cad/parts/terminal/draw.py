@@ -5,42 +5,32 @@ from __future__ import annotations
 import cadquery as cq
 
 from mbcdm_cad.parts.shapes import cut, turned
-from mbcdm_cad.parts.terminal.dims import CHAMFER_MM
+from mbcdm_cad.parts.terminal.dims import CHAMFER_MM, TerminalDims
 
 
-def create_terminal(
-    swage_start: float,
-    cable_end: float,
-    swage_end: float,
-    tip: float,
-    swage_radius: float,
-    flat: float,
-    stud_radius: float,
-    bore_radius: float,
-) -> cq.Solid:
-    """Terminal, slack, all mm; z = 0 where the cable leaves the drum's land, ``cable_end`` the bottom of its bore.
-
-    The swage has flats at y = +-``flat``: one slides along the wall of its pocket and keeps the rope from twisting.
-    """
+def create_terminal(dims: TerminalDims) -> cq.Solid:
+    """Terminal along Z, its flats at +-y: one slides along the wall of its pocket and keeps the rope from twisting."""
     c = CHAMFER_MM
     body = turned(
         [
-            (0.0, cable_end),
-            (bore_radius, cable_end),
-            (bore_radius, swage_start),
-            (swage_radius - c, swage_start),
-            (swage_radius, swage_start + c),
-            (swage_radius, swage_end),
-            (stud_radius, swage_end),
-            (stud_radius, tip - c),
-            (stud_radius - c, tip),
-            (0.0, tip),
+            (0.0, dims.cable_end),
+            (dims.bore_radius, dims.cable_end),
+            (dims.bore_radius, dims.swage_start),
+            (dims.swage_radius - c, dims.swage_start),
+            (dims.swage_radius, dims.swage_start + c),
+            (dims.swage_radius, dims.swage_end),
+            (dims.stud_radius, dims.swage_end),
+            (dims.stud_radius, dims.tip - c),
+            (dims.stud_radius - c, dims.tip),
+            (0.0, dims.tip),
         ],
         "terminal",
     )
-    length = swage_end - swage_start
+    length = dims.swage_end - dims.swage_start
     sides = [
-        cq.Solid.makeBox(2.0 * swage_radius, swage_radius, length, cq.Vector(-swage_radius, y, swage_start))
-        for y in (flat, -flat - swage_radius)
+        cq.Solid.makeBox(
+            2.0 * dims.swage_radius, dims.swage_radius, length, cq.Vector(-dims.swage_radius, y, dims.swage_start)
+        )
+        for y in (dims.flat, -dims.flat - dims.swage_radius)
     ]
     return cut(body, sides, "terminal")
