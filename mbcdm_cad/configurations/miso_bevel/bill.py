@@ -215,12 +215,20 @@ def _drum(b: _Builder) -> None:
             return _at(x, p.y_mm, z) @ turn
 
         # Drawn slack, and drawn in as far as its own cable asks: one part for all cables.
-        slack = (round(s - p.drawn_in, 9) for s in (p.swage_start, p.cable_end, p.swage_end, p.tip))
-        radii = (t.swage_diameter_mm / 2, t.swage_flats_mm / 2, t.thread_mm / 2, drive.cable.diameter_mm / 2)
+        slack = TerminalDims(
+            swage_start=round(p.slack_start, 9),
+            cable_end=round(p.cable_end - p.drawn_in, 9),
+            swage_end=round(p.swage_end - p.drawn_in, 9),
+            tip=round(p.tip - p.drawn_in, 9),
+            swage_radius=t.swage_diameter_mm / 2,
+            flat=t.swage_flats_mm / 2,
+            stud_radius=t.thread_mm / 2,
+            bore_radius=drive.cable.diameter_mm / 2,
+        )
         b.add(
             f"terminal_{p.cable_name}",
             "mbcdm_cad.parts.terminal.draw:create_terminal",
-            (TerminalDims(*slack, *radii),),
+            (slack,),
             part="terminal",
             material=steel,
             group="drum",
