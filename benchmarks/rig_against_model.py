@@ -46,7 +46,9 @@ def rig_drum_rad(drive: Drive, inputs_rad: Any, load_Nm: Any, **options: Any) ->
     gears = np.array([[np.inf, 0.0]] * inputs.shape[0])
     zero = np.zeros((n_cables, n))
     input_of = np.array([c.input_index for c in cables])
-    course = equilibrium.Course(input_of, gears, inputs, zero, zero, predicted, load, np.zeros((n_cables, 3, 0)))
+    course = equilibrium.QuasistaticCourse(
+        input_of, gears, inputs, zero, zero, predicted, load, np.zeros((n_cables, 3, 0))
+    )
     failed = equilibrium.run(state, course, pulleys, drum, tension)
     if failed >= 0:
         raise RuntimeError(f"no balance at sample {failed}")

@@ -115,8 +115,10 @@ def exercise(found: Passing, poses: int) -> Iterator[Failure]:
         yield Failure(found.seed, "interference", f"{type(error).__name__}: {error}")
     else:
         for first, second in sorted({(c.first, c.second) for c in clashes}):
-            worst = max((c for c in clashes if (c.first, c.second) == (first, second)),
-                        key=lambda c: c.volume_mm3 + c.overlap_mm)  # fmt: skip
+            worst = max(
+                (c for c in clashes if (c.first, c.second) == (first, second)),
+                key=lambda c: c.volume_mm3 + c.overlap_mm,
+            )
             yield Failure(found.seed, "interference", str(worst))
     if len(solids) == len(b.parts):
         corners = np.array([bounding_box(solids[item.part], item.location) for item in b.items])
@@ -161,8 +163,10 @@ def attempts(first: int, wanted: int, poses: int, jobs: int) -> Iterator[Outcome
 def report(outcomes: list[Outcome]) -> str:
     """Spread, rejections and failures by stage."""
     built = [o for o in outcomes if not o.rejected]
-    lines = [f"{len(built)} designs pass the checks, of {len(outcomes)} drawn; "
-             f"{sum(o.rounds > 0 for o in built)} of them by following the advice of the checks."]  # fmt: skip
+    lines = [
+        f"{len(built)} designs pass the checks, of {len(outcomes)} drawn; "
+        f"{sum(o.rounds > 0 for o in built)} of them by following the advice of the checks."
+    ]
     lines.append(
         "Not mended: "
         + (

@@ -12,7 +12,7 @@ from mbcdm_cad.parts.placement import Placement, Vector
 
 
 @dataclass(frozen=True)
-class Body:
+class MovingGroup:
     """What moves as one. It turns by ``ratio`` times the drum's angle about ``axis`` through ``point_mm``.
 
     ``ratio`` carries the sense and is 0 for what stands still. ``items`` are the names of its items, sorted.
@@ -35,14 +35,17 @@ def is_cable(item: Item) -> bool:
     return item.name.startswith(CABLE)
 
 
-def bodies(moving: Sequence[MovingBody], centred: Bill) -> tuple[Body, ...]:
+def bodies(moving: Sequence[MovingBody], centred: Bill) -> tuple[MovingGroup, ...]:
     """What stands still, then the moving bodies in their order; ``centred`` is the bill with the drum at 0 deg."""
     members: dict[str, list[str]] = {FIXED: [], **{body.name: [] for body in moving}}
     for item in centred.items:
         if not is_cable(item):
             members[item.group].append(item.name)
-    still = Body(FIXED, "fixed", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 0.0, tuple(sorted(members[FIXED])))
+    still = MovingGroup(FIXED, "fixed", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 0.0, tuple(sorted(members[FIXED])))
     return (
         still,
-        *(Body(b.name, b.kind, b.axis, b.origin_mm, b.turns_per_drum, tuple(sorted(members[b.name]))) for b in moving),
+        *(
+            MovingGroup(b.name, b.kind, b.axis, b.origin_mm, b.turns_per_drum, tuple(sorted(members[b.name])))
+            for b in moving
+        ),
     )

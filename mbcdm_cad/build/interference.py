@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mbcdm_cad.build.clash import Clash
-from mbcdm_cad.build.pairs import Body, Box, Cables, Found, Pair, Rod, RodShape, Test, rounded
-from mbcdm_cad.build.scene import Scene, is_longest
+from mbcdm_cad.build.pairs import Box, Cables, Found, Pair, PartShape, Rod, RodShape, Test, rounded
+from mbcdm_cad.build.scene import Pose, is_longest
 from mbcdm_cad.parts.bill import cable_item
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement
@@ -46,7 +46,7 @@ class Look:
 
 
 @dataclass
-class Run:
+class InterferenceRun:
     """The looks in the order of the result, and the tests by key."""
 
     looks: list[Look] = field(default_factory=list)
@@ -68,17 +68,17 @@ class Run:
 
 
 def interference_run(
-    scenes: Mapping[float, Scene],
-    bodies: Mapping[str, Body],
+    scenes: Mapping[float, Pose],
+    bodies: Mapping[str, PartShape],
     poses_deg: Sequence[float],
     half_travel_deg: float,
     diameter_mm: float,
-) -> Run:
+) -> InterferenceRun:
     """All that has to be looked at over ``poses_deg``. ``scenes`` by drum angle: the poses, the centre, both ends.
 
     ``bodies`` by part; items whose part is not among them are left out.
     """
-    run = Run()
+    run = InterferenceRun()
     placed = {
         angle: [(item, bodies[item.part].box_at(item.location)) for item in scene.bodies if item.part in bodies]
         for angle, scene in scenes.items()
@@ -118,7 +118,7 @@ def interference_run(
     return run
 
 
-def answers(run: Run, known: Mapping[str, Found], jobs: int) -> dict[str, Found]:
+def answers(run: InterferenceRun, known: Mapping[str, Found], jobs: int) -> dict[str, Found]:
     """Answers to all tests of ``run``: those ``known``, and the others worked out, the same for any ``jobs``."""
     missing = run.missing(known)
     worked_out = fork_map(lambda key: run.tests[key].test(), missing, jobs)

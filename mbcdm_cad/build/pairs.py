@@ -40,7 +40,7 @@ Box = NDArray[np.float64]  # (2, 3): lowest and highest corner
 Found = list[tuple[int, int, float, float, float, float]]
 
 
-class Body:
+class PartShape:
     """A part's shape. ``key`` names its content; ``load`` gives its solid and is called only when a boolean needs it;
     without a mesh nothing is proven apart."""
 
@@ -102,8 +102,8 @@ class RodShape:
 class Pair:
     """Two solids; ``placement`` leads from the second's frame to the first's."""
 
-    first: Body
-    second: Body
+    first: PartShape
+    second: PartShape
     placement: Placement
 
     @property
@@ -128,7 +128,7 @@ class Rod:
     """A stretch of a cable and a solid; ``placement`` leads from the solid's frame to the cable's."""
 
     rod: RodShape
-    body: Body
+    body: PartShape
     placement: Placement
 
     @property
@@ -190,7 +190,7 @@ def digest(*content: Any) -> str:
     return hashlib.blake2b(repr(content).encode(), digest_size=16).hexdigest()
 
 
-def _apart(first: Body | RodShape, second: Body, placement: Placement) -> bool:
+def _apart(first: PartShape | RodShape, second: PartShape, placement: Placement) -> bool:
     from mbcdm_cad.build.separation import apart
 
     one, other = first.surface, second.surface

@@ -16,7 +16,7 @@ from mbcdm_cad.routes.cable_path import CablePath, Stretch
 
 
 @dataclass(frozen=True)
-class Scene:
+class Pose:
     """Items that are not cables, and the paths of all cables, with the drum at ``drum_angle_deg``."""
 
     drum_angle_deg: float
@@ -24,11 +24,11 @@ class Scene:
     cables: tuple[CablePath, ...]
 
 
-def scenes(layout: Layout, drum_angles_deg: Iterable[float]) -> dict[float, Scene]:
+def scenes(layout: Layout, drum_angles_deg: Iterable[float]) -> dict[float, Pose]:
     """The scenes of a design by drum angle."""
     kind = configuration(layout.drive.configuration)
     return {
-        angle: Scene(
+        angle: Pose(
             angle,
             tuple(item for item in kind.bill(layout, angle).items if not item.name.startswith(CABLE)),
             layout.cable_paths(radians(angle)),

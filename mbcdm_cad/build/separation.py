@@ -282,10 +282,13 @@ def _near(
         size -= 1
         i, j = stack[size, 0], stack[size, 1]
         if (
-            boxes[i, 0, 0] > high[j, 0] or boxes[i, 1, 0] < low[j, 0]
-            or boxes[i, 0, 1] > high[j, 1] or boxes[i, 1, 1] < low[j, 1]
-            or boxes[i, 0, 2] > high[j, 2] or boxes[i, 1, 2] < low[j, 2]
-        ):  # fmt: skip
+            boxes[i, 0, 0] > high[j, 0]
+            or boxes[i, 1, 0] < low[j, 0]
+            or boxes[i, 0, 1] > high[j, 1]
+            or boxes[i, 1, 1] < low[j, 1]
+            or boxes[i, 0, 2] > high[j, 2]
+            or boxes[i, 1, 2] < low[j, 2]
+        ):
             continue
         leaf, other_leaf = i >= inner, j >= other_inner
         if leaf and other_leaf:

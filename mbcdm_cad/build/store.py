@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.build.clash import Clash
-from mbcdm_cad.build.interference import Run, interference_run
+from mbcdm_cad.build.interference import InterferenceRun, interference_run
 from mbcdm_cad.build.known import KnownTests
-from mbcdm_cad.build.pairs import Body
+from mbcdm_cad.build.pairs import PartShape
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.scene import scenes
 from mbcdm_cad.configurations.interface import FrameCompliance, Layout
@@ -55,8 +55,9 @@ class Store:
         self._solids: dict[str, Any] = {}
         self.made: list[str] = []
 
-    def parts(self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float,
-              jobs: int) -> dict[str, MadePart]:  # fmt: skip
+    def parts(
+        self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float, jobs: int
+    ) -> dict[str, MadePart]:
         """All parts; only those are drawn of which the cache has none with the same dimensions, material and code."""
         made: dict[str, MadePart] = {}
         missing: dict[str, str] = {}
@@ -136,18 +137,18 @@ class Store:
         self._progress(", ".join(names))
 
 
-def _interference_run(layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...]) -> Run:
+def _interference_run(layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...]) -> InterferenceRun:
     bodies = {name: _body(part) for name, part in parts.items() if not name.startswith(CABLE)}
     half = layout.drive.half_travel_deg
     seen = scenes(layout, (0.0, -half, half, *poses_deg))
     return interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm)
 
 
-def _body(part: MadePart) -> Body:
+def _body(part: MadePart) -> PartShape:
     """A part for the interference run. Only its solid counts: another material or mesh repeats no test."""
     shape = part.files.shape
     key = hashlib.sha256(part.files.brep).hexdigest()
-    return Body(key, np.array([shape.low_mm, shape.high_mm]), part.solid, part.files.mesh)
+    return PartShape(key, np.array([shape.low_mm, shape.high_mm]), part.solid, part.files.mesh)
 
 
 def _keys(parts: dict[str, MadePart]) -> dict[str, str]:

@@ -26,7 +26,7 @@ class NoFigureError(Exception):
     """A figure that does not exist for this design; the text says why and ends a sentence."""
 
 
-class Loads:
+class CableTensions:
     """Cable tensions (N), shape (n_cables,), in the states that the strength checks look at."""
 
     def __init__(self, drive: Drive, si: DriveSI) -> None:
@@ -93,7 +93,7 @@ class DesignUnderTest(ABC):
         return kept
 
     @cached_property
-    def loads(self) -> Loads:
+    def loads(self) -> CableTensions:
         """Tensions by the model."""
         from mbcdm_cad.model.errors import ModelError
         from mbcdm_cad.model.si import to_si
@@ -107,7 +107,7 @@ class DesignUnderTest(ABC):
                 f"({carried:.4g} N m): cables go slack far below it; raise rope.preload_N or lower the load"
             )
         try:
-            return Loads(drive, to_si(drive))
+            return CableTensions(drive, to_si(drive))
         except ModelError as error:
             raise NoFigureError(f"the model has no answer: {error}") from None
 

@@ -12,7 +12,7 @@ from mbcdm_cad.design.describe import Given, SchemaNodes
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.rules import Broken, Named
+from mbcdm_cad.design.rules import Broken, NamedEntry
 
 __all__ = ["DesignFile", "Given"]
 
@@ -30,7 +30,7 @@ class DesignFile:
     schema: type[Design]
     reference: Mapping[str, Given]
     rules: Callable[[Any], Iterator[Broken]]
-    named: Callable[[Any], Iterator[Named]]
+    named: Callable[[Any], Iterator[NamedEntry]]
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
 
     @cached_property

@@ -28,7 +28,7 @@ class Broken(NamedTuple):
     remedy: str
 
 
-class Named(NamedTuple):
+class NamedEntry(NamedTuple):
     """A field that names an entry of the catalogue: field path, kind of entry, name; no name where it is left out."""
 
     path: FieldPath
@@ -42,7 +42,7 @@ def broken_shared_rules(design: Design) -> Iterator[Broken]:
         yield from rule(design)
 
 
-def broken_names(catalogue: Catalogue, named: Iterable[Named]) -> Iterator[Broken]:
+def broken_names(catalogue: Catalogue, named: Iterable[NamedEntry]) -> Iterator[Broken]:
     """The names that lead to no entry of the catalogue."""
     for path, kind, name in named:
         known = catalogue.names(kind)
@@ -56,19 +56,19 @@ def broken_names(catalogue: Catalogue, named: Iterable[Named]) -> Iterator[Broke
             )
 
 
-def named_by_shared_blocks(design: Design) -> Iterator[Named]:
+def named_by_shared_blocks(design: Design) -> Iterator[NamedEntry]:
     """Entries of the catalogue that the shared blocks and the design's own entries name."""
     rope, train = design.rope, design.drive
-    yield Named(("rope", "type"), "ropes", rope.type)
-    yield Named(("rope", "inline", "material"), "materials", rope.inline.material if rope.inline else None)
-    yield Named(("drive", "motor"), "motors", train.motor)
-    yield Named(("drive", "gearhead"), "gearheads", train.gearhead)
-    yield Named(("drive", "encoder"), "encoders", train.encoder)
-    yield Named(("drive", "drum_encoder"), "encoders", train.drum_encoder)
+    yield NamedEntry(("rope", "type"), "ropes", rope.type)
+    yield NamedEntry(("rope", "inline", "material"), "materials", rope.inline.material if rope.inline else None)
+    yield NamedEntry(("drive", "motor"), "motors", train.motor)
+    yield NamedEntry(("drive", "gearhead"), "gearheads", train.gearhead)
+    yield NamedEntry(("drive", "encoder"), "encoders", train.encoder)
+    yield NamedEntry(("drive", "drum_encoder"), "encoders", train.drum_encoder)
     for kind in KINDS:
         for name, entry in getattr(design.catalogue, kind).items():
             for field, target in (("material", "materials"), ("screw", "screws")):
-                yield Named(("catalogue", kind, name, field), target, getattr(entry, field, None))
+                yield NamedEntry(("catalogue", kind, name, field), target, getattr(entry, field, None))
 
 
 def _cables(design: Design) -> Iterator[Broken]:

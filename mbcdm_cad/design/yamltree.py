@@ -73,7 +73,7 @@ def parse(text: str, file: str, kind: str = "design file", hint: str = NEW_DESIG
             remedy="remove it, or save the file as plain UTF-8 text",
         )
     try:
-        return _Builder(file, kind, hint).build(yaml.parse(text, Loader=_LOADER))
+        return _TreeBuilder(file, kind, hint).build(yaml.parse(text, Loader=_LOADER))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         what = " ".join(word for word in (error.context, error.problem) if word) or "unreadable"
@@ -90,7 +90,7 @@ def parse(text: str, file: str, kind: str = "design file", hint: str = NEW_DESIG
         raise _error(file, 1, "", what, remedy="check the file's text") from None
 
 
-class _Builder:
+class _TreeBuilder:
     """Builds the tree from parse events, holding open blocks on a stack of its own."""
 
     def __init__(self, file: str, kind: str, hint: str) -> None:

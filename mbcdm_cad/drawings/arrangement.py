@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import hypot, inf
 
-from mbcdm_cad.drawings.levels import Place, Span, placed
+from mbcdm_cad.drawings.levels import DimensionSpan, Place, placed
 from mbcdm_cad.drawings.projection import Picture
 from mbcdm_cad.drawings.strokes import box
 from mbcdm_cad.drawings.style import (
@@ -153,7 +153,7 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             ends.append(pair)
             along = sorted(p[0 if across else 1] for p in pair)
             _agree(sheet, d, (along[1] - along[0]) / scale)
-            spans.append(Span(along[0], along[1], text_width_mm(_shown_text(d))))
+            spans.append(DimensionSpan(along[0], along[1], text_width_mm(_shown_text(d))))
         first, last = ("left", "right") if across else ("below", "above")
         places = placed(spans, (edge[first] * scale, edge[last] * scale))
         sign = 1.0 if side in ("above", "right") else -1.0

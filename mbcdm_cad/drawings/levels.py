@@ -14,7 +14,7 @@ _LEVELS = 40
 
 
 @dataclass(frozen=True)
-class Span:
+class DimensionSpan:
     """A dimension along one side of a view, paper mm: its two ends and how long its text is."""
 
     low: float
@@ -41,7 +41,7 @@ class Place:
     inside: bool
 
 
-def _candidates(span: Span, ends: list[float]) -> list[tuple[float, float, float]]:
+def _candidates(span: DimensionSpan, ends: list[float]) -> list[tuple[float, float, float]]:
     """(middle of the text, low end, high end) of what the dimension takes up, the best first."""
     out = _OUTSIDE_MM if span.arrows_outside else 0.0
     middle = (span.low + span.high) / 2
@@ -62,7 +62,7 @@ def _candidates(span: Span, ends: list[float]) -> list[tuple[float, float, float
     return near + far
 
 
-def placed(spans: Sequence[Span], within: tuple[float, float]) -> list[Place]:
+def placed(spans: Sequence[DimensionSpan], within: tuple[float, float]) -> list[Place]:
     """A place for each span: shorter ones nearer the view, none over another, no text on an extension line.
 
     ``within``: the ends of the view on this side; texts stay between them where they can, off the next side's.
@@ -82,7 +82,11 @@ def placed(spans: Sequence[Span], within: tuple[float, float]) -> list[Place]:
 
 
 def _first_free(
-    span: Span, ends: list[float], lowest: int, taken: list[list[tuple[float, float]]], within: tuple[float, float]
+    span: DimensionSpan,
+    ends: list[float],
+    lowest: int,
+    taken: list[list[tuple[float, float]]],
+    within: tuple[float, float],
 ) -> Place:
     candidates = _candidates(span, ends)
     candidates.sort(key=lambda c: c[1] < within[0] - _OUTSIDE_MM or c[2] > within[1] + _OUTSIDE_MM)

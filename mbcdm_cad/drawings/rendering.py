@@ -26,7 +26,7 @@ Curve = tuple[str, tuple[float, ...]]
 
 
 @dataclass
-class Shape:
+class DrawnPath:
     """A path to stroke (``weight_mm`` > 0) or fill, as moves (M), lines (L) and cubic curves (C)."""
 
     weight_mm: float
@@ -37,14 +37,14 @@ class Shapes(BackendInterface):
     """Collects what the front end draws."""
 
     def __init__(self) -> None:
-        self.shapes: list[Shape] = []
+        self.shapes: list[DrawnPath] = []
 
     def _stroke(self, properties: Any, curves: list[Curve]) -> None:
         weight = max(properties.lineweight, _LIGHTEST_MM)
         if self.shapes and self.shapes[-1].weight_mm == weight:
             self.shapes[-1].curves += curves
         else:
-            self.shapes.append(Shape(weight, curves))
+            self.shapes.append(DrawnPath(weight, curves))
 
     def draw_point(self, pos: Any, properties: Any) -> None:
         """Points mark definition points of dimensions and are not printed."""
@@ -62,12 +62,12 @@ class Shapes(BackendInterface):
     def draw_filled_paths(self, paths: Iterable[Any], properties: Any) -> None:
         curves = [curve for path in paths if len(path) for curve in (*_curves(path), ("Z", ()))]
         if curves:
-            self.shapes.append(Shape(0.0, curves))
+            self.shapes.append(DrawnPath(0.0, curves))
 
     def draw_filled_polygon(self, points: Any, properties: Any) -> None:
         corners = [(p.x, p.y) for p in points.vertices()]
         if corners:
-            self.shapes.append(Shape(0.0, [("M", corners[0]), *(("L", p) for p in corners[1:]), ("Z", ())]))
+            self.shapes.append(DrawnPath(0.0, [("M", corners[0]), *(("L", p) for p in corners[1:]), ("Z", ())]))
 
     def draw_image(self, image_data: Any, properties: Any) -> None:
         raise NotImplementedError("drawings hold no images")
@@ -110,7 +110,7 @@ def _curves(path: Any) -> list[Curve]:
     return curves
 
 
-def shapes_of(doc: Drawing) -> list[Shape]:
+def shapes_of(doc: Drawing) -> list[DrawnPath]:
     """All that the drawing shows, in the order it is drawn."""
     backend = Shapes()
     config = Configuration(
@@ -134,7 +134,7 @@ def _number(value: float) -> str:
     return "0" if text == "-0" else text
 
 
-def svg_bytes(shapes: list[Shape], width_mm: float, height_mm: float) -> bytes:
+def svg_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float) -> bytes:
     """The sheet as SVG of its true size."""
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width_mm:g}mm" height="{height_mm:g}mm" '
@@ -151,7 +151,7 @@ def svg_bytes(shapes: list[Shape], width_mm: float, height_mm: float) -> bytes:
     return ("\n".join(lines) + "\n</g>\n</svg>\n").encode()
 
 
-def pdf_bytes(shapes: list[Shape], width_mm: float, height_mm: float, title: str) -> bytes:
+def pdf_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float, title: str) -> bytes:
     """The sheet as a PDF of one page in its true size; no times in it."""
     operators = {"M": "m", "L": "l", "C": "c", "Z": "h"}
     lines = [f"{_POINTS_PER_MM:.9f} 0 0 {_POINTS_PER_MM:.9f} 0 0 cm", "1 J 1 j 0 G 0 g"]

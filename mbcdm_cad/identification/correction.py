@@ -125,18 +125,36 @@ def correction_of(fitter: Fitter, fit: Fit, noise_rad: float) -> Correction:
     assert best is not None
     _, reversal, table = best
     found = Correction(
-        grid, load_grid, table, reversal, float(fitter.ratio), words, tuple(left_out), 0.0, 0.0, noise_rad,
+        grid,
+        load_grid,
+        table,
+        reversal,
+        float(fitter.ratio),
+        words,
+        tuple(left_out),
+        0.0,
+        0.0,
+        noise_rad,
         "; ".join(p.held_words for p in fitter.runs),
-    )  # fmt: skip
+    )
     sense = np.concatenate([directions(one, reversal) for one in angle])
     told = found.at(angles, sense, loads)[0]
     # The table's own zero: the middle of the travel, without load, between the two directions.
     idle = np.clip(np.zeros(1), load_grid[0], load_grid[-1])
     zero = found.at(grid[ANGLES // 2 : ANGLES // 2 + 1], np.zeros(1), idle)[0]
     return Correction(
-        grid, load_grid, table - float(zero[0]), reversal, float(fitter.ratio), words, tuple(left_out),
-        _held_rms(fitter, errors), _held_rms(fitter, errors - told), noise_rad, found.held_out,
-    )  # fmt: skip
+        grid,
+        load_grid,
+        table - float(zero[0]),
+        reversal,
+        float(fitter.ratio),
+        words,
+        tuple(left_out),
+        _held_rms(fitter, errors),
+        _held_rms(fitter, errors - told),
+        noise_rad,
+        found.held_out,
+    )
 
 
 def _without_the_passing(fitter: Fitter, fit: Fit) -> tuple[Floats, list[str]]:
@@ -147,8 +165,10 @@ def _without_the_passing(fitter: Fitter, fit: Fit) -> tuple[Floats, list[str]]:
     rest = [k for k in range(len(fit.effects)) if k not in passing]
     whole = fitter.predict(fit.effects, fit.values, fit.offsets)
     less = fitter.predict([fit.effects[k] for k in rest], [fit.values[k] for k in rest], fit.offsets)
-    names = [f"{fit.effects[k].label}: hangs on {fit.effects[k].hangs_on or 'more of the angle than the table holds'}"
-             for k in passing]  # fmt: skip
+    names = [
+        f"{fit.effects[k].label}: hangs on {fit.effects[k].hangs_on or 'more of the angle than the table holds'}"
+        for k in passing
+    ]
     return np.asarray(fitter.output - whole + less), names
 
 

@@ -106,7 +106,7 @@ def strongest_orders(setup: Setup, residual: Floats, most: int = 2) -> list[floa
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class OrderVerdict:
     """Verdict on one order.
 
     ``probability`` of so steady a line by chance, over all orders searched (at most 1); ``sectors``: the part of the
@@ -140,7 +140,7 @@ def line_of(
     residual: Floats,
     sweep: NDArray[np.int64],
     most_order: float = MOST_ORDER,
-) -> Line:
+) -> OrderVerdict:
     """Test one order (cycles a turn of the drum); arrays (n,), samples in use only.
 
     The search could have picked any order up to ``most_order``: 2 x travel (in turns) x ``most_order`` trials. The wave
@@ -167,7 +167,7 @@ def line_of(
             continue
         part = _amplitudes(wave[chosen], angle_rad[chosen], residual[chosen])
         shares.append(float(part @ whole) / amplitude**2)
-    return Line(order, amplitude, probability, np.array(shares))
+    return OrderVerdict(order, amplitude, probability, np.array(shares))
 
 
 def _amplitudes(wave: Floats, angle_rad: Floats, residual: Floats) -> Floats:

@@ -31,7 +31,7 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?\Z")
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class DataTable:
     """``values`` (columns asked for, n), broken rows left out: how many, and the lines of the first of them.
 
     ``skipped_lines`` are all lines from ``begin_line`` on that are no row, in order.
@@ -53,7 +53,7 @@ class Table:
             line = moved
 
 
-def read_table(path: Path, layout: Format, columns: Sequence[int], skip_broken: bool) -> Table:
+def read_table(path: Path, layout: Format, columns: Sequence[int], skip_broken: bool) -> DataTable:
     """The columns (from 0) of all rows. Raises InputError for a broken row unless they are to be skipped."""
     reader = _Reader(path, layout, columns, skip_broken)
     parts = [reader.block(first_line, text) for first_line, text in _blocks(path, layout.begin_line)]
@@ -76,7 +76,7 @@ def read_table(path: Path, layout: Format, columns: Sequence[int], skip_broken: 
     for part in reversed(parts):  # each part is let go once it is copied
         values[:, kept - part.shape[0] : kept] = part.T
         kept -= parts.pop().shape[0]
-    return Table(
+    return DataTable(
         values, reader.broken, tuple(reader.broken_lines), layout.begin_line, np.array(reader.skipped, dtype=np.int64)
     )
 

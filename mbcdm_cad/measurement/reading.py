@@ -15,7 +15,7 @@ from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
-from mbcdm_cad.measurement.datafile import DECIMALS, Table, read_table
+from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.schema import Column, Columns, Measurement, is_column, node_at
@@ -297,7 +297,7 @@ def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format,
     raise InputError([file.problem(where, what, shortened(asked), remedy=remedy)])
 
 
-def _in_si(file: MeasurementFile, asked: dict[str, Column], table: Table, source: str, sha256: str) -> Run:
+def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, source: str, sha256: str) -> Run:
     """The table's rows put into SI in place, so that a long run is held once."""
     rows: dict[str, Floats] = {}
     for (quantity, column), row in zip(asked.items(), table.values, strict=True):

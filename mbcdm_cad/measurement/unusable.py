@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.measurement.datafile import Table
+from mbcdm_cad.measurement.datafile import DataTable
 from mbcdm_cad.measurement.run import Run
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ SPIKE_SPANS = 3.0
 LONGEST_SPIKE = 5
 
 
-def refuse_unusable(file: MeasurementFile, run: Run, table: Table, data: Path) -> None:
+def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> None:
     """Too few samples, figures out of all bounds, time that runs backwards, single figures far off, nothing that moved.
 
     Raises InputError, with the line of the data where there is one.
@@ -58,7 +58,7 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: Table, data: Path) -
         raise InputError(problems)
 
 
-def _far_off(file: MeasurementFile, run: Run, table: Table, data: Path) -> list[Problem]:
+def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> list[Problem]:
     """Single figures far from all others, as a sensor or a bus that failed for a moment gives them."""
     signals = [
         (f"input {n}".removesuffix(" input"), row) for n, row in zip(run.input_names, run.input_rad, strict=True)

@@ -51,7 +51,7 @@ _CODE = re.compile(r"(JS|js|[DEFGHJKMNP]|[defghkmnp])(\d{1,2})")
 
 
 @dataclass(frozen=True)
-class Limits:
+class SizeLimits:
     """Limits of a size in mm: nominal and the two deviations from it."""
 
     nominal_mm: float
@@ -69,7 +69,7 @@ class Limits:
         return self.nominal_mm + self.lower_mm
 
 
-def limits(nominal_mm: float, code: str) -> Limits:
+def limits(nominal_mm: float, code: str) -> SizeLimits:
     """Limits of ``nominal_mm`` for a tolerance class such as ``H7`` (hole) or ``h6`` (shaft).
 
     Raises ``ValueError`` with value, limit and remedy for a size outside 1 to 500 mm or a class that is not known.
@@ -84,7 +84,7 @@ def limits(nominal_mm: float, code: str) -> Limits:
     if found is None or grade not in _TOLERANCES_UM:
         raise ValueError(f"fit {code}: not a known tolerance class; use a letter D to P and a grade 5 to 13, as in H7")
     upper, lower = _deviations_um(found.group(1), grade, bisect_left(_RANGES_MM, nominal_mm))
-    return Limits(nominal_mm, upper / 1e3, lower / 1e3)
+    return SizeLimits(nominal_mm, upper / 1e3, lower / 1e3)
 
 
 def _deviations_um(letter: str, grade: int, column: int) -> tuple[float, float]:

@@ -41,7 +41,7 @@ class BillLine:
 
 
 @dataclass(frozen=True)
-class Inertias:
+class ReflectedInertias:
     """Moments of inertia of what moves, g mm^2: seen at the drum's axis, and reflected to one motor's shaft.
 
     ``passed_at_drum`` holds the bodies that cables pass; ``input_shafts`` are each input's about its own axis, its
@@ -124,7 +124,7 @@ def masses_by_item(centred: Bill, parts: Mapping[str, MadePart]) -> dict[str, Ma
     return {item.name: item_mass(item, parts[item.part].files.shape) for item in centred.items}
 
 
-def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties]) -> Inertias:
+def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties]) -> ReflectedInertias:
     """Inertia seen at the drum's axis: each moving group by the square of its ratio to the drum.
 
     Cables are left out (2 g, moving with the rims); the rotors turn i_c x gearhead times faster than the drum.
@@ -154,7 +154,9 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
     motor_ratio = first.drum_radius_mm / first.input_radius_mm * drive.gearhead.ratio
     without = drum + sum(passed.values()) + inputs
     everything = without + rotors
-    return Inertias(drum, passed, inputs, rotors, without, everything, everything / motor_ratio**2, tuple(shafts))
+    return ReflectedInertias(
+        drum, passed, inputs, rotors, without, everything, everything / motor_ratio**2, tuple(shafts)
+    )
 
 
 def box_mm(

@@ -9,12 +9,12 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad, torsional_modes_Hz
-from mbcdm_cad.report.masses import Inertias
+from mbcdm_cad.report.masses import ReflectedInertias
 
 _KG_M2 = 1e-9  # of a g mm^2
 
 
-def torsion_data(drive: Drive, moving: Inertias) -> dict[str, Any]:
+def torsion_data(drive: Drive, moving: ReflectedInertias) -> dict[str, Any]:
     """Frequencies (Hz) with every wrap sticking: inputs held, and inputs free with pulley and rotor.
 
     Bodies that cables pass are taken to turn with the drum. Free inputs leave the rigid turn at 0 Hz out.

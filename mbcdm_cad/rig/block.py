@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict
 
 
-class Block(BaseModel):
+class ExperimentBlock(BaseModel):
     """Unknown fields and strings for numbers are refused; units are in the fields' names."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

@@ -24,7 +24,7 @@ from mbcdm_cad.rig.plot import transmission_error_urad
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import set_up, simulate
 from mbcdm_cad.rig.reading import read_experiment
-from mbcdm_cad.rig.sensors import Sensors
+from mbcdm_cad.rig.sensors import BenchSensors
 from mbcdm_cad.routes import Floats
 
 _ACROSS = 8
@@ -69,7 +69,7 @@ class Added:
 
 def added(drive: Drive, experiment: Experiment) -> Added:
     """Run an experiment with perfect sensors with and without its faults."""
-    perfect = Sensors(
+    perfect = BenchSensors(
         input_at=experiment.sensors.input_at,
         input_resolution_rad=0.0,
         output_resolution_rad=0.0,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.routes import Floats
 
 Resolution = Annotated[float, Field(ge=0.0, le=1e-2)]
@@ -15,7 +15,7 @@ Noise = Annotated[float, Field(ge=0.0, le=1e-2)]
 Delay = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
-class Sensors(Block):
+class BenchSensors(ExperimentBlock):
     """Encoders and torque sensor; a resolution of 0 is a sensor without steps. ``*_delay_s`` is known to nobody else.
 
     ``input_at`` says where the input encoders sit: on the pulleys, or behind the motors, read at the gearhead's output.

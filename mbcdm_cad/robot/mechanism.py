@@ -9,7 +9,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.bodies import Body, bodies, is_cable
+from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
@@ -56,7 +56,7 @@ class Joint:
 
 
 @dataclass(frozen=True)
-class Cable:
+class CableSpring:
     """A cable as a spring between input and drum: stretch = drum_lever * drum + input_lever * input (m, rad)."""
 
     name: str
@@ -76,7 +76,7 @@ class Mechanism:
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     drum: str
-    cables: tuple[Cable, ...]
+    cables: tuple[CableSpring, ...]
     peak_torque_Nm: float
 
     def link(self, name: str) -> Link:
@@ -107,7 +107,7 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
 
 
 def _link(
-    body: Body, shown: list[Item], parts: Mapping[str, PartFiles], drive: Drive, extra: Sequence[Item] = ()
+    body: MovingGroup, shown: list[Item], parts: Mapping[str, PartFiles], drive: Drive, extra: Sequence[Item] = ()
 ) -> Link:
     """``extra`` adds its mass but is not drawn."""
     whole = combined(item_mass(item, parts[item.part].shape) for item in [*shown, *extra])
@@ -130,20 +130,20 @@ def _link(
     )
 
 
-def _joint(body: Body, drive: Drive) -> Joint:
+def _joint(body: MovingGroup, drive: Drive) -> Joint:
     rotor = drive.motor.rotor_inertia_g_cm2 * G_CM2 * drive.gearhead.ratio**2
     limit = radians(abs(body.ratio) * (drive.half_travel_deg + drive.stop_clearance_deg))
     return Joint(body.name, body.axis, body.ratio, limit, rotor if body.kind == "input" else 0.0)
 
 
-def _cables(drive: Drive, inputs: Sequence[Body]) -> tuple[Cable, ...]:
+def _cables(drive: Drive, inputs: Sequence[MovingGroup]) -> tuple[CableSpring, ...]:
     d = to_si(drive)
     found = []
     for j, name in enumerate(d.cable_names):
         link = inputs[d.input_of[j]]
         lever = float(d.sigma[j] * d.drum_radius_m[j])
         found.append(
-            Cable(
+            CableSpring(
                 name=name,
                 input_link=link.name,
                 drum_lever=-lever,

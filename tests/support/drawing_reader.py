@@ -70,11 +70,18 @@ def dimensions(doc: Drawing) -> list[ReadDimension]:
         (ax, ay), (bx, by) = ((p.x - ox, p.y - oy) for p in points)
         found.append(
             ReadDimension(
-                view, entity.dxf.handle, int(match[1] or 1), (match[2] or "").strip(), float(match[3]), match[4],
-                linear and abs(entity.dxf.get("angle", 0.0)) < 1.0, (ax, ay), (bx, by),
+                view,
+                entity.dxf.handle,
+                int(match[1] or 1),
+                (match[2] or "").strip(),
+                float(match[3]),
+                match[4],
+                linear and abs(entity.dxf.get("angle", 0.0)) < 1.0,
+                (ax, ay),
+                (bx, by),
                 "linear" if linear else "radius",
             )
-        )  # fmt: skip
+        )
     return found
 
 

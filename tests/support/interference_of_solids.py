@@ -9,23 +9,23 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.build.clash import Clash
-from mbcdm_cad.build.interference import Run, answers, interference_run
+from mbcdm_cad.build.interference import InterferenceRun, answers, interference_run
 from mbcdm_cad.build.kernel import brep_bytes
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
-from mbcdm_cad.build.pairs import Body
+from mbcdm_cad.build.pairs import PartShape
 from mbcdm_cad.build.scene import scenes
 from mbcdm_cad.configurations.interface import Layout
 
 
-def body(name: str, solid: Any, mesh_tolerance_mm: float | None = None) -> Body:
+def body(name: str, solid: Any, mesh_tolerance_mm: float | None = None) -> PartShape:
     """A solid for the run; without a mesh tolerance every pair whose boxes meet is left to a boolean."""
     mesh = None if mesh_tolerance_mm is None else mesh_solid(name, solid, mesh_tolerance_mm)
     key = hashlib.sha256(brep_bytes(solid)).hexdigest()
-    return Body(key, np.array(bounding_box(solid)), lambda: solid, mesh)
+    return PartShape(key, np.array(bounding_box(solid)), lambda: solid, mesh)
 
 
-def run_of(dims: Layout, bodies: Mapping[str, Body], poses_deg: Sequence[float]) -> Run:
+def run_of(dims: Layout, bodies: Mapping[str, PartShape], poses_deg: Sequence[float]) -> InterferenceRun:
     """The run of a design with these bodies in place of its parts."""
     half = dims.drive.half_travel_deg
     seen = scenes(dims, (0.0, -half, half, *poses_deg))

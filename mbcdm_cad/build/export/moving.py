@@ -14,7 +14,7 @@ from vtkmodules.vtkCommonCore import vtkLogger
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
-from mbcdm_cad.build.bodies import Body
+from mbcdm_cad.build.bodies import MovingGroup
 from mbcdm_cad.build.export import picture
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.parts.item import Item
@@ -57,7 +57,7 @@ def tube_mesh(centre_line_mm: NDArray[np.float64], radius_mm: float) -> Triangle
 def travel_gif(
     items: Sequence[Item],
     meshes: Mapping[str, TriangleMesh],
-    moving: Sequence[Body],
+    moving: Sequence[MovingGroup],
     cables: tuple[Callable[[float], Sequence[CablePath]], float, Vector],
     half_travel_deg: float,
     *,
@@ -114,7 +114,7 @@ def travel_gif(
 def _still_camera(
     items: Sequence[Item],
     meshes: Mapping[str, TriangleMesh],
-    moving: Sequence[Body],
+    moving: Sequence[MovingGroup],
     half_travel_deg: float,
     view: str,
     size: tuple[int, int],

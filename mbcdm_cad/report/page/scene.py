@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.build.bodies import Body, bodies, is_cable
+from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
 from mbcdm_cad.build.mass import item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
@@ -77,7 +77,7 @@ def design_scene(drive: Drive, parts: Mapping[str, PartFiles]) -> Scene:
 
 
 def scene(
-    centred: Bill, moving: Sequence[Body], parts: Mapping[str, PartFiles], paths_at: Paths, drive: Drive
+    centred: Bill, moving: Sequence[MovingGroup], parts: Mapping[str, PartFiles], paths_at: Paths, drive: Drive
 ) -> Scene:
     """The scene of bodies, parts and cables.
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AliasChoices, Field
 
-from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.rig.dynamic.motion import sine, standstill
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.sensors import Delay, Noise, Resolution
@@ -17,7 +17,7 @@ Torque = Annotated[float, Field(ge=-50.0, le=50.0)]
 Friction = Annotated[float, Field(ge=0.0, le=10.0)]
 
 
-class DynamicMotion(Block):
+class DynamicMotion(ExperimentBlock):
     """A sine of the drum's angle that starts from rest, or standstill."""
 
     shape: Literal["sine", "hold"] = "sine"
@@ -31,7 +31,7 @@ class DynamicMotion(Block):
         return sine(self.amplitude_mrad * 1e-3, self.frequency_Hz, duration_s * self.frequency_Hz, rate_Hz)
 
 
-class DynamicLoad(Block):
+class DynamicLoad(ExperimentBlock):
     """Brake and torque motor may act together; a brake with a ``static_ratio`` above 1 sticks and slips."""
 
     brake_Nm: Friction = 0.0
@@ -43,7 +43,7 @@ class DynamicLoad(Block):
     unbalance_Nm: Torque = 0.0
 
 
-class Drives(Block):
+class Drives(ExperimentBlock):
     """Motors and gearheads; what is left out is the design's. ``lossless`` switches all their friction off."""
 
     lossless: bool = False
@@ -55,7 +55,7 @@ class Drives(Block):
     bandwidth_Hz: Annotated[float, Field(ge=0.5, le=25.0)] = 5.0
 
 
-class Bearings(Block):
+class BearingDrag(ExperimentBlock):
     """Coulomb friction of the bearings, each at its own shaft, N m. The torque sensor does not see it."""
 
     input_Nm: Friction = 0.0
@@ -63,7 +63,7 @@ class Bearings(Block):
     drum_Nm: Friction = 0.0
 
 
-class DynamicSensors(Block):
+class DynamicSensors(ExperimentBlock):
     """What the sensors make of the truth; the loops see the input encoders too, the rest is logged."""
 
     input_resolution_rad: Resolution = 1.9175e-4
@@ -80,7 +80,7 @@ class DynamicSensors(Block):
         return True
 
 
-class DynamicPhysics(Block):
+class DynamicPhysics(ExperimentBlock):
     """Choices of the physics."""
 
     cable_transport: bool = True
@@ -89,7 +89,7 @@ class DynamicPhysics(Block):
     step_us: Literal[20, 50, 100, 200, 500] = 100
 
 
-class DynamicExperiment(Block):
+class DynamicExperiment(ExperimentBlock):
     """An experiment on the dynamic rig. ``paper`` runs one of the paper's three and needs nothing else."""
 
     rig: Literal["dynamic"]
@@ -102,7 +102,7 @@ class DynamicExperiment(Block):
     motion: DynamicMotion = DynamicMotion()
     load: DynamicLoad = DynamicLoad()
     drives: Drives = Drives()
-    bearings: Bearings = Bearings()
+    bearings: BearingDrag = BearingDrag()
     sensors: DynamicSensors = DynamicSensors()
     physics: DynamicPhysics = DynamicPhysics()
     effects: Annotated[tuple[AnyEffect, ...], Field(max_length=50, strict=False)] = ()

@@ -53,7 +53,7 @@ class Loops(NamedTuple):
     noise: Floats
 
 
-class Course(NamedTuple):
+class DynamicCourse(NamedTuple):
     """``reference`` (n, 3): drum angle, speed and acceleration asked for at each period; ``torque`` and ``brake`` (n,):
     torque motor and level of the brake, N m; ``load``: the load's row; ``paths`` (n, n_cables, 3), or (0, ..) if there
     is none: extra path of each cable at the reference, m, and its slopes over the drum's and the input's angle."""
@@ -82,7 +82,9 @@ class Record(NamedTuple):
 
 
 @compiled
-def run(plant: Plant, chains: Chains, loops: Loops, course: Course, clock: Clock, record: Record) -> tuple[float, int]:
+def run(
+    plant: Plant, chains: Chains, loops: Loops, course: DynamicCourse, clock: Clock, record: Record
+) -> tuple[float, int]:
     """Run the periods of the position loops and fill ``record``; the change of stored energy, J, and the periods done.
 
     The run ends early, as a guarded bench would, when the drum is off its reference by ``give_up_rad``.

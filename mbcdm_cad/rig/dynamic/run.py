@@ -76,7 +76,7 @@ def run_dynamic(
     loops = kernel.Loops(
         tables.loop_gains(rig), tables.turns(rig), tables.current_share(rig), tables.encoder_table(rig), noise
     )
-    course = kernel.Course(
+    course = kernel.DynamicCourse(
         np.ascontiguousarray(reference, dtype=float),
         _series(torque_Nm, n),
         _series(brake_Nm, n),

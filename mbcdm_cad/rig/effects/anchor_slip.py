@@ -12,10 +12,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 
 
-class AnchorSlip(Effect):
+class AnchorSlip(RigEffect):
     """Slip of a cable's anchor."""
 
     effect: Literal["anchor_slip"]

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.block import ExperimentBlock
 
 CableNames = Annotated[tuple[str, ...], Field(max_length=16, strict=False)]
 Share = Annotated[float, Field(ge=-0.9, le=3.0)]
@@ -16,7 +16,7 @@ Stage = Annotated[str, Field(min_length=1, max_length=80)]
 Phase = Annotated[float, Field(ge=-360.0, le=360.0)]
 
 
-class Effect(Block):
+class RigEffect(ExperimentBlock):
     """One thing wrong with the bench."""
 
     def apply(self, bench: Bench) -> None:

@@ -12,13 +12,13 @@ import numpy as np
 from pydantic import AliasChoices, Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 from mbcdm_cad.rig.quasistatic.load import brake
 
 PASSED = AliasChoices("passed_mNm", "guide_mNm")
 
 
-class BearingFriction(Effect):
+class BearingFriction(RigEffect):
     """Drag of bearings."""
 
     effect: Literal["bearing_friction"]

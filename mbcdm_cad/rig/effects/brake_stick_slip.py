@@ -11,10 +11,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 
 
-class BrakeStickSlip(Effect):
+class BrakeStickSlip(RigEffect):
     """Stick-slip of the brake."""
 
     effect: Literal["brake_stick_slip"]

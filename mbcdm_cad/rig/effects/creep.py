@@ -8,10 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import CableNames, Effect
+from mbcdm_cad.rig.effects.base import CableNames, RigEffect
 
 
-class Creep(Effect):
+class Creep(RigEffect):
     """Creep of ropes."""
 
     effect: Literal["creep"]

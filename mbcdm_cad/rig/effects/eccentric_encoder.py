@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Phase, Stage
+from mbcdm_cad.rig.effects.base import Phase, RigEffect, Stage
 
 
-class EccentricEncoder(Effect):
+class EccentricEncoder(RigEffect):
     """Eccentric encoder on the drum's or an input's shaft."""
 
     effect: Literal["eccentric_encoder"]

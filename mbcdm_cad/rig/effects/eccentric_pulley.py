@@ -14,12 +14,12 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Phase, Stage
+from mbcdm_cad.rig.effects.base import Phase, RigEffect, Stage
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.displaced import offset_m, path_change_m
 
 
-class EccentricPulley(Effect):
+class EccentricPulley(RigEffect):
     """Eccentric groove of a body that cables run on."""
 
     effect: Literal["eccentric_pulley"]

@@ -8,10 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Stage
+from mbcdm_cad.rig.effects.base import RigEffect, Stage
 
 
-class EncoderScale(Effect):
+class EncoderScale(RigEffect):
     """Scale error of an encoder."""
 
     effect: Literal["encoder_scale"]

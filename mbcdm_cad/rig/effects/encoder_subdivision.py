@@ -13,10 +13,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Phase, Stage
+from mbcdm_cad.rig.effects.base import Phase, RigEffect, Stage
 
 
-class EncoderSubdivision(Effect):
+class EncoderSubdivision(RigEffect):
     """Sub-division error of an encoder."""
 
     effect: Literal["encoder_subdivision"]

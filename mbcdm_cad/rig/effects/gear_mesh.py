@@ -13,10 +13,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Phase, Stage
+from mbcdm_cad.rig.effects.base import Phase, RigEffect, Stage
 
 
-class GearMesh(Effect):
+class GearMesh(RigEffect):
     """Mesh ripple of a gearhead."""
 
     effect: Literal["gear_mesh"]

@@ -12,10 +12,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Stage
+from mbcdm_cad.rig.effects.base import RigEffect, Stage
 
 
-class GearheadLash(Effect):
+class GearheadLash(RigEffect):
     """Lash of the gearhead or coupling of an input."""
 
     effect: Literal["gearhead_lash"]

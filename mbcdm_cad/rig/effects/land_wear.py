@@ -13,12 +13,12 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 from mbcdm_cad.rig.effects.shapes import hump_integral
 from mbcdm_cad.routes import Floats
 
 
-class LandWear(Effect):
+class LandWear(RigEffect):
     """Uneven wear of a drum land."""
 
     effect: Literal["land_wear"]

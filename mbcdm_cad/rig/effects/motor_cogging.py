@@ -13,10 +13,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Stage
+from mbcdm_cad.rig.effects.base import RigEffect, Stage
 
 
-class MotorCogging(Effect):
+class MotorCogging(RigEffect):
     """Cogging of a motor under its position loop."""
 
     effect: Literal["motor_cogging"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import CableNames, Effect, Share
+from mbcdm_cad.rig.effects.base import CableNames, RigEffect, Share
 
 
-class Preload(Effect):
+class Preload(RigEffect):
     """Preload off."""
 
     effect: Literal["preload"]

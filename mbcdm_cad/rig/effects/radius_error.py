@@ -10,10 +10,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import CableNames, Effect
+from mbcdm_cad.rig.effects.base import CableNames, RigEffect
 
 
-class RadiusError(Effect):
+class RadiusError(RigEffect):
     """Pitch radius error."""
 
     effect: Literal["radius_error"]

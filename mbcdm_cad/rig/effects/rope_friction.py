@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect, Share
+from mbcdm_cad.rig.effects.base import RigEffect, Share
 
 
-class RopeFriction(Effect):
+class RopeFriction(RigEffect):
     """Friction of rope on pulleys off."""
 
     effect: Literal["rope_friction"]

@@ -14,11 +14,11 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import CableNames, Effect, Phase
+from mbcdm_cad.rig.effects.base import CableNames, Phase, RigEffect
 from mbcdm_cad.routes import Floats
 
 
-class RopeLay(Effect):
+class RopeLay(RigEffect):
     """Ripple by the lay of the rope."""
 
     effect: Literal["rope_lay"]

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 
 
-class SensorDelay(Effect):
+class SensorDelay(RigEffect):
     """Latency of encoders."""
 
     effect: Literal["sensor_delay"]

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 
 
-class ShaftCompliance(Effect):
+class ShaftCompliance(RigEffect):
     """Compliance of the output shaft."""
 
     effect: Literal["shaft_compliance"]

@@ -13,12 +13,12 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 from mbcdm_cad.rig.effects.shapes import rise_integral
 from mbcdm_cad.routes import Floats
 
 
-class StepClimb(Effect):
+class StepClimb(RigEffect):
     """A cable that climbs its step."""
 
     effect: Literal["step_climb"]

@@ -14,12 +14,12 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 from mbcdm_cad.rig.effects.shapes import hump_integral
 from mbcdm_cad.routes import Floats
 
 
-class StrandDamage(Effect):
+class StrandDamage(RigEffect):
     """Local bump of a rope."""
 
     effect: Literal["strand_damage"]

@@ -14,13 +14,13 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import CableNames, Effect
+from mbcdm_cad.rig.effects.base import CableNames, RigEffect
 from mbcdm_cad.routes import Floats
 
 Expansion = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
-class Temperature(Effect):
+class Temperature(RigEffect):
     """Expansion of cables against frame and pulleys."""
 
     effect: Literal["temperature"]

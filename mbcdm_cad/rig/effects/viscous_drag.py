@@ -8,10 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from mbcdm_cad.rig.bench import Bench
-from mbcdm_cad.rig.effects.base import Effect
+from mbcdm_cad.rig.effects.base import RigEffect
 
 
-class ViscousDrag(Effect):
+class ViscousDrag(RigEffect):
     """Viscous drag at the drum."""
 
     effect: Literal["viscous_drag"]

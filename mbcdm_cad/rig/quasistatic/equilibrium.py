@@ -37,7 +37,7 @@ def shaft(twist_rad: float, stiffness: float, play_rad: float) -> tuple[float, f
     return stiffness * (twist_rad - inside) + stiffness * _IN_PLAY * inside, slope
 
 
-class Course(NamedTuple):
+class QuasistaticCourse(NamedTuple):
     """What the bench is asked over n samples.
 
     ``input_of`` (n_cables,) is the input of each cable; ``gears`` (n_inputs, 2): stiffness in N m/rad (infinite: held)
@@ -65,7 +65,7 @@ class _Leftover(NamedTuple):
 
 
 @compiled
-def _misses(chains: Chains, course: Course, k: int, x: Floats, left: _Leftover) -> float:
+def _misses(chains: Chains, course: QuasistaticCourse, k: int, x: Floats, left: _Leftover) -> float:
     """Fill ``left`` for the angles ``x`` (pulleys, then drum) in sample ``k``; returns the sum of squares."""
     input_of, gears, miss, slopes, tension = course.input_of, course.gears, left.miss, left.slopes, left.tension
     n_inputs = gears.shape[0]
@@ -101,7 +101,7 @@ def _misses(chains: Chains, course: Course, k: int, x: Floats, left: _Leftover) 
 
 
 @compiled
-def run(chains: Chains, course: Course, pulleys: Floats, drum: Floats, tension: Floats) -> int:
+def run(chains: Chains, course: QuasistaticCourse, pulleys: Floats, drum: Floats, tension: Floats) -> int:
     """Fill ``pulleys`` (n_inputs, n), ``drum`` (n,) in rad and ``tension`` (n_cables, n) in N; the sample at which no
     balance was found, or -1."""
     motor, predicted, strains, input_of = course.motor, course.predicted, course.strains, course.input_of

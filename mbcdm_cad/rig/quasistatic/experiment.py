@@ -6,16 +6,16 @@ from typing import Annotated, Literal
 
 from pydantic import AliasChoices, Field
 
-from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.motion import Motion
-from mbcdm_cad.rig.sensors import Sensors
+from mbcdm_cad.rig.sensors import BenchSensors
 
 MAX_SAMPLES = 2_000_000
 
 
-class Physics(Block):
+class Physics(ExperimentBlock):
     """Choices of the physics. Wraps are those of rope on pulley at the centre, from anchor to tangent point."""
 
     # Rope wound on keeps its tension and brings it back; off is the analytic model's assumption.
@@ -28,7 +28,7 @@ class Physics(Block):
     drum_wrap_rad: Annotated[float, Field(gt=0.0, le=6.3)] = 3.0
 
 
-class Experiment(Block):
+class Experiment(ExperimentBlock):
     """An experiment on the quasi-static bench."""
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,79}$")]
@@ -39,6 +39,6 @@ class Experiment(Block):
     sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
     motion: Motion
     load: Load = Load()
-    sensors: Sensors = Sensors()
+    sensors: BenchSensors = BenchSensors()
     physics: Physics = Physics()
     effects: Annotated[tuple[AnyEffect, ...], Field(max_length=50, strict=False)] = ()

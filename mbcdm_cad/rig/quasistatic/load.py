@@ -12,14 +12,14 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 Torque = Annotated[float, Field(ge=-50.0, le=50.0)]
 
 
-class Load(Block):
+class Load(ExperimentBlock):
     """The load. ``levels_Nm`` follow one another, each for ``periods_per_level`` periods of the motion."""
 
     kind: Literal["none", "brake", "torque_motor", "inertia_plate"] = "none"

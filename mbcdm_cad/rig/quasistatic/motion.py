@@ -8,11 +8,11 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbcdm_cad.rig.block import Block
+from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.routes import Floats
 
 
-class Motion(Block):
+class Motion(ExperimentBlock):
     """Triangle or sine about the centre, or a hold after a quarter of a period. Angles are the drum's."""
 
     shape: Literal["triangle", "sine", "hold"] = "triangle"

@@ -82,7 +82,7 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     total = load_Nm + sum(bench.hidden_Nm, np.zeros(n))
     strains = np.zeros((*chains.wraps.shape[:2], 0)) if bench.strains is None else bench.strains
     input_of = np.array([c.input_index for c in bench.cables])
-    course = equilibrium.Course(input_of, gears, motor, path, lever, bench.drum_rad, total, strains)
+    course = equilibrium.QuasistaticCourse(input_of, gears, motor, path, lever, bench.drum_rad, total, strains)
     failed = equilibrium.run(chains, course, pulleys, drum, tension)
     if failed >= 0:
         raise RigError(

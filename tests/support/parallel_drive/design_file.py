@@ -13,7 +13,7 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.fields import Block, choice, quantity
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
-from mbcdm_cad.design.rules import Broken, Named
+from mbcdm_cad.design.rules import Broken, NamedEntry
 
 
 class Transmission(Block):
@@ -80,7 +80,7 @@ def _nothing(design: ParallelDesign) -> Iterator[Broken]:
     yield from ()
 
 
-def _none_named(design: ParallelDesign) -> Iterator[Named]:
+def _none_named(design: ParallelDesign) -> Iterator[NamedEntry]:
     yield from ()
 
 

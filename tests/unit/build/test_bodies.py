@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.bodies import Body, bodies, is_cable
+from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.registry import configuration
 
@@ -20,17 +20,17 @@ DIMS: Any = KIND.layout(DRIVE)
 
 
 @pytest.fixture(scope="module")
-def found() -> tuple[Body, ...]:
+def found() -> tuple[MovingGroup, ...]:
     return bodies(KIND.moving_bodies(DIMS), KIND.bill(DIMS))
 
 
-def test_every_item_but_the_cables_is_in_one_body(found: tuple[Body, ...]) -> None:
+def test_every_item_but_the_cables_is_in_one_body(found: tuple[MovingGroup, ...]) -> None:
     items = [name for body in found for name in body.items]
     assert len(items) == len(set(items))
     assert set(items) == {item.name for item in KIND.bill(DIMS).items if not is_cable(item)}
 
 
-def test_one_body_stands_still_and_one_is_the_drum(found: tuple[Body, ...]) -> None:
+def test_one_body_stands_still_and_one_is_the_drum(found: tuple[MovingGroup, ...]) -> None:
     assert [body.kind for body in found if body.ratio == 0.0] == ["fixed"]
     assert [body.ratio for body in found if body.kind == "drum"] == [1.0]
 

@@ -228,11 +228,19 @@ def test_every_item_of_the_bill_takes_part(
         for item in b.items:
             if not item.name.startswith(CABLE):
                 at = Placement.translation(*inside[item.part])
-                probes.append(replace(item, name=f"probe_{item.name}", part="ball", group="probe",
-                                      location=item.location @ at))  # fmt: skip
+                probes.append(
+                    replace(item, name=f"probe_{item.name}", part="ball", group="probe", location=item.location @ at)
+                )
         for name, at in rods.items():
-            probes.append(replace(b.items[0], name=f"probe_{name}", part="ball", group="probe",
-                                  location=Placement.translation(*map(float, at))))  # fmt: skip
+            probes.append(
+                replace(
+                    b.items[0],
+                    name=f"probe_{name}",
+                    part="ball",
+                    group="probe",
+                    location=Placement.translation(*map(float, at)),
+                )
+            )
         return replace(b, items=(*b.items, *probes))
 
     monkeypatch.setattr(type(CONFIGURATION), "bill", lambda self, dims, angle_deg=0.0: probed(dims, angle_deg))

@@ -17,7 +17,7 @@ from mbcdm_cad.build import known
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.known import KnownTests
-from mbcdm_cad.build.pairs import Body, Pair, Rod
+from mbcdm_cad.build.pairs import Pair, PartShape, Rod
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.storage.cache import Cache
 
@@ -26,15 +26,17 @@ PARTS = ("drum", "guide", "drum_shaft", "terminal", "nut", "frame")
 
 
 @pytest.fixture(scope="module")
-def bodies(solids: dict[str, Any]) -> dict[str, Body]:
+def bodies(solids: dict[str, Any]) -> dict[str, PartShape]:
     return {name: body(name, solids[name], 0.01) for name in PARTS}
 
 
-def edited(solids: dict[str, Any], part: str, shift_mm: tuple[float, float, float]) -> Body:
+def edited(solids: dict[str, Any], part: str, shift_mm: tuple[float, float, float]) -> PartShape:
     return body(part, solids[part].moved(cq.Location(cq.Vector(*shift_mm))), 0.01)
 
 
-def look(dims: Layout, bodies: dict[str, Body], cache: Cache, jobs: int = 1) -> tuple[tuple[Clash, ...], list[str]]:
+def look(
+    dims: Layout, bodies: dict[str, PartShape], cache: Cache, jobs: int = 1
+) -> tuple[tuple[Clash, ...], list[str]]:
     """Result of a run that may use and fills the cache, and the keys of the tests it had to make."""
     run, stored = run_of(dims, bodies, POSES), KnownTests(cache)
     missing = run.missing(stored)
@@ -44,7 +46,7 @@ def look(dims: Layout, bodies: dict[str, Body], cache: Cache, jobs: int = 1) -> 
 
 
 def test_edits_one_after_the_other_equal_runs_from_nothing(
-    dims: Layout, solids: dict[str, Any], bodies: dict[str, Body], tmp_path: Path
+    dims: Layout, solids: dict[str, Any], bodies: dict[str, PartShape], tmp_path: Path
 ) -> None:
     """A harmless edit, one that makes clashes, one of another part, and the way back: each as if nothing was known."""
     cache = Cache(tmp_path)
@@ -73,7 +75,7 @@ def test_edits_one_after_the_other_equal_runs_from_nothing(
 
 
 def test_only_pairs_of_the_edited_part_are_tested_again(
-    dims: Layout, solids: dict[str, Any], bodies: dict[str, Body], tmp_path: Path
+    dims: Layout, solids: dict[str, Any], bodies: dict[str, PartShape], tmp_path: Path
 ) -> None:
     cache = Cache(tmp_path)
     _, all_tests = look(dims, bodies, cache)

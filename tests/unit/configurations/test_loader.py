@@ -17,7 +17,7 @@ from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.editor import editor_schema
 from mbcdm_cad.design.fields import Block, Number, choice, quantity
 from mbcdm_cad.design.reference import reference_page
-from mbcdm_cad.design.rules import Broken, Named
+from mbcdm_cad.design.rules import Broken, NamedEntry
 from mbcdm_cad.errors import InputError, MbcdmError
 
 BEVEL = design_file()
@@ -66,9 +66,9 @@ def broken(design: BeltDesign) -> Iterator[Broken]:
         yield Broken(("belt", "pitch_mm"), "too long", f"{design.belt.pitch_mm:g}", "the travel", "shorten it")
 
 
-def named(design: BeltDesign) -> Iterator[Named]:
+def named(design: BeltDesign) -> Iterator[NamedEntry]:
     """The one entry of the catalogue that its own block names."""
-    yield Named(("belt", "pulley_material"), "materials", design.belt.pulley_material)
+    yield NamedEntry(("belt", "pulley_material"), "materials", design.belt.pulley_material)
 
 
 class DriveError(Exception):

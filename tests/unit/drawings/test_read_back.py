@@ -66,10 +66,14 @@ def _pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
     for length in chain:
         places.append(places[-1] + length)
     places.append(whole)
-    bore, *left = [d.value / 2 for d in sorted(
-        (d for d in main if d.prefix == "Ø" and d.start[0] < _middle(main)), key=lambda d: d.value)]  # fmt: skip
-    right = [d.value / 2 for d in sorted(
-        (d for d in main if d.prefix == "Ø" and d.start[0] >= _middle(main)), key=lambda d: -d.value)]  # fmt: skip
+    bore, *left = [
+        d.value / 2
+        for d in sorted((d for d in main if d.prefix == "Ø" and d.start[0] < _middle(main)), key=lambda d: d.value)
+    ]
+    right = [
+        d.value / 2
+        for d in sorted((d for d in main if d.prefix == "Ø" and d.start[0] >= _middle(main)), key=lambda d: -d.value)
+    ]
     blind, slit_depth = sorted(d.value for d in main if d.across and d.start[1] > 0 and "45" not in d.suffix)
     chamfer = next(d.value for d in main if "45" in d.suffix)
     body = cq.Solid.makeCylinder(left[0], places[1], cq.Vector(0, 0, 0))

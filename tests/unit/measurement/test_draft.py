@@ -37,10 +37,17 @@ def same(run: Run) -> None:
 
 
 def test_plain_names_and_units(tmp_path: Path) -> None:
-    draft, run = drafted(tmp_path, {
-        "t": RUN.time_s, "q_left [rad]": RUN.input_rad[0], "q_right [rad]": RUN.input_rad[1],
-        "q_out [rad]": RUN.output_rad, "tau": RUN.load_Nm, "state": np.ones_like(RUN.time_s),
-    })  # fmt: skip
+    draft, run = drafted(
+        tmp_path,
+        {
+            "t": RUN.time_s,
+            "q_left [rad]": RUN.input_rad[0],
+            "q_right [rad]": RUN.input_rad[1],
+            "q_out [rad]": RUN.output_rad,
+            "tau": RUN.load_Nm,
+            "state": np.ones_like(RUN.time_s),
+        },
+    )
     same(run)
     assert "guessed" in draft and "not used: state" in draft, draft
     np.testing.assert_allclose(run.load_Nm, RUN.load_Nm, rtol=1e-8)
@@ -48,10 +55,16 @@ def test_plain_names_and_units(tmp_path: Path) -> None:
 
 def test_counts_before_the_gearhead_degrees_and_a_load_cell(tmp_path: Path) -> None:
     counts = np.round(RUN.input_rad * DRIVE.gearhead.ratio * 512.0 / (2.0 * np.pi))
-    draft, run = drafted(tmp_path, {
-        "time_ms": 1e3 * RUN.time_s, "motor_left": -counts[0], "motor_right": counts[1],
-        "drum": DEG * RUN.output_rad, "load_cell (N)": RUN.load_Nm / 0.12,
-    })  # fmt: skip
+    draft, run = drafted(
+        tmp_path,
+        {
+            "time_ms": 1e3 * RUN.time_s,
+            "motor_left": -counts[0],
+            "motor_right": counts[1],
+            "drum": DEG * RUN.output_rad,
+            "load_cell (N)": RUN.load_Nm / 0.12,
+        },
+    )
     assert "side: motor" in draft and "counts_per_turn: 512" in draft and "scale: -1" in draft, draft
     assert "unit: deg" in draft and "put the arm of the load cell" in draft, draft
     same(run)

@@ -14,7 +14,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.report.analysis_report import analyse_design
-from mbcdm_cad.report.masses import Inertias
+from mbcdm_cad.report.masses import ReflectedInertias
 from mbcdm_cad.report.paths import path_data, path_data_or_reason
 from mbcdm_cad.report.torsion import torsion_data
 
@@ -60,7 +60,7 @@ def test_real_wraps_turn_the_drum_no_further_than_endless_ones(drive: Drive) -> 
 
 
 def test_torsional_modes_follow_the_inertias(drive: Drive) -> None:
-    moving = Inertias(1e5, {"guide": 2e4}, 1.0, 1.0, 1.0, 1.0, 1.0, (4e5, 4e5))
+    moving = ReflectedInertias(1e5, {"guide": 2e4}, 1.0, 1.0, 1.0, 1.0, 1.0, (4e5, 4e5))
     found = torsion_data(drive, moving)
     expected = np.sqrt(found["stiffness_Nm_rad"] / 1.2e-4) / (2 * np.pi)
     assert found["lowest_inputs_held_Hz"] == pytest.approx(expected)

@@ -73,7 +73,9 @@ def test_slow_run_is_the_quasi_static_rig(passed_slip: bool) -> None:
     state = chains(cables, passed_slip=passed_slip)
     of = np.array([c.input_index for c in cables])
     angle = np.ascontiguousarray(run.input_rad)
-    course = equilibrium.Course(of, held, angle, none, none, run.drum_rad, run.torque_Nm, np.zeros((4, 3, 0)))
+    course = equilibrium.QuasistaticCourse(
+        of, held, angle, none, none, run.drum_rad, run.torque_Nm, np.zeros((4, 3, 0))
+    )
     failed = equilibrium.run(state, course, pulleys, drum, tension)
     assert failed < 0
     still = np.abs(np.gradient(run.torque_Nm, run.time_s)) < 1.0

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
-from mbcdm_cad.design.rules import Broken, Named, unique
+from mbcdm_cad.design.rules import Broken, NamedEntry, unique
 
 
 def broken_rules(design: BevelDesign) -> Iterator[Broken]:
@@ -16,20 +16,20 @@ def broken_rules(design: BevelDesign) -> Iterator[Broken]:
     yield from _cables(design)
 
 
-def named_entries(design: BevelDesign) -> Iterator[Named]:
+def named_entries(design: BevelDesign) -> Iterator[NamedEntry]:
     """Entries of the catalogue that this configuration's blocks name."""
     drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
-    yield Named(("drum", "material"), "materials", drum.material)
-    yield Named(("drum", "bearing"), "bearings", drum.bearing)
-    yield Named(("drum", "shaft_material"), "materials", drum.shaft_material)
-    yield Named(("drum", "tensioner"), "tensioners", drum.tensioner)
-    yield Named(("guide", "material"), "materials", guide.material)
-    yield Named(("guide", "bearing"), "bearings", guide.bearing)
-    yield Named(("guide", "axle_material"), "materials", guide.axle_material)
-    yield Named(("input_pulleys", "material"), "materials", pulleys.material)
-    yield Named(("input_pulleys", "lower_bearing"), "bearings", pulleys.lower_bearing)
-    yield Named(("input_pulleys", "upper_bearing"), "bearings", pulleys.upper_bearing)
-    yield Named(("support", "material"), "materials", design.support.material)
+    yield NamedEntry(("drum", "material"), "materials", drum.material)
+    yield NamedEntry(("drum", "bearing"), "bearings", drum.bearing)
+    yield NamedEntry(("drum", "shaft_material"), "materials", drum.shaft_material)
+    yield NamedEntry(("drum", "tensioner"), "tensioners", drum.tensioner)
+    yield NamedEntry(("guide", "material"), "materials", guide.material)
+    yield NamedEntry(("guide", "bearing"), "bearings", guide.bearing)
+    yield NamedEntry(("guide", "axle_material"), "materials", guide.axle_material)
+    yield NamedEntry(("input_pulleys", "material"), "materials", pulleys.material)
+    yield NamedEntry(("input_pulleys", "lower_bearing"), "bearings", pulleys.lower_bearing)
+    yield NamedEntry(("input_pulleys", "upper_bearing"), "bearings", pulleys.upper_bearing)
+    yield NamedEntry(("support", "material"), "materials", design.support.material)
 
 
 def _transmission(design: BevelDesign) -> Iterator[Broken]:

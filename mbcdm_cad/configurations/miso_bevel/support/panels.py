@@ -42,7 +42,7 @@ class Hole:
 
 
 @dataclass(frozen=True)
-class Panel:
+class Wall:
     """A wall: axis of its normal, where it stands on it, its box on the other two axes (order x, y, z), thickness."""
 
     name: str
@@ -87,7 +87,7 @@ class SupportMesh:
         return np.asarray(found)
 
 
-def panels(layout: Layout) -> list[Panel]:
+def panels(layout: Layout) -> list[Wall]:
     """The walls of the half x >= 0."""
     v, f, t = layout.levels, layout.frame, layout.top_plate
     x_wall, x_rib = (v.side_inner_x + v.side_outer_x) / 2, f.boss_radius - f.rib_thickness / 2
@@ -114,17 +114,17 @@ def panels(layout: Layout) -> list[Panel]:
     on_rib = (X, f.boss_radius - f.rib_thickness, f.boss_radius)
     wall_t = v.side_outer_x - v.side_inner_x
     return [
-        Panel("column ribs", X, x_rib, (deep, (z_end, z_motor)), f.rib_thickness, embedded=ends),
-        Panel("column back", Y, y_back, (narrow, (z_end, z_motor)), back_t, embedded=(*ends, in_rib)),
-        Panel("boss end wall", Z, z_end, (narrow, (y_back, f.encoder_pocket_floor_y)), f.rib_thickness),
-        Panel("boss block", Z, z_end, (narrow, (f.encoder_pocket_floor_y, y_front)), block_t),
-        Panel("motor shelf", Z, z_motor, (wide, deep), motor_t, (pilot,), (on_rib,)),
-        Panel("bearing shelf", Z, z_bearing, (wide, deep), bearing_t, (seat,)),
-        Panel("top plate", Z, z_top, (wide, deep), top_t, (upper_seat,)),
-        Panel("back plate between shelves", Y, y_back, (wide, (z_motor, z_bearing)), back_t),
-        Panel("back plate above", Y, y_back, (wide, (z_bearing, z_top)), upper_t),
-        Panel("side walls", X, x_wall, (deep, (z_motor, z_top)), wall_t),
-        Panel("stop web", X, 0.0, (deep, (z_motor, z_bearing)), 2 * f.web_half_width, share=0.5),
+        Wall("column ribs", X, x_rib, (deep, (z_end, z_motor)), f.rib_thickness, embedded=ends),
+        Wall("column back", Y, y_back, (narrow, (z_end, z_motor)), back_t, embedded=(*ends, in_rib)),
+        Wall("boss end wall", Z, z_end, (narrow, (y_back, f.encoder_pocket_floor_y)), f.rib_thickness),
+        Wall("boss block", Z, z_end, (narrow, (f.encoder_pocket_floor_y, y_front)), block_t),
+        Wall("motor shelf", Z, z_motor, (wide, deep), motor_t, (pilot,), (on_rib,)),
+        Wall("bearing shelf", Z, z_bearing, (wide, deep), bearing_t, (seat,)),
+        Wall("top plate", Z, z_top, (wide, deep), top_t, (upper_seat,)),
+        Wall("back plate between shelves", Y, y_back, (wide, (z_motor, z_bearing)), back_t),
+        Wall("back plate above", Y, y_back, (wide, (z_bearing, z_top)), upper_t),
+        Wall("side walls", X, x_wall, (deep, (z_motor, z_top)), wall_t),
+        Wall("stop web", X, 0.0, (deep, (z_motor, z_bearing)), 2 * f.web_half_width, share=0.5),
     ]
 
 
@@ -148,7 +148,7 @@ def _lines(wished: Iterable[float], low: float, high: float) -> Floats:
     return np.concatenate([[kept[0]], *pieces])
 
 
-def _wished(layout: Layout, walls: list[Panel]) -> Iterator[tuple[int, float]]:
+def _wished(layout: Layout, walls: list[Wall]) -> Iterator[tuple[int, float]]:
     for wall in walls:
         yield wall.normal, wall.at
         for axis, span in zip(wall.axes, wall.box, strict=True):
@@ -172,7 +172,7 @@ def _wished(layout: Layout, walls: list[Panel]) -> Iterator[tuple[int, float]]:
     yield Y, 0.0
 
 
-def _thickness(wall: Panel, u: Floats, v: Floats) -> Floats:
+def _thickness(wall: Wall, u: Floats, v: Floats) -> Floats:
     """Thickness (n_u, n_v) of the cells between the lines ``u`` and ``v``."""
     middle = ((u[:-1] + u[1:]) / 2, (v[:-1] + v[1:]) / 2)
     thickness = np.full((len(u) - 1, len(v) - 1), wall.thickness_mm)
