@@ -189,7 +189,7 @@ def analyse(design: Path, as_json: bool) -> int:
     help="Folder that the study's folder, NAME-sensitivity, is written into.",
 )
 def sensitivity(design: Path, out: Path) -> int:
-    """Which parameters drive backlash and torque, as plots and CSV.
+    """What drives backlash and torque, as plots and CSV.
 
     The panels of the paper's figure 5, global indices, the tolerance stack over the travel, and 95 % intervals.
     """
@@ -247,6 +247,29 @@ def loop(
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
     return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction))
+
+
+@mbcdm.command(
+    epilog=_examples(
+        "mbcdm plan my_drive.yaml params/experiments/null-long-levels.yaml",
+        "mbcdm plan my_drive.yaml planned.yaml --noise-from pilot.yaml",
+    )
+)
+@_DESIGN
+@click.argument("experiment", type=_FILE)
+@click.option("--noise-from", "pilot", type=_FILE, metavar="RUN.yaml", help="Take the noise of a measured run.")
+@click.option("--json", "json_path", type=_FILE, metavar="FILE", help="Write the plan as JSON.")
+def plan(design: Path, experiment: Path, pilot: Path | None, json_path: Path | None) -> int:
+    """Say what a run could find, before it is made.
+
+    For each effect the smallest size that would be named, and what it could be confused with below which size.
+    """
+    from mbcdm_cad.configurations.loader import load_design
+
+    loaded = load_design(design)
+    from mbcdm_cad.cli.plan import plan_command
+
+    return plan_command(loaded.drive, experiment, pilot, json_path)
 
 
 @mbcdm.command(epilog=_examples("mbcdm simulate my_drive.yaml params/experiments/winding-short-brake.yaml"))

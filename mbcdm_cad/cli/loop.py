@@ -101,7 +101,7 @@ def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], want
         if folder is None:
             continue
         if folder.exists() and not folder.is_dir():
-            remedy = "it needs a folder; give another name"
+            remedy = f"the {option.removeprefix('--')} needs a folder; give another name"
             raise InputError([Problem(str(folder), 1, option, "a file", remedy=remedy)])
         outputs += [(option, folder / name) for name in names]
     problems = []

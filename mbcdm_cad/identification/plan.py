@@ -1,0 +1,203 @@
+"""What a run will be able to say, before it is made: the smallest size of each effect that is named, and its rivals.
+
+The same Jacobians as in the loop, on the planned motion and load. An effect is named if it lowers the error of held-out
+half sweeps by ``LEAST_FALL`` of the noise and is borne out by all sweeps and sectors; two effects are told apart if the
+part of one that the other cannot imitate stands out of the noise. Linear in the sizes, so right for small effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import f as f_distribution
+from scipy.stats import norm
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.effects import library
+from mbcdm_cad.identification.evidence import ALPHA
+from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.noise import Noise, noise_of
+from mbcdm_cad.identification.prepared import SECTORS, Prepared, prepare
+from mbcdm_cad.identification.result import readable
+from mbcdm_cad.identification.select import LEAST_FALL
+from mbcdm_cad.identification.verdict import ALIKE_SHARE
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.vet import arranged
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.routes import Floats
+
+POWER = 0.9
+# t^2 (1 - rho) from which a wrong choice between two effects is less likely than 1 %.
+TOLD_STRENGTH = 10.9
+# Orders of ripple that are looked at, cycles a turn of the output.
+ORDERS = (20.0, 200.0)
+# Rivals that one cannot be told from below so many times its smallest named size are listed, the worst ones.
+MOST_RIVALS = 4
+ANY_SIZE = 1e3
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another effect that would do as well up to ``from_size`` (in the unit of the effect's own size; None: any)."""
+
+    label: str
+    from_size: float | None
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """One effect: the smallest size that would be named with power ``POWER``; None where the run cannot show it."""
+
+    label: str
+    parameter: str
+    smallest: float | None
+    rivals: tuple[Rival, ...]
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """What a planned run can say, with the noise it was worked out for."""
+
+    noise: Noise
+    effects: tuple[Foreseen, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """For a file."""
+        return {"power": POWER, "noise": self.noise.to_json(), "effects": [asdict(one) for one in self.effects]}
+
+    def text(self) -> str:
+        """For the terminal."""
+        width = max(len(one.label) for one in self.effects)
+        lines = [
+            f"noise floor {1e6 * self.noise.total_rad:.3g} urad ({self.noise.source})",
+            "",
+            f"{'effect':<{width}}  {'named from (power 0.9)':<34}  not told from, below",
+        ]
+        for one in self.effects:
+            rivals = "; ".join(f"{rival.label}: {_words(one.parameter, rival.from_size)}" for rival in one.rivals)
+            size = "this run cannot show it" if one.smallest is None else _words(one.parameter, one.smallest)
+            lines.append(f"{one.label:<{width}}  {size:<34}  {rivals}".rstrip())
+        return "\n".join(lines)
+
+
+def _words(parameter: str, size: float | None) -> str:
+    if size is None:
+        return "at any size"
+    word, shown = readable(parameter, [size])
+    return f"{word} {shown[0]}"
+
+
+def noise_from(drive: Drive, run: Run) -> Noise:
+    """The noise that a measured run has, to plan others with."""
+    fitter = _fitter(drive, run)
+    return noise_of(fitter.base, [fitter.fit().residual])
+
+
+def plan_of(drive: Drive, run: Run, noise: Noise | None = None) -> RunPlan:
+    """What ``run`` could say of ``drive``; it need not have been made. ``noise`` is that of a pilot run."""
+    fitter = _fitter(drive, run)
+    bare = fitter.fit()
+    noise = noise or noise_of(fitter.base, [bare.residual])
+    p = fitter.runs[0]
+    tried = [found for effect in library(fitter.d, p) for found in _columns(fitter, bare, effect)]
+    least = {id(one): _least(one[2], noise, p, len(tried)) for one in tried}
+    foreseen = []
+    for one in tried:
+        effect, label, columns = one
+        strength, unit = least[id(one)]
+        if unit <= 0.0:
+            foreseen.append(Foreseen(label, effect.parameters[0].name, None, ()))
+            continue
+        size = strength * noise.total_rad / unit
+        rivals = []
+        for other in tried:
+            if other[0].key == effect.key or least[id(other)][1] <= 0.0:
+                continue
+            wanted = _apart(columns, other[2], noise, p)
+            if wanted > strength:
+                from_size = None if wanted > ANY_SIZE * strength else wanted / strength * size
+                rivals.append((wanted, Rival(other[1], from_size)))
+        rivals.sort(key=lambda rival: -rival[0])
+        worst = tuple(rival for _, rival in rivals[:MOST_RIVALS])
+        foreseen.append(Foreseen(label, _size_name(effect), size, worst))
+    return RunPlan(noise, tuple(foreseen))
+
+
+def _fitter(drive: Drive, run: Run) -> Fitter:
+    d = to_si(drive)
+    ratio = float(np.mean(d.total_ratio))
+    return Fitter(d, ratio, [prepare(arranged(run, drive), ratio)[0]], drive.as_built)
+
+
+def _size_name(effect: Effect) -> str:
+    """Name of the first size; of a wave its length has the same unit."""
+    name = next(p.name for p in effect.parameters if p.role == "size")
+    return name.replace("cosine_", "amplitude_")
+
+
+def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[tuple[Effect, str, Floats]]:
+    """Derivatives by the sizes on all used samples, what offsets explain taken off, for each place looked at."""
+    places: Sequence[Sequence[float]] = [[0.0] * len(effect.parameters)]
+    labels = [effect.label]
+    if effect.order_index is not None:
+        places = [[0.0] * effect.order_index + [order] for order in ORDERS]
+        labels = [f"{effect.name} of order {order:g}" for order in ORDERS]
+    elif any(p.role == "place" for p in effect.parameters):
+        guesses = effect.first_guesses(fitter.base[0], bare.residual)
+        places = [guesses[len(guesses) // 2]]
+    used = fitter.used
+    known = fitter.centred(bare.jacobian, used)[used]
+    basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(used.sum()), 0))
+    found = []
+    for place, label in zip(places, labels, strict=True):
+        at = np.array(place, dtype=float)
+        try:
+            before = fitter.predict([effect], [at], bare.offsets)
+            rows = []
+            for k, parameter in enumerate(effect.parameters):
+                if parameter.role != "size":
+                    continue
+                moved = at.copy()
+                moved[k] += parameter.size
+                rows.append((fitter.predict([effect], [moved], bare.offsets) - before) / parameter.size)
+        except ModelError:
+            continue
+        columns = fitter.centred(np.stack(rows, axis=1), used)[used]
+        found.append((effect, label, np.asarray(columns - basis @ (basis.T @ columns))))
+    return found
+
+
+def _counting(noise: Noise, p: Prepared) -> float:
+    """Share of the samples that count, since noise with a memory repeats itself."""
+    step = float(np.median(np.diff(p.time_s)))
+    square = noise.white_rad**2 + noise.coloured_rad**2 * max(1.0, 2.0 * noise.memory_s / step)
+    return noise.total_rad**2 / max(square, noise.total_rad**2)
+
+
+def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int) -> tuple[float, float]:
+    """RMS over the floor that is named with ``POWER``, and RMS that one unit of the size makes at its worst phase."""
+    n = columns.shape[0] * _counting(noise, p)
+    held = max(4.0, n * float(p.test.sum()) / max(float(p.used.sum()), 1.0))
+    sure = float(norm.ppf(POWER))
+    # The fall of the held-out mean square, less what noise takes from it, is to be LEAST_FALL of the floor's.
+    chance = sure / np.sqrt(held)
+    by_size = chance + np.sqrt(chance**2 + LEAST_FALL**2)
+    freedom, k = SECTORS - 1, columns.shape[1]
+    critical = k * float(f_distribution.isf(ALPHA / candidates, k, max(freedom - k + 1, 1)))
+    by_test = (np.sqrt(critical) + sure) / np.sqrt(n)
+    unit = float(np.linalg.svd(columns, compute_uv=False)[-1]) / np.sqrt(columns.shape[0])
+    return float(max(by_size, by_test)), unit
+
+
+def _apart(columns: Floats, others: Floats, noise: Noise, p: Prepared) -> float:
+    """RMS over the floor from which an effect is told from another."""
+    one, other = np.linalg.qr(columns)[0], np.linalg.qr(others)[0]
+    alike = min(1.0, float(np.linalg.svd(one.T @ other, compute_uv=False)[0]))
+    n = columns.shape[0] * _counting(noise, p)
+    left = max(1.0 - alike, 1e-12)
+    return float(max(np.sqrt(TOLD_STRENGTH / left / n), ALIKE_SHARE / np.sqrt(max(1.0 - alike**2, 1e-12))))

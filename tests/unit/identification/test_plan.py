@@ -1,0 +1,70 @@
+"""A plan's promises: what it says will be named is named, what it says is too small is not, rivals are rivals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.identification.engine import close_loop
+from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of
+from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.routes import Floats
+
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+STEP, FINE = 1.9175e-4, 1.3635e-6
+
+
+def bench(share: float = 0.0, seed: int = 1, noise_rad: float = 0.0, amplitude_rad: float = 0.45) -> Run:
+    """A minute and a half under a load of its own rhythm; ``share`` is a ratio error."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 90.0, 0.04)
+    angle = amplitude_rad * np.sin(2.0 * np.pi * t / 11.0)
+    load = 0.6 * np.sin(2.0 * np.pi * t / 5.1) + 0.4 * np.sin(2.0 * np.pi * t / 17.3)
+    inputs = np.stack([9.0 * angle, 9.0 * angle])
+    drum: Floats = simulate(to_si(DRIVE), inputs, load).drum_angle_rad + share * angle
+    read = STEP * np.floor(inputs / STEP + rng.random((2, 1)))
+    output = FINE * np.round((drum + noise_rad * rng.standard_normal(t.size)) / FINE)
+    return Run(t, read, output, load + 0.005 * rng.standard_normal(t.size), sensors=Sensors(STEP, FINE, 0.005))
+
+
+def smallest(plan: RunPlan, label: str) -> float:
+    found = next(one for one in plan.effects if one.label.startswith(label))
+    assert found.smallest is not None, found
+    return found.smallest
+
+
+def test_promises_hold_on_a_louder_bench_than_declared() -> None:
+    pilot = noise_from(DRIVE, bench(noise_rad=9e-6, seed=7))
+    plan = plan_of(DRIVE, bench(), pilot)
+    least = smallest(plan, "ratio_error")
+    assert least > 1.3 * smallest(plan_of(DRIVE, bench()), "ratio_error"), "more noise, less to be seen"
+    seen = close_loop(DRIVE, [bench(share=1.4 * least, noise_rad=9e-6)])
+    names = {named.name for named in (*seen.effects, *(one for group in seen.one_of for one in group))}
+    assert "ratio_error" in names, (least, seen.sentence)
+    small = close_loop(DRIVE, [bench(share=0.5 * least, noise_rad=9e-6)])
+    assert small.verdict == "none", (least, small.sentence)
+
+
+def test_short_travel_confuses_ratio_and_drum() -> None:
+    wide, short = plan_of(DRIVE, bench()), plan_of(DRIVE, bench(amplitude_rad=0.05))
+
+    def factor(plan: RunPlan) -> float:
+        found = next(one for one in plan.effects if one.label.startswith("ratio_error"))
+        rival = next(one for one in found.rivals if one.label.startswith("once_per_rev drum"))
+        assert found.smallest is not None
+        return float("inf") if rival.from_size is None else rival.from_size / found.smallest
+
+    assert factor(short) > 5.0 * factor(wide), (factor(short), factor(wide))
+    assert smallest(short, "ratio_error") == pytest.approx(9.0 * smallest(wide, "ratio_error"), rel=0.2)
+
+
+def test_without_torque_what_hangs_on_load_is_not_offered() -> None:
+    plan = plan_of(DRIVE, replace(bench(), load_Nm=None))
+    assert not [one.label for one in plan.effects if one.label.startswith(("stiffness", "preload", "winding"))]
+    assert "named from (power 0.9)" in plan.text() and plan.to_json()["power"] == 0.9
