@@ -6,7 +6,7 @@ from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.bill import PartSpec
+from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.make import make
 
 
@@ -15,10 +15,7 @@ def drawn_part(spec: PartSpec, material: Material, mesh_tolerance_mm: float) -> 
     try:
         solid = make(spec.maker, spec.args)
     except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
-        raise GeometryError(
-            f"{spec.name}: the kernel could not draw it ({type(error).__name__}: {error}); the checks did not foresee "
-            "these dimensions, so please report the design file"
-        ) from error
+        raise GeometryError(f"{spec.name}: cannot be drawn with these dimensions") from error
     # A swept rod that cuts itself takes a second to find here, and the interference run finds it by distance.
-    is_cable = spec.maker.startswith("cable:")
+    is_cable = spec.name.startswith(CABLE)
     return make_part_files(spec.name, solid, material, mesh_tolerance_mm, self_intersection=not is_cable)

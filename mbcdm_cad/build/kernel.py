@@ -7,7 +7,7 @@ from typing import Any
 
 from OCP.BinTools import BinTools, BinTools_FormatVersion
 from OCP.gp import gp_Trsf
-from OCP.Message import Message_ProgressRange
+from OCP.Message import Message, Message_Gravity, Message_ProgressRange
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 
@@ -15,6 +15,11 @@ from mbcdm_cad.parts.placement import Placement
 
 # A cadquery.Shape (anything with ``wrapped``) or the kernel's own shape; cadquery itself is not needed to write files.
 Shape = Any
+
+# The kernel writes statistics of every STEP file to standard output; only its failures are of interest. cadquery says
+# the same when it is imported, but writing an assembly of parts that are known does without cadquery.
+for _printer in Message.DefaultMessenger_s().Printers():
+    _printer.SetTraceLevel(Message_Gravity.Message_Fail)
 
 
 def kernel_shape(shape: Shape) -> TopoDS_Shape:

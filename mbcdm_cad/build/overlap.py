@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 
+from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.kernel import Shape, kernel_shape, location
 from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.parts.placement import Placement, Vector
@@ -27,5 +29,11 @@ def common(first: Shape, second: Shape, placement: Placement) -> tuple[float, Ve
 
 
 def rod(pieces: Sequence[Piece], radius_mm: float) -> Any:
-    """The solid of a rod along ``pieces`` of a centre line."""
-    return create_cable(tuple(pieces), radius_mm)
+    """The solid of a rod along ``pieces`` of a centre line. Raises ``GeometryError`` where the kernel finds none."""
+    try:
+        return create_cable(tuple(pieces), radius_mm)
+    except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
+        x, y, z = pieces[0].points(np.array([0.0]))[0]
+        raise GeometryError(
+            f"the stretch of a cable that begins at ({x:.2f}, {y:.2f}, {z:.2f}) mm cannot be drawn as a rod"
+        ) from error

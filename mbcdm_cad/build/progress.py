@@ -1,4 +1,4 @@
-"""What is being made, on a terminal; silent when the output is piped."""
+"""What is being made: a spinner on a terminal, one line a stage where the output is piped; on standard error."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from contextlib import contextmanager
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A function to be told the name of each thing as it is being made; a spinner shows it on standard error."""
+    """A function to be told the name of each thing as it is being made."""
     if not sys.stderr.isatty():
-        yield lambda name: None
+        yield lambda name: print(f"making {name}", file=sys.stderr, flush=True)
         return
     from rich.console import Console
 

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
@@ -57,7 +59,8 @@ def build(
     """Build a design into ``out/<name>``, the assembly drawn with the drum at ``angle_deg``.
 
     A design that fails a check is refused unless ``force``; then every file says so. Nothing is written where nothing
-    has changed. Raises ``MbcdmError`` for an angle beyond the travel and where the system refuses to write.
+    has changed. Raises ``MbcdmError`` for an angle beyond the travel, for a part that cannot be drawn, and where the
+    system refuses to write.
     """
     drive = loaded.drive
     _refuse_angle(drive, angle_deg)
@@ -75,11 +78,12 @@ def build(
     processes = jobs or os.cpu_count() or 1
     store = Store(cache, progress)
     posed, centred = kind.bill(dims, angle_deg), kind.bill(dims)
-    parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes)
-    from mbcdm_cad.build.scene import travel_poses
-
     poses = travel_poses(drive.half_travel_deg, POSES)
-    clashes, frame = store.judged(dims, parts, poses, processes)
+    try:
+        parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes)
+        clashes, frame = store.judged(dims, parts, poses, processes)
+    except GeometryError as error:
+        raise GeometryError(f"{error}; {_why_not_drawn(_failed(checks))}") from error
 
     from mbcdm_cad.report.data import checks_data, report_data
 
@@ -123,6 +127,13 @@ def _refuse_angle(drive: Drive, angle_deg: float) -> None:
             f"--angle: beyond the travel (value {angle_deg:g} deg, limit +-{drive.half_travel_deg:g} deg); "
             "choose an angle within it or widen travel.half_angle_deg"
         )
+
+
+def _why_not_drawn(failed: Sequence[CheckResult]) -> str:
+    if not failed:
+        return "the checks did not foresee it, so please report the design file"
+    names = ", ".join(check.id for check in failed)
+    return f"the design was drawn although checks fail ({names}): their messages say what to change"
 
 
 def _failed(checks: Sequence[CheckResult]) -> tuple[CheckResult, ...]:
