@@ -7,26 +7,26 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from mbcdm_cad.build.pairs import Found
 from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.storage.keys import content_key, source_hash
+from mbcdm_cad.storage.keys import content_key
 from mbcdm_cad.storage.manifest import versions
 
 # A design has about a thousand tests; the longest unused answers beyond this number go.
 MOST_ANSWERS = 30_000
 _KEY_DIGITS = 32
 # What a test's answer depends on besides the bodies: drawing of the rods, booleans and proofs.
-_MODULES = ("mbcdm_cad.build.pairs",)
+TEST_MODULES = ("mbcdm_cad.build.pairs",)
 
 
 class KnownTests(Mapping[str, Found]):
     """Answers by the key of the test.
 
     Almost all tests find nothing: of those only the keys are kept. Two processes that write at once keep
-    the answers of one of them, and the other's are worked out again.
+    the answers of one of them, and the other's are worked out again. ``source`` is the hash of ``TEST_MODULES``.
     """
 
-    def __init__(self, cache: Cache) -> None:
+    def __init__(self, cache: Cache, source: str) -> None:
         self._cache = cache
-        self._key = content_key("interference answers", (), source_hash(*_MODULES), versions())
+        self._key = content_key("interference answers", (), source, versions())
         self._found = self._stored()
 
     def __getitem__(self, key: str) -> Found:

@@ -15,7 +15,7 @@ import numpy as np
 
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import InterferenceRun, interference_run
-from mbcdm_cad.build.known import KnownTests
+from mbcdm_cad.build.known import TEST_MODULES, KnownTests
 from mbcdm_cad.build.pairs import PartShape
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.scene import scenes
@@ -25,11 +25,13 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
-from mbcdm_cad.storage.keys import content_key, source_hash
+from mbcdm_cad.storage.keys import content_key, package_hash, source_hash
 from mbcdm_cad.storage.manifest import versions
 from mbcdm_cad.storage.parallel import fork_map
 
 Progress = Callable[[str], None]
+# More parts than this are counted, not named, to whoever waits for them.
+_MOST_NAMED = 6
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class Store:
         self._cache = cache
         self._progress = progress
         self._solids: dict[str, Any] = {}
+        self._sources: dict[str, str] | None = None
         self.made: list[str] = []
 
     def parts(
@@ -63,7 +66,7 @@ class Store:
         missing: dict[str, str] = {}
         for name, spec in specs.items():
             module = spec.maker.partition(":")[0]
-            source = source_hash(module, "mbcdm_cad.build.drawn")
+            source = self._source(module, "mbcdm_cad.build.drawn")
             key = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
             blobs = self._cache.get(key)
             if blobs is None:
@@ -84,7 +87,7 @@ class Store:
         self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str = ""
     ) -> dict[str, bytes]:
         """STEP and GLB of the assembly, by these names; both carry ``note``."""
-        source = source_hash("mbcdm_cad.build.export.step", "mbcdm_cad.build.export.glb")
+        source = self._source("mbcdm_cad.build.export.step", "mbcdm_cad.build.export.glb")
         key = content_key("assembly", (name, note, items, _keys(parts)), source, versions())
 
         def make() -> dict[str, bytes]:
@@ -103,10 +106,10 @@ class Store:
         self, layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...], jobs: int
     ) -> tuple[tuple[Clash, ...], FrameCompliance | None]:
         """Interference run over ``poses_deg`` and compliance of the frame, side by side where both have to be made."""
-        run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache)
+        run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache, self._source(*TEST_MODULES))
         missing = run.missing(known)
         study = configuration(layout.drive.configuration).frame_study(layout)
-        frame_key = content_key("frame", study.inputs, source_hash(study.module), versions()) if study else ""
+        frame_key = content_key("frame", study.inputs, self._source(study.module), versions()) if study else ""
         frame = self._cache.get(frame_key) if study else None
         tasks: list[Callable[[], Any]] = []
         if study and frame is None:
@@ -132,9 +135,26 @@ class Store:
                 self._solids[name] = part.solid()
         return {name: self._solids[name] for name in parts}
 
+    def _source(self, *modules: str) -> str:
+        """Hash of the code of ``modules`` and of all that they import.
+
+        Finding what they import takes half a second for all, so it is kept for as long as no file of the program
+        changes.
+        """
+        key = content_key("sources", (), package_hash(), {})
+        if self._sources is None:
+            stored = self._cache.get(key)
+            self._sources = json.loads(stored["sources"]) if stored else {}
+        name = " ".join(modules)
+        if name not in self._sources:
+            self._sources[name] = source_hash(*modules)
+            self._cache.put(key, {"sources": json.dumps(self._sources).encode()})
+        return self._sources[name]
+
     def _note(self, *names: str) -> None:
         self.made += names
-        self._progress(", ".join(names))
+        few = len(names) <= _MOST_NAMED
+        self._progress(", ".join(names) if few else f"{len(names)} parts, {names[0]} to {names[-1]}")
 
 
 def _interference_run(layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...]) -> InterferenceRun:

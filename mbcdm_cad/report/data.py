@@ -64,7 +64,8 @@ def _mass(m: MassProperties) -> dict[str, Any]:
 
 def _swept_box(layout: Layout, parts: Mapping[str, MadePart]) -> list[float]:
     half = layout.drive.half_travel_deg
-    corners = [box_mm(layout, parts, float(angle)) for angle in np.linspace(-half, half, _SWEPT_POSES)]
+    boxes: dict[Any, Any] = {}
+    corners = [box_mm(layout, parts, float(angle), boxes) for angle in np.linspace(-half, half, _SWEPT_POSES)]
     low = np.min([c[0] for c in corners], axis=0)
     high = np.max([c[1] for c in corners], axis=0)
     return [float(v) for v in high - low]

@@ -17,6 +17,7 @@ from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
 # (density of the alloy and machining tolerances). Parts of one kind err together, different kinds independently.
@@ -159,18 +160,28 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
     )
 
 
+Box = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
 def box_mm(
-    layout: Layout, parts: Mapping[str, MadePart], drum_angle_deg: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    layout: Layout,
+    parts: Mapping[str, MadePart],
+    drum_angle_deg: float,
+    boxes: dict[tuple[str, Placement], Box] | None = None,
+) -> Box:
     """Lowest and highest corner (x, y, z) of everything at one drum angle.
 
-    Solids from their meshes (within the mesh tolerance), cables from their centre lines and radius.
+    Solids from their meshes (within the mesh tolerance), cables from their centre lines and radius. ``boxes`` keeps the
+    boxes of parts at their places: over many angles, those that do not move are worked out once.
     """
+    boxes = {} if boxes is None else boxes
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for item in configuration(layout.drive.configuration).bill(layout, drum_angle_deg).items:
         if not item.name.startswith(CABLE):
-            points = item.location.apply(parts[item.part].files.mesh.points_mm)
-            low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+            key = item.part, item.location
+            if key not in boxes:
+                boxes[key] = parts[item.part].files.mesh.box_mm(item.location)
+            low, high = np.minimum(low, boxes[key][0]), np.maximum(high, boxes[key][1])
     radius = layout.drive.cable.diameter_mm / 2
     for path in layout.cable_paths(np.radians(drum_angle_deg)):
         points = path.sample(0.25)
