@@ -33,9 +33,10 @@ $(VENV)/.ready: requirements.lock pyproject.toml
 picture: setup
 	$(BIN)/mbcdm picture $(DESIGN) docs/pictures/assembly.png
 
-# What is written from the schema: the reference page.
+# Pages written from schema and catalogue: the reference page and the list of entries.
 docs: setup
 	$(BIN)/mbcdm schema --reference > docs/design-file.md
+	$(BIN)/mbcdm catalogue --markdown > docs/catalogue.md
 
 benchmark: setup
 	$(BIN)/python benchmarks/speed.py
