@@ -123,16 +123,34 @@ def _views(d: DrumDims) -> tuple[View, ...]:
     tip = outer * sin(half)
     hub = d.hub_radius + 0.4
     return (
-        View(_REAR, X, Z,
-             axes=(((-tip, face, 0.0), (tip, face, 0.0)), ((0.0, face, -d.hub_radius), (0.0, face, outer)))),
-        View(_SECTION, minus(Y), Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0),
-             axes=(((0.0, d.spigot_y, 0.0), (0.0, d.hub_face_y, 0.0)),)),
-        View(_HUB, minus(X), Z, column=1, row=-1, title="Hub from the output side", magnify=2.0,
-             window=((0.0, d.hub_face_y, 0.0), hub, hub),
-             circles=(((0.0, d.hub_face_y, 0.0), d.payload_circle_radius),),
-             axes=(((-hub, d.hub_face_y, 0.0), (hub, d.hub_face_y, 0.0)),
-                   ((0.0, d.hub_face_y, -hub), (0.0, d.hub_face_y, hub)))),
-    )  # fmt: skip
+        View(
+            _REAR, X, Z, axes=(((-tip, face, 0.0), (tip, face, 0.0)), ((0.0, face, -d.hub_radius), (0.0, face, outer)))
+        ),
+        View(
+            _SECTION,
+            minus(Y),
+            Z,
+            column=1,
+            title="A-A",
+            cut=(0.0, 0.0, 0.0),
+            axes=(((0.0, d.spigot_y, 0.0), (0.0, d.hub_face_y, 0.0)),),
+        ),
+        View(
+            _HUB,
+            minus(X),
+            Z,
+            column=1,
+            row=-1,
+            title="Hub from the output side",
+            magnify=2.0,
+            window=((0.0, d.hub_face_y, 0.0), hub, hub),
+            circles=(((0.0, d.hub_face_y, 0.0), d.payload_circle_radius),),
+            axes=(
+                ((-hub, d.hub_face_y, 0.0), (hub, d.hub_face_y, 0.0)),
+                ((0.0, d.hub_face_y, -hub), (0.0, d.hub_face_y, hub)),
+            ),
+        ),
+    )
 
 
 def _in_section(d: DrumDims) -> tuple[Linear, ...]:
@@ -180,11 +198,23 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         views=_views(d),
         dimensions=(
             *_in_section(d),
-            Angle(_REAR, (0.0, face, 0.0), _polar(outer, half, face), _polar(outer, -half, face), 2 * half,
-                  outer + _ANGLE_BEYOND_MM),
+            Angle(
+                _REAR,
+                (0.0, face, 0.0),
+                _polar(outer, half, face),
+                _polar(outer, -half, face),
+                2 * half,
+                outer + _ANGLE_BEYOND_MM,
+            ),
             Radius(_REAR, (0.0, face, 0.0), _polar(d.rim_inner_radius, 35.0, face), d.rim_inner_radius),
-            Linear(_HUB, _polar(d.payload_circle_radius, 90.0, d.hub_face_y),
-                   _polar(d.payload_circle_radius, -90.0, d.hub_face_y), 2 * d.payload_circle_radius, "below", "%%c"),
+            Linear(
+                _HUB,
+                _polar(d.payload_circle_radius, 90.0, d.hub_face_y),
+                _polar(d.payload_circle_radius, -90.0, d.hub_face_y),
+                2 * d.payload_circle_radius,
+                "below",
+                "%%c",
+            ),
         ),
         labels=(
             *labels,
@@ -208,7 +238,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
             "the pitch circle at the given angle; pockets milled from behind (face A's side).",
             "Q: two set screws at 45 and 135 degrees from Z.",
         ),
-    )  # fmt: skip
+    )
 
 
 def _at(xz: tuple[float, float]) -> Vector:

@@ -35,9 +35,15 @@ def test_reference_design_fails_nothing() -> None:
     # drawn in take some of the wrap), equal preloads on unequal radii, small bearings, and ratings that count neither
     # losses nor hours.
     expected = {
-        "bend_ratio_minimum", "bend_ratio_desired", "wrap_slip_test", "wrap_slip_peak", "preload_bias", "motor_losses",
-        "gearhead_continuous", "quiet_running",
-    }  # fmt: skip
+        "bend_ratio_minimum",
+        "bend_ratio_desired",
+        "wrap_slip_test",
+        "wrap_slip_peak",
+        "preload_bias",
+        "motor_losses",
+        "gearhead_continuous",
+        "quiet_running",
+    }
     assert warned == expected, warned ^ expected
 
 
