@@ -13,9 +13,8 @@ from math import cos, cosh, exp, pi, sin, sinh, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from mbcdm_cad.routes import Floats
 
 # Beyond this argument cosh and sinh are one to machine precision, and would overflow soon after.
 _LARGE = 30.0
