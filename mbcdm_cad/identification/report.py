@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.identification.report_figures import loop_png, orders_png, scatter_png, time_png
-from mbcdm_cad.identification.result import Evidence, LoopResult, Named, Traces, readable, share_text
+from mbcdm_cad.identification.result import Evidence, LoopResult, Named, Traces, readable, share_text, windows_words
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 
 VERDICTS = {
@@ -58,7 +58,11 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
     page = environment.get_template("report.html.j2").render(
         verdict=VERDICTS[result.verdict],
         sentence=_micro(result.sentence),
-        doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)],
+        doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)]
+        + [_micro(words) for words in result.doubts],
+        helpful=[_effect(one.named) | {"odds": f"{min(one.odds, 9999.0):.0f}"} for one in result.helpful],
+        noise=_noise(result),
+        windows=[windows_words(one) for one in result.windows],
         errors=_errors(result),
         effects=[_effect(named) for named in result.effects],
         sets=[[_effect(named) for named in group] for group in result.one_of],
@@ -75,6 +79,16 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
         ],
     )
     return page.encode()
+
+
+def _noise(result: LoopResult) -> str:
+    """What the noise floor is made of."""
+    noise = result.noise
+    if noise is None:
+        return ""
+    _, (total, white, coloured) = readable("_rad", [noise.total_rad, noise.white_rad, noise.coloured_rad])
+    memory = f", which forgets itself in {noise.memory_s:.2g} s" if noise.memory_s else ""
+    return _micro(f"{total} RMS, from {noise.source}: {white} from sample to sample, {coloured} slower{memory}")
 
 
 def _errors(result: LoopResult) -> dict[str, Any]:
@@ -99,7 +113,7 @@ def _errors(result: LoopResult) -> dict[str, Any]:
         "rows": [
             ("Declared model", *shown[0:4], 100.0 * e.before.value / most),
             ("With what was found", *shown[4:8], 100.0 * e.after.value / most),
-            ("Noise floor of the sensors", shown[8], "", "", "", 100.0 * e.floor_rad / most),
+            ("Noise floor", shown[8], "", "", "", 100.0 * e.floor_rad / most),
         ],
         "share": share_text(e.explained_share),
         "held_out": e.held_out,

@@ -301,7 +301,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
             f"{c.label:<{width}}{rms:>12}{c.fall_rad / size:>12.3g}  {c.outcome}"
             for c, rms in zip(candidates, held, strict=True)
         ]
-    lines += [f"smoothing of run {k + 1}: {_windows_words(one)}" for k, one in enumerate(result.windows)]
+    lines += [f"smoothing of run {k + 1}: {windows_words(one)}" for k, one in enumerate(result.windows)]
     lines += [f"not testable: {words}" for words in result.not_testable]
     lines += [f"next: {words}" for words in result.next_steps]
     return "\n".join(lines)
@@ -320,7 +320,8 @@ def named_lines(named: Named) -> list[str]:
     return [*lines, f"  look at: {named.where_to_look}"]
 
 
-def _windows_words(windows: Windows) -> str:
+def windows_words(windows: Windows) -> str:
+    """The smoothing of one run, for people."""
     load = f", load {windows.load_s:.2g} s" if windows.load_s else ""
     return f"difference of the inputs {windows.difference_s:.2g} s{load}, speed {windows.speed_s:.2g} s (from the data)"
 

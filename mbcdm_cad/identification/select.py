@@ -34,6 +34,8 @@ MOST_EFFECTS = 6
 MOST_LEANING = 3
 # What they then leave beyond the floor, over what they explain, at most.
 MOST_LEFT = 0.1
+# An effect takes noise away, and does not only fit it, if it leaves this share of it at most.
+QUIETER = 0.9
 # Held-out RMS, over the floor, by which an effect that leans on one place must fall to be believed for leaving nothing.
 MUCH = 1.5
 MOST_THREADS = 4
@@ -261,9 +263,20 @@ class Search:
         """Is more left on held-out samples than the floor?"""
         return self.held_rms(fit) ** 2 > (1.0 + LEAST_FALL**2) * self.floor_rad**2
 
+    def _enough_beside(self, before: Fit, after: Fit) -> bool:
+        """Does the held-out RMS fall by enough of the noise that ``after`` leaves?
+
+        What play and friction do hangs on what was before, so without them it looks as if it did not repeat.
+        """
+        fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
+        if fall < (LEAST_FALL * self.noise.declared_rad) ** 2 or fall <= 0.0:
+            return False
+        left = self.noise_left(after).total_rad
+        return bool(left < QUIETER * self.floor_rad and fall >= (LEAST_FALL * left) ** 2)
+
     def acceptable(self, now: Fit, better: Fit) -> bool:
         """Is the last effect of ``better`` large enough, within its bounds, and borne out by all sweeps and sectors?"""
-        if not self.enough(now, better):
+        if not self.enough(now, better) and not self._enough_beside(now, better):
             return False
         effect, values = better.effects[-1], better.values[-1]
         at_bound = [p.name for p, v in zip(effect.parameters, values, strict=True) if v in (p.low, p.high)]
