@@ -7,6 +7,7 @@ from math import pi, sqrt
 from pathlib import Path
 
 import cadquery as cq
+import numpy as np
 import pytest
 from ezdxf.document import Drawing
 
@@ -35,6 +36,18 @@ Rebuild = Callable[[Drawing, list[ReadDimension]], float]
 
 def _turned(doc: Drawing, dims: list[ReadDimension]) -> float:
     return turned_volume([d for d in dims if d.view == "main"], view(doc, "main"))
+
+
+def _terminal(doc: Drawing, dims: list[ReadDimension]) -> float:
+    """Turned body less the two segments that the flats take from the sleeve, its chamfer included."""
+    flat = one(dims, "end", suffix="flats").value / 2
+    main = [d for d in dims if d.view == "main"]
+    swage = max(d.value for d in main if d.prefix == "Ø") / 2
+    lengths = sorted(d.value for d in main if d.across and "45" not in d.suffix)
+    chamfer = next(d.value for d in main if "45" in d.suffix)
+    radii = np.maximum(np.minimum(swage, swage - chamfer + np.linspace(0.0, lengths[1], 20001)), flat)
+    segments = radii**2 * np.arccos(flat / radii) - flat * np.sqrt(radii**2 - flat**2)
+    return _turned(doc, dims) - 2 * float(segments.mean()) * lengths[1]
 
 
 def _nut(doc: Drawing, dims: list[ReadDimension]) -> float:
@@ -107,7 +120,8 @@ def _middle(main: list[ReadDimension]) -> float:
 
 
 REBUILD: dict[str, Rebuild] = {
-    **dict.fromkeys(("guide_axle", "guide_spacer", "drum_shaft", "stop_pin", "dowel", "stop", "terminal"), _turned),
+    **dict.fromkeys(("guide_axle", "guide_spacer", "drum_shaft", "stop_pin", "dowel", "stop"), _turned),
+    "terminal": _terminal,
     "nut": _nut,
     "guide": _idler,
     "input_pulley_left": _pulley,
