@@ -13,6 +13,7 @@ import click
 
 from mbcdm_cad.cli.commands import mbcdm
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.storage.parallel import allow_processes
 
 # Set by the lines that a shell is given for completion; see docs/command-line.md.
 COMPLETE_VARIABLE = "_MBCDM_COMPLETE"
@@ -20,6 +21,7 @@ COMPLETE_VARIABLE = "_MBCDM_COMPLETE"
 
 def main() -> None:
     """Entry point of the ``mbcdm`` command."""
+    allow_processes()
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins costs a tenth of a start
     if COMPLETE_VARIABLE in os.environ:
         mbcdm.main(prog_name="mbcdm")  # the shell asks for completions, which click answers here and exits

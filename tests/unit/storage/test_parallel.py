@@ -8,7 +8,14 @@ import time
 import pytest
 
 from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.storage import parallel
 from mbcdm_cad.storage.parallel import fork_map
+
+
+@pytest.fixture(autouse=True)
+def allowed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a program of our own."""
+    monkeypatch.setattr(parallel, "_allowed", True)
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 5])
@@ -25,6 +32,12 @@ def test_several_processes_do_the_work() -> None:
 
     assert len(set(fork_map(work, range(6), 2))) == 2
     assert set(fork_map(work, range(2), 1)) == {os.getpid()}
+
+
+def test_nothing_is_forked_where_nobody_allowed_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A notebook has threads of its own, and a fork of it may wait for ever."""
+    monkeypatch.setattr(parallel, "_allowed", False)
+    assert set(fork_map(lambda _: os.getpid(), range(6), 2)) == {os.getpid()}
 
 
 @pytest.mark.parametrize("jobs", [1, 3])
