@@ -28,7 +28,8 @@ def fork_map(function: Callable[[Argument], Result], arguments: Sequence[Argumen
     """``[function(a) for a in arguments]`` on up to ``jobs`` processes; give the longest work first.
 
     Results must pickle; function and arguments need not. An exception of ``function`` is raised here. One process, one
-    that has not called :func:`allow_processes`, or a system that cannot fork, does the work in this process. Not to be called from within ``function``.
+    that has not called :func:`allow_processes`, or a system that cannot fork, does the work in this process. Not to be
+    called from within ``function``.
     """
     global _work
     jobs = min(jobs, len(arguments))
