@@ -7,12 +7,7 @@ Processor time of all threads, the least of N runs after a small one that compil
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
-import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,9 +21,9 @@ from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import DriveSI, to_si
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "support"))
-from clip_grid import simulate_on_grid  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
+from clip_grid import simulate_on_grid
+from timing import Figure, arguments, finish, least
 
 SAMPLES = 1_000_000
 SERIES_LIMIT_S = 3.0
@@ -37,38 +32,6 @@ DESIGNS_PER_S_LIMIT = 1e5
 SINGLES = 40
 GRID_SAMPLES = 5_000
 GRID_CELL_RAD = 1e-3
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One measured figure; ``limit`` is the most allowed, or the least where ``at_least``; None: for information."""
-
-    name: str
-    value: float
-    unit: str
-    limit: float | None = None
-    at_least: bool = False
-
-    @property
-    def holds(self) -> bool:
-        if self.limit is None:
-            return True
-        return self.value >= self.limit if self.at_least else self.value <= self.limit
-
-    def __str__(self) -> str:
-        word = "at least" if self.at_least else "at most"
-        verdict = "" if self.limit is None else f"   {word} {self.limit:g}   {'ok' if self.holds else 'TOO SLOW'}"
-        return f"{self.name:<66}{self.value:12.4g} {self.unit}{verdict}"
-
-
-def least(once: Callable[[], Any], repeat: int) -> float:
-    """Processor time of the quickest of ``repeat`` runs, s."""
-    times = []
-    for _ in range(repeat):
-        start = time.process_time()
-        once()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def brake_series(samples: int) -> tuple[Any, Any]:
@@ -131,17 +94,11 @@ def measured(design: Path, repeat: int) -> list[Figure]:
 
 def main() -> int:
     """Print the figures; 1 if a limit is exceeded."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("design", nargs="?", type=Path, default=ROOT / "params" / "mbcdm.yaml")
-    parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--json", type=Path)
-    options = parser.parse_args()
+    options = arguments(__doc__, repeat=3).parse_args()
     figures = measured(options.design, options.repeat)
     for figure in figures:
         print(figure)
-    if options.json:
-        options.json.write_text(json.dumps([asdict(f) | {"holds": f.holds} for f in figures], indent=2) + "\n")
-    return 0 if all(figure.holds for figure in figures) else 1
+    return finish(figures, options.json)
 
 
 if __name__ == "__main__":

@@ -7,13 +7,9 @@ Processor time of all threads, the least of N runs after a short one that compil
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
-import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from pathlib import Path
+
+from timing import Figure, arguments, finish, least
 
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
@@ -25,38 +21,9 @@ from mbcdm_cad.rig.quasistatic.load import Load
 from mbcdm_cad.rig.quasistatic.motion import Motion
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 
-ROOT = Path(__file__).resolve().parents[1]
 SIMULATED_S = 160.0
 QUASI_STATIC_LIMIT_S = 10.0
 DYNAMIC_RATIO_LIMIT = 1.0
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One measured figure; ``limit`` is the most allowed, None: for information."""
-
-    name: str
-    value: float
-    unit: str
-    limit: float | None = None
-
-    @property
-    def holds(self) -> bool:
-        return self.limit is None or self.value <= self.limit
-
-    def __str__(self) -> str:
-        verdict = "" if self.limit is None else f"   at most {self.limit:g}   {'ok' if self.holds else 'TOO SLOW'}"
-        return f"{self.name:<66}{self.value:12.4g} {self.unit}{verdict}"
-
-
-def least(once: Callable[[], object], repeat: int) -> float:
-    """Least processor time of ``repeat`` runs, s."""
-    times = []
-    for _ in range(repeat):
-        start = time.process_time()
-        once()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def quasi_static(drive: Drive, repeat: int) -> list[Figure]:
@@ -97,18 +64,12 @@ def dynamic(drive: Drive, repeat: int) -> list[Figure]:
 
 def main() -> int:
     """Measure, print, and tell whether all limits hold."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("design", nargs="?", type=Path, default=ROOT / "params" / "mbcdm.yaml")
-    parser.add_argument("--repeat", type=int, default=2)
-    parser.add_argument("--json", type=Path)
-    options = parser.parse_args()
+    options = arguments(__doc__, repeat=2).parse_args()
     drive = load_design(options.design).drive
     figures = quasi_static(drive, options.repeat) + dynamic(drive, options.repeat)
     for figure in figures:
         print(figure)
-    if options.json:
-        options.json.write_text(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n")
-    return 0 if all(figure.holds for figure in figures) else 1
+    return finish(figures, options.json)
 
 
 if __name__ == "__main__":
