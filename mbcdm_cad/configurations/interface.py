@@ -12,7 +12,6 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.routes.geometry import RoutedDrive
 
 if TYPE_CHECKING:
     from mbcdm_cad.checks.design_under_test import DesignUnderTest
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.model.tensioning_plan import TensioningPlan
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
     from mbcdm_cad.routes.cable_path import CablePath
+    from mbcdm_cad.routes.geometry import RoutedDrive
 
 
 class Layout(Protocol):

@@ -78,6 +78,10 @@ class ParallelConfiguration:
         """The base is taken as rigid."""
         return
 
+    def tensioning(self, layout: Any) -> None:
+        """How preloads are set is left open."""
+        return
+
     def path_figures(self, layout: Any) -> Any:
         """Lengths and wraps."""
         from parallel_drive.layout import path_figures
