@@ -34,6 +34,9 @@ def chance(fitter: Fitter, fit: Fit) -> float:
     theta = np.zeros(columns.shape[1])
     theta[tested] = [fit.values[-1][i - start] for i in tested]
     y = fit.residual[mask] + columns @ theta
+    if not (np.isfinite(columns).all() and np.isfinite(y).all()):
+        # A fit at the edge of what can be simulated has slopes that are no numbers: nothing bears it out.
+        return 1.0
     found = cluster_estimate(columns, y, fitter.sweep[mask], fitter.sector[mask])
     # With a handful of half sweeps nothing could ever be named; the size rule on held-out data stands guard there.
     return replace(found, freedom=max(found.freedom, SECTORS - 1)).probability(tested)
