@@ -12,8 +12,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from rig_study import judge
 
 FAST = [("null-long-levels", "none"), ("preload-one-low-long", "exact")]
+# Known to be wrong since the noise floor is taken from the data: a set is named on this effect-free run (issue 12).
+WRONG_TODAY = pytest.mark.xfail(reason="names a set where nothing is missing; see docs/loop-benches.md", strict=True)
 SLOW = [
-    ("null-long-brake", "none"),
+    pytest.param("null-long-brake", "none", marks=WRONG_TODAY),
     ("eccentric-right-long", "exact"),
     ("ratio-encoder-long", "exact"),
     ("pair-slip-friction", "exact"),
