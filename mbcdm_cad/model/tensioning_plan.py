@@ -13,6 +13,7 @@ import numpy as np
 
 from mbcdm_cad.model.tensioning import (
     TakeUp,
+    balanced_tension_N,
     bedding_loss_N,
     limits_of_pitch_Hz,
     plucked_Hz,
@@ -118,7 +119,8 @@ def tensioning_plan(cables: Sequence[TensionedCable], rope: TensionedRope, pitch
     """The plan for cables tightened one after the other in the given order; ``pitch_m`` of the nuts' thread."""
     stiffness = np.array([rope.axial_stiffness_N / c.length_m for c in cables])
     lever = np.array([c.lever_m for c in cables])
-    goal = np.array([c.preload_N for c in cables])
+    # Preloads hold with both angles zero; where their torques differ, the drum then turns until the cables balance.
+    goal = balanced_tension_N(stiffness, lever, np.array([c.preload_N for c in cables]) / stiffness)
     pulls = sequence(stiffness, lever, goal, tuple(range(len(cables))))
     return TensioningPlan(
         pitch_m,
