@@ -24,7 +24,9 @@ def analyse_command(path: Path, *, as_json: bool) -> int:
 def sensitivity_command(path: Path, *, out: Path) -> int:
     """Write the sensitivity study into a folder of its own."""
     loaded = load_design(path)
+    from mbcdm_cad.configurations.registry import configuration
     from mbcdm_cad.model.study import write_study
+    from mbcdm_cad.parts.making import model_tolerances
     from mbcdm_cad.report.table import ReportTable
     from mbcdm_cad.report.units import readable_figure
     from mbcdm_cad.storage.folders import output_folder
@@ -34,7 +36,9 @@ def sensitivity_command(path: Path, *, out: Path) -> int:
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
     with output_folder(target, Manifest(loaded.sha256, inputs)) as folder:
-        summary = write_study(loaded.drive, folder.path)
+        kind = configuration(loaded.drive.configuration)
+        stacks = kind.tolerance_stacks(kind.layout(loaded.drive))
+        summary = write_study(loaded.drive, folder.path, model_tolerances(loaded.drive), stacks)
     click.echo(f"{target}: fig5_a to fig5_d, indices, tolerance, loop as plots; sensitivity.json")
     rows = []
     for name, interval in summary["intervals"].items():

@@ -16,6 +16,7 @@ from mbcdm_cad.design.drive import Drive
 if TYPE_CHECKING:
     from mbcdm_cad.checks.design_under_test import DesignUnderTest
     from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.model.stack_up import StackUp
     from mbcdm_cad.model.tensioning_plan import TensioningPlan
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
     from mbcdm_cad.routes.cable_path import CablePath
@@ -145,6 +146,9 @@ class Configuration(Protocol):
     @property
     def conventions(self) -> Conventions:
         """What the report says of the drawn model."""
+
+    def tolerance_stacks(self, layout: Any) -> tuple[StackUp, ...]:
+        """What the tolerances of the parts do to each gap and ratio; empty where nothing is stacked up."""
 
     def tensioning(self, layout: Any) -> TensioningPlan | None:
         """How the preloads are set: cut lengths, nut turns, pitch of the spans, order; None where nothing is set."""

@@ -108,6 +108,31 @@ class Limits(Block):
     )
 
 
+class Making(Block):
+    """How exactly the parts are made: half of each band; a margin smaller than their stack is a warning."""
+
+    rope_diameter_share: Number = quantity(
+        "rope's diameter, plus or minus, over the diameter", unit="-", default=0.03, ge=0.0, le=0.2
+    )
+    run_out_mm: Number = quantity(
+        "run-out of a turned surface to its bearing seats, full indicator reading",
+        unit="mm",
+        default=0.02,
+        ge=0.0,
+        le=1.0,
+    )
+    bearing_play_mm: Number = quantity(
+        "radial play of a bearing that carries no preload, from one side to the other",
+        unit="mm",
+        default=0.008,
+        ge=0.0,
+        le=0.2,
+    )
+    position_mm: Number = quantity(
+        "place of a bore, a face or a step from its datum, plus or minus", unit="mm", default=0.02, ge=0.0, le=1.0
+    )
+
+
 class Targets(Block):
     """What mass and box should come to."""
 
@@ -175,6 +200,7 @@ class Design(Block):
     drive: DriveTrain
     loads: Loads
     limits: Limits
+    making: Making = Field(default_factory=Making.model_construct)
     targets: Targets
     export: Export
     waivers: tuple[Waiver, ...] = choice(

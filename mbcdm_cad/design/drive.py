@@ -43,6 +43,16 @@ class Limits:
 
 
 @dataclass(frozen=True)
+class Making:
+    """How exactly the parts are made. Plus or minus, but run-out (full reading) and bearing play (side to side)."""
+
+    rope_diameter_share: float
+    run_out_mm: float
+    bearing_play_mm: float
+    position_mm: float
+
+
+@dataclass(frozen=True)
 class Targets:
     """What mass and box should come to, and by how much they may differ. The box is (X, Z, Y)."""
 
@@ -133,6 +143,7 @@ class Drive:
     drum_encoder: Encoder
     loads: Loads
     limits: Limits
+    making: Making
     targets: Targets
     export: ExportSettings
     waivers: tuple[Waiver, ...]

@@ -35,6 +35,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "drum_encoder": catalogue.get("encoders", train.drum_encoder),
         "loads": copied(d.Loads, design.loads),
         "limits": copied(d.Limits, design.limits),
+        "making": copied(d.Making, design.making),
         "targets": copied(d.Targets, design.targets),
         "export": copied(d.ExportSettings, design.export),
         "waivers": tuple(copied(d.Waiver, waiver) for waiver in design.waivers),

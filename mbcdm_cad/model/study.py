@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ import numpy as np
 from mbcdm_cad.model.ratings import requirements, sigmas_si
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stack_up import DRAWS, StackUp, stack_data
 from mbcdm_cad.model.tolerance import Tolerances, tolerance_stack
 from mbcdm_cad.model.uncertainty import intervals
 
@@ -30,8 +32,10 @@ RELATIVE_SIGMA = {
 }
 
 
-def write_study(drive: Drive, folder: Path) -> dict[str, Any]:
+def write_study(drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequence[StackUp] = ()) -> dict[str, Any]:
     """Write every file of the study into ``folder`` (made if missing) and return the summary, which is also a file.
+
+    ``tolerances`` are those of the transmission error, ``stacks`` the gaps to stack up, here by Monte Carlo too.
 
     Files: fig5_a to fig5_d as .csv and .svg, indices.svg, tolerance.svg and .csv, loop.svg, sensitivity.json. Seeded:
     the same design gives the same bytes.
@@ -45,7 +49,6 @@ def write_study(drive: Drive, folder: Path) -> dict[str, Any]:
         plots.plot_panel(panel, folder / f"fig5_{panel.letter}.svg")
     indices = global_indices(d, need)
     plots.plot_indices(indices, folder / "indices.svg")
-    tolerances = Tolerances()
     stack = tolerance_stack(d, float(need.half_travel_rad), tolerances)
     plots.plot_tolerance(stack, folder / "tolerance.svg")
     columns = np.stack([np.degrees(stack.pose_rad), stack.linear_rad * 1e6, stack.monte_carlo_rad * 1e6], axis=1)
@@ -67,6 +70,7 @@ def write_study(drive: Drive, folder: Path) -> dict[str, Any]:
                 "monte_carlo": {"median": stack.peak_to_peak_rad[1, 0], "p95": stack.peak_to_peak_rad[1, 1]},
             },
         },
+        "gap_stacks": [stack_data(stack, DRAWS) for stack in stacks],
         "sigma": {name: np.asarray(size).tolist() for name, size in sigma.items()},
         "intervals": {name: asdict(interval) for name, interval in intervals(d, need, sigma).items()},
     }

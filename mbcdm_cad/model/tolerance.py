@@ -104,12 +104,7 @@ def tolerance_stack(
     """Linear theory and Monte Carlo (seeded: same input, same answer) over +-``half_travel_rad``."""
     pose = np.linspace(-half_travel_rad, half_travel_rad, poses)
     names, path, preload = sources(d, tolerances or Tolerances(), pose)
-    hold = d.drum_radius_m / d.free_span_m
-    weight = d.sigma * hold / (d.drum_radius_m * hold).sum()
-    centre = poses // 2
-    # A preload error shifts the balance by the same angle everywhere, so it leaves the zeroed error by linear theory.
-    effect = np.einsum("j,kjm->km", weight, path)
-    effect -= effect[:, centre : centre + 1]
+    effect = _linear_effect(d, path)
     rng = np.random.default_rng(seed)
     draw = rng.standard_normal((draws, len(names)))
     linear = draw @ effect
@@ -123,6 +118,27 @@ def tolerance_stack(
         np.sqrt((measured**2).mean(axis=0)),
         spread,
     )
+
+
+def linear_error(
+    d: DriveSI, half_travel_rad: float, tolerances: Tolerances, poses: int = 31
+) -> tuple[tuple[str, ...], Floats]:
+    """Names of the sources (k,) and the error of one sigma of each at ``poses`` angles over the travel (k, m), rad.
+
+    Linear theory, zeroed at the centred drum; fast enough for a check.
+    """
+    names, path, _ = sources(d, tolerances, np.linspace(-half_travel_rad, half_travel_rad, poses))
+    return names, _linear_effect(d, path)
+
+
+def _linear_effect(d: DriveSI, path: Floats) -> Floats:
+    """Turn of the drum (k, m) for path errors (k, n_cables, m), zero at the middle pose."""
+    hold = d.drum_radius_m / d.free_span_m
+    weight = d.sigma * hold / (d.drum_radius_m * hold).sum()
+    # A preload error shifts the balance by the same angle everywhere, so it leaves the zeroed error by linear theory.
+    effect = np.einsum("j,kjm->km", weight, path)
+    centre = path.shape[2] // 2
+    return np.asarray(effect - effect[:, centre : centre + 1])
 
 
 def _swept(d: DriveSI, pose: Floats, path: Floats, preload_error: Floats) -> Floats:

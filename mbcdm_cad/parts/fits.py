@@ -164,3 +164,10 @@ FITS = {
     "pin_press": RoleFit("H7", "pin m6 stays in this part", _PINS),
     "pin_slide": RoleFit("G7", "pin m6 comes out of this part by hand", _PINS),
 }
+
+
+def radius_band_mm(radius_mm: float, role: str) -> float:
+    """Half the band of a radius turned to the fit of ``role``, mm; sizes beyond the table take its nearest."""
+    diameter = min(max(2.0 * radius_mm, SMALLEST_MM), LARGEST_MM)
+    size = limits(diameter, FITS[role].code)
+    return (size.upper_mm - size.lower_mm) / 4.0

@@ -19,6 +19,7 @@ SHARED_NAMES: dict[str, str] = {
     "Clearances": _BLOCK,
     "Limits": _BLOCK,
     "Loads": _BLOCK,
+    "Making": _BLOCK,
     "Targets": _BLOCK,
     "Waiver": _BLOCK,
     "Layout": _FACE,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.configurations.miso_bevel.layout import Layout
     from mbcdm_cad.configurations.miso_bevel.path_figures import PathFigures
     from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.model.stack_up import StackUp
     from mbcdm_cad.model.tensioning_plan import TensioningPlan
     from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
     from mbcdm_cad.routes.geometry import RoutedDrive
@@ -112,6 +113,12 @@ class MisoBevel:
         "lengths in mm.",
         cables="Cables are round rods at the nominal diameter; on the guide they lie in their step planes.",
     )
+
+    def tolerance_stacks(self, layout: Layout) -> tuple[StackUp, ...]:
+        """What the tolerances of the parts do to each gap and ratio."""
+        from mbcdm_cad.configurations.miso_bevel.checks.tolerances import stacks
+
+        return tuple(stacks(self.design_under_test(layout.drive, layout)))
 
     def tensioning(self, layout: Layout) -> TensioningPlan:
         """How the preloads are set."""

@@ -78,6 +78,10 @@ class ParallelConfiguration:
         """The base is taken as rigid."""
         return
 
+    def tolerance_stacks(self, layout: Any) -> tuple[()]:
+        """No gap of it is stacked up."""
+        return ()
+
     def tensioning(self, layout: Any) -> None:
         """How preloads are set is left open."""
         return

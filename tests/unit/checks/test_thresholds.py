@@ -54,6 +54,13 @@ WAYS: dict[str, Way] = {
     "input_walk": Way(to("helix_lead_mm"), 0.87, 3.0),
     "guide_walk": Way(to("helix_lead_mm"), 0.87, 9.0),
     "dead_turns": Way(to("dead_turns"), 1.0, 0.0),
+    "self_clearance_stack": Way(to("making.rope_diameter_share"), 0.0, 0.1),
+    "transfer_gap_stack": Way(to("making.position_mm"), 0.02, 0.3),
+    "bodies_clear_stack": Way(to("making.bearing_play_mm"), 0.008, 0.1),
+    "land_edge_stack": Way(to("making.position_mm"), 0.0, 0.1),
+    "flank_stack": Way(to("cable.diameter_mm"), 0.6, 0.81),
+    "guide_walk_stack": Way(to("making.position_mm"), 0.02, 2.0),
+    "pair_mismatch_stack": Way(preloaded, 70.0, 20.0),
     "wrap_left": Way(to("half_travel_deg"), 35.0, 65.0),
     "wrap_under_turn": Way(to("half_travel_deg"), 35.0, 300.0),
     "terminal_clears_guide": Way(to("half_travel_deg"), 35.0, 65.0),
@@ -140,7 +147,7 @@ WAYS: dict[str, Way] = {
     "envelope_y": Way(to("drum.hub_face_y_mm"), 20.8, 25.0),
 }
 # Told without a limit, or tried in a test of their own.
-OTHERS = {"path_length", "shaft_twist", "cut_at_pitch", "screw_counts"}
+OTHERS = {"path_length", "transmission_error", "shaft_twist", "cut_at_pitch", "screw_counts"}
 
 
 def test_every_check_has_its_border_tried() -> None:

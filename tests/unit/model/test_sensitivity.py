@@ -18,6 +18,7 @@ from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.stack_up import Contribution, StackUp
 from mbcdm_cad.model.study import write_study
 from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tolerance_stack
 from mbcdm_cad.model.uncertainty import intervals
@@ -31,6 +32,7 @@ NEED = Requirements(
     helix_lead_m=0.87e-3,
 )
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+STACKS = (StackUp("gap, mm", 0.1, (Contribution("bore", 0.03), Contribution("face", 0.04))),)
 
 
 def test_elasticities_obey_the_laws_of_similarity() -> None:
@@ -186,7 +188,7 @@ def test_sigmas_that_make_no_sense(sigma: dict[str, float], message: str) -> Non
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
-    write_study(load_design(REFERENCE).drive, folder)
+    write_study(load_design(REFERENCE).drive, folder, Tolerances(), STACKS)
     return folder
 
 
@@ -196,6 +198,8 @@ def test_study_writes_all_its_files(study: Path) -> None:
     assert names == expected | {"indices.svg", "tolerance.svg", "tolerance.csv", "loop.svg", "sensitivity.json"}
     summary = json.loads((study / "sensitivity.json").read_text())
     assert summary["elasticities"]["reversal_swing_rad"]["modulus_Pa"] == pytest.approx(-1.0, abs=1e-6)
+    (gap,) = summary["gap_stacks"]
+    assert gap["rss"] == pytest.approx(0.05) and gap["rss"] < gap["monte_carlo"] < gap["worst_case"], gap
     lines = (study / "fig5_a.csv").read_text().splitlines()
     assert lines[0].startswith("preload_N,") and len(lines) == 47
 
@@ -216,7 +220,7 @@ def test_lines_and_bars_differ_without_colour() -> None:
 
 
 def test_study_repeats_byte_for_byte(study: Path, tmp_path: Path) -> None:
-    write_study(load_design(REFERENCE).drive, tmp_path)
+    write_study(load_design(REFERENCE).drive, tmp_path, Tolerances(), STACKS)
     for path in study.iterdir():
         assert (tmp_path / path.name).read_bytes() == path.read_bytes(), path.name
 

@@ -22,6 +22,7 @@ from mbcdm_cad.configurations.miso_bevel.checks import (
     sweeps,
     tensioning,
     terminals,
+    tolerances,
     transfer,
     wraps,
 )
@@ -33,6 +34,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     bending,
     transfer,
     spans,
+    tolerances,
     wraps,
     strength,
     motors,

@@ -120,15 +120,23 @@ def input_walk(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def guide_walk(s: BevelUnderTest) -> Comparison:
-    """Landing point on the guide, wandering with the input's walk, leaves the walls of its step free."""
+def guide_wall_gaps_mm(s: BevelUnderTest) -> list[tuple[BevelRun, float]]:
+    """Gap of each cable's flank to the nearer wall of its step of the guide, at its widest walk."""
     walls, found = s.layout.guide.walls_z, []
     for k, c in enumerate(s.steps):
         reach = guide_landing_walk_mm(s.drive, c) + s.flank_mm
         below = c.drum_radius_mm - reach - walls[k - 1] if k > 0 else np.inf
         above = walls[k] - c.drum_radius_mm - reach if k < len(walls) else np.inf
-        found.append(at_least(f"{c.name} on the guide from its walls", min(below, above), CABLE_GAP_MM, "mm"))
-    return worst(found)
+        found.append((c, float(min(below, above))))
+    return found
+
+
+def guide_walk(s: BevelUnderTest) -> Comparison:
+    """Landing point on the guide, wandering with the input's walk, leaves the walls of its step free."""
+    return worst(
+        at_least(f"{c.name} on the guide from its walls", gap, CABLE_GAP_MM, "mm")
+        for c, gap in s.once("guide_walls", guide_wall_gaps_mm)
+    )
 
 
 def dead_turns(s: BevelUnderTest) -> Comparison:

@@ -89,13 +89,17 @@ def outermost_land(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _body_gaps(s: BevelUnderTest) -> list[tuple[str, float]]:
-    """Gap of every guide step to every drum land in the half plane x = 0: along y or along z, whichever parts them."""
+def body_gaps_mm(s: BevelUnderTest) -> list[tuple[str, int, float]]:
+    """Gap of every guide step to every drum land in the half plane x = 0: along y or along z, whichever parts them.
+
+    What it is between, the place of the guide's step among the steps, the gap.
+    """
     lands, guide = s.layout.drum.lands, s.layout.guide
     starts = [guide.bottom_z, *guide.walls_z]
     return [
         (
             f"guide step {j + 1} to drum land {k + 1}",
+            j,
             max(land.y_start - surface, bottom - land.surface_radius_mm),
         )
         for j, (surface, bottom) in enumerate(zip(guide.surface_radii, starts, strict=True))
@@ -105,7 +109,7 @@ def _body_gaps(s: BevelUnderTest) -> list[tuple[str, float]]:
 
 def bodies_clear(s: BevelUnderTest) -> Comparison:
     """Guide and drum never touch, walls included."""
-    return worst(at_least(name, gap, RUN_OUT_MM, "mm") for name, gap in _body_gaps(s))
+    return worst(at_least(name, gap, RUN_OUT_MM, "mm") for name, _, gap in body_gaps_mm(s))
 
 
 def transfer_gap(s: BevelUnderTest) -> Comparison:

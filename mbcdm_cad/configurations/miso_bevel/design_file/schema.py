@@ -239,6 +239,7 @@ class BevelDesign(Design):
         "support",
         "loads",
         "limits",
+        "making",
         "targets",
         "export",
         "waivers",
