@@ -31,6 +31,8 @@ LONGEST_LOAD_S = 1.3
 LEAST_POWER = 1.6
 SPECTRUM_SHARE, SPECTRUM_LEAST = 0.1, 6
 PAD_S = 5.0
+# An angle is smoothed over this to count its steps once more, s.
+COUNTING_WINDOW_S = 0.2
 # The speed is told over the shortest window that leaves noise of this share of its RMS, between these limits in s.
 SPEED_NOISE_SHARE = 0.01
 LONGEST_SPEED_S = 1.0
@@ -162,32 +164,65 @@ def adaptive_mean(values: Floats, noise: float, longest: int) -> tuple[Floats, N
     return np.asarray(uniform_filter1d(chosen, NARROWEST, mode="nearest")), widths
 
 
-def told_from_noise(values: Floats, noise: float, step_s: float) -> tuple[Floats, float]:
-    """A signal (n,) with the frequencies kept at which it stands out of its white noise, and the shortest time kept, s.
+def told_from_noise(
+    values: Floats, noise: float, step_s: float, counting: Floats | None = None
+) -> tuple[Floats, float]:
+    """A signal (n,) with the frequencies kept at which it stands out of its noise, and the shortest time kept, s.
 
-    ``noise`` is the least standard deviation that the noise can have; what it has is taken from the upper half of the
-    spectrum. Each frequency is weighted with the share of its power that is not noise (Wiener's filter); a frequency
+    ``noise`` is the least standard deviation that the white noise can have; what it has is taken from the upper half of
+    the spectrum. ``counting`` (n,) is an error that the counting of steps would make of such a motion: noise too, and
+    not white. Each frequency is weighted with the share of its power that is not noise (Wiener's filter); a frequency
     whose power is not ``LEAST_POWER`` times the noise's goes.
     """
     n = values.size
-    # The ends are turned over, so that the filter sees no jump from the last sample to the first.
-    pad = min(n - 1, int(PAD_S / step_s))
-    long = np.concatenate([2.0 * values[0] - values[pad:0:-1], values, 2.0 * values[-1] - values[-2 : -pad - 2 : -1]])
-    size = next_fast_len(long.size, real=True)
-    level = float(long.mean())
-    spectrum = rfft(long - level, size)
-    power = np.abs(spectrum) ** 2 / long.size
+    spectrum, power, inside = _spectrum(values, step_s)
     upper = power[power.size // 2 :]
     white = max(noise**2, float(np.median([part.mean() for part in np.array_split(upper, 8)])))
-    near = np.maximum(SPECTRUM_LEAST, (SPECTRUM_SHARE * np.arange(power.size)).astype(np.int64))
-    sums = np.concatenate([[0.0], np.cumsum(power)])
-    high, low = np.minimum(np.arange(power.size) + near + 1, power.size), np.maximum(np.arange(power.size) - near, 0)
-    mean = (sums[high] - sums[low]) / (high - low)
-    weight = np.where(mean > LEAST_POWER * white, 1.0 - white / np.maximum(mean, white or 1.0), 0.0)
-    kept = irfft(spectrum * weight, size)[pad : pad + n] + level
+    floor = np.full(power.size, white)
+    if counting is not None:
+        floor = np.maximum(floor, _near_mean(_spectrum(counting, step_s)[1]))
+    mean = _near_mean(power)
+    weight = np.where(mean > LEAST_POWER * floor, 1.0 - floor / np.maximum(mean, floor.max() * 1e-9 or 1.0), 0.0)
+    size = 2 * (power.size - 1)
+    kept = irfft(spectrum * weight, size)[inside : inside + n] + float(values.mean())
     highest = np.flatnonzero(weight > 0.0)
     period = size * step_s / max(int(highest[-1]) if highest.size else 1, 1)
     return np.asarray(kept), float(min(0.5 * period, n * step_s))
+
+
+def _spectrum(values: Floats, step_s: float) -> tuple[NDArray[np.complex128], Floats, int]:
+    """Spectrum of a signal about its mean, its power a sample, and the sample at which the signal begins in it.
+
+    The ends are turned over, so that a filter sees no jump from the last sample to the first.
+    """
+    pad = min(values.size - 1, int(PAD_S / step_s))
+    before, after = 2.0 * values[0] - values[pad:0:-1], 2.0 * values[-1] - values[-2 : -pad - 2 : -1]
+    long = np.concatenate([before, values, after]) - values.mean()
+    size = next_fast_len(long.size + long.size % 2, real=True)
+    spectrum = rfft(long, size + size % 2)
+    return spectrum, np.abs(spectrum) ** 2 / long.size, pad
+
+
+def _near_mean(power: Floats) -> Floats:
+    """Mean of a spectrum over the lines near each."""
+    near = np.maximum(SPECTRUM_LEAST, (SPECTRUM_SHARE * np.arange(power.size)).astype(np.int64))
+    sums = np.concatenate([[0.0], np.cumsum(power)])
+    high, low = np.minimum(np.arange(power.size) + near + 1, power.size), np.maximum(np.arange(power.size) - near, 0)
+    return np.asarray((sums[high] - sums[low]) / (high - low))
+
+
+def counting_errors(run: Run) -> Floats:
+    """The error that each input encoder makes by counting steps, (n_inputs, n), rad, as far as the steps tell it.
+
+    At a steady speed it comes back with every step, so it is a few strong lines of the spectrum wherever sampling folds
+    them to: they are no motion of the servos. A smoothed angle counted once more makes the same lines.
+    """
+    step = input_step_rad(run)
+    if step == 0.0:
+        return np.zeros_like(run.input_rad)
+    angle = smoothed(run.input_rad, COUNTING_WINDOW_S, run.step_s)
+    zero = run.input_rad[:, :1]
+    return np.asarray(zero + step * np.round((angle - zero) / step) - angle)
 
 
 def slow_difference(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
@@ -201,7 +236,12 @@ def slow_difference(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
     if count == 1:
         return np.zeros_like(apart), 0.0
     least = input_step_rad(run) / math.sqrt(12.0) * math.sqrt((count - 1) / count)
-    found = [told_from_noise(row, factor * max(noise_of_signal(row), least), run.step_s) for row in apart]
+    counted = counting_errors(run)
+    counted = max(factor, 1.0) * (counted - counted.mean(axis=0))
+    found = [
+        told_from_noise(row, factor * max(noise_of_signal(row), least), run.step_s, errors)
+        for row, errors in zip(apart, counted, strict=True)
+    ]
     rows = np.stack([row for row, _ in found])
     return rows - rows.mean(axis=0), min(window for _, window in found)
 
