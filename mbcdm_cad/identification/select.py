@@ -30,8 +30,8 @@ MOST_REFITS = 7
 # A candidate is taken in place of a better one that was refused only if it falls by this share of it.
 RUNNER_UP = 0.8
 MOST_EFFECTS = 6
-# Effects refused for leaning on one place that the search goes on with all the same.
-MOST_LEANING = 3
+# Effects that were refused alone and that the search goes on with all the same.
+MOST_FIRST = 3
 # What they then leave beyond the floor, over what they explain, at most.
 MOST_LEFT = 0.1
 # An effect takes noise away, and does not only fit it, if it leaves this share of it at most.
@@ -68,6 +68,7 @@ class Search:
         self.screening = Screening(fitter, self.library)
         self._without: dict[tuple[Fit, Effect], Fit] = {}
         self._leaning: dict[Fit, list[Fit]] = {}
+        self._tried: dict[Fit, list[Fit]] = {}
 
     @property
     def floor_rad(self) -> float:
@@ -201,7 +202,7 @@ class Search:
         return now
 
     def _gone_on(self, now: Fit) -> Fit:
-        """``now``, or what it comes to with an effect that leans on one place as long as its companion is not there.
+        """``now``, or what it comes to with an effect that is not borne out as long as its companion is not there.
 
         That is only believed if the two, fitted jointly, are both borne out and leave little more than the floor.
         """
@@ -211,10 +212,7 @@ class Search:
             if much and not self.too_much(one):
                 self._note("leaves nothing beside it", one.effects[-1], now, one)
                 return self.backward(one)
-        leaning: dict[object, Fit] = {}
-        for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
-            leaning.setdefault(one.effects[-1].key, one)
-        for one in list(leaning.values())[:MOST_LEANING]:
+        for one in self._promising(now)[:MOST_FIRST]:
             grown = self._grown(one)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
             if self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained:
@@ -223,6 +221,21 @@ class Search:
                 self._note("borne out beside the others", one.effects[-1], now, grown)
                 return grown
         return now
+
+    def _promising(self, now: Fit) -> list[Fit]:
+        """``now`` with one effect more, as tried, each name once: that with the best promise of a second one first.
+
+        What stands alone badly may be half of a pair that explains all, so the order is by the two and not by the one.
+        """
+        each: dict[object, Fit] = {}
+        for one in sorted(self._tried.get(now, []), key=lambda one: one.square):
+            if not one.effects[-1].last and self.enough(now, one):
+                each.setdefault(one.effects[-1].key, one)
+
+        def promised(one: Fit) -> float:
+            return one.square - max((c.fall for c in self.screening.screen(one)), default=0.0)
+
+        return sorted(each.values(), key=promised)
 
     def _borne_out(self, fit: Fit, effect: Effect) -> bool:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
@@ -245,6 +258,7 @@ class Search:
             if found is not None or not self.too_much(now):
                 break
         if found is None:
+            self._tried[now] = tried
             shapes = sorted((one for one in tried if one.effects[-1].last), key=lambda one: one.square)
             found = self._first_acceptable(now, shapes, shapes)
         return found

@@ -162,15 +162,17 @@ class Judge:
             fast = quiet - 1.5 * self.search.floor_rad**2
             if max(excess, fast) > (LEAST_FALL * self.search.floor_rad) ** 2:
                 found = describe_unknown(p, r, self.search.floor_rad)
-                # What does not repeat is noise, however coloured; and time cannot come twice.
-                repeats = any(pattern.variable != "time" for pattern in found.patterns)
+                # What does not repeat is noise, however coloured; and time cannot come twice. A run with too few half
+                # sweeps to repeat anything cannot say that it is noise.
+                repeats = p.few or any(pattern.variable != "time" for pattern in found.patterns)
                 if repeats and (worst is None or found.rms_rad > worst.rms_rad):
                     worst = found
         return worst
 
-    def _excess(self, fit: Fit) -> float:
-        """RMS on held-out data beyond the floor, rad."""
-        return float(np.sqrt(max(0.0, self.search.held_rms(fit) ** 2 - self.search.floor_rad**2)))
+    def _unexplained(self, fit: Fit, unknown: Unknown) -> float:
+        """How large what is left is, rad RMS: beyond the floor on held-out data, or as much as surely repeats."""
+        beyond = float(np.sqrt(max(0.0, self.search.held_rms(fit) ** 2 - self.search.floor_rad**2)))
+        return max([beyond, *(pattern.rms_rad for pattern in unknown.patterns if pattern.variable != "time")])
 
     def _unblamed(
         self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown
@@ -184,7 +186,7 @@ class Judge:
             rms = self.search.held_rms(fit)
             falls = [self.search.held_rms(self.search.without(fit, g.effect)) ** 2 - rms**2 for g in groups]
             least = int(np.argmin(falls))
-            if self._excess(fit) < BLAME_SHARE * np.sqrt(max(0.0, falls[least])):
+            if self._unexplained(fit, unknown) < BLAME_SHARE * np.sqrt(max(0.0, falls[least])):
                 break
             less = self.search.without(fit, groups[least].effect)
             odds = self._odds(less, fit)

@@ -28,7 +28,8 @@ def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     """The pulley lags by half the play on the face that carries, and floats between where neither face is pressed.
 
     In the gap it stands where its cables leave no torque. That is found by rounds over the whole run: the torque left,
-    over the stiffness that the pulley sees while its cables stick, is how far it has yet to move.
+    over the stiffness that the pulley sees while its cables stick, is how far it has yet to move. A single input turns
+    with the drum and sees none: it never floats, and the sign of its torque decides.
     """
     d, half = setup.drive, 0.5 * float(values[0])
     bias = float(np.sum(d.sigma * d.input_radius_m * d.preload_N * d.of_input(index)))
@@ -37,12 +38,20 @@ def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
     lag = np.full(setup.p.time_s.size, start)
     for _round in range(ROUNDS):
         carried = input_torque_Nm(setup.with_shift(index, start - lag), index)
-        lag = np.clip(lag + carried / stiffness, -half, half)
+        if stiffness == 0.0:
+            lag = np.where(carried == 0.0, lag, half * np.sign(carried))
+        else:
+            lag = np.clip(lag + carried / stiffness, -half, half)
     return setup.with_shift(index, start - lag)
 
 
 def _stiffness_Nm_rad(d: DriveSI, index: int) -> float:
-    """Torque at one input per angle of it, the other inputs held and the drum under a constant load, N m/rad."""
+    """Torque at one input per angle of it, the other inputs held and the drum under a constant load, N m/rad.
+
+    Zero for a single input.
+    """
+    if d.n_inputs == 1:
+        return 0.0
     each = d.axial_stiffness_N / d.free_span_m
     own = d.of_input(index)
     direct = float(np.sum(own * each * d.input_radius_m**2))
