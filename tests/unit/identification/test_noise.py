@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.identification.noise import Noise, doubt_of, noise_of
-from mbcdm_cad.identification.prepared import Prepared, prepare, told_from_noise
+from mbcdm_cad.identification.prepared import Prepared, prepare, slow_difference, told_from_noise
 from mbcdm_cad.identification.setup import declared
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.routes import Floats
@@ -103,3 +103,19 @@ def test_what_is_only_noise_is_taken_out() -> None:
     noise = 1e-4 * np.random.default_rng(1).normal(size=10_000)
     kept, _ = told_from_noise(noise, 1e-6, 0.01)
     assert float(np.sqrt(np.mean(kept**2))) < 0.1 * 1e-4, float(np.sqrt(np.mean(kept**2)))
+
+
+@pytest.mark.parametrize("apart_steps", [0.0, 1.5])
+@pytest.mark.parametrize("period_s", [16.0, 32.0])
+def test_counting_steps_at_a_steady_speed_moves_no_servo(period_s: float, apart_steps: float) -> None:
+    step = 1.9175e-4
+    t = np.arange(0.0, 160.0, 0.01)
+    drum = 0.45 * (2.0 / np.pi) * np.arcsin(np.sin(2.0 * np.pi * t / period_s))
+    apart = 0.5 * apart_steps * step * np.sin(2.0 * np.pi * 0.8 * t)
+    counted = [step * np.floor((RATIO * drum + sign * apart) / step + shift) for sign, shift in ((1, 0.2), (-1, 0.75))]
+    seen = Run(t, np.stack(counted), drum, sensors=Sensors(input_resolution_rad=step))
+    kept = slow_difference(seen)[0][0]
+    miss = float(np.std((kept - apart)[100:-100])) / step
+    as_counted = float(np.std(counted[0] - counted[1] - 2.0 * apart)) / step
+    print(f"difference as counted {as_counted:.3f} steps off, kept {2.0 * miss:.3f} steps off")
+    assert as_counted > 0.25 and 2.0 * miss < 0.12

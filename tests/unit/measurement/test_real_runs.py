@@ -46,6 +46,7 @@ def test_the_mappings_are_there() -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seen_by_hand_rad", "width_rad"),
     [("run_00_gearbox", 0.031, 0.004), ("run_00_cable", 2 * 0.026, 2 * 0.004)],
@@ -64,6 +65,7 @@ def test_the_loop_finds_the_lost_motion_seen_by_hand(
     assert result.errors.after.value < 0.25 * result.errors.before.value, result.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("drive", "seen_by_hand_rad", "width_rad"), [("gearbox", 0.031, 0.003), ("cable", 0.052, 0.006)]
 )
