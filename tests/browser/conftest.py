@@ -69,27 +69,39 @@ def browser() -> Iterator[Any]:
         yield driver.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
 
 
+def _show(browser: Any, built: Path, width: int, height: int, scheme: str) -> Opened:
+    context = browser.new_context(
+        viewport={"width": width, "height": height}, color_scheme=scheme, offline=True, reduced_motion="reduce"
+    )
+    one = Opened(context.new_page())
+    one.page.on("console", lambda m: one.problems.append(m.text) if m.type in ("error", "warning") else None)
+    one.page.on("pageerror", lambda error: one.problems.append(str(error)))
+    one.page.on("request", lambda r: one.requests.append(r.url))
+    one.page.goto((built / "report.html").as_uri())
+    one.page.wait_for_function("performance.getEntriesByName('first-picture').length", timeout=READY_MS)
+    return one
+
+
 @pytest.fixture
 def opened(browser: Any, built: Path) -> Iterator[Callable[..., Opened]]:
-    """Opens the page offline at a size and colour scheme; closes it after the test."""
-    contexts = []
+    """Opens the page offline at a size and colour scheme, as nobody has touched it; closes it after the test."""
+    shown = []
 
     def show(width: int = 1280, height: int = 900, scheme: str = "light") -> Opened:
-        context = browser.new_context(
-            viewport={"width": width, "height": height}, color_scheme=scheme, offline=True, reduced_motion="reduce"
-        )
-        contexts.append(context)
-        one = Opened(context.new_page())
-        one.page.on("console", lambda m: one.problems.append(m.text) if m.type in ("error", "warning") else None)
-        one.page.on("pageerror", lambda error: one.problems.append(str(error)))
-        one.page.on("request", lambda r: one.requests.append(r.url))
-        one.page.goto((built / "report.html").as_uri())
-        one.page.wait_for_function("performance.getEntriesByName('first-picture').length", timeout=READY_MS)
-        return one
+        shown.append(_show(browser, built, width, height, scheme))
+        return shown[-1]
 
     yield show
-    for context in contexts:
-        context.close()
+    for one in shown:
+        one.page.context.close()
+
+
+@pytest.fixture(scope="session")
+def shared(browser: Any, built: Path) -> Iterator[Opened]:
+    """A page for the tests that only read it or set the drum's angle: drawing it anew takes seconds without a GPU."""
+    one = _show(browser, built, 1280, 900, "light")
+    yield one
+    one.page.context.close()
 
 
 @pytest.fixture(scope="session")

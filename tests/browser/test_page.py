@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 
 LARGEST_BYTES = 5_000_000
+SLOW = pytest.mark.slow
 Open = Callable[..., Any]  # see conftest.Opened
 
 
-def test_is_silent_and_asks_for_nothing_but_itself(opened: Open, built: Path) -> None:
-    one = opened()
+def test_is_silent_and_asks_for_nothing_but_itself(shared: Any, built: Path) -> None:
+    one = shared
     assert one.problems == []
     foreign = [url for url in one.requests if not url.startswith(("file:", "data:"))]
     assert foreign == []
@@ -21,16 +22,16 @@ def test_is_silent_and_asks_for_nothing_but_itself(opened: Open, built: Path) ->
     assert (built / "report.html").stat().st_size < LARGEST_BYTES
 
 
-def test_every_item_of_the_bill_is_in_the_picture_and_in_the_list(opened: Open, report: dict[str, Any]) -> None:
-    one = opened()
+def test_every_item_of_the_bill_is_in_the_picture_and_in_the_list(shared: Any, report: dict[str, Any]) -> None:
+    one = shared
     drawn = set(one.value("v.entries.map(e => e.name)"))
     listed = set(one.page.eval_on_selector_all("[data-pick]", "nodes => nodes.map(n => n.dataset.pick)"))
     assert drawn == listed == set(report["items"])
 
 
 @pytest.mark.parametrize("angle", [-35.0, 12.5, 35.0])
-def test_slider_turns_each_body_by_its_ratio(opened: Open, report: dict[str, Any], angle: float) -> None:
-    one = opened()
+def test_slider_turns_each_body_by_its_ratio(shared: Any, report: dict[str, Any], angle: float) -> None:
+    one = shared
     one.set_slider("angle", angle)
     turned = one.value(
         "Object.fromEntries([...v.bodies].map(([name, b]) => {"
@@ -47,8 +48,8 @@ def test_slider_turns_each_body_by_its_ratio(opened: Open, report: dict[str, Any
     assert shown == f"{ratio['guide'] * angle:.1f}°".replace("-", "−")
 
 
-def test_cables_wind_with_the_drum_and_keep_their_length(opened: Open, report: dict[str, Any]) -> None:
-    one = opened()
+def test_cables_wind_with_the_drum_and_keep_their_length(shared: Any, report: dict[str, Any]) -> None:
+    one = shared
     for angle in (-35.0, -17.3, 0.0, 35.0):
         one.set_slider("angle", angle)
         lengths = one.value(
@@ -84,8 +85,8 @@ def test_picking_tells_part_material_mass_and_file(opened: Open, report: dict[st
     assert "parts/drum.step" in addresses
 
 
-def test_links_lead_to_files_that_are_there(opened: Open, built: Path) -> None:
-    one = opened()
+def test_links_lead_to_files_that_are_there(shared: Any, built: Path) -> None:
+    one = shared
     addresses = one.page.eval_on_selector_all(
         "a[href]:not([href^='#'])", "nodes => nodes.map(n => n.getAttribute('href'))"
     )
@@ -101,9 +102,11 @@ def test_section_cuts_and_closes_what_it_cuts(opened: Open) -> None:
     one.settle()
     middle = "v.at(0, 0)?.name ?? null"
     outside = one.value(middle)
+    before = one.page.locator("#stage canvas").screenshot()
     one.page.check("input[name=cut-axis][value=x]", force=True)
     one.set_slider("cut", 0)
     one.settle()
+    assert one.page.locator("#stage canvas").screenshot() != before, "the cut does not show"
     caps = one.value("v.section.caps.filter(c => c.face.visible).map(c => c.entry.name)")
     assert {"frame", "drum", "guide"} <= set(caps), caps
     assert one.value(middle) != outside or outside is None
@@ -111,19 +114,6 @@ def test_section_cuts_and_closes_what_it_cuts(opened: Open) -> None:
     assert one.value("v.section.hides(new THREE.Vector3(-30, 0, 50))") is False
     one.page.check("input[name=cut-axis][value='']", force=True)
     assert one.value("v.section.group.visible") is False
-
-
-def test_section_changes_the_picture_only_on_the_side_cut_away(opened: Open) -> None:
-    one = opened()
-    one.value("v.look('front')")
-    one.settle()
-    shot = "#stage canvas"
-    before = one.page.locator(shot).screenshot()
-    one.page.check("input[name=cut-axis][value=y]", force=True)
-    one.set_slider("cut", 0)
-    one.settle()
-    after = one.page.locator(shot).screenshot()
-    assert before != after
 
 
 def test_taking_apart_leaves_the_base_and_no_two_parts_in_one_place(opened: Open) -> None:
@@ -177,8 +167,8 @@ def test_works_by_keyboard(opened: Open) -> None:
     assert one.page.text_content("#fact-name") == "guide"
 
 
-def test_tables_have_headers_and_controls_have_names(opened: Open) -> None:
-    one = opened()
+def test_tables_have_headers_and_controls_have_names(shared: Any) -> None:
+    one = shared
     bare = one.page.eval_on_selector_all(
         "table", "all => all.filter(t => !t.querySelector('thead th[scope=col]')).length"
     )
@@ -193,8 +183,14 @@ def test_tables_have_headers_and_controls_have_names(opened: Open) -> None:
     assert levels[0] == 1 and levels.count(1) == 1
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize(
+    ("width", "scheme"),
+    [
+        (1280, "light"),
+        (390, "dark"),
+        *(pytest.param(*p, marks=pytest.mark.slow) for p in ((1280, "dark"), (390, "light"))),
+    ],
+)
 def test_fits_the_width(opened: Open, artefacts: Path, width: int, scheme: str) -> None:
     one = opened(width, 900, scheme)
     one.settle()

@@ -107,14 +107,14 @@ def run(path: Path, seeds: range) -> tuple[int, int]:
     return loaded, refused
 
 
-def test_five_hundred_mutants(tmp_path: Path) -> None:
-    loaded, refused = run(tmp_path / "f.yaml", range(500))
-    assert loaded > 50 and refused > 150, (
+def test_two_hundred_mutants(tmp_path: Path) -> None:
+    loaded, refused = run(tmp_path / "f.yaml", range(200))
+    assert loaded > 20 and refused > 60, (
         f"{loaded} loaded and {refused} refused: the mutations are too weak or too strong"
     )
 
 
 @pytest.mark.slow
 def test_six_thousand_more_mutants(tmp_path: Path) -> None:
-    loaded, refused = run(tmp_path / "f.yaml", range(500, 6500))
+    loaded, refused = run(tmp_path / "f.yaml", range(200, 6200))
     assert loaded > 600 and refused > 1800, f"{loaded} loaded and {refused} refused"

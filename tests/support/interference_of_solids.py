@@ -1,9 +1,9 @@
-"""The interference run on solids at hand, as the tests draw and move them, with nothing known before."""
+"""The interference run on solids at hand, as the tests draw and move them."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from mbcdm_cad.build.interference import InterferenceRun, answers, interference_
 from mbcdm_cad.build.kernel import brep_bytes
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
-from mbcdm_cad.build.pairs import PartShape
+from mbcdm_cad.build.pairs import Found, PartShape
 from mbcdm_cad.build.scene import scenes
 from mbcdm_cad.configurations.interface import Layout
 
@@ -33,8 +33,19 @@ def run_of(dims: Layout, bodies: Mapping[str, PartShape], poses_deg: Sequence[fl
 
 
 def interferences(
-    dims: Layout, solids: Mapping[str, Any], poses_deg: Sequence[float], jobs: int = 1
+    dims: Layout,
+    solids: Mapping[str, Any],
+    poses_deg: Sequence[float],
+    jobs: int = 1,
+    known: MutableMapping[str, Found] | None = None,
 ) -> tuple[Clash, ...]:
-    """All overlaps at the given drum angles. ``solids``: part name to solid in the part's own frame."""
+    """All overlaps at the given drum angles. ``solids``: part name to solid in the part's own frame.
+
+    Pairs whose answer is in ``known`` are not tested again, and answers are added to it; without it every pair is
+    tested.
+    """
     run = run_of(dims, {name: body(name, solid) for name, solid in solids.items()}, poses_deg)
-    return run.clashes(answers(run, {}, jobs))
+    found = answers(run, known or {}, jobs)
+    if known is not None:
+        known.update(found)
+    return run.clashes(found)

@@ -19,6 +19,7 @@ from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.known import KnownTests
 from mbcdm_cad.build.pairs import Pair, PartShape, Rod
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.storage import parallel
 from mbcdm_cad.storage.cache import Cache
 
 POSES = (-35.0, 4.0)
@@ -45,10 +46,12 @@ def look(
     return run.clashes(found), missing
 
 
+@pytest.mark.slow
 def test_edits_one_after_the_other_equal_runs_from_nothing(
-    dims: Layout, solids: dict[str, Any], bodies: dict[str, PartShape], tmp_path: Path
+    dims: Layout, solids: dict[str, Any], bodies: dict[str, PartShape], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A harmless edit, one that makes clashes, one of another part, and the way back: each as if nothing was known."""
+    monkeypatch.setattr(parallel, "_allowed", True)
     cache = Cache(tmp_path)
     steps = {
         "as drawn": bodies,

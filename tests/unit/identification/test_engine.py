@@ -55,12 +55,11 @@ def scale(angle: Floats, _: Floats) -> Floats:
     return 4e-4 * angle
 
 
-def test_nothing_is_named_where_nothing_is() -> None:
-    for seed in (0, 1):
-        result = close_loop(LOADED.drive, [measured(seed=seed)])
-        print(result.sentence)
-        assert result.verdict == "none", result.sentence
-        assert result.errors.before.value == result.errors.after.value
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_nothing_is_named_where_nothing_is(seed: int) -> None:
+    result = close_loop(LOADED.drive, [measured(seed=seed)])
+    assert result.verdict == "none", result.sentence
+    assert result.errors.before.value == result.errors.after.value
 
 
 @pytest.mark.parametrize(
@@ -70,13 +69,11 @@ def test_nothing_is_named_where_nothing_is() -> None:
 )
 def test_nothing_is_left_of_what_was_named(run: Run, names: set[str]) -> None:
     first = close_loop(LOADED.drive, [run])
-    print(first.sentence)
     assert {named.name for named in first.effects} == names, first.sentence
     assert not first.one_of, first.sentence
     assert first.errors.after.value < 0.2 * first.errors.before.value, first.sentence
     as_built = load_text(as_built_text(LOADED, first, "run.csv"), REFERENCE)
     second = close_loop(as_built.drive, [run])
-    print(second.sentence)
     assert second.verdict == "none", second.sentence
     assert second.errors.before.value == pytest.approx(first.errors.after.value, rel=0.05)
 
@@ -95,6 +92,7 @@ def test_a_candidate_that_cannot_be_simulated_drops_out(monkeypatch: pytest.Monk
     assert [named.name for named in result.effects] == ["stiffness_error"], result.sentence
 
 
+@pytest.mark.slow
 def test_nothing_impossible_is_named() -> None:
     stiff = close_loop(LOADED.drive, [measured(added=lambda angle, load: 6e-5 * load)])
     figures = [figure for named in stiff.effects for figure in named.parameters.items()]
@@ -115,12 +113,12 @@ def test_noise_beyond_the_data_sheet_is_told_and_not_explained() -> None:
     assert result.to_json()["noise"]["declared_rad"] < 5e-6, result.to_json()["noise"]
 
 
+@pytest.mark.slow
 def test_a_bump_in_one_place_is_unknown_and_described() -> None:
     def bump(angle: Floats, _: Floats) -> Floats:
         return np.asarray(6e-5 * np.exp(-0.5 * ((angle - 0.1) / 0.03) ** 2))
 
     result = close_loop(LOADED.drive, [measured(added=bump)])
-    print(result.sentence)
     assert result.verdict == "unknown", result.sentence
     assert not result.effects and not result.one_of
     assert result.unknown is not None
@@ -133,7 +131,6 @@ def test_two_ripples_are_two() -> None:
         return np.asarray(3e-5 * np.cos(40.0 * angle + 1.0) + 2e-5 * np.cos(71.0 * angle))
 
     result = close_loop(LOADED.drive, [measured(added=ripples)])
-    print(result.sentence)
     assert [named.name for named in result.effects] == ["ripple", "ripple"], result.sentence
     found = sorted(
         (n.parameters["cycles_per_output_rev"].value, n.parameters["amplitude_rad"].value) for n in result.effects
@@ -143,7 +140,6 @@ def test_two_ripples_are_two() -> None:
 
 def test_without_torque_only_the_motion_is_judged() -> None:
     result = close_loop(LOADED.drive, [measured(added=scale, torque=False)])
-    print(result.sentence)
     assert [named.name for named in result.effects] == ["ratio_error"], result.sentence
     assert result.effects[0].parameters["share"].value == pytest.approx(4e-4, rel=0.03)
     assert any("torque" in words for words in result.not_testable), result.not_testable
@@ -152,7 +148,6 @@ def test_without_torque_only_the_motion_is_judged() -> None:
 @pytest.mark.slow
 def test_runs_share_what_they_have_in_common() -> None:
     result = close_loop(LOADED.drive, [measured(stiffer=0.3, seed=seed) for seed in (1, 2)])
-    print(result.sentence)
     assert [named.name for named in result.effects] == ["stiffness_error"], result.sentence
     share = result.effects[0].parameters["share"]
     assert share.value == pytest.approx(0.3, rel=0.03)

@@ -55,6 +55,7 @@ def test_folders_of_other_sources_go_after_a_day(sources: Path) -> None:
     assert [path.exists() for path in (old, young, own)] == [False, True, True]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not compiled.COMPILED, reason="numba is not installed")
 def test_a_changed_function_is_seen_by_those_that_call_it(sources: Path) -> None:
     code = (

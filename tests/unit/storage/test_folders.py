@@ -262,7 +262,7 @@ def test_killed_at_any_moment(tmp_path: Path, exchange: str) -> None:
         folder.write("x", "a0")
     chance = random.Random(exchange)
     last, moments = 0, set()
-    for _ in range(15):
+    for _ in range(8):
         process = start(target, "a", last + 1, 1000, exchange)
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"

@@ -120,6 +120,7 @@ def test_machine_without_any_way_to_draw(
         picture_png(pair, meshes)
 
 
+@pytest.mark.slow
 def test_same_picture_in_another_process_without_display(pair: list[Item], meshes: dict[str, TriangleMesh]) -> None:
     here = draw(pair, meshes, "iso")
     code = """

@@ -229,7 +229,7 @@ def straight_span_clearance(drive: BevelDrive, cable: BevelRun) -> float:
     walk = axial_walk_mm(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))
     a = np.linspace(0.5 * pi, 3.0 * pi, 20001)
     turn = np.stack([r * np.cos(a), r * np.sin(a), lead * a / tau], axis=1)
-    s = np.linspace(0.0, 6.0, 3001)
+    s = np.linspace(0.0, 6.0, 301)
     span = np.stack([np.full_like(s, r), -s, s * walk / w.free_span_mm], axis=1)
     gaps = [np.linalg.norm(turn - p, axis=1).min() for p in span]
     return float(min(gaps)) - drive.cable.diameter_mm
