@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 DESIGN ?= params/mbcdm.yaml
 
-.PHONY: build test test-slow lint setup picture docs benchmark lock clean
+.PHONY: build test test-slow lint setup picture docs docs-site benchmark lock clean
 
 build: setup
 	$(BIN)/mbcdm build $(DESIGN)
@@ -41,6 +41,10 @@ docs: setup
 benchmark: setup
 	$(BIN)/python benchmarks/speed.py
 	$(BIN)/python benchmarks/model.py
+
+# The docs as a site that needs no network; a dead link or a page that nothing leads to fails.
+docs-site: setup
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/site
 
 # Pinned versions with hashes, from pyproject.toml.
 lock:

@@ -141,6 +141,29 @@ def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
     return page_command(design, out=out, force=force, use_cache=not no_cache)
 
 
+@mbcdm.command(epilog=_examples("mbcdm watch my_drive.yaml"))
+@_DESIGN
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Any free port by default.")
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the design's folders are written into.",
+)
+@_NO_CACHE
+def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
+    """Follow a design file: after every save new checks, parts and page.
+
+    Prints the address of a page that loads itself again. The parts drawn at once go into DIR/NAME-live, the whole build
+    into DIR/NAME. Ctrl-C ends it.
+    """
+    from mbcdm_cad.cli.watch import watch_command
+
+    return watch_command(design, out=out, port=port, use_cache=not no_cache)
+
+
 @mbcdm.command(
     epilog=_examples("mbcdm export my_drive.yaml --format urdf", "mbcdm export my_drive.yaml --format mjcf --elastic")
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import click
@@ -16,7 +15,7 @@ def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
     loaded = load_design(path)
     from mbcdm_cad.build.progress import progress
     from mbcdm_cad.build.run import build, drawn
-    from mbcdm_cad.report.page import design_scene, report_page, studies
+    from mbcdm_cad.report.page.stage import PAGE, page_of
     from mbcdm_cad.storage.files import write_whole
 
     cache = Cache(cache_folder() if use_cache else None)
@@ -30,15 +29,8 @@ def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
             return 1
         _, parts = drawn(loaded.drive, 0.0, cache, tell)
         tell("page")
-        view = design_scene(loaded.drive, {name: part.files for name, part in parts.items()})
-        page = report_page(outcome.data, view, studies(loaded.drive), file_links(loaded.drive.name, parts))
-    target = outcome.folder / "report.html"
+        page = page_of(loaded.drive, outcome.data, parts, cache)
+    target = outcome.folder / PAGE
     write_whole({target: page})
     click.echo(f"{target}: {len(page) / 1e6:.1f} MB, opens in any browser, needs no network")
     return 1 if outcome.failed else 0
-
-
-def file_links(name: str, parts: Iterable[str]) -> dict[str, list[tuple[str, str]]]:
-    """Files of the whole (key "") and of each part, by their place beside the page."""
-    whole = [("STEP", f"{name}.step"), ("GLB", f"{name}.glb"), ("report.md", "report.md"), ("JSON", "report.json")]
-    return {"": whole} | {part: [("STEP", f"parts/{part}.step"), ("STL", f"parts/{part}.stl")] for part in parts}

@@ -32,6 +32,7 @@ ORDER = (
     "rig",
     "paper",
     "api",
+    "live",
     "cli",
 )
 # What all rooms may know of configurations: that there are some, and what each supplies.

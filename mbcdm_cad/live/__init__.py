@@ -1,0 +1,1 @@
+"""One warm process that follows a design file: new checks, parts and page after every save."""

@@ -1,0 +1,80 @@
+"""The process that draws for `mbcdm watch`: keeps the kernel loaded, drops a job as soon as a newer one waits."""
+
+from __future__ import annotations
+
+import signal
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.parallel import allow_processes
+
+
+@dataclass(frozen=True)
+class Job:
+    """Draw the design of ``text``; ``number`` counts the saves.
+
+    With ``built``, the folder of its whole build, the page is made from that build's report instead.
+    """
+
+    number: int
+    path: Path
+    text: str
+    built: Path | None = None
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What became of a job: a page, or ``problem`` in words."""
+
+    number: int
+    page: bytes = b""
+    written: tuple[str, ...] = ()
+    problem: str = ""
+    whole: bool = False
+
+
+class _SupersededError(Exception):
+    """A newer job waits."""
+
+
+def work(connection: Connection, folder: Path, use_cache: bool) -> None:
+    """Draw what comes through ``connection`` until None comes or the other end is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that watches; it closes the connection
+    # Imported here, so that the process that starts this one needs no kernel.
+    from mbcdm_cad.build.kernel import shape_from_brep  # noqa: F401  loads the kernel before the first job
+    from mbcdm_cad.live.preview import Previewer
+
+    allow_processes()
+    previewer = Previewer(folder, Cache(cache_folder() if use_cache else None))
+
+    def progress(name: str) -> None:
+        if connection.poll():
+            raise _SupersededError
+
+    try:
+        while (job := _newest(connection)) is not None:
+            try:
+                loaded = load_text(job.text, job.path)
+                if job.built is not None:
+                    drawn = Drawn(job.number, previewer.complete(loaded, job.built, progress), whole=True)
+                else:
+                    preview = previewer.preview(loaded, progress)
+                    drawn = Drawn(job.number, preview.page, preview.written)
+            except _SupersededError:
+                continue
+            except (MbcdmError, OSError) as error:
+                drawn = Drawn(job.number, problem=str(error))
+            connection.send(drawn)
+    except (EOFError, BrokenPipeError):
+        return
+
+
+def _newest(connection: Connection) -> Job | None:
+    job: Job | None = connection.recv()
+    while job is not None and connection.poll():
+        job = connection.recv()
+    return job

@@ -1,0 +1,109 @@
+"""The server of mbcdm watch: only who knows the address is served, and only files of the output."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import aiohttp
+import pytest
+
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.live.server import HOST, Server
+from mbcdm_cad.live.state import WatchState
+
+Ask = Callable[[Server, aiohttp.ClientSession], Awaitable[None]]
+
+
+def served(folder: Path, ask: Ask) -> None:
+    """Run ``ask`` against a server of its own over ``folder``."""
+
+    async def main() -> None:
+        server = Server(WatchState(), [folder])
+        await server.start(0)
+        try:
+            async with aiohttp.ClientSession() as session:
+                await ask(server, session)
+        finally:
+            await server.stop()
+
+    asyncio.run(main())
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "secret.txt").write_text("not for others")
+    inside = tmp_path / "out"
+    (inside / "parts").mkdir(parents=True)
+    (inside / "parts" / "drum.step").write_text("ISO-10303-21;")
+    (inside / "link").symlink_to(tmp_path / "secret.txt")
+    return inside
+
+
+def test_only_the_address_with_its_token_and_this_host_is_answered(folder: Path) -> None:
+    async def ask(server: Server, session: aiohttp.ClientSession) -> None:
+        origin = server.address.rsplit("/", 2)[0]
+        assert origin.startswith(f"http://{HOST}:")
+        wanted = {
+            server.address: 200,
+            f"{origin}/": 404,
+            f"{origin}/wrong/": 404,
+            f"{origin}/wrong/events": 404,
+            f"{origin}/wrong/parts/drum.step": 404,
+        }
+        for address, status in wanted.items():
+            async with session.get(address) as answer:
+                assert answer.status == status, address
+        async with session.get(server.address, headers={"Host": "elsewhere.example"}) as answer:
+            assert answer.status == 404  # a foreign name that was made to point here
+
+    served(folder, ask)
+
+
+@pytest.mark.parametrize(
+    ("place", "status"),
+    [
+        ("parts/drum.step", 200),
+        ("parts", 404),
+        ("parts/none.step", 404),
+        ("../secret.txt", 404),
+        ("%2e%2e/secret.txt", 404),
+        ("parts/..%2f..%2fsecret.txt", 404),
+        ("link", 404),
+        ("/etc/passwd", 404),
+    ],
+)
+def test_files_come_from_the_output_alone(folder: Path, place: str, status: int) -> None:
+    async def ask(server: Server, session: aiohttp.ClientSession) -> None:
+        import yarl
+
+        async with session.get(yarl.URL(server.address + place, encoded=True)) as answer:
+            assert answer.status == status, (place, await answer.text())
+
+    served(folder, ask)
+
+
+def test_an_open_page_hears_of_every_change_and_of_the_end(folder: Path) -> None:
+    async def ask(server: Server, session: aiohttp.ClientSession) -> None:
+        async with session.get(server.address + "events") as answer:
+            heard = [json.loads((await answer.content.readline()).removeprefix(b"data: "))]
+            await answer.content.readline()
+            server.state.save, server.state.stage = 7, "broken"
+            server.tell()
+            heard.append(json.loads((await answer.content.readline()).removeprefix(b"data: ")))
+            assert [(state["save"], state["stage"]) for state in heard] == [(0, "drawing"), (7, "broken")]
+            await server.stop()
+            assert await asyncio.wait_for(answer.content.read(), 5.0) == b"\n"
+
+    served(folder, ask)
+
+
+def test_a_taken_port_is_told_in_one_sentence(folder: Path) -> None:
+    async def ask(server: Server, session: aiohttp.ClientSession) -> None:
+        port = int(server.address.split(":")[2].split("/")[0])
+        with pytest.raises(MbcdmError, match=f"--port: cannot listen on {HOST}:{port}.*choose another"):
+            await Server(WatchState(), [folder]).start(port)
+
+    served(folder, ask)
