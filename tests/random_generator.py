@@ -56,6 +56,23 @@ def _fitting(rng: random.Random, entries: Sequence[tuple[str, Data]]) -> tuple[s
     return entries[min(int(abs(rng.gauss(0.0, 1.0)) * len(entries) / 2), len(entries) - 1)]
 
 
+def _termination(rope: Data) -> Data:
+    """What the program chooses for this rope where the file names none."""
+    fitting = (
+        end
+        for end in package_entries("terminations").values()
+        if rope["construction"] in end["constructions"]
+        and end["smallest_mm"] <= rope["diameter_mm"] <= end["largest_mm"]
+    )
+    return max(fitting, key=lambda end: float(end["strength_share"]))
+
+
+def _takes(tensioner: Data, end: Data, diameter_mm: float) -> bool:
+    """Whether the sleeve is thick and long enough, with some room left."""
+    thick = tensioner["swage_diameter_mm"] >= max(diameter_mm + 0.6, end["sleeve_ratio"] * diameter_mm)
+    return bool(thick and tensioner["swage_length_mm"] - 0.5 >= end["grip_ratio"] * diameter_mm)
+
+
 def _rope(rng: random.Random) -> tuple[str, Data]:
     ropes = [(n, e) for n, e in package_entries("ropes").items() if e["diameter_mm"] <= 1.6]
     return rng.choice(ropes)
@@ -160,13 +177,15 @@ def draw(seed: int) -> Data:
     guide_name, guide = rng.choice(_bearings(3.0, 6.0))
     gear = _drives(rng, data, lower, upper, drum)
 
+    end = _termination(rope)
     tensioners = sorted(package_entries("tensioners").items(), key=lambda item: item[1]["swage_diameter_mm"])
-    tensioner_name, tensioner = _fitting(rng, [t for t in tensioners if t[1]["swage_diameter_mm"] >= d + 0.6])
+    tensioner_name, tensioner = _fitting(rng, [t for t in tensioners if _takes(t[1], end, d)])
     nut = tensioner["nut_across_flats_mm"] / 3**0.5
 
     # Radii: the pulley bends the rope and holds stop and journal, the guide lets the drum pass the drives.
     bend = rng.uniform(13.0, 32.0)
-    smallest = max(bend * d / 2, 2.36 * d + lower["bore_mm"] / 2 + 1.4, upper["bore_mm"] / 2 + 2.36 * d + 1.4)
+    inside = (0.5 + 2.0 * end["stop_radius_ratio"]) * d
+    smallest = max(bend * d / 2, inside + lower["bore_mm"] / 2 + 1.4, inside + upper["bore_mm"] / 2 + 1.4)
     r_g = max(gear + 0.3 + d / 2, guide["outer_diameter_mm"] / 2 + 1.0 + d / 2) * rng.uniform(1.0, 1.3)
     r_g = max(r_g, smallest * rng.uniform(0.8, 1.8))
     i1, i2 = round(r_g / (smallest * rng.uniform(1.0, 1.15)), 3), round(rng.uniform(3.5, 8.5), 3)

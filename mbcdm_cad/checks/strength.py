@@ -15,8 +15,6 @@ from mbcdm_cad.checks.remedies import floored
 SLACK_SHARE = 0.01
 # Share of an input's rated torque that the preload alone may take (estimate).
 BIAS_SHARE = 0.1
-# Strength of a swaged end over the rope's (makers of swaged terminals: nine tenths and more).
-SWAGE_EFFICIENCY = 0.9
 
 
 def no_slack(s: DesignUnderTest) -> Comparison:
@@ -62,16 +60,40 @@ def preload_share(s: DesignUnderTest) -> Comparison:
     )
 
 
+def termination_fits(s: DesignUnderTest) -> Comparison:
+    """Whether the ends of this rope can be made so: its construction, and its diameter within the range."""
+    end, rope = s.drive.termination, s.drive.cable
+    if rope.construction not in end.constructions:
+        what = f"{end.name} ends are made on {', '.join(end.constructions)}, not on {rope.construction}:"
+        return at_least(what, 0.0, 1.0, "fitting constructions")
+    return worst(
+        (
+            at_least(f"diameter for {end.name} ends", rope.diameter_mm, end.smallest_mm, "mm"),
+            at_most(f"diameter for {end.name} ends", rope.diameter_mm, end.largest_mm, "mm"),
+        )
+    )
+
+
+def _other_termination(s: DesignUnderTest) -> str:
+    """The terminations that fit the rope, the strongest first."""
+    rope = s.drive.cable
+    fitting = sorted((e for e in s.drive.terminations if e.fits(rope)), key=lambda e: -e.strength_share)
+    if not fitting:
+        low, high = min(e.smallest_mm for e in s.drive.terminations), max(e.largest_mm for e in s.drive.terminations)
+        return f"choose a rope of {low:g} to {high:g} mm: no termination of the catalogue fits this one"
+    return f"choose rope.termination: {' or '.join(e.name for e in fitting)}, or leave it out"
+
+
 def cable_ends(s: DesignUnderTest) -> Comparison:
-    """Swaged stop behind its dead turn, and swaged terminal, against the cable's force."""
-    highest = s.loads.highest_N
-    grip = SWAGE_EFFICIENCY * s.drive.cable.breaking_load_N
+    """Stop behind its dead turn, and terminal, against the cable's force."""
+    highest, end = s.loads.highest_N, s.drive.termination
+    grip = end.strength_share * s.drive.cable.breaking_load_N
     at_stop = highest * exp(-s.drive.friction_coefficient * tau * s.drive.dead_turns)
     factor = s.drive.limits.tension_safety_factor
     return worst(
         (
-            at_least(f"swaged terminal: {grip:.4g} N over {highest:.4g} N", grip / highest, factor, "times"),
-            at_least(f"swaged stop: {grip:.4g} N over {at_stop:.4g} N there", grip / at_stop, factor, "times"),
+            at_least(f"{end.name} terminal: {grip:.4g} N over {highest:.4g} N", grip / highest, factor, "times"),
+            at_least(f"{end.name} stop: {grip:.4g} N over {at_stop:.4g} N there", grip / at_stop, factor, "times"),
         )
     )
 
@@ -145,12 +167,19 @@ CHECKS = (
         advice="choose a stronger rope",
     ),
     Check(
+        "termination_fits",
+        "Rope's ends can be made",
+        "catalogue of terminations",
+        termination_fits,
+        advice=_other_termination,
+    ),
+    Check(
         "cable_ends",
-        "Swaged ends hold the cable",
-        "limits.tension_safety_factor; swages hold nine tenths of the rope",
+        "Ends hold the cable",
+        "limits.tension_safety_factor; strength share in the catalogue of terminations",
         cable_ends,
         adjust=(up("rope.dead_turns"), down("loads.peak_torque_Nm"), down("rope.preload_N")),
-        advice="choose a stronger rope",
+        advice="choose a stronger rope or a stronger rope.termination",
     ),
     Check(
         "preload_bias",

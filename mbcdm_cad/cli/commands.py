@@ -12,7 +12,17 @@ from mbcdm_cad import __version__
 # The names of VIEWS in mbcdm_cad.build.export.picture, which needs the drawing library; a test compares them.
 VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "top", "bottom")
 # Of mbcdm_cad.design.entries.KINDS, for the same reason.
-CATALOGUE_KINDS = ("ropes", "motors", "gearheads", "encoders", "bearings", "screws", "tensioners", "materials")
+CATALOGUE_KINDS = (
+    "ropes",
+    "terminations",
+    "motors",
+    "gearheads",
+    "encoders",
+    "bearings",
+    "screws",
+    "tensioners",
+    "materials",
+)
 
 _FILE = click.Path(path_type=Path)
 _DESIGN = click.argument("design", type=_FILE)

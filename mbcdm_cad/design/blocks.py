@@ -61,6 +61,11 @@ class Rope(Block):
     modulus_area: Literal["metallic", "nominal"] | None = choice(
         "area that modulus_GPa refers to: metallic (the wires) or nominal (pi d^2 / 4)", default=None
     )
+    termination: EntryName | None = choice(
+        "how its ends are made, of the catalogue; left out: the strongest that fits the rope",
+        example="swaged",
+        default=None,
+    )
     friction_coefficient: Number = quantity("rope on pulley, mu", unit="-", uncertain=True, ge=0.01, le=1.0)
     preload_N: Number = quantity(
         "tension of each cable with the drum centred and unloaded", unit="N", uncertain=True, ge=0.1, le=20000.0

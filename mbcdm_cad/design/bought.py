@@ -57,6 +57,26 @@ class CableSpec:
 
 
 @dataclass(frozen=True)
+class TerminationSpec:
+    """A way of ending a rope; ratios are over the rope's diameter."""
+
+    name: str
+    constructions: tuple[str, ...]
+    smallest_mm: float
+    largest_mm: float
+    strength_share: float  # of the rope's breaking load
+    sleeve_ratio: float
+    grip_ratio: float
+    stop_radius_ratio: float
+    stop_length_ratio: float
+    source: str
+
+    def fits(self, rope: CableSpec) -> bool:
+        """Whether it is made on ropes of this construction and diameter."""
+        return rope.construction in self.constructions and self.smallest_mm <= rope.diameter_mm <= self.largest_mm
+
+
+@dataclass(frozen=True)
 class Bearing:
     """Deep-groove bearing: bore d, outside D, width B; shoulder limits d_a (inner ring) and D_a (outer ring)."""
 

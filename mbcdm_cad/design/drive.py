@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from mbcdm_cad.design.bought import CableSpec, Encoder, Gearhead, Material, Motor, Screw
+from mbcdm_cad.design.bought import CableSpec, Encoder, Gearhead, Material, Motor, Screw, TerminationSpec
 
 
 @dataclass(frozen=True)
@@ -122,8 +122,8 @@ class Drive:
     ``as_built`` holds what was found on the built drive and is not among its values; a modulus, preload or friction
     that was found is (:mod:`mbcdm_cad.design.as_built`).
 
-    ``screws`` and ``materials`` hold the whole catalogue with the design's own entries, since parts choose screws by
-    name and bought parts name their material.
+    ``screws``, ``materials`` and ``terminations`` hold the whole catalogue with the design's own entries: parts choose
+    screws by name, bought parts name their material, and a remedy names the terminations that fit.
     """
 
     name: str
@@ -133,6 +133,8 @@ class Drive:
     half_travel_deg: float
     stop_clearance_deg: float
     cable: CableSpec
+    terminations: tuple[TerminationSpec, ...]
+    termination: TerminationSpec
     friction_coefficient: float
     helix_lead_mm: float
     dead_turns: float

@@ -45,6 +45,21 @@ class RopeEntry(Entry):
     material: EntryName = _field("material of the wires", "-")
 
 
+class TerminationEntry(Entry):
+    """A way of ending a rope: in the sleeve of its terminal at one end, with a stop at the other."""
+
+    constructions: tuple[Literal["7x7", "7x19", "1x19", "braid"], ...] = _field(
+        "ropes that it holds", "-", min_length=1, max_length=4
+    )
+    smallest_mm: Number = _field("thinnest rope that it is made on", "mm", ge=0.1, le=20.0)
+    largest_mm: Number = _field("thickest rope that it is made on", "mm", ge=0.1, le=20.0)
+    strength_share: Number = _field("strength of the end over the rope's breaking load", "-", gt=0.0, le=1.0)
+    sleeve_ratio: Number = _field("smallest diameter of the terminal's sleeve over the rope's", "-", ge=1.1, le=10.0)
+    grip_ratio: Number = _field("smallest length in the sleeve over the rope's diameter", "-", ge=0.5, le=30.0)
+    stop_radius_ratio: Number = _field("radius of the stop over the rope's diameter", "-", ge=0.6, le=5.0)
+    stop_length_ratio: Number = _field("length of the stop over the rope's diameter", "-", ge=0.5, le=20.0)
+
+
 class MotorEntry(Entry):
     """A motor, its shaft hidden in the gearhead."""
 
@@ -152,6 +167,7 @@ class MaterialEntry(Entry):
 
 KINDS: dict[str, type[Entry]] = {
     "ropes": RopeEntry,
+    "terminations": TerminationEntry,
     "motors": MotorEntry,
     "gearheads": GearheadEntry,
     "encoders": EncoderEntry,
@@ -166,6 +182,9 @@ class OwnEntries(Block):
     """Entries of the design's own, by kind and name; a name of the package's catalogue is overridden."""
 
     ropes: dict[EntryName, RopeEntry] = Field(default={}, max_length=64, description="ropes by name")
+    terminations: dict[EntryName, TerminationEntry] = Field(
+        default={}, max_length=64, description="ways of ending a rope by name"
+    )
     motors: dict[EntryName, MotorEntry] = Field(default={}, max_length=64, description="motors by name")
     gearheads: dict[EntryName, GearheadEntry] = Field(default={}, max_length=64, description="gearheads by name")
     encoders: dict[EntryName, EncoderEntry] = Field(default={}, max_length=64, description="encoders by name")

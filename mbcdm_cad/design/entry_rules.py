@@ -13,10 +13,12 @@ from mbcdm_cad.design.entries import (
     RopeEntry,
     ScrewEntry,
     TensionerEntry,
+    TerminationEntry,
 )
 
 _ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
     RopeEntry: (("bend_ratio_minimum", "bend_ratio_desired"),),
+    TerminationEntry: (("smallest_mm", "largest_mm"),),
     GearheadEntry: (
         ("rated_torque_mNm", "max_torque_mNm"),
         ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),

@@ -8,7 +8,17 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.bought import Bearing, CableSpec, Encoder, Gearhead, Material, Motor, Screw, TensionerSpec
+from mbcdm_cad.design.bought import (
+    Bearing,
+    CableSpec,
+    Encoder,
+    Gearhead,
+    Material,
+    Motor,
+    Screw,
+    TensionerSpec,
+    TerminationSpec,
+)
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
 
@@ -16,6 +26,7 @@ T = TypeVar("T")
 # What an entry of each kind becomes.
 BOUGHT: dict[str, type[Any]] = {
     "ropes": CableSpec,
+    "terminations": TerminationSpec,
     "motors": Motor,
     "gearheads": Gearhead,
     "encoders": Encoder,

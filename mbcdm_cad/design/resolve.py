@@ -7,7 +7,7 @@ from typing import Any
 
 from mbcdm_cad.design import drive as d
 from mbcdm_cad.design.blocks import Cable, Design, Rope
-from mbcdm_cad.design.bought import CableSpec
+from mbcdm_cad.design.bought import CableSpec, TerminationSpec
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 
@@ -17,14 +17,16 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
 
     Effects found on the built drive are left out; the loader puts them in.
     """
-    train = design.drive
+    train, rope, ends = design.drive, _rope(design.rope, catalogue), catalogue.all("terminations")
     return {
         "name": design.name,
         "configuration": design.configuration,
         "input_names": tuple(item.name for item in design.inputs),
         "half_travel_deg": design.travel.half_angle_deg,
         "stop_clearance_deg": design.travel.stop_clearance_deg,
-        "cable": _rope(design.rope, catalogue),
+        "cable": rope,
+        "terminations": ends,
+        "termination": _termination(design.rope.termination, ends, rope),
         "friction_coefficient": design.rope.friction_coefficient,
         "helix_lead_mm": design.rope.helix_lead_mm,
         "dead_turns": design.rope.dead_turns,
@@ -86,6 +88,13 @@ def as_built(design: Design) -> tuple[d.AsBuilt, ...]:
         copied(d.AsBuilt, entry, values=tuple(copied(d.AsBuiltValue, value) for value in entry.values))
         for entry in design.as_built
     )
+
+
+def _termination(name: str | None, known: Sequence[TerminationSpec], rope: CableSpec) -> TerminationSpec:
+    """The one named, else the strongest that fits the rope, else the strongest, which a check then refuses."""
+    if name is not None:
+        return next(each for each in known if each.name == name)
+    return max(known, key=lambda each: (each.fits(rope), each.strength_share))
 
 
 def _rope(rope: Rope, catalogue: Catalogue) -> CableSpec:

@@ -61,6 +61,7 @@ def named_by_shared_blocks(design: Design) -> Iterator[NamedEntry]:
     rope, train = design.rope, design.drive
     yield NamedEntry(("rope", "type"), "ropes", rope.type)
     yield NamedEntry(("rope", "inline", "material"), "materials", rope.inline.material if rope.inline else None)
+    yield NamedEntry(("rope", "termination"), "terminations", rope.termination)
     yield NamedEntry(("drive", "motor"), "motors", train.motor)
     yield NamedEntry(("drive", "gearhead"), "gearheads", train.gearhead)
     yield NamedEntry(("drive", "encoder"), "encoders", train.encoder)

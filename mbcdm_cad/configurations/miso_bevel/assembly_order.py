@@ -41,8 +41,9 @@ def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
     rope, ring = drive.cable, drive.drum_encoder
     return (
         AssemblyStep(
-            f"Swage the stops on one end of each cable ({rope.name}, {rope.diameter_mm:g} mm) and the threaded "
-            f"terminals ({drive.tensioner.name}) on the other, to the cut lengths of the bill of materials."
+            f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
+            f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
+            "materials."
         ),
         AssemblyStep(
             f"Press the drum bearings ({drive.bearings.drum.name}) into the frame's boss from both sides, push the "

@@ -23,9 +23,7 @@ from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, V
 # The rope's bending stiffness rounds the change of slope where span meets pulley over a few sqrt(EI/T), about 0.7 mm
 # for 49 loose wires of 0.09 mm at 70 N; drawn 2.5 diameters long.
 BLEND_DIAMETERS = 2.5
-# Swaged stop on the cable's end: radius and length in cable diameters, wall left between its pocket and the land.
-STOP_RADIUS_DIAMETERS = 0.93
-STOP_LENGTH_DIAMETERS = 2.5
+# Wall left between the pocket of a stop and the land.
 STOP_WALL_MM = 0.75
 # Kept over the material's thinnest wall at the pocket's corners.
 STOP_CORNER_SPARE_MM = 0.01
@@ -100,7 +98,7 @@ def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
     d = drive.cable.diameter_mm
     w = winding(drive, cable)
     wound = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
-    stop_radius = STOP_RADIUS_DIAMETERS * d
+    stop_radius = drive.termination.stop_radius_ratio * d
     surface = cable.input_radius_mm - d / 2
     bend_radius = min(surface - stop_radius - STOP_WALL_MM, _deepest_bend_mm(drive, surface, stop_radius))
     slope = atan2(drive.helix_lead_mm, tau * cable.input_radius_mm)
@@ -111,8 +109,8 @@ def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
         chord_offset_mm=bend_radius * cos(slope),
         chord_rise_mm=bend_radius * sin(slope),
         stop_radius_mm=stop_radius,
-        stop_start_mm=STOP_LENGTH_DIAMETERS * d / 2,
-        stop_end_mm=-STOP_LENGTH_DIAMETERS * d / 2,
+        stop_start_mm=drive.termination.stop_length_ratio * d / 2,
+        stop_end_mm=-drive.termination.stop_length_ratio * d / 2,
     )
 
 
@@ -121,7 +119,7 @@ def _deepest_bend_mm(drive: BevelDrive, surface_mm: float, stop_radius_mm: float
     d = drive.cable.diameter_mm
     cutter = STOP_CUTTER * (d + SLOT_PLAY_MM) / 2
     inset = cutter / sqrt(2.0)
-    along = STOP_LENGTH_DIAMETERS * d / 2 + STOP_PLAY_MM - inset
+    along = drive.termination.stop_length_ratio * d / 2 + STOP_PLAY_MM - inset
     room = surface_mm - drive.input_pulleys.material.min_wall_mm - STOP_CORNER_SPARE_MM - cutter
     return inset + sqrt(max(room**2 - along**2, 0.0)) - stop_radius_mm - STOP_PLAY_MM
 

@@ -70,6 +70,8 @@ WAYS: dict[str, Way] = {
     "tension": Way(to(PEAK), 3.15, 20.0),
     "preload_share": Way(to("limits.preload_share_max"), 0.5, 0.05),
     "cable_ends": Way(to(PEAK), 3.15, 20.0),
+    "termination_fits": Way(to("termination.largest_mm"), 6.0, 0.5),
+    "sleeve_fits": Way(to("tensioner.swage_diameter_mm"), 2.0, 1.0),
     "preload_bias": Way(preloaded, 40.0, 100.0),
     "motor_torque_forward": Way(to(PEAK), 3.15, 5.0),
     "motor_torque_back": Way(to(PEAK), 3.15, 5.0),

@@ -12,6 +12,8 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, polygon_gap
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.drum import SWAGE_FLOOR_MM
+from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.terminal.dims import Tensioner
 
@@ -50,6 +52,38 @@ def _pairs(d: DrumDims) -> Iterator[tuple[Tensioner, Tensioner]]:
     for a, b in combinations(sorted(d.tensioners, key=lambda t: t.radius_mm), 2):
         if a.side == b.side:
             yield a, b
+
+
+def sleeve_fits(s: BevelUnderTest) -> Comparison:
+    """Sleeve of the terminal against the rope that ends in it: thick enough round it, and long enough to hold it."""
+    end, spec, d = s.drive.termination, s.drive.tensioner, s.drive.cable.diameter_mm
+    return worst(
+        (
+            at_least(
+                f"sleeve of {spec.name} over the rope's diameter", spec.swage_diameter_mm / d, end.sleeve_ratio, "d"
+            ),
+            at_least(
+                f"rope in the sleeve of {spec.name} over its diameter",
+                (spec.swage_length_mm - SWAGE_FLOOR_MM) / d,
+                end.grip_ratio,
+                "d",
+            ),
+        )
+    )
+
+
+def _fitting_tensioner(s: BevelUnderTest) -> str:
+    """The smallest tensioner of the package whose sleeve takes the rope."""
+    end, d = s.drive.termination, s.drive.cable.diameter_mm
+    fitting = [
+        (entry["swage_diameter_mm"], name)
+        for name, entry in package_entries("tensioners").items()
+        if entry["swage_diameter_mm"] >= end.sleeve_ratio * d
+        and entry["swage_length_mm"] - SWAGE_FLOOR_MM >= end.grip_ratio * d
+    ]
+    if fitting:
+        return f"choose drum.tensioner: {min(fitting)[1]}"
+    return "add a tensioner with a larger sleeve to catalogue: tensioners:, or choose a thinner rope"
 
 
 def terminals_apart(s: BevelUnderTest) -> Comparison:
@@ -161,6 +195,13 @@ def lug_stress(s: BevelUnderTest) -> Comparison:
 _ROOM: tuple[Adjustment, ...] = (up("all radii of transmission"), up("drum.outer_face_y_mm"))
 _SMALLER = "choose a smaller drum.tensioner"
 CHECKS = (
+    Check(
+        "sleeve_fits",
+        "Sleeves of the terminals take the rope",
+        "catalogue of terminations",
+        sleeve_fits,
+        advice=_fitting_tensioner,
+    ),
     Check(
         "terminals_apart",
         "Terminals of one side do not touch",
