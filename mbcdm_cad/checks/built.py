@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_most
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import judged
 from mbcdm_cad.design.drive import Drive
@@ -22,20 +22,27 @@ def _measured_by_the_build(design: Any) -> Comparison:
 def _result(
     check: Check, drive: Drive, what: str, actual: float, limit: float, unit: str, note: str = ""
 ) -> CheckResult:
-    return judged(check, at_most(what, actual, limit, unit, note), drive, lambda: str(check.advice))
+    return _judged(check, drive, at_most(what, actual, limit, unit, note))
+
+
+def _judged(check: Check, drive: Drive, found: Comparison) -> CheckResult:
+    return judged(check, found, drive, lambda: str(check.advice))
 
 
 def mass_check(drive: Drive, mass_g: float, sigma_g: float) -> CheckResult:
     """Mass of all items against the target; ``sigma_g`` is what the estimates leave open (one sigma)."""
     target = drive.targets
+    title, source = "Mass against the target", "targets.mass_g; paper section 4.1"
+    if target.mass_g is None:
+        check = Check("mass", title, source, _measured_by_the_build)
+        note = f"+- {sigma_g:.2g} g; the design asks for none"
+        return _judged(check, drive, noted("mass", mass_g, "g", note))
     over = mass_g - target.mass_g
     advice = (
         f"{'thin' if over > 0 else 'thicken'} walls of the frame where their limits allow, about {abs(over):.3g} g, "
         "or set targets.mass_g to what is wanted"
     )
-    check = Check(
-        "mass", "Mass against the target", "targets.mass_g; paper section 4.1", _measured_by_the_build, advice=advice
-    )
+    check = Check("mass", title, source, _measured_by_the_build, advice=advice)
     what = f"mass {mass_g:.2f} g +- {sigma_g:.2g}: from the target of {target.mass_g:g} g"
     return _result(
         check,
@@ -44,7 +51,7 @@ def mass_check(drive: Drive, mass_g: float, sigma_g: float) -> CheckResult:
         abs(over),
         target.mass_tolerance_g,
         "g",
-        f"the prototype was measured at {target.prototype_mass_g:g} g",
+        "" if target.prototype_mass_g is None else f"the prototype was measured at {target.prototype_mass_g:g} g",
     )
 
 
@@ -64,13 +71,16 @@ def frame_windup_check(drive: Drive, windup_mrad: float) -> CheckResult:
 def envelope_check(drive: Drive, box_mm: Sequence[float]) -> CheckResult:
     """Box (X, Z, Y) of all solids with the drum centred against the target, the worst side."""
     target = drive.targets
+    box = " x ".join(f"{size:.2f}" for size in box_mm)
+    title, source = "Box of all solids", "targets.envelope_mm; paper section 4.1"
+    if target.envelope_mm is None:
+        check = Check("envelope", title, source, _measured_by_the_build)
+        what = f"box X x Z x Y {box} mm: the longest side"
+        return _judged(check, drive, noted(what, max(box_mm), "mm", "the design asks for none"))
     off = [abs(size - want) for size, want in zip(box_mm, target.envelope_mm, strict=True)]
     k = off.index(max(off))
     advice = "see envelope_x, envelope_z and envelope_y for what to turn, or set targets.envelope_mm to what is wanted"
-    check = Check(
-        "envelope", "Box of all solids", "targets.envelope_mm; paper section 4.1", _measured_by_the_build, advice=advice
-    )
-    box = " x ".join(f"{size:.2f}" for size in box_mm)
+    check = Check("envelope", title, source, _measured_by_the_build, advice=advice)
     what = f"box X x Z x Y {box} mm: {_AXES[k]} from the target of {target.envelope_mm[k]:g} mm"
     return _result(check, drive, what, off[k], target.envelope_tolerance_mm, "mm")
 

@@ -46,7 +46,7 @@ def load_tree(tree: Tree, text: str, path: str | Path) -> LoadedDesign:
 
 def resolve_tree(tree: Tree, path: str | Path) -> Drive:
     """The drive alone of a tree of the file's values. Raises as :func:`load_design`."""
-    return resolved(tree, Path(path), _design_file_of(tree, str(path)))[1]
+    return resolved(tree, Path(path), _design_file_of(tree, str(path))).drive
 
 
 def new_design_text(name: str, of: str = DEFAULT) -> str:

@@ -139,13 +139,17 @@ class Making(Block):
 
 
 class Targets(Block):
-    """What mass and box should come to."""
+    """What mass and box must come to; what is left out is not asked."""
 
-    mass_g: Number = quantity("mass of the whole", unit="g", gt=0.0, le=1e6)
-    mass_tolerance_g: Number = quantity("how far it may differ", unit="g", gt=0.0, le=1e6)
-    prototype_mass_g: Number = quantity("measured mass of the prototype, for comparison", unit="g", gt=0.0, le=1e6)
-    envelope_mm: tuple[Length, Length, Length] = quantity("box with the drum centred, X, Z, Y", unit="mm")
-    envelope_tolerance_mm: Number = quantity("how far each side may differ", unit="mm", gt=0.0, le=100.0)
+    mass_g: Number | None = quantity("mass of the whole", unit="g", default=None, gt=0.0, le=1e6)
+    mass_tolerance_g: Number = quantity("how far it may differ", unit="g", default=10.0, gt=0.0, le=1e6)
+    prototype_mass_g: Number | None = quantity(
+        "measured mass of the prototype, for comparison", unit="g", default=None, gt=0.0, le=1e6
+    )
+    envelope_mm: tuple[Length, Length, Length] | None = quantity(
+        "box with the drum centred, X, Z, Y", unit="mm", default=None
+    )
+    envelope_tolerance_mm: Number = quantity("how far each side may differ", unit="mm", default=0.5, gt=0.0, le=100.0)
 
 
 class Export(Block):

@@ -13,6 +13,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import Broken, NamedEntry
+from mbcdm_cad.design.sized import Sizing
 
 __all__ = ["DesignFile", "Given"]
 
@@ -32,6 +33,8 @@ class DesignFile:
     rules: Callable[[Any], Iterator[Broken]]
     named: Callable[[Any], Iterator[NamedEntry]]
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
+    # The file's data, which it may change, with its gaps filled by the configuration's sizing rules.
+    size: Callable[[dict[str, Any]], Sizing] | None = None
 
     @cached_property
     def nodes(self) -> SchemaNodes:

@@ -54,12 +54,12 @@ class Making:
 
 @dataclass(frozen=True)
 class Targets:
-    """What mass and box should come to, and by how much they may differ. The box is (X, Z, Y)."""
+    """What mass and box must come to, and by how much they may differ; None: not asked. The box is (X, Z, Y)."""
 
-    mass_g: float
+    mass_g: float | None
     mass_tolerance_g: float
-    prototype_mass_g: float
-    envelope_mm: tuple[float, float, float]
+    prototype_mass_g: float | None
+    envelope_mm: tuple[float, float, float] | None
     envelope_tolerance_mm: float
 
 

@@ -9,14 +9,15 @@ from pathlib import Path
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, nearest_line
+from mbcdm_cad.design.sized import SizedValue
 
 
 @dataclass(frozen=True)
 class LoadedDesign:
     """A design file that passed schema and rules.
 
-    ``design`` is the file as its schema's model. ``sha256`` is over the content: the values read and all catalogue
-    entries they draw on, not layout or comments.
+    ``design`` is the file as its schema's model, ``sized`` what the file leaves out and sizing filled. ``sha256`` is
+    over the content: the values read or sized and all catalogue entries they draw on, not layout or comments.
     """
 
     drive: Drive
@@ -25,6 +26,7 @@ class LoadedDesign:
     design: Design = field(repr=False)
     text: str = field(repr=False)
     lines: Mapping[FieldPath, int] = field(repr=False)
+    sized: tuple[SizedValue, ...] = field(default=(), repr=False)
 
     def line_of(self, *field_path: str | int) -> int:
         """Line of a field, as in ``line_of("cables", 0, "step")``; of the block above it where it is not given."""

@@ -6,11 +6,13 @@ say: this room knows of no configuration (:mod:`mbcdm_cad.configurations.loader`
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import hashlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
@@ -19,32 +21,45 @@ from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
+from mbcdm_cad.design.fields import Block
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.resolve import as_built
 from mbcdm_cad.design.rules import Broken, broken_names, broken_shared_rules, named_by_shared_blocks
 from mbcdm_cad.design.sigmas import split_sigmas
+from mbcdm_cad.design.sized import SizedValue, SizingError
+from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, Problem
 
 
 def loaded(tree: Tree, text: str, path: Path, file: DesignFile) -> LoadedDesign:
     """The design in ``tree``, which was parsed from ``text`` or holds the same values. Raises as :func:`resolved`."""
-    design, drive = resolved(tree, path, file)
-    return LoadedDesign(drive, path, _sha256(design, drive), design, text, tree.lines)
+    found = resolved(tree, path, file)
+    sha256 = _sha256(found.design, found.drive)
+    return LoadedDesign(found.drive, path, sha256, found.design, text, tree.lines, found.sized)
 
 
-def resolved(tree: Tree, path: Path, file: DesignFile) -> tuple[Design, Drive]:
+class Resolved(NamedTuple):
+    """A design that holds together, its drive, and what sizing filled."""
+
+    design: Design
+    drive: Drive
+    sized: tuple[SizedValue, ...]
+
+
+def resolved(tree: Tree, path: Path, file: DesignFile) -> Resolved:
     """The design and its drive from a tree of the file's values. Raises InputError with all problems of one stage.
 
-    The stages are: sigmas, schema, rules between fields.
+    The stages are: sigmas, schema, sizing of what the file leaves out, schema of the whole, rules between fields.
     """
     tree, sigmas = _split(tree, str(path), file)
+    tree, sized = _sized(tree, str(path), file)
     design = _validated(tree, str(path), file)
     catalogue = Catalogue(design)
     _refuse_broken_rules(_broken(design, catalogue, file), tree, str(path))
-    return design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design))
+    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), sized)
 
 
 def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPath, float]]:
@@ -52,6 +67,50 @@ def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPat
     if isinstance(tree.data, dict) and tree.data.get("as_built", ()) is None:
         tree.data["as_built"] = []  # all entries are comments still, as 'mbcdm loop --apply' writes what is undecided
     return split_sigmas(tree, path, lambda field: bool((file.nodes.at(field) or {}).get("uncertain")))
+
+
+def _sized(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, tuple[SizedValue, ...]]:
+    """The tree with its gaps filled, and what filled them. What the file does give must satisfy the schema by then."""
+    if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
+        return tree, ()
+    data = copy.deepcopy(tree.data)
+    for name, field in file.schema.model_fields.items():
+        if field.is_required() and _is_block(field.annotation) and data.get(name) is None:
+            data[name] = {}
+    data.setdefault("name", slug(Path(path).stem))
+    try:
+        sizing = file.size(data)
+    except SizingError as error:
+        _refuse_broken_rules(iter(error.broken), tree, path)
+        raise
+    return Tree(sizing.data, tree.lines), sizing.values
+
+
+def _is_block(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, Block)
+
+
+def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
+    """Whether fields are missing. Raises InputError where what is given is wrong, or items of a list lack a field."""
+    filled = {name: value for name, value in tree.data.items() if value is not None or not _may_be_left_out(name, file)}
+    try:
+        file.schema.model_validate(filled)
+    except ValidationError as error:
+        problems = schema_problems(error, tree, path, file.nodes.at, wanted=_is_wrong)
+        if problems:
+            raise InputError(problems) from None
+        return True
+    return False
+
+
+def _may_be_left_out(name: str, file: DesignFile) -> bool:
+    field = file.schema.model_fields.get(name)
+    return field is not None and _is_block(field.annotation)
+
+
+def _is_wrong(item: Any) -> bool:
+    """Whether one of pydantic's findings is more than a field left out, which sizing may fill."""
+    return item["type"] != "missing" or any(isinstance(part, int) for part in item["loc"])
 
 
 def _validated(tree: Tree, path: str, file: DesignFile) -> Design:

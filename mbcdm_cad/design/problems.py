@@ -24,12 +24,18 @@ _NO_FIELDS = ("[key]", "constrained-str", "int")
 NodeAt = Callable[[FieldPath], Node | None]
 
 
-def schema_problems(error: ValidationError, tree: Tree, file: str, node_at: NodeAt) -> list[Problem]:
+def schema_problems(
+    error: ValidationError,
+    tree: Tree,
+    file: str,
+    node_at: NodeAt,
+    wanted: Callable[[Any], bool] = lambda item: True,
+) -> list[Problem]:
     """All findings by line, cut after ``MAX_LISTED`` with a word on how many more there are.
 
-    ``node_at`` looks up what the file's schema says of a field.
+    ``node_at`` looks up what the file's schema says of a field; ``wanted`` which of pydantic's findings count.
     """
-    items = [item for item in error.errors(include_url=False) if not _follows(item)]
+    items = [item for item in error.errors(include_url=False) if wanted(item) and not _follows(item)]
     # Every branch of "a name or a number" complains alike.
     alike = dict.fromkeys(_problem(item, tree, file, node_at) for item in items)
     found = sorted(alike, key=lambda problem: problem.line)

@@ -47,13 +47,13 @@ def broken_names(catalogue: Catalogue, named: Iterable[NamedEntry]) -> Iterator[
     for path, kind, name in named:
         known = catalogue.names(kind)
         if name is not None and name not in known:
-            yield Broken(
-                path,
-                f"not in the catalogue of {kind}",
-                shortened(name),
-                "",
-                f"{did_you_mean(name, known)} or add it under catalogue: {kind}:",
-            )
+            yield unknown_entry(path, kind, name, known)
+
+
+def unknown_entry(path: FieldPath, kind: str, name: str, known: Sequence[str]) -> Broken:
+    """A name that leads to no entry of the catalogue."""
+    remedy = f"{did_you_mean(name, known)} or add it under catalogue: {kind}:"
+    return Broken(path, f"not in the catalogue of {kind}", shortened(name), "", remedy)
 
 
 def named_by_shared_blocks(design: Design) -> Iterator[NamedEntry]:

@@ -80,7 +80,9 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         peak_torque_with_efficiency_Nm=lowest_each_way(limits, MOTOR_LOSSY),
         balanced_preload_N=_floats(balanced),
         balanced_peak_torque_Nm=lowest_each_way(balanced_limits, MOTOR),
-        torque_to_weight_Nm_kg=torque_to_weight_Nm_kg(min(lossless), drive.targets.mass_g),
+        torque_to_weight_Nm_kg=(
+            None if drive.targets.mass_g is None else torque_to_weight_Nm_kg(min(lossless), drive.targets.mass_g)
+        ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),

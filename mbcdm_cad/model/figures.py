@@ -136,7 +136,7 @@ class Analysis:
     peak_torque_with_efficiency_Nm: tuple[float, float]
     balanced_preload_N: tuple[float, ...]
     balanced_peak_torque_Nm: tuple[float, float]
-    torque_to_weight_Nm_kg: float
+    torque_to_weight_Nm_kg: float | None  # at the mass that the design asks for; None where it asks for none
     bearings: tuple[BearingFigures, ...]
     measured_backlash_mrad: float
     implied_modulus: tuple[ModulusReading, ...]

@@ -204,7 +204,8 @@ def _torque_notes(a: Analysis) -> Iterator[str]:
         f"  with preloads T ~ 1/r ({_list(a.balanced_preload_N)} N): {_list(a.balanced_peak_torque_Nm, 3)} N m; the "
         f"preload alone loads the inputs by {_list(a.input_bias_mNm, 1)} mN m"
     )
-    yield f"  torque to weight at the target mass: {a.torque_to_weight_Nm_kg:.3f} N m/kg"
+    if a.torque_to_weight_Nm_kg is not None:
+        yield f"  torque to weight at the target mass: {a.torque_to_weight_Nm_kg:.3f} N m/kg"
 
 
 def _limit(limit: TorqueLimit) -> str:

@@ -46,11 +46,12 @@ class BuildReport:
         some = f": {', '.join(self.made)}" if 0 < len(self.made) < 6 else ""
         drawn = "nothing changed" if self.unchanged else f"{len(self.made)} made{some}"
         size = " x ".join(f"{v:.2f}" for v in box["size_mm"])
+        heavy = "" if mass["target_g"] is None else f" (target {mass['target_g']:g} +- {mass['tolerance_g']:g})"
+        asked = "" if box["target_mm"] is None else f" (target {' x '.join(f'{v:g}' for v in box['target_mm'])})"
         lines = [
             f"{self.folder}: {drawn}",
-            f"  mass {mass['mass_g']:.1f} g +- {mass['sigma_g']:.1f} "
-            f"(target {mass['target_g']:g} +- {mass['tolerance_g']:g})",
-            f"  box X x Z x Y {size} mm (target {' x '.join(f'{v:g}' for v in box['target_mm'])})",
+            f"  mass {mass['mass_g']:.1f} g +- {mass['sigma_g']:.1f}{heavy}",
+            f"  box X x Z x Y {size} mm{asked}",
             f"  interference: {len(run['clashes'])} clashes at {len(run['poses_deg'])} poses",
             f"  checks: {counts['fail']} fail, {counts['warn']} warn, of {len(self.checks)}; see report.md",
         ]

@@ -17,6 +17,7 @@ ORDER = (
     "errors",
     "storage",
     "design",
+    "sizing",
     "routes",
     "face",
     "model",

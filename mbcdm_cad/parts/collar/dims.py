@@ -7,14 +7,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot, sqrt
+from typing import Protocol
 
-from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.bought import Gearhead, Screw
 
 COLLAR_SCREW = "M1.6x6"
 COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1
 # Collar above and below its screw's head, and beyond a grip of one shaft's diameter.
 HEAD_EDGE_MM = 0.2
+
+
+class Coupled(Protocol):
+    """What is to be known of a drive to dimension its collars."""
+
+    @property
+    def gearhead(self) -> Gearhead:
+        """The gearhead whose shaft is clamped."""
+
+    def screw(self, name: str) -> Screw:
+        """A screw of the catalogue."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +43,7 @@ class CollarDims:
     head_seat: float  # along the screw, from the slit's middle to the head's seat
 
 
-def _section(drive: Drive, bore_mm: float, min_wall_mm: float) -> tuple[float, float, float]:
+def _section(drive: Coupled, bore_mm: float, min_wall_mm: float) -> tuple[float, float, float]:
     """Outer radius, screw's distance from the axis, and its seat's distance from the slit's middle."""
     screw = drive.screw(COLLAR_SCREW)
     bore, wall = bore_mm / 2, min_wall_mm
@@ -43,7 +55,7 @@ def _section(drive: Drive, bore_mm: float, min_wall_mm: float) -> tuple[float, f
     return hypot(offset + screw.thread_mm / 2 + wall, screw.length_mm - seat), offset, seat
 
 
-def collar_width_mm(drive: Drive) -> float:
+def collar_width_mm(drive: Coupled) -> float:
     """Width: what the screw's head and a grip of the shaft's diameter ask for, no more.
 
     In the coupling space the collar must pass over the end of the gearhead's shaft.
@@ -52,14 +64,14 @@ def collar_width_mm(drive: Drive) -> float:
     return max(head + 2 * HEAD_EDGE_MM, shaft + HEAD_EDGE_MM)
 
 
-def collar_sweep_mm(drive: Drive, bore_mm: float, min_wall_mm: float) -> float:
+def collar_sweep_mm(drive: Coupled, bore_mm: float, min_wall_mm: float) -> float:
     """Radius that collar and screw sweep about the pulley's axis; ``bore_mm`` fits the journal that it clamps."""
     radius, offset, seat = _section(drive, bore_mm, min_wall_mm)
     screw = drive.screw(COLLAR_SCREW)
     return max(radius, hypot(offset + screw.head_diameter_mm / 2, seat + screw.head_height_mm))
 
 
-def collar(drive: Drive, bore_mm: float, min_wall_mm: float, motor_shelf_top_z: float) -> CollarDims:
+def collar(drive: Coupled, bore_mm: float, min_wall_mm: float, motor_shelf_top_z: float) -> CollarDims:
     """Collar about its own axis, heights as in the assembly: just above the gearhead's screws, whose heads lie on the
     motor shelf."""
     radius, offset, seat = _section(drive, bore_mm, min_wall_mm)

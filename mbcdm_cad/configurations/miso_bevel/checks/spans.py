@@ -77,8 +77,14 @@ def straight_span_clearance_mm(drive: BevelDrive, cable: BevelRun) -> float:
     before; no credit for the rope's stiffness, which bends it away at first. Negative: they overlap. For each angle
     of the previous turn the nearest point of the span is known in closed form, the angle is searched.
     """
-    r, lead = cable.input_radius_mm, drive.helix_lead_mm
     slope = tan(radians(fleet_angle_deg(drive, cable)))
+    distance = straight_span_distance_mm(cable.input_radius_mm, drive.helix_lead_mm, slope)
+    return distance - drive.cable.diameter_mm
+
+
+def straight_span_distance_mm(radius_mm: float, lead_mm: float, slope: float) -> float:
+    """Distance of the centre lines of a straight span that rises by ``slope`` and of the turn wound before it, mm."""
+    r, lead = radius_mm, lead_mm
     low, high = -0.5, 1.5
     best = np.inf
     for _ in range(_SEARCH_ROUNDS):
@@ -90,7 +96,7 @@ def straight_span_clearance_mm(drive: BevelDrive, cable: BevelRun) -> float:
         best = min(best, float(distance[k]))
         step = (high - low) / (_SEARCH_STEPS - 1)
         low, high = angle[k] - step, angle[k] + step
-    return best - drive.cable.diameter_mm
+    return best
 
 
 def self_clearance(s: BevelUnderTest) -> Comparison:

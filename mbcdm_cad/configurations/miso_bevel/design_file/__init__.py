@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import SHARED
 from mbcdm_cad.configurations.miso_bevel.design_file.resolve import drive
 from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.sized import Sizing
 
-DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive)
+
+def _size(data: dict[str, Any]) -> Sizing:
+    from mbcdm_cad.configurations.miso_bevel.sizing import size  # only files with gaps need the rules
+
+    return size(data)
+
+
+DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size)

@@ -38,6 +38,24 @@ class Transmission(Block):
         ge=2.0,
         le=500.0,
     )
+    ratio: Number | None = quantity(
+        "drum radius over input radius; sizing shares it between guide and inputs where ratios and radii are left out",
+        unit="-",
+        source="Table 2: 54/6",
+        example=9.0,
+        default=None,
+        ge=0.5,
+        le=100.0,
+    )
+    drum_radius_mm: Number | None = quantity(
+        "drum pitch radius of step 1; sizing adds the steps where drum_radii_mm is left out",
+        unit="mm",
+        source="Table 2",
+        example=54.0,
+        default=None,
+        ge=5.0,
+        le=500.0,
+    )
     drum_radii_mm: tuple[Length, ...] = quantity(
         "drum pitch radii r_o of steps 1 to 4",
         unit="mm",

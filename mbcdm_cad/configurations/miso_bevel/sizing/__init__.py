@@ -1,0 +1,68 @@
+"""Sizing rules of miso_bevel, in the order of the drive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mbcdm_cad.configurations.miso_bevel.sizing.basis import CLEARANCES, FRICTION, LIMITS, METALS, NAMES
+from mbcdm_cad.configurations.miso_bevel.sizing.drum import DRUM, HUB_FACE
+from mbcdm_cad.configurations.miso_bevel.sizing.frame import FRAME
+from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.parts import DRIVES, PARTS
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, RADII, RATIOS
+from mbcdm_cad.configurations.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import Sizing, SizingError
+from mbcdm_cad.sizing.engine import fill
+from mbcdm_cad.sizing.rule import Rule
+
+# Rope, parts by load, radii, where the pulleys stand, drum, frame.
+RULES: tuple[Rule, ...] = (
+    *NAMES,
+    *LIMITS,
+    *ROPE,
+    *FRICTION,
+    *PRELOAD,
+    *METALS,
+    *DRIVES,
+    *PARTS,
+    *CLEARANCES,
+    *RADII,
+    *RATIOS,
+    *LEAD,
+    *DISTANCE,
+    *DRUM,
+    *FRAME,
+    *HUB_FACE,
+)
+
+
+def size(data: dict[str, Any]) -> Sizing:
+    """The data with its gaps filled. Raises ``SizingError`` where a requirement is missing."""
+    given = BevelGiven(data)
+    missing = list(_missing(given))
+    if missing:
+        raise SizingError(*missing)
+    return fill(given, RULES)
+
+
+def _missing(given: BevelGiven) -> Any:
+    for field, meaning, example in (
+        ("travel.half_angle_deg", "travel each way from the centred drum, deg", "35.0"),
+        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "3.15"),
+    ):
+        if not given.has(field):
+            yield _needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    radii = ("transmission.drum_radii_mm", "transmission.drum_radius_mm")
+    if not any(given.has(field) for field in radii):
+        yield _needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")
+    ratios = ("transmission.ratios.guide_to_drum", "transmission.ratios.input_to_guide")
+    known = given.has("transmission.ratio") or given.has("transmission.input_radii_mm")
+    if not known and not all(given.has(field) for field in ratios):
+        yield _needed("transmission.ratio", "add ratio: 9.0 (drum radius over input radius)")
+
+
+def _needed(field: str, remedy: str) -> Broken:
+    return Broken(
+        tuple(field.split(".")), "missing, and no rule can fill it: it is what the drive is for", "", "", remedy
+    )

@@ -1,0 +1,195 @@
+"""Rules of the drum sector, its hub and shaft."""
+
+from __future__ import annotations
+
+from math import asin, atan2, degrees, hypot, pi
+
+from mbcdm_cad.configurations.miso_bevel.checks.drum_fits import (
+    HUB_DIAMETERS,
+    RIM_WALLS,
+    SLOT_WALLS,
+    SPIGOT_MM,
+)
+from mbcdm_cad.configurations.miso_bevel.checks.terminals import LUG_SAFETY
+from mbcdm_cad.configurations.miso_bevel.checks.transfer import EDGE_BREAK_MM
+from mbcdm_cad.configurations.miso_bevel.checks.wraps import LEAST_WRAP_DEG
+from mbcdm_cad.configurations.miso_bevel.drum import (
+    FLAT_PLAY_MM,
+    SECTOR_MARGIN_DEG,
+    STOP_PIN_MM,
+    STOP_SLOT_PLAY_MM,
+    SWAGE_START_MM,
+)
+from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
+
+# Lip of the hub over its set screws, so that they never stand out.
+SCREW_LIP_MM = 1.0
+SET_SCREW, PAYLOAD_THREAD_MM, PAYLOAD_DEPTH_MM = "M3x5-set", 2.5, 6.0
+# Web in thinnest walls, and as a share of the outermost radius: stiff enough between rim and hub (estimate).
+WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 33.0
+# Rim under the deepest pocket as a share of the radius of step 1 (estimate; the check asks for less).
+RIM_SHARE = 0.08
+# Wrap to be left at the end of travel over what the check asks: towards the slip zone at small loads (estimate).
+WRAP_SPARE_DEG = 6.0
+# Terminal beside the guide, over the running clearance.
+GUIDE_SPARE_MM = 0.3
+
+
+def _web(given: BevelGiven) -> Found:
+    needs = {"web_in_rim": WEB_WALLS * given.wall_mm("drum"), "stiffness": WEB_SHARE * max(given.drum_mm)}
+    return largest(needs, 0.1)
+
+
+def _web_end(given: BevelGiven) -> float:
+    start = given.drum_inner_mm + 3 * given["clearances.running_mm"]
+    return float(start + given["drum.web_thickness_mm"])
+
+
+def _outer_face(given: BevelGiven) -> Found:
+    spec = given.entry("tensioners", "drum.tensioner")
+    strength = given.entry("materials", "drum.material")["yield_MPa"]
+    last = max(given.guide_mm)
+    hole = spec["clearance_mm"] / 2
+    root = spec["swage_flats_mm"] / 2 + FLAT_PLAY_MM + LUG_ROOT_MM
+    lug = LUG_SAFETY * 6 * given.highest_tension_N * root / (strength * spec["lug_thickness_mm"] ** 2)
+    needs = {
+        "outermost_land": last + given.d_mm / 2 + EDGE_BREAK_MM,
+        "outer_face": last + max(given.nut_mm, hole + given.wall_mm("drum")),
+        "web_in_rim": _web_end(given),
+        "lug_stress": last + hole + lug,
+    }
+    return largest(needs, 0.5)
+
+
+def _rim_inner(given: BevelGiven) -> Found:
+    first = min(given.drum_mm)
+    spare = max(RIM_SHARE * first, RIM_WALLS * given.wall_mm("drum"))
+    return Found(rounded_down(first - given.nut_pocket_mm - spare, 0.5), "rim_height", "down to 0.5")
+
+
+def _shaft_radius(given: BevelGiven) -> float:
+    return float(given.entry("bearings", "drum.bearing")["bore_mm"] / 2)
+
+
+def _hub_diameter(given: BevelGiven) -> Found:
+    shaft = _shaft_radius(given)
+    spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
+    needs = {
+        "hub_walls": 2 * (shaft + given.screw(SET_SCREW).length_mm + SCREW_LIP_MM),
+        "payload's threads": 2 * shaft + 2 * PAYLOAD_THREAD_MM / 2 + 4 * given.wall_mm("drum"),
+        "hub_spigot": 2 * (spigot + SPIGOT_MM),
+    }
+    return largest(needs, 0.5)
+
+
+def _hub_face(given: BevelGiven) -> Found:
+    start = given.drum_inner_mm - 3 * given["clearances.running_mm"] + 0.5
+    screw = given.screw(SET_SCREW).thread_mm
+    end = _web_end(given)
+    needs = {
+        "hub_length": start + HUB_DIAMETERS * 2 * _shaft_radius(given),
+        "payload's threads": end + PAYLOAD_DEPTH_MM,
+        "set screws": end + screw + 2 * given.wall_mm("drum"),
+        "outer_face": given["drum.outer_face_y_mm"],
+    }
+    box = given.get("targets.envelope_mm")
+    if box is not None:
+        needs["targets.envelope_mm"] = box[2] + given["support.back_y_mm"]
+    return largest(needs, 0.1)
+
+
+def _shaft_bore(given: BevelGiven) -> float:
+    return _shaft_radius(given)
+
+
+def terminal_mm(given: BevelGiven) -> tuple[float, float]:
+    """(end of the nuts, tip) of a terminal drawn in all the way, from where its cable leaves the land."""
+    spec = given.entry("tensioners", "drum.tensioner")
+    travel = _take_up_mm(given)
+    lug_end = SWAGE_START_MM + spec["swage_length_mm"] + travel + 0.5 + spec["lug_thickness_mm"]
+    return lug_end + 2 * spec["nut_height_mm"], SWAGE_START_MM + spec["stud_length_mm"] + travel
+
+
+def _take_up_mm(given: BevelGiven) -> float:
+    """Stretch, bedding-in and cut length of the longest cable, a little on the safe side."""
+    rope = given.rope
+    modulus, area = rope["modulus_GPa"], rope["metallic_area_mm2"]
+    if given.has("rope.modulus_GPa"):
+        nominal = given["rope.modulus_area"] == "nominal"
+        modulus = given["rope.modulus_GPa"]
+    else:
+        nominal = rope["modulus_area"] == "nominal"
+    if nominal:
+        area = pi / 4 * rope["diameter_mm"] ** 2
+    outer = max(given.drum_mm)
+    wound = outer * given.half_travel_rad + 2 * pi * max(given.input_mm) * given["rope.dead_turns"]
+    length = wound + given["transmission.centre_distance_mm"] + 4 * max(given.guide_mm) + outer * 1.6
+    stretch = given["rope.preload_N"] / (modulus * 1e3 * area)
+    cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
+    return float(length * (stretch + rope["bedding_in_share"]) + cut)
+
+
+def _wrap_clear_of_guide_deg(given: BevelGiven) -> float:
+    """Wrap left at which a terminal still stands beside the guide: across sin w + along cos w = reach."""
+    reach = max(given.guide_mm) + given.d_mm / 2 + given["clearances.running_mm"] + GUIDE_SPARE_MM
+    across = given.drum_mm[0] - given.nut_pocket_mm
+    return degrees(asin(min(reach / hypot(across, SWAGE_START_MM), 1.0)) - atan2(SWAGE_START_MM, across))
+
+
+def _sector(given: BevelGiven) -> Found:
+    """Anchors far enough out for the travel, the terminal behind them, neighbours one behind the other."""
+    box = given.get("targets.envelope_mm")
+    outer = max(given.drum_mm) - given.d_mm / 2
+    nuts_end, tip = terminal_mm(given)
+    lug_end = nuts_end - 2 * given.entry("tensioners", "drum.tensioner")["nut_height_mm"]
+    clear = _wrap_clear_of_guide_deg(given)
+    wrap = max(LEAST_WRAP_DEG + WRAP_SPARE_DEG, clear)
+    driver = "terminal_clears_guide" if clear >= wrap else "wrap_left"
+    half = float(given["travel.half_angle_deg"])
+    radii = sorted(given.drum_mm)
+    # The inner of two neighbours on one side stands further out by the outer one's lug.
+    staggered = half + wrap + 0.3 + degrees(atan2(lug_end, radii[2])) + degrees(atan2(tip, radii[1]))
+    single = half + wrap + degrees(atan2(tip, radii[0]))
+    slot = half + float(given["travel.stop_clearance_deg"])
+    stop = degrees(((STOP_PIN_MM + STOP_SLOT_PLAY_MM) / 2 + SLOT_WALLS * given.wall_mm("drum")) / (0.25 * radii[0]))
+    needs = {
+        driver: max(staggered, single) + SECTOR_MARGIN_DEG,
+        "stop_slot": slot + stop,
+    }
+    if box is not None and box[0] < 2 * outer:
+        needs["targets.envelope_mm"] = degrees(asin(box[0] / 2 / outer))
+        # A sector wider than the box asks would break it: the box wins, and the checks say what that costs.
+        return Found(round(needs["targets.envelope_mm"], 1), "targets.envelope_mm", "to 0.1")
+    driver = max(needs, key=lambda name: needs[name])
+    return Found(min(rounded_up(needs[driver], 0.5), 175.0), driver, "up to 0.5")
+
+
+DRUM = (
+    Rule("drum.web_thickness_mm", "a few thinnest walls, more for a larger drum", "web_in_rim", _web),
+    Rule(
+        "drum.outer_face_y_mm",
+        "beyond the last cable's flank, the nuts and what a lug needs",
+        "outer_face",
+        _outer_face,
+    ),
+    Rule("drum.rim_inner_radius_mm", "a rim's height under the deepest pocket", "rim_height", _rim_inner),
+    Rule("drum.hub_diameter_mm", "the shaft, its set screws and the payload's threads", "hub_walls", _hub_diameter),
+    Rule("drum.shaft_bore_mm", "half of the shaft's diameter: light, and nearly as stiff", "shaft_wall", _shaft_bore),
+    Rule(
+        "drum.sector_half_angle_deg",
+        "wide enough for the travel with wrap left and for the terminals behind it; as wide as an asked box",
+        "wrap_left",
+        _sector,
+    ),
+)
+# The box is counted from the frame's back, so that this follows it.
+HUB_FACE = (
+    Rule(
+        "drum.hub_face_y_mm",
+        "long enough for shaft, set screws and the payload's threads; as far out as the box where one is asked",
+        "hub_length",
+        _hub_face,
+    ),
+)

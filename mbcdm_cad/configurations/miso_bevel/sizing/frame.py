@@ -1,0 +1,167 @@
+"""Rules of the frame: depths along Y, thicknesses of walls and shelves, the space for couplings."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+from mbcdm_cad.configurations.miso_bevel.checks.pulley_fits import GRIP_DIAMETERS, PASSAGE_MM
+from mbcdm_cad.configurations.miso_bevel.checks.support_fits import HEAD_ROOM_MM, MOUNT_SCREW_HEAD_HEIGHT_MM
+from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.support.dims import (
+    AXLE_SCREW,
+    MOUNT_GRIP_MM,
+    MOUNT_SCREW_HEAD_MM,
+    PLATE_SCREW,
+    STOP_PIN_DEPTH_MM,
+)
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm, collar_width_mm
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, smallest
+
+# Walls of the frame as shares of the outermost drum radius (estimate; the frame's own stiffness is checked when built).
+BACK_SHARE, RIB_SHARE = 1.0 / 13.0, 1.0 / 9.2
+# Shoulders a little stronger than the thinnest wall: they carry bearings.
+SHELF_SPARE_MM, PLATE_SPARE_MM = 0.2, 0.3
+# Collar above the heads of the gearhead's screws, and journal above them.
+COLLAR_LIFT_MM, SLIT_ABOVE_MM, JOURNAL_LIFT_MM = 0.8, 1.0, 0.5
+SPACE_SPARE_MM = 0.1
+
+
+def _motor_shelf(given: BevelGiven) -> Found:
+    head = given.entry("gearheads", "drive.gearhead")
+    screw = given.screw(head["screw"])
+    limits = {
+        "engagement": screw.length_mm - screw.thread_mm,
+        "shaft_grip": head["shaft_length_mm"]
+        - screw.head_height_mm
+        - COLLAR_LIFT_MM
+        - GRIP_DIAMETERS * head["shaft_diameter_mm"],
+    }
+    return smallest(limits, 0.1)
+
+
+def _bearing_shelf(given: BevelGiven) -> Found:
+    wall = given.wall_mm("support")
+    needs = {
+        "bearing_shelf": given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"] + wall + SHELF_SPARE_MM,
+        "axle's set screw": given.screw(AXLE_SCREW).thread_mm + 2 * wall,
+    }
+    return largest(needs, 0.1)
+
+
+def _top_plate(given: BevelGiven) -> Found:
+    wall = given.wall_mm("support")
+    encoder = given.screw(given.entry("encoders", "drive.encoder")["screw"])
+    needs = {
+        "top_plate": given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"] + wall + PLATE_SPARE_MM,
+        "encoders' screws": encoder.head_height_mm + 0.2 + wall,
+        "plate's screws": given.screw(PLATE_SCREW).head_height_mm + wall,
+    }
+    return largest(needs, 0.1)
+
+
+def _side_wall(given: BevelGiven) -> Found:
+    sunk = given.screw(PLATE_SCREW).head_diameter_mm + 0.4
+    return largest({"side_wall": sunk + 2 * given.wall_mm("support")}, 0.1)
+
+
+def _coupling_space(given: BevelGiven) -> Found:
+    head = given.entry("gearheads", "drive.gearhead")
+    screw, collar = given.screw(head["screw"]), collar_width_mm(given)
+    running, shelf = given["clearances.running_mm"], given["support.bearing_shelf_mm"]
+    lower = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
+    above = screw.head_height_mm
+    shaft = max(head["shaft_length_mm"] - given["support.motor_shelf_mm"], 0.0)
+    needs = {
+        "coupling_height": above + COLLAR_LIFT_MM + collar + running,
+        "journal's slit": above + JOURNAL_LIFT_MM + collar + SLIT_ABOVE_MM + running - (shelf - lower),
+        "gearhead's screws": screw.length_mm + above + running,
+        "collar on its way in": shaft + collar + PASSAGE_MM,
+        "mounts": MOUNT_SCREW_HEAD_MM + 0.4 + 2 * HEAD_ROOM_MM,
+    }
+    needs = {name: need + SPACE_SPARE_MM for name, need in needs.items()}
+    return largest(needs, 0.1)
+
+
+def _back_plate(given: BevelGiven) -> Found:
+    needs = {"frame_windup": BACK_SHARE * max(given.drum_mm), "walls": 2 * given.wall_mm("support")}
+    return largest(needs, 0.1)
+
+
+def _rib(given: BevelGiven) -> Found:
+    bearing = given.entry("bearings", "drum.bearing")["outer_diameter_mm"] / 2
+    # The column's pocket must still take a mounting screw's head.
+    most = bearing + 3.0 - MOUNT_SCREW_HEAD_MM / 2 - 0.2 - HEAD_ROOM_MM
+    wanted = max(RIB_SHARE * max(given.drum_mm), given.wall_mm("support"))
+    driver = "frame_windup" if wanted <= most else "mounts"
+    return Found(rounded_down(min(wanted, most), 0.1), driver, "down to 0.1")
+
+
+def _back(given: BevelGiven) -> Found:
+    """Outer face of the back plate: as far back as drum bearings, pulleys, collars and the stop pin need."""
+    running, wall, plate = given["clearances.running_mm"], given.wall_mm("support"), given["support.back_plate_mm"]
+    setback = float(given.get("transmission.input_setback_mm", 0.0))
+    bearing = given.entry("bearings", "drum.bearing")["width_mm"]
+    encoder = given.entry("encoders", "drive.drum_encoder")
+    boss = given.drum_inner_mm - 3 * running
+    front = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm) - running
+    journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
+    collar = collar_sweep_mm(given, journal, given.wall_mm("support")) + setback
+    pulley = max(given.input_mm) + given.d_mm / 2 + setback
+    needs = {
+        "drum_bearing_spacing": 3 * bearing + encoder["length_mm"] + 1.0 - boss,
+        "walls": max(given.guide_mm) + given.d_mm / 2 + running + wall,
+        "pocket_depth": pulley + running + wall,
+        "collar_space": collar + running + plate,
+        "mounting screws": collar + running + MOUNT_GRIP_MM + MOUNT_SCREW_HEAD_HEIGHT_MM,
+        "boss": STOP_PIN_DEPTH_MM + wall - front,
+        "corner_radii": plate + 6.0 - front,
+    }
+    found = largest(needs, 0.5)
+    return Found(-found.value, found.driver, found.rounding)
+
+
+def _windup(given: BevelGiven) -> float:
+    """As much as the cables themselves yield at the test torque, spans alone: a frame that is no weaker than they."""
+    rope = given.rope
+    area = rope["metallic_area_mm2"]
+    if rope["modulus_area"] == "nominal":
+        area = pi / 4 * rope["diameter_mm"] ** 2
+    stiffness = 0.0
+    for drum, guide, pulley in zip(given.drum_mm, given.guide_mm, given.input_mm, strict=True):
+        span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - (guide + pulley) ** 2, 1.0))
+        stiffness += rope["modulus_GPa"] * 1e3 * area / span * drum**2
+    turn = given["loads.test_torque_Nm"] * 1e3 / stiffness * 1e3
+    return float(f"{max(turn, 1e-4):.3g}")
+
+
+FRAME = (
+    Rule("support.motor_shelf_mm", "as thick as the gearhead's screws and shaft leave it", "engagement", _motor_shelf),
+    Rule("support.bearing_shelf_mm", "a shoulder under the lower bearings", "bearing_shelf", _bearing_shelf),
+    Rule("support.top_plate_mm", "a shoulder over the upper bearings", "top_plate", _top_plate),
+    Rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall", _side_wall),
+    Rule(
+        "support.coupling_space_mm",
+        "room for the collar on its way in, for the gearhead's screws and their key",
+        "coupling_height",
+        _coupling_space,
+    ),
+    Rule(
+        "support.back_plate_mm",
+        "a share of the drum's radius: stiff against the cables' pull",
+        "frame_windup",
+        _back_plate,
+    ),
+    Rule(
+        "support.rib_mm",
+        "a share of the drum's radius, as far as the mounting screw's head leaves it",
+        "frame_windup",
+        _rib,
+    ),
+    Rule("support.back_y_mm", "behind drum bearings, encoder, pulleys, collars and stop pin", "collar_space", _back),
+    Rule(
+        "limits.frame_windup_max_mrad",
+        "the frame yields no more than the cables' free spans at the test torque",
+        "frame_windup",
+        _windup,
+    ),
+)

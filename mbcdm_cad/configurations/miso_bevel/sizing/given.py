@@ -1,0 +1,141 @@
+"""What the sizing rules of miso_bevel read: fields, catalogue, and plain figures that several rules share."""
+
+from __future__ import annotations
+
+from functools import partial
+from math import atan, hypot, pi, radians, sqrt, tan
+from typing import Any
+
+from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_distance_mm
+from mbcdm_cad.design.bought import Gearhead, Screw
+from mbcdm_cad.sizing.given import Given
+
+STEPS = 4
+# A lead that just clears the turn before it is raised by this share of the rope's diameter: stacked tolerances.
+LEAD_SPARE = 0.008
+LEAD_STEP_MM = 0.01
+
+
+class BevelGiven(Given):
+    """Adds the figures that follow from a few fields each; reading one notes these fields."""
+
+    @property
+    def rope(self) -> dict[str, Any]:
+        """The rope's entry."""
+        inline = self.get("rope.inline")
+        return inline if inline is not None else self.entry("ropes", "rope.type")
+
+    @property
+    def d_mm(self) -> float:
+        """The rope's diameter."""
+        return float(self.rope["diameter_mm"])
+
+    @property
+    def half_travel_rad(self) -> float:
+        """Travel each way."""
+        return radians(self["travel.half_angle_deg"])
+
+    @property
+    def total_ratio(self) -> float:
+        """Drum radius over input radius."""
+        both = ("transmission.ratios.input_to_guide", "transmission.ratios.guide_to_drum")
+        if all(self.has(field) for field in both):
+            return float(self[both[0]] * self[both[1]])
+        if self.has("transmission.input_radii_mm"):
+            return float(self.drum_mm[0] / self["transmission.input_radii_mm"][0])
+        return float(self["transmission.ratio"])
+
+    @property
+    def drum_mm(self) -> list[float]:
+        """Pitch radii of the drum."""
+        return list(self["transmission.drum_radii_mm"])
+
+    @property
+    def first_drum_mm(self) -> float:
+        """Pitch radius of the drum's step 1."""
+        if self.has("transmission.drum_radii_mm"):
+            return self.drum_mm[0]
+        return float(self["transmission.drum_radius_mm"])
+
+    @property
+    def guide_mm(self) -> list[float]:
+        """Pitch radii of the guide."""
+        if self.has("transmission.guide_radii_mm"):
+            return list(self["transmission.guide_radii_mm"])
+        return [radius / self["transmission.ratios.guide_to_drum"] for radius in self.drum_mm]
+
+    @property
+    def input_mm(self) -> list[float]:
+        """Pitch radii of the input pulleys."""
+        if self.has("transmission.input_radii_mm"):
+            return list(self["transmission.input_radii_mm"])
+        return [radius / self["transmission.ratios.input_to_guide"] for radius in self.guide_mm]
+
+    @property
+    def nut_mm(self) -> float:
+        """Half the tensioner's nut across its corners."""
+        return float(self.entry("tensioners", "drum.tensioner")["nut_across_flats_mm"] / sqrt(3.0))
+
+    @property
+    def nut_pocket_mm(self) -> float:
+        """Half width of the nuts' pocket: the cutter's corner does not lift the nut."""
+        corner = self.entry("materials", "drum.material")["min_internal_radius_mm"]
+        return float(self.nut_mm + self["clearances.running_mm"] + corner)
+
+    def wall_mm(self, part: str) -> float:
+        """Thinnest wall of the material of a part, ``"drum"``."""
+        return float(self.entry("materials", f"{part}.material")["min_wall_mm"])
+
+    def screw(self, name: str) -> Screw:
+        """A screw of the catalogue."""
+        return Screw(name=name, **self.entries("screws")[name])
+
+    @property
+    def gearhead(self) -> Gearhead:
+        """The gearhead of each input."""
+        return Gearhead(name=self["drive.gearhead"], **self.entry("gearheads", "drive.gearhead"))
+
+    @property
+    def drum_inner_mm(self) -> float:
+        """y of the drum's inner face."""
+        return self.guide_mm[0] - self.d_mm / 2 + float(self["clearances.transfer_gap_mm"])
+
+    @property
+    def highest_tension_N(self) -> float:
+        """Largest cable tension, even wraps: preload and the share of the peak torque."""
+        return float(self["rope.preload_N"] + self["loads.peak_torque_Nm"] * 1e3 / sum(self.drum_mm))
+
+    def walk_mm(self, lead_mm: float) -> float:
+        """How far a cable walks along its input pulley from the centred drum to the end of travel."""
+        return lead_mm * self.total_ratio * self.half_travel_rad / (2 * pi)
+
+    def clearing_lead_mm(self, input_radius_mm: float) -> float:
+        """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed."""
+        return clearing_lead_mm(self.d_mm, input_radius_mm, self["limits.fleet_angle_max_deg"])
+
+
+def clearing_lead_mm(d_mm: float, radius_mm: float, fleet_deg: float) -> float:
+    """Least lead at which a straight span that rises by the fleet angle stays a rope's diameter off its last turn.
+
+    The distance grows by nearly as much as the lead, so that two steps of the secant reach it.
+    """
+    distance = partial(straight_span_distance_mm, radius_mm, slope=tan(radians(fleet_deg)))
+    lead = d_mm * 1.05
+    for _ in range(3):
+        lead += d_mm * (1.0 + LEAD_SPARE) - distance(lead_mm=lead)
+    return lead
+
+
+def reach_mm(span_mm: float, across_mm: float) -> float:
+    """Centre distance of two pulleys with a crossed span of this length, radii adding up to ``across_mm``."""
+    return hypot(span_mm, across_mm)
+
+
+def span_for_fleet_mm(walk_mm: float, fleet_deg: float) -> float:
+    """Free span at which a walk makes the fleet angle."""
+    return walk_mm / tan(radians(fleet_deg))
+
+
+def fleet_deg(walk_mm: float, span_mm: float) -> float:
+    """Fleet angle of a walk over a free span."""
+    return float(atan(walk_mm / span_mm) * 180.0 / pi)

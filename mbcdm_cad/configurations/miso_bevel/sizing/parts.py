@@ -1,0 +1,259 @@
+"""Rules that pick bought parts from the catalogue: the lightest that carries the load and finds room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import sqrt
+from typing import Any
+
+from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
+from mbcdm_cad.configurations.miso_bevel.checks.pulley_fits import FIT_MM, SHOULDER_MM
+from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
+from mbcdm_cad.configurations.miso_bevel.checks.terminals import STUD_SAFETY
+from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_input_mm
+from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTH_MM, DOWEL_MM
+from mbcdm_cad.sizing.rule import Found, Rule
+
+# An input carries half the peak torque, a little more in the direction that its preload's bias loads.
+TORQUE_SPARE = 1.085
+# Torque of the preload on an input, as a share of preload times its radius: what neighbouring steps differ by.
+BIAS_SHARE = 0.067
+# Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end takes most of it.
+INPUT_PRELOADS = 1.4
+# Of the guide: four cables in one state turn it over rather than push it aside, so that the largest tension counts.
+GUIDE_TENSIONS = 1.6
+# Of a drum's bearing.
+DRUM_TENSIONS = 1.2
+# Swage over the rope's diameter: shanks of swaged terminals are 2.3 to 2.5 times as thick as their rope (makers).
+SWAGE_DIAMETERS = 2.4
+
+Entry = Mapping[str, Any]
+
+
+def _first(candidates: Iterable[tuple[float, str, Mapping[str, float]]]) -> Found:
+    """The lightest candidate whose margins are all kept; else the one that misses least.
+
+    A candidate is (mass, name, margins by check as shares of what is asked, negative where it fails).
+    """
+    listed = sorted(candidates, key=lambda item: (item[0], item[1]))
+    for k, (_, name, margins) in enumerate(listed):
+        if all(margin >= 0.0 for margin in margins.values()):
+            lighter = listed[k - 1][2] if k else {}
+            refused = min(lighter, key=lambda check: lighter[check], default="")
+            return Found(name, refused, "lightest of the catalogue")
+    _, name, margins = max(listed, key=lambda item: min(item[2].values()))
+    return Found(name, min(margins, key=lambda check: margins[check]), "nothing in the catalogue does: the nearest")
+
+
+def _share_N(given: BevelGiven) -> float:
+    return float(given["loads.peak_torque_Nm"] * 1e3 / (4.4 * given.first_drum_mm))
+
+
+def _tension_N(given: BevelGiven) -> float:
+    return float(given["rope.preload_N"] + _share_N(given))
+
+
+def _input_torque_Nm(given: BevelGiven) -> float:
+    radius = given.first_drum_mm / given.total_ratio
+    bias = BIAS_SHARE * given["rope.preload_N"] * radius * 1e-3
+    return float(TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias)
+
+
+def _motor_margins(given: BevelGiven, motor: Entry, gearhead: Entry) -> dict[str, float]:
+    needed = _input_torque_Nm(given) * 1e3
+    return {
+        "motor_torque_back": motor["rated_torque_mNm"] * gearhead["ratio"] / needed - 1.0,
+        "gearhead_maximum": gearhead["max_torque_mNm"] / needed - 1.0,
+        # A motor wider than its gearhead has no place on the shelf's far side.
+        "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
+    }
+
+
+def _motor(given: BevelGiven) -> Found:
+    heads = given.entries("gearheads")
+    if given.has("drive.gearhead"):
+        heads = {given["drive.gearhead"]: given.entry("gearheads", "drive.gearhead")}
+    best = _first(
+        (motor["mass_g"] + head["mass_g"], f"{name} {other}", _motor_margins(given, motor, head))
+        for name, motor in given.entries("motors").items()
+        for other, head in heads.items()
+    )
+    return Found(best.value.split(" ")[0], best.driver, best.rounding)
+
+
+def _gearhead(given: BevelGiven) -> Found:
+    motor = given.entry("motors", "drive.motor")
+    return _first(
+        (head["mass_g"], name, _motor_margins(given, motor, head)) for name, head in given.entries("gearheads").items()
+    )
+
+
+def _tensioner(given: BevelGiven) -> Found:
+    tension, d = _tension_N(given), given.d_mm
+    steels = given.entries("materials")
+    return _first(
+        (
+            entry["stud_length_mm"],
+            name,
+            {
+                "stud_stress": steels[entry["material"]]["yield_MPa"]
+                * entry["stress_area_mm2"]
+                / (STUD_SAFETY * tension)
+                - 1.0,
+                "cable_ends": entry["swage_diameter_mm"] / (SWAGE_DIAMETERS * d) - 1.0,
+            },
+        )
+        for name, entry in given.entries("tensioners").items()
+    )
+
+
+def _smallest_input_mm(given: BevelGiven) -> float:
+    if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.input_to_guide"):
+        return min(given.input_mm)
+    return given.first_drum_mm / given.total_ratio
+
+
+def _journal_margin(given: BevelGiven, bearing: Entry) -> float:
+    least = least_input_mm(given.d_mm, bearing["bore_mm"] / 2, SHOULDER_MM)
+    return _smallest_input_mm(given) / least - 1.0
+
+
+def _lower(given: BevelGiven) -> Found:
+    head = given.entry("gearheads", "drive.gearhead")
+    wall, screw = given.wall_mm("input_pulleys"), given.screw(head["screw"])
+    key = screw.key_mm / sqrt(3.0) + 0.15
+    circle = head["bolt_circle_mm"] / 2
+    load = INPUT_PRELOADS * given["rope.preload_N"]
+
+    def margins(bearing: Entry) -> dict[str, float]:
+        seat = bearing["outer_diameter_mm"] / 2
+        return {
+            "bore_wall": (bearing["bore_mm"] - head["shaft_diameter_mm"]) / (2 * wall) - 1.0,
+            "key_access": max(seat - circle - key, circle - key - seat - HOLE_WEB_MM) / seat,
+            "bearing_shoulders": _journal_margin(given, bearing),
+            "input_bearings": bearing["static_rating_N"] / load - 1.0,
+        }
+
+    return _first((entry["mass_g"], name, margins(entry)) for name, entry in given.entries("bearings").items())
+
+
+def _upper_margins(given: BevelGiven, bearing: Entry, encoder: Entry) -> dict[str, float]:
+    head = given.screw(encoder["screw"]).head_diameter_mm / 2 + 0.1
+    web = (encoder["bolt_circle_mm"] - bearing["outer_diameter_mm"]) / 2 - head
+    thickest = DOWEL_LENGTH_MM - DOWEL_MM - given.wall_mm("support")
+    return {
+        "encoder_fit": -abs(encoder["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
+        "hole_webs": web / HOLE_WEB_MM - 1.0,
+        "top_plate": 1.0 - bearing["width_mm"] / thickest,
+        "bearing_shoulders": _journal_margin(given, bearing),
+        "input_bearings": bearing["static_rating_N"] / (INPUT_PRELOADS * given["rope.preload_N"]) - 1.0,
+    }
+
+
+def _upper(given: BevelGiven) -> Found:
+    encoders = given.entries("encoders")
+    if given.has("drive.encoder"):
+        encoders = {given["drive.encoder"]: given.entry("encoders", "drive.encoder")}
+    best = _first(
+        (bearing["mass_g"] + encoder["mass_g"], f"{name} {other}", _upper_margins(given, bearing, encoder))
+        for name, bearing in given.entries("bearings").items()
+        for other, encoder in encoders.items()
+    )
+    return Found(best.value.split(" ")[0], best.driver, best.rounding)
+
+
+def _encoder(given: BevelGiven) -> Found:
+    bearing = given.entry("bearings", "input_pulleys.upper_bearing")
+    return _first(
+        (entry["mass_g"], name, _upper_margins(given, bearing, entry))
+        for name, entry in given.entries("encoders").items()
+    )
+
+
+def _drum_margins(given: BevelGiven, bearing: Entry, ring: Entry) -> dict[str, float]:
+    thread = given.screw(ring["screw"]).thread_mm / 2
+    seat = bearing["outer_diameter_mm"] / 2
+    return {
+        "encoder_fit": -abs(ring["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
+        "encoder_screws": (ring["bolt_circle_mm"] / 2 - thread - seat) / HOLE_WEB_MM - 1.0,
+        "drum_bearings": bearing["static_rating_N"] / (DRUM_TENSIONS * _tension_N(given)) - 1.0,
+        # A shaft that looks right beside its drum: an eighth of the smallest land's radius.
+        "drum_sweep": bearing["bore_mm"] / (given.first_drum_mm / 8.0) - 1.0,
+    }
+
+
+def _drum_bearing(given: BevelGiven) -> Found:
+    rings = given.entries("encoders")
+    if given.has("drive.drum_encoder"):
+        rings = {given["drive.drum_encoder"]: given.entry("encoders", "drive.drum_encoder")}
+    best = _first(
+        (bearing["mass_g"] + ring["mass_g"], f"{name} {other}", _drum_margins(given, bearing, ring))
+        for name, bearing in given.entries("bearings").items()
+        for other, ring in rings.items()
+    )
+    return Found(best.value.split(" ")[0], best.driver, best.rounding)
+
+
+def _drum_encoder(given: BevelGiven) -> Found:
+    bearing = given.entry("bearings", "drum.bearing")
+    return _first(
+        (entry["mass_g"], name, _drum_margins(given, bearing, entry))
+        for name, entry in given.entries("encoders").items()
+    )
+
+
+def _guide_bearing(given: BevelGiven) -> Found:
+    tension = GUIDE_TENSIONS * _tension_N(given)
+    room = None
+    if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.guide_to_drum"):
+        room = 2 * (given.guide_mm[0] - given.d_mm / 2 - given.wall_mm("guide"))
+
+    def margins(bearing: Entry) -> dict[str, float]:
+        found = {"guide_bearings": bearing["static_rating_N"] / tension - 1.0}
+        # The axle bends under what the bearings carry, over a lever of about their own bore.
+        strength = given.entry("materials", "guide.axle_material")["yield_MPa"] / STRESS_SAFETY
+        found["axle_stress"] = 0.1 * bearing["bore_mm"] ** 2 * strength / tension - 1.0
+        if room is not None:
+            found["guide_wall"] = room / bearing["outer_diameter_mm"] - 1.0
+        return found
+
+    return _first((entry["mass_g"], name, margins(entry)) for name, entry in given.entries("bearings").items())
+
+
+DRIVES = (
+    Rule(
+        "drive.motor",
+        "the lightest motor that, with its gearhead, holds half the peak torque and the preload's bias",
+        "motor_torque_back",
+        _motor,
+    ),
+    Rule("drive.gearhead", "the lightest gearhead that holds the input's torque", "gearhead_maximum", _gearhead),
+)
+PARTS = (
+    Rule("drum.tensioner", "the shortest that holds the largest tension and takes the rope", "stud_stress", _tensioner),
+    Rule(
+        "input_pulleys.lower_bearing",
+        "the lightest that takes journal and gearhead's shaft, lets a key reach the gearhead's screws and carries "
+        "the cables' pull",
+        "bore_wall",
+        _lower,
+    ),
+    Rule(
+        "input_pulleys.upper_bearing",
+        "the lightest that fits an encoder and carries the cables' pull",
+        "input_bearings",
+        _upper,
+    ),
+    Rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit", _encoder),
+    Rule(
+        "drum.bearing",
+        "the lightest of a bore that suits the drum, fits an encoder and carries the cables' pull",
+        "drum_bearings",
+        _drum_bearing,
+    ),
+    Rule("drive.drum_encoder", "the lightest that fits the drum's shaft", "encoder_fit", _drum_encoder),
+    Rule(
+        "guide.bearing", "the lightest that carries the cables' pull inside the guide", "guide_bearings", _guide_bearing
+    ),
+)

@@ -1,0 +1,164 @@
+"""Rules of the pitch radii and of where the pulleys stand."""
+
+from __future__ import annotations
+
+from math import hypot
+
+from mbcdm_cad.configurations.miso_bevel.cable_path import (
+    BLEND_DIAMETERS,
+    STOP_RADIUS_DIAMETERS,
+    STOP_WALL_MM,
+)
+from mbcdm_cad.configurations.miso_bevel.checks.spans import CABLE_GAP_MM
+from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM
+from mbcdm_cad.configurations.miso_bevel.checks.terminals import TERMINAL_GAP_MM
+from mbcdm_cad.configurations.miso_bevel.sizing.given import STEPS, BevelGiven, reach_mm, span_for_fleet_mm
+from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down
+
+STEP_MM = 0.1
+# Spare of a land's width over what it needs: the gap between a cable's flank and the next land.
+FLANK_GAP_MM = 0.045
+# The free span is this much longer than the fleet angle asks, so that rounding never costs it.
+SPAN_SPARE = 1.01
+
+
+def _wide_enough(given: BevelGiven) -> bool:
+    return not given.has("transmission.guide_radii_mm")
+
+
+def _drive_radius_mm(given: BevelGiven) -> float:
+    """Half the larger of gearhead and motor."""
+    sizes = [float(given.entry(kind, f"drive.{name}")["diameter_mm"]) for kind, name in _DRIVES]
+    return max(sizes) / 2
+
+
+_DRIVES = (("gearheads", "gearhead"), ("motors", "motor"))
+
+
+def _steps_ratio(given: BevelGiven, step_mm: float) -> float:
+    """Outermost drum radius over that of step 1."""
+    return 1.0 + (STEPS - 1) * step_mm / given.first_drum_mm
+
+
+def _step_needs(given: BevelGiven, step_mm: float) -> dict[str, float]:
+    """What each check asks of the step from one drum radius to the next, mm."""
+    d = given.d_mm
+    lead = given.clearing_lead_mm(given.first_drum_mm * _steps_ratio(given, step_mm) / given.total_ratio)
+    needs = {
+        "input_walk": d + 2 * given.walk_mm(lead) + 2 * CABLE_GAP_MM,
+        "lands_intact": given.nut_pocket_mm - d / 2 + TERMINAL_GAP_MM,
+    }
+    if given.has("transmission.ratios.guide_to_drum"):
+        per_mm = given["transmission.ratios.guide_to_drum"]
+    else:
+        per_mm = given.first_drum_mm / _guide_wanted(given, step_mm)[1]
+    needs["land_width"] = per_mm * (d / 2 + given["clearances.land_edge_mm"] + FLANK_GAP_MM)
+    return needs
+
+
+def _drum_radii(given: BevelGiven) -> Found:
+    """Equal steps; the lead rests on the radii and the step on the lead, so a few passes settle both."""
+    step = 3.0
+    needs: dict[str, float] = {}
+    for _ in range(4):
+        needs = _step_needs(given, step)
+        step = max(needs.values())
+    found = largest(needs, STEP_MM)
+    first = given.first_drum_mm
+    return Found([round(first + k * found.value, 6) for k in range(STEPS)], found.driver, f"steps {found.rounding}")
+
+
+def _guide_wanted(given: BevelGiven, step_mm: float) -> tuple[str, float]:
+    """(check, least guide radius of step 1) where only the total ratio is given."""
+    d, running = given.d_mm, given["clearances.running_mm"]
+    nut, gap = given.nut_mm, given["clearances.transfer_gap_mm"]
+    outer_input = given.first_drum_mm * _steps_ratio(given, step_mm) / given.total_ratio
+    guide, lower = given.entry("bearings", "guide.bearing"), given.entry("bearings", "input_pulleys.lower_bearing")
+    needs = {
+        "guide_wall": guide["outer_diameter_mm"] / 2 + given.wall_mm("guide") + d / 2,
+        "front_wall": lower["outer_diameter_mm"] / 2 + given.wall_mm("support") + running + max(nut, d / 2 - gap),
+        "drum_sweep": outer_input + d + MOVING_GAP_MM + max(nut - d / 2, -gap),
+        "bend_ratio": given["limits.bend_ratio_min"] * d / 2,
+    }
+    driver = max(needs, key=lambda name: needs[name])
+    return driver, float(needs[driver])
+
+
+def _guide_to_drum(given: BevelGiven) -> Found:
+    if given.has("transmission.ratios.input_to_guide"):
+        return Found(given["transmission.ratio"] / given["transmission.ratios.input_to_guide"], "transmission.ratio")
+    step = given.drum_mm[1] - given.drum_mm[0] if given.has("transmission.drum_radii_mm") else 3.6
+    driver, radius = _guide_wanted(given, step)
+    return Found(rounded_down(given.first_drum_mm / radius, 0.05), driver, "down to 0.05")
+
+
+def _input_to_guide(given: BevelGiven) -> float:
+    return round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9)
+
+
+def _centre_distance(given: BevelGiven) -> Found:
+    d, running = given.d_mm, given["clearances.running_mm"]
+    fleet = given["limits.fleet_angle_max_deg"]
+    guide, pulley = max(given.guide_mm), max(given.input_mm)
+    span = span_for_fleet_mm(given.walk_mm(given["rope.helix_lead_mm"]), fleet) * SPAN_SPARE
+    drum_bearing = given.entry("bearings", "drum.bearing")
+    ring, input_encoder = given.entry("encoders", "drive.drum_encoder"), given.entry("encoders", "drive.encoder")
+    ears = ring["bolt_circle_mm"] / 2 + given.screw(ring["screw"]).thread_mm / 2 + EAR_WALL_MM
+    column = max(drum_bearing["outer_diameter_mm"] / 2 + BEARING_WALL_MM, ears, ring["diameter_mm"] / 2)
+    needs = {
+        "fleet_angle": reach_mm(span, guide + pulley),
+        "pulley_gap": guide + pulley + d + running,
+        "centre_distance": hypot(guide + pulley, 2 * BLEND_DIAMETERS * d),
+        "drives_apart": max(_drive_radius_mm(given) + column, input_encoder["diameter_mm"] / 2) + running,
+    }
+    return largest(needs, STEP_MM)
+
+
+def _setback(given: BevelGiven) -> Found:
+    """How far drives and pulleys must stand back so that the drum's terminals pass in front of them."""
+    d, running = given.d_mm, given["clearances.running_mm"]
+    lowest = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm)
+    pulleys = max(given.input_mm) + d / 2 + MOVING_GAP_MM - min(lowest, given.guide_mm[0] - d / 2)
+    needs = {"drum_sweep": max(_drive_radius_mm(given) + running - lowest, pulleys), "nothing in the way": 0.0}
+    return largest(needs, STEP_MM)
+
+
+def least_input_mm(d_mm: float, journal_mm: float, shoulder_mm: float) -> float:
+    """Input radius at which the stop's bend leaves a neck that carries a journal of this radius and its shoulder."""
+    return d_mm / 2 + 2 * STOP_RADIUS_DIAMETERS * d_mm + STOP_WALL_MM + 0.1 + journal_mm + shoulder_mm
+
+
+RADII = (
+    Rule(
+        "transmission.drum_radii_mm",
+        "equal steps that leave room for the walk on the inputs, for the terminals and for the lands",
+        "input_walk",
+        _drum_radii,
+    ),
+)
+RATIOS = (
+    Rule(
+        "transmission.ratios.guide_to_drum",
+        "the smallest guide that holds its bearing, lets the frame's front carry the input bearings and keeps the "
+        "inputs behind the drum",
+        "guide_wall",
+        _guide_to_drum,
+        applies=_wide_enough,
+    ),
+    Rule(
+        "transmission.ratios.input_to_guide",
+        "the total ratio over that of guide to drum",
+        "transmission.ratio",
+        _input_to_guide,
+        applies=_wide_enough,
+    ),
+)
+DISTANCE = (
+    Rule(
+        "transmission.centre_distance_mm",
+        "the shortest free span that keeps the fleet angle, with room for pulleys, drives and encoders",
+        "fleet_angle",
+        _centre_distance,
+    ),
+)

@@ -1,0 +1,45 @@
+"""What sizing adds to a design file: a value for each field that the file leaves out, with the reason for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from mbcdm_cad.design.rules import Broken
+
+
+@dataclass(frozen=True)
+class SizedValue:
+    """A field that the file leaves out and a rule filled. Values are plain data, in the units of the field's name.
+
+    ``rests_on`` holds the fields that the rule read, with their values; ``driver`` says what set the value: the id of
+    the check whose limit it keeps, or the requirement that asks for it.
+    """
+
+    field: str
+    value: Any
+    text: str
+    driver: str
+    rests_on: Mapping[str, Any]
+    rounding: str
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """A file's data with every field filled, and a record for each field that a rule filled, in the rules' order."""
+
+    data: dict[str, Any]
+    values: tuple[SizedValue, ...]
+
+    def of(self, field: str) -> SizedValue | None:
+        """The record of a field by its dotted name; None where the file gives it."""
+        return next((value for value in self.values if value.field == field), None)
+
+
+class SizingError(Exception):
+    """What sizing cannot fill from what the file gives, as broken rules; becomes messages with file and line."""
+
+    def __init__(self, *broken: Broken) -> None:
+        super().__init__("; ".join(rule.what for rule in broken))
+        self.broken = broken

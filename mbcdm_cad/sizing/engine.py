@@ -1,0 +1,27 @@
+"""Runs sizing rules over the data of a design file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from mbcdm_cad.design.sized import SizedValue, Sizing
+from mbcdm_cad.sizing.given import Given
+from mbcdm_cad.sizing.rule import Found, Rule
+
+
+def fill(given: Given, rules: Iterable[Rule]) -> Sizing:
+    """Fill every open field for which there is a rule that applies; what the file gives stays as it is."""
+    records: list[SizedValue] = []
+    for rule in rules:
+        if given.has(rule.field) or not rule.applies(given):
+            continue
+        given.start()
+        found = rule.value(given)
+        if not isinstance(found, Found):
+            found = Found(found)
+        rests_on = given.read
+        given.put(rule.field, found.value)
+        records.append(
+            SizedValue(rule.field, found.value, rule.text, found.driver or rule.driver, rests_on, found.rounding)
+        )
+    return Sizing(given.data, tuple(records))

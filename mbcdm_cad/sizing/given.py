@@ -1,0 +1,78 @@
+"""What a rule may read: the fields that are known so far and the catalogue. Every field read is noted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.rules import unknown_entry
+from mbcdm_cad.design.sized import SizingError
+
+
+class Given:
+    """The data of one design file while its gaps are filled.
+
+    Fields are named as in messages, ``drum.outer_face_y_mm``. Reading one through this object notes it, so that what a
+    value rests on is what its rule did read.
+    """
+
+    def __init__(self, data: dict[str, Any]) -> None:
+        self.data = data
+        self._read: dict[str, Any] = {}
+
+    def __getitem__(self, field: str) -> Any:
+        """Value of a field that the file gives or an earlier rule filled. Raises ``KeyError`` where it is open."""
+        value = self.peek(field)
+        if value is None:
+            raise KeyError(f"{field} is not known when it is read: its rule stands too late")
+        self._read[field] = value
+        return value
+
+    def get(self, field: str, otherwise: Any = None) -> Any:
+        """As ``given[field]``, but ``otherwise`` where the field is open."""
+        return otherwise if self.peek(field) is None else self[field]
+
+    def has(self, field: str) -> bool:
+        """Whether the field is known, without noting it."""
+        return self.peek(field) is not None
+
+    def peek(self, field: str) -> Any:
+        """Value of the field, None where it is open; not noted."""
+        at: Any = self.data
+        for part in field.split("."):
+            if not isinstance(at, dict):
+                return None
+            at = at.get(part)
+        return at
+
+    def put(self, field: str, value: Any) -> None:
+        """Fill the field."""
+        *blocks, last = field.split(".")
+        at = self.data
+        for part in blocks:
+            if not isinstance(at.get(part), dict):
+                at[part] = {}
+            at = at[part]
+        at[last] = value
+
+    def start(self) -> None:
+        """Forget what was read: the next rule begins."""
+        self._read = {}
+
+    @property
+    def read(self) -> Mapping[str, Any]:
+        """Fields read since :meth:`start`, in the order of reading."""
+        return dict(self._read)
+
+    def entries(self, kind: str) -> dict[str, dict[str, Any]]:
+        """All entries of a kind of the catalogue, the design's own over the package's."""
+        own = self.peek(f"catalogue.{kind}")
+        return {**package_entries(kind), **(own if isinstance(own, dict) else {})}
+
+    def entry(self, kind: str, field: str) -> dict[str, Any]:
+        """The entry that a field names. Raises ``SizingError`` for a name that is not in the catalogue."""
+        name, entries = self[field], self.entries(kind)
+        if name not in entries:
+            raise SizingError(unknown_entry(tuple(field.split(".")), kind, str(name), list(entries)))
+        return entries[name]

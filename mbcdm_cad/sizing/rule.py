@@ -1,0 +1,69 @@
+"""A sizing rule: how one field follows from others, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, floor
+from typing import Any
+
+from mbcdm_cad.sizing.given import Given
+
+# Rounding must not lift a figure that is already on its step.
+_ON_STEP = 1e-9
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a rule found: the value, what set it, and how it was rounded."""
+
+    value: Any
+    driver: str = ""
+    rounding: str = ""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How one field is filled.
+
+    ``text`` is one sentence for people; ``driver`` the check or requirement that the value serves, where ``value`` does
+    not say which of several it was. ``value`` gets the :class:`~mbcdm_cad.sizing.given.Given` of the configuration and
+    returns the value, or a :class:`Found`. ``applies``: whether the field belongs to this design at all.
+    """
+
+    field: str
+    text: str
+    driver: str
+    value: Callable[[Any], Any]
+    applies: Callable[[Any], bool] = lambda given: True
+
+
+def rounded_up(value: float, step: float) -> float:
+    """The value rounded up to a multiple of ``step``, without the noise of binary fractions."""
+    return round(ceil(value / step - _ON_STEP) * step, 9)
+
+
+def rounded_down(value: float, step: float) -> float:
+    """The value rounded down to a multiple of ``step``."""
+    return round(floor(value / step + _ON_STEP) * step, 9)
+
+
+def largest(needs: dict[str, float], step: float) -> Found:
+    """The least value that meets all needs, rounded up; the need that sets it is the driver."""
+    driver = max(needs, key=lambda name: needs[name])
+    return Found(rounded_up(needs[driver], step), driver, f"up to {step:g}")
+
+
+def smallest(needs: dict[str, float], step: float) -> Found:
+    """The greatest value within all limits, rounded down; the limit that sets it is the driver."""
+    driver = min(needs, key=lambda name: needs[name])
+    return Found(rounded_down(needs[driver], step), driver, f"down to {step:g}")
+
+
+def constant(field: str, value: Any, text: str, driver: str) -> Rule:
+    """A field that has one value for every design."""
+
+    def same(given: Given) -> Any:
+        return value
+
+    return Rule(field, text, driver, same)
