@@ -110,7 +110,8 @@ def _may_be_left_out(name: str, file: DesignFile) -> bool:
 
 def _is_wrong(item: Any) -> bool:
     """Whether one of pydantic's findings is more than a field left out, which sizing may fill."""
-    return item["type"] != "missing" or any(isinstance(part, int) for part in item["loc"])
+    in_a_list = any(isinstance(part, int) for part in item["loc"])
+    return item["type"] != "missing" or in_a_list or item["loc"] == ("configuration",)
 
 
 def _validated(tree: Tree, path: str, file: DesignFile) -> Design:

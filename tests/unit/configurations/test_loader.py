@@ -45,6 +45,7 @@ class BeltDesign(Design):
         "drive",
         "loads",
         "limits",
+        "making",
         "targets",
         "export",
         "waivers",

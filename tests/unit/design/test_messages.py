@@ -92,12 +92,16 @@ def test_a_wrong_value_is_told_with_line_value_limit_and_remedy(old: str, new: s
     assert any(said.startswith(f"f.yaml:{line}: ") and message in said for said in lines), "\n".join(lines)
 
 
-def test_a_misspelt_key_is_told_once_as_unknown_with_the_right_name_and_once_as_missing() -> None:
+def test_a_misspelt_key_is_told_as_unknown_with_the_right_name() -> None:
     text, line = edited("half_angle_deg", "half_angel_deg")
+    assert refusal(text) == [f"f.yaml:{line}: travel.half_angel_deg: unknown field; did you mean half_angle_deg?"]
+
+
+def test_a_missing_requirement_is_told_with_what_to_add() -> None:
+    text, line = edited("  half_angle_deg", "  # half_angle_deg")
     assert refusal(text) == [
-        f"f.yaml:{line - 1}: travel.half_angle_deg: missing (limit 1 to 120 deg); add it, for example "
-        "half_angle_deg: 35.0 (travel each way from the centred drum)",
-        f"f.yaml:{line}: travel.half_angel_deg: unknown field; did you mean half_angle_deg?",
+        f"f.yaml:{line - 1}: travel.half_angle_deg: missing, and no rule can fill it: it is what the drive is for; "
+        "add half_angle_deg: 35.0 (travel each way from the centred drum, deg)"
     ]
 
 
