@@ -50,7 +50,7 @@ def _step_needs(given: BevelGiven, step_mm: float) -> dict[str, float]:
         "lands_intact": given.nut_pocket_mm - d / 2 + TERMINAL_GAP_MM,
     }
     if given.has("transmission.ratios.guide_to_drum"):
-        per_mm = given["transmission.ratios.guide_to_drum"]
+        per_mm = float(given["transmission.ratios.guide_to_drum"])
     else:
         per_mm = given.first_drum_mm / _guide_wanted(given, step_mm)[1]
     needs["land_width"] = per_mm * (d / 2 + given["clearances.land_edge_mm"] + FLANK_GAP_MM)
@@ -94,7 +94,7 @@ def _guide_to_drum(given: BevelGiven) -> Found:
 
 
 def _input_to_guide(given: BevelGiven) -> float:
-    return round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9)
+    return float(round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9))
 
 
 def _centre_distance(given: BevelGiven) -> Found:

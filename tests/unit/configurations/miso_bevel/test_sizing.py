@@ -1,0 +1,118 @@
+"""Sizing of miso_bevel: the reference from what it states, and laws that hold for every file."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+import yaml
+
+from mbcdm_cad.configurations.check_design import run_checks
+from mbcdm_cad.configurations.loader import load_text, reference_data
+from mbcdm_cad.configurations.miso_bevel.sizing import size
+from mbcdm_cad.design.sized import SizedValue
+from mbcdm_cad.errors import InputError
+
+REFERENCE = reference_data()
+# What the reference states: the paper's tables, its torques and parts, its mass and box, and one depth.
+STATED = [
+    "name",
+    "configuration",
+    "travel.half_angle_deg",
+    "transmission.centre_distance_mm",
+    "transmission.drum_radii_mm",
+    "transmission.ratios",
+    "rope.type",
+    "rope.modulus_GPa",
+    "rope.modulus_area",
+    "rope.friction_coefficient",
+    "rope.preload_N",
+    "drive",
+    "loads",
+    "limits.bend_ratio_min",
+    "limits.frame_windup_max_mrad",
+    "targets",
+    "support.back_y_mm",
+]
+
+
+def stated() -> dict[str, Any]:
+    """The reference design with every field left out that a rule gives."""
+    data: dict[str, Any] = {}
+    for path in STATED:
+        *blocks, last = path.split(".")
+        source, at = REFERENCE, data
+        for block in blocks:
+            source, at = source[block], at.setdefault(block, {})
+        at[last] = copy.deepcopy(source[last])
+    return data
+
+
+def test_the_reference_follows_from_what_it_states() -> None:
+    sizing = size(stated())
+    for value in sizing.values:
+        expected: Any = REFERENCE
+        for part in value.field.split("."):
+            expected = expected.get(part, "nothing") if isinstance(expected, dict) else "nothing"
+        if value.field != "transmission.input_setback_mm":
+            assert value.value == expected, f"{value.field}: {value.text}, {value.driver}"
+
+
+def test_the_sized_reference_passes_every_check() -> None:
+    loaded = load_text(yaml.safe_dump(stated()))
+    assert [check.id for check in run_checks(loaded) if check.status == "fail"] == []
+
+
+def test_a_short_file_gives_a_whole_drive() -> None:
+    data = {
+        "configuration": "miso_bevel",
+        "travel": {"half_angle_deg": 35.0},
+        "transmission": {"ratio": 9.0, "drum_radius_mm": 54.0},
+        "loads": {"peak_torque_Nm": 3.0},
+    }
+    loaded = load_text(yaml.safe_dump(data), "short_one.yaml")
+    assert loaded.drive.name == "short_one" and len(loaded.sized) > 45
+    ratios = [c.drum_radius_mm / c.input_radius_mm for c in loaded.drive.cables]
+    assert ratios == pytest.approx([9.0] * 4, rel=1e-6), ratios
+
+
+def test_a_complete_file_is_left_alone() -> None:
+    loaded = load_text(yaml.safe_dump(REFERENCE))
+    assert loaded.sized == ()
+
+
+FIGURES = [found for found in size(stated()).values if isinstance(found.value, float)]
+
+
+@pytest.mark.parametrize("found", FIGURES, ids=lambda found: found.field)
+def test_a_pin_stays_where_it_is(found: SizedValue) -> None:
+    data = stated()
+    *blocks, last = found.field.split(".")
+    at = data
+    for block in blocks:
+        at = at.setdefault(block, {})
+    at[last] = round(found.value * 1.01, 6)
+    sizing = size(data)
+    assert sizing.of(found.field) is None
+    at = sizing.data
+    for block in blocks:
+        at = at[block]
+    assert at[last] == round(found.value * 1.01, 6)
+
+
+@pytest.mark.parametrize(
+    ("field", "said"),
+    [
+        ("travel.half_angle_deg", "travel.half_angle_deg: missing"),
+        ("loads.peak_torque_Nm", "loads.peak_torque_Nm: missing"),
+        ("transmission.drum_radii_mm", "transmission.drum_radius_mm: missing"),
+    ],
+)
+def test_a_requirement_cannot_be_left_out(field: str, said: str) -> None:
+    data = stated()
+    block, last = field.split(".")
+    del data[block][last]
+    with pytest.raises(InputError) as refused:
+        load_text(yaml.safe_dump(data), "f.yaml")
+    assert said in str(refused.value), refused.value
