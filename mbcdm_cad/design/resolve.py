@@ -26,7 +26,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "stop_clearance_deg": design.travel.stop_clearance_deg,
         "cable": rope,
         "terminations": ends,
-        "termination": _termination(design.rope.termination, ends, rope),
+        "termination": termination(design.rope.termination, ends, rope),
         "friction_coefficient": design.rope.friction_coefficient,
         "helix_lead_mm": design.rope.helix_lead_mm,
         "dead_turns": design.rope.dead_turns,
@@ -90,7 +90,7 @@ def as_built(design: Design) -> tuple[d.AsBuilt, ...]:
     )
 
 
-def _termination(name: str | None, known: Sequence[TerminationSpec], rope: CableSpec) -> TerminationSpec:
+def termination(name: str | None, known: Sequence[TerminationSpec], rope: CableSpec) -> TerminationSpec:
     """The one named, else the strongest that fits the rope, else the strongest, which a check then refuses."""
     if name is not None:
         return next(each for each in known if each.name == name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import asin, atan2, degrees, hypot, pi
+from math import asin, atan2, degrees, hypot
 
 from mbcdm_cad.configurations.miso_bevel.checks.drum_fits import (
     HUB_DIAMETERS,
@@ -21,6 +21,7 @@ from mbcdm_cad.configurations.miso_bevel.drum import (
     SWAGE_START_MM,
 )
 from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 
@@ -107,28 +108,9 @@ def _shaft_bore(given: BevelGiven) -> float:
 def terminal_mm(given: BevelGiven) -> tuple[float, float]:
     """(end of the nuts, tip) of a terminal drawn in all the way, from where its cable leaves the land."""
     spec = given.entry("tensioners", "drum.tensioner")
-    travel = _take_up_mm(given)
+    travel = take_up_mm(given)
     lug_end = SWAGE_START_MM + spec["swage_length_mm"] + travel + 0.5 + spec["lug_thickness_mm"]
     return lug_end + 2 * spec["nut_height_mm"], SWAGE_START_MM + spec["stud_length_mm"] + travel
-
-
-def _take_up_mm(given: BevelGiven) -> float:
-    """Stretch, bedding-in and cut length of the longest cable, a little on the safe side."""
-    rope = given.rope
-    modulus, area = rope["modulus_GPa"], rope["metallic_area_mm2"]
-    if given.has("rope.modulus_GPa"):
-        nominal = given["rope.modulus_area"] == "nominal"
-        modulus = given["rope.modulus_GPa"]
-    else:
-        nominal = rope["modulus_area"] == "nominal"
-    if nominal:
-        area = pi / 4 * rope["diameter_mm"] ** 2
-    outer = max(given.drum_mm)
-    wound = outer * given.half_travel_rad + 2 * pi * max(given.input_mm) * given["rope.dead_turns"]
-    length = wound + given["transmission.centre_distance_mm"] + 4 * max(given.guide_mm) + outer * 1.6
-    stretch = given["rope.preload_N"] / (modulus * 1e3 * area)
-    cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
-    return float(length * (stretch + rope["bedding_in_share"]) + cut)
 
 
 def _wrap_clear_of_guide_deg(given: BevelGiven) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import sqrt
 
 from mbcdm_cad.configurations.miso_bevel.checks.pulley_fits import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_fits import HEAD_ROOM_MM, MOUNT_SCREW_HEAD_HEIGHT_MM
@@ -122,14 +122,10 @@ def _back(given: BevelGiven) -> Found:
 
 def _windup(given: BevelGiven) -> float:
     """As much as the cables themselves yield at the test torque, spans alone: a frame that is no weaker than they."""
-    rope = given.rope
-    area = rope["metallic_area_mm2"]
-    if rope["modulus_area"] == "nominal":
-        area = pi / 4 * rope["diameter_mm"] ** 2
     stiffness = 0.0
     for drum, guide, pulley in zip(given.drum_mm, given.guide_mm, given.input_mm, strict=True):
         span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - (guide + pulley) ** 2, 1.0))
-        stiffness += rope["modulus_GPa"] * 1e3 * area / span * drum**2
+        stiffness += given.modulus_GPa * 1e3 * given.area_mm2 / span * drum**2
     turn = given["loads.test_torque_Nm"] * 1e3 / stiffness * 1e3
     return float(f"{max(turn, 1e-4):.3g}")
 

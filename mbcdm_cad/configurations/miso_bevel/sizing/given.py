@@ -7,7 +7,8 @@ from math import atan, hypot, pi, radians, sqrt, tan
 from typing import Any
 
 from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_distance_mm
-from mbcdm_cad.design.bought import Gearhead, Screw
+from mbcdm_cad.design.bought import CableSpec, Gearhead, Screw, TerminationSpec
+from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.sizing.given import Given
 
 STEPS = 4
@@ -26,9 +27,31 @@ class BevelGiven(Given):
         return inline if inline is not None else self.entry("ropes", "rope.type")
 
     @property
+    def termination(self) -> TerminationSpec:
+        """How the rope's ends are made: as named, else the strongest that fits."""
+        rope = CableSpec(name="rope", **{key: value for key, value in self.rope.items() if key != "name"})
+        known = [
+            TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
+            for name, entry in self.entries("terminations").items()
+        ]
+        return termination(self.get("rope.termination"), known, rope)
+
+    @property
     def d_mm(self) -> float:
         """The rope's diameter."""
         return float(self.rope["diameter_mm"])
+
+    @property
+    def modulus_GPa(self) -> float:
+        """The rope's modulus: the design's own, else the catalogue's."""
+        return float(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
+
+    @property
+    def area_mm2(self) -> float:
+        """The rope's area that the modulus refers to."""
+        if self.get("rope.modulus_area", self.rope["modulus_area"]) == "nominal":
+            return pi / 4 * self.d_mm**2
+        return float(self.rope["metallic_area_mm2"])
 
     @property
     def half_travel_rad(self) -> float:

@@ -9,9 +9,11 @@ from typing import Any
 from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.pulley_fits import FIT_MM, SHOULDER_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
+from mbcdm_cad.configurations.miso_bevel.checks.tensioning import THREAD_OUT_PITCHES
 from mbcdm_cad.configurations.miso_bevel.checks.terminals import STUD_SAFETY
+from mbcdm_cad.configurations.miso_bevel.drum import SWAGE_FLOOR_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_input_mm
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_input_mm, take_up_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTH_MM, DOWEL_MM
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -25,8 +27,11 @@ INPUT_PRELOADS = 1.4
 GUIDE_TENSIONS = 1.6
 # Of a drum's bearing.
 DRUM_TENSIONS = 1.2
-# Swage over the rope's diameter: shanks of swaged terminals are 2.3 to 2.5 times as thick as their rope (makers).
-SWAGE_DIAMETERS = 2.4
+# Stud over what the check asks of it: it is also bent a little by its nut.
+STUD_SPARE = 1.25
+
+# Swage to lug with the terminal drawn in: the round corner of the pocket, and a little.
+END_ROOM_MM = 0.5
 
 Entry = Mapping[str, Any]
 
@@ -89,8 +94,14 @@ def _gearhead(given: BevelGiven) -> Found:
     )
 
 
+def _stud_needed_mm(given: BevelGiven, entry: Entry) -> float:
+    """Stud that stands out of both nuts from the start, and still holds the sleeve with the terminal drawn in."""
+    fixed = entry["swage_length_mm"] + entry["lug_thickness_mm"] + 2 * entry["nut_height_mm"]
+    return float(fixed + take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
+
+
 def _tensioner(given: BevelGiven) -> Found:
-    tension, d = _tension_N(given), given.d_mm
+    tension, d, ends = _tension_N(given), given.d_mm, given.termination
     steels = given.entries("materials")
     return _first(
         (
@@ -99,9 +110,13 @@ def _tensioner(given: BevelGiven) -> Found:
             {
                 "stud_stress": steels[entry["material"]]["yield_MPa"]
                 * entry["stress_area_mm2"]
-                / (STUD_SAFETY * tension)
+                / (STUD_SAFETY * STUD_SPARE * tension)
                 - 1.0,
-                "cable_ends": entry["swage_diameter_mm"] / (SWAGE_DIAMETERS * d) - 1.0,
+                "sleeve_fits": min(
+                    entry["swage_diameter_mm"] / (ends.sleeve_ratio * d) - 1.0,
+                    (entry["swage_length_mm"] - SWAGE_FLOOR_MM) / (ends.grip_ratio * d) - 1.0,
+                ),
+                "take_up": entry["stud_length_mm"] / _stud_needed_mm(given, entry) - 1.0,
             },
         )
         for name, entry in given.entries("tensioners").items()
@@ -115,7 +130,7 @@ def _smallest_input_mm(given: BevelGiven) -> float:
 
 
 def _journal_margin(given: BevelGiven, bearing: Entry) -> float:
-    least = least_input_mm(given.d_mm, bearing["bore_mm"] / 2, SHOULDER_MM)
+    least = least_input_mm(given, bearing["bore_mm"] / 2, SHOULDER_MM)
     return _smallest_input_mm(given) / least - 1.0
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, pi
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
     BLEND_DIAMETERS,
-    STOP_RADIUS_DIAMETERS,
     STOP_WALL_MM,
 )
 from mbcdm_cad.configurations.miso_bevel.checks.spans import CABLE_GAP_MM
@@ -19,6 +18,10 @@ from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down
 STEP_MM = 0.1
 # Spare of a land's width over what it needs: the gap between a cable's flank and the next land.
 FLANK_GAP_MM = 0.045
+# Outermost over first drum radius and centre distance over it, before they are known; wrap on the drum beyond the
+# travel, and way round the guide, both in drum radii.
+USUAL_OUTER, USUAL_DISTANCE = 1.25, 0.8
+ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.5, 0.6
 # The free span is this much longer than the fleet angle asks, so that rounding never costs it.
 SPAN_SPARE = 1.01
 
@@ -124,9 +127,26 @@ def _setback(given: BevelGiven) -> Found:
     return largest(needs, STEP_MM)
 
 
-def least_input_mm(d_mm: float, journal_mm: float, shoulder_mm: float) -> float:
+def take_up_mm(given: BevelGiven) -> float:
+    """Stretch, bedding-in and cut length of the longest cable, a little on the safe side.
+
+    As long as steps and centre distance are open, those of a drive in usual proportions stand for them.
+    """
+    rope, first = given.rope, given.first_drum_mm
+    known = given.has("transmission.drum_radii_mm")
+    outer = max(given.drum_mm) if known else USUAL_OUTER * first
+    distance = float(given.get("transmission.centre_distance_mm", USUAL_DISTANCE * first))
+    wound = 2 * outer * given.half_travel_rad + 2 * pi * outer / given.total_ratio * given["rope.dead_turns"]
+    length = wound + distance + outer * (ANCHOR_SPARE_RAD + USUAL_GUIDE)
+    cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
+    stretch = given["rope.preload_N"] / (given.modulus_GPa * 1e3 * given.area_mm2)
+    return float(length * (stretch + rope["bedding_in_share"]) + cut)
+
+
+def least_input_mm(given: BevelGiven, journal_mm: float, shoulder_mm: float) -> float:
     """Input radius at which the stop's bend leaves a neck that carries a journal of this radius and its shoulder."""
-    return d_mm / 2 + 2 * STOP_RADIUS_DIAMETERS * d_mm + STOP_WALL_MM + 0.1 + journal_mm + shoulder_mm
+    stop = given.termination.stop_radius_ratio * given.d_mm
+    return given.d_mm / 2 + 2 * stop + STOP_WALL_MM + 0.1 + journal_mm + shoulder_mm
 
 
 RADII = (

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.strength import SWAGE_EFFICIENCY
 from mbcdm_cad.configurations.miso_bevel.sizing.given import LEAD_STEP_MM, STEPS, BevelGiven
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Preload over the least at which no cable goes slack at peak torque, wraps taken as even.
 PRELOAD_FACTOR = 2.0
+# Strength of a swaged end over the rope's, before rope and ends are chosen.
+SWAGED_SHARE = 0.9
 # The rope that is chosen where none is named: the supplest wire that the catalogue has in all sizes.
 CONSTRUCTION = "7x7"
 # Mean drum radius over that of step 1, before the steps are known.
@@ -21,7 +22,7 @@ def _share_N(given: BevelGiven) -> float:
 
 def _rope(given: BevelGiven) -> Found:
     """The thinnest rope of the construction that holds preload and peak torque."""
-    needed = (1.0 + PRELOAD_FACTOR) * _share_N(given) * given["limits.tension_safety_factor"] / SWAGE_EFFICIENCY
+    needed = (1.0 + PRELOAD_FACTOR) * _share_N(given) * given["limits.tension_safety_factor"] / SWAGED_SHARE
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
@@ -34,7 +35,8 @@ def _rope(given: BevelGiven) -> Found:
 def _preload(given: BevelGiven) -> Found:
     share = _share_N(given)
     most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
-    held = given.rope["breaking_load_N"] * SWAGE_EFFICIENCY / given["limits.tension_safety_factor"] - share
+    ends = given.rope["breaking_load_N"] * given.termination.strength_share
+    held = ends / given["limits.tension_safety_factor"] - share
     wanted = PRELOAD_FACTOR * share
     driver = "no_slack" if wanted <= min(most, held) else "tension"
     return Found(float(f"{max(min(wanted, most, held), 0.5 * wanted):.2g}"), driver, "two digits")

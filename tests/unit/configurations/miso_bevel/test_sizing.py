@@ -17,23 +17,10 @@ from mbcdm_cad.errors import InputError
 REFERENCE = reference_data()
 # What the reference states: the paper's tables, its torques and parts, its mass and box, and one depth.
 STATED = [
-    "name",
-    "configuration",
-    "travel.half_angle_deg",
-    "transmission.centre_distance_mm",
-    "transmission.drum_radii_mm",
-    "transmission.ratios",
-    "rope.type",
-    "rope.modulus_GPa",
-    "rope.modulus_area",
-    "rope.friction_coefficient",
-    "rope.preload_N",
-    "drive",
-    "loads",
-    "limits.bend_ratio_min",
-    "limits.frame_windup_max_mrad",
-    "targets",
-    "support.back_y_mm",
+    *("name", "configuration", "travel.half_angle_deg"),
+    *("transmission.centre_distance_mm", "transmission.drum_radii_mm", "transmission.ratios"),
+    *("rope.type", "rope.modulus_GPa", "rope.modulus_area", "rope.friction_coefficient", "rope.preload_N"),
+    *("drive", "loads", "limits.bend_ratio_min", "limits.frame_windup_max_mrad", "targets", "support.back_y_mm"),
 ]
 
 
