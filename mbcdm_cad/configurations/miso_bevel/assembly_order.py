@@ -70,7 +70,7 @@ def _drives(layout: Layout) -> tuple[AssemblyStep, ...]:
             f"({gear.screw_count} x {gear.screw} each). The screws go in through the open front of the coupling space; "
             f"the {_key(layout, gear.screw)} reaches their heads from above, through the key holes in the shoulder of "
             "the empty lower bearing seats.",
-            _each("gearhead", layout) + _each("motor", layout) + _each("gearhead_screw", layout, 2),
+            _each("gearhead", layout) + _each("motor", layout) + _each("gearhead_screw", layout, gear.screw_count),
         ),
         AssemblyStep(
             f"Pass the clamp collars, their screws ({collar_screw}) loose, over the gearhead shafts through the open "

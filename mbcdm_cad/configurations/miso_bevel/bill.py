@@ -14,6 +14,7 @@ from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
 from mbcdm_cad.design.bought import Bearing, Screw
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, cable_item
+from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, StopSlot
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.terminal.dims import TerminalDims
@@ -41,7 +42,12 @@ def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
         cable = next(c for c in layout.drive.cables if c.input_name == pulley.name)
         inputs.append(
             MovingBody(
-                f"input_{pulley.name}", "input", (pulley.x, 0.0, 0.0), _Z, cable.drum_radius_mm, cable.input_radius_mm
+                f"input_{pulley.name}",
+                "input",
+                (pulley.x, pulley.y, 0.0),
+                _Z,
+                cable.drum_radius_mm,
+                cable.input_radius_mm,
             )
         )
     return (
@@ -124,8 +130,8 @@ def _bearings(b: _Builder) -> None:
     )
     for p in lay.inputs:
         low = v.bearing_shelf_top_z - bearings.input_lower.width_mm
-        b.steel_bearing(f"input_bearing_lower_{p.name}", bearings.input_lower, _at(p.x, 0.0, low))
-        b.steel_bearing(f"input_bearing_upper_{p.name}", bearings.input_upper, _at(p.x, 0.0, v.top_plate_bottom_z))
+        b.steel_bearing(f"input_bearing_lower_{p.name}", bearings.input_lower, _at(p.x, p.y, low))
+        b.steel_bearing(f"input_bearing_upper_{p.name}", bearings.input_upper, _at(p.x, p.y, v.top_plate_bottom_z))
 
 
 def _drives(b: _Builder) -> None:
@@ -143,7 +149,7 @@ def _drives(b: _Builder) -> None:
             (gear, gear_screw, gear_depth),
             part="gearhead",
             material=replace(body, colour=_GEARHEAD_COLOUR),
-            place=_at(p.x, 0.0, v.motor_shelf_bottom_z),
+            place=_at(p.x, p.y, v.motor_shelf_bottom_z),
             mass_g=gear.mass_g,
         )
         b.add(
@@ -152,7 +158,7 @@ def _drives(b: _Builder) -> None:
             (drive.motor,),
             part="motor",
             material=replace(body, colour=_MOTOR_COLOUR),
-            place=_at(p.x, 0.0, v.gearhead_bottom_z),
+            place=_at(p.x, p.y, v.gearhead_bottom_z),
             mass_g=drive.motor.mass_g,
         )
         b.add(
@@ -161,14 +167,14 @@ def _drives(b: _Builder) -> None:
             (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_depth),
             part="encoder",
             material=replace(body, colour=_ENCODER_COLOUR),
-            place=_at(p.x, 0.0, v.top_plate_top_z),
+            place=_at(p.x, p.y, v.top_plate_top_z),
             mass_g=encoder.mass_g,
         )
+        for n, (x, y) in enumerate(screw_places(gear.screw_count, lay.frame.gear_bolt_circle), 1):
+            b.steel_screw(f"gearhead_screw_{p.name}_{n}", gear_screw, _at(p.x + x, p.y + y, v.motor_shelf_top_z))
         for n, sign in enumerate((-1, 1), 1):
-            x = p.x + sign * lay.frame.gear_bolt_circle
-            b.steel_screw(f"gearhead_screw_{p.name}_{n}", gear_screw, _at(x, 0.0, v.motor_shelf_top_z))
             x = p.x + sign * lay.top_plate.encoder_circle_radius
-            place = _at(x, 0.0, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
+            place = _at(x, p.y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
             b.steel_screw(f"encoder_screw_{p.name}_{n}", encoder_screw, place)
     floor = lay.frame.encoder_pocket_floor_y
     b.add(

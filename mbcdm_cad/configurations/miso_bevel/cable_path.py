@@ -34,6 +34,7 @@ class Winding:
     """Where a cable touches input pulley and guide; angles in rad about Z, seen from +z. Independent of drum angle."""
 
     input_x_mm: float
+    input_y_mm: float
     guide_sense: int  # +1: the cable, followed towards the drum, goes anticlockwise round the guide
     guide_landing_rad: float
     guide_wrap_rad: float
@@ -53,7 +54,7 @@ def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
     if length <= r_g + r_m:
         raise ValueError(f"centre distance {length} mm must exceed r_g + r_m = {r_g + r_m} mm for {cable.name}")
     sense = -cable.drum_side
-    towards_input = pi if cable.input_side < 0 else 0.0
+    towards_input = pi + drive.input_turn_rad if cable.input_side < 0 else 0.0 - drive.input_turn_rad
     beta = acos((r_g + r_m) / length)
     # Of the two internal tangents, the one whose direction of travel agrees with the sense of rotation.
     landing = towards_input + sense * beta
@@ -61,7 +62,8 @@ def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
     others = [c for c in drive.cables if c.input_name == cable.input_name and c.name != cable.name]
     outward = 1 if all(cable.step > c.step for c in others) else -1
     return Winding(
-        input_x_mm=cable.input_side * length,
+        input_x_mm=cable.input_side * drive.input_x_mm,
+        input_y_mm=drive.input_y_mm,
         guide_sense=sense,
         guide_landing_rad=landing % tau,
         guide_wrap_rad=wrap,
@@ -161,12 +163,12 @@ def cable_path(
     a_contact = w.input_contact_rad
     a_end = a_contact + away * wound
     z_end = z_contact + w.outward * lead * wound / tau
-    helix = Helix((w.input_x_mm, 0.0), r_m, a_end, a_contact, z_end, z_contact)
+    helix = Helix((w.input_x_mm, w.input_y_mm), r_m, a_end, a_contact, z_end, z_contact)
 
     pieces: list[tuple[str, Piece]] = []
     # Inward bend and chord, in the plane of the helix's end tangent and the radius there.
     radial = np.array([cos(a_end), sin(a_end), 0.0])
-    start = np.array([w.input_x_mm + r_m * radial[0], r_m * radial[1], z_end])
+    start = np.array([w.input_x_mm + r_m * radial[0], w.input_y_mm + r_m * radial[1], z_end])
     back = -helix.tangent(0.0)
     stop = stop_geometry(drive, cable)
     rho = stop.bend_radius_mm

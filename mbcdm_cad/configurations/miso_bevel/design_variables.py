@@ -43,6 +43,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
     (
         *SHARED,
         field("transmission.centre_distance_mm", "centre_distance_mm"),
+        field("transmission.input_setback_mm", "input_setback_mm"),
         radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm"))._replace(shown=_all_radii),
         radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=_radii_explicit),
         radii("transmission.guide_radii_mm", ("guide_radius_mm",))._replace(applies=_radii_explicit),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import asin, cos
 
 from mbcdm_cad.design.bought import Bearing, Material, TensionerSpec
 from mbcdm_cad.design.drive import CableRun, Drive, Sigmas
@@ -109,6 +110,7 @@ class BevelDrive(Drive):
     sigmas: BevelSigmas
     input_sides: tuple[int, ...]
     centre_distance_mm: float
+    input_setback_mm: float  # input axes at y = -this, behind the guide's axis
     radii_explicit: bool
     clearances: Clearances
     bearings: Bearings
@@ -117,6 +119,24 @@ class BevelDrive(Drive):
     guide: GuideSpec
     input_pulleys: InputPulleySpec
     support: SupportSpec
+
+    @property
+    def input_turn_rad(self) -> float:
+        """How far the line from the guide's axis to an input's is turned out of the X axis, away from the drum.
+
+        asin(setback / L). Raises ValueError for a setback over L.
+        """
+        return asin(self.input_setback_mm / self.centre_distance_mm)
+
+    @property
+    def input_x_mm(self) -> float:
+        """Distance of an input's axis from the plane x = 0, sqrt(L^2 - setback^2)."""
+        return self.centre_distance_mm * cos(self.input_turn_rad)
+
+    @property
+    def input_y_mm(self) -> float:
+        """y of both inputs' axes."""
+        return 0.0 - self.input_setback_mm
 
     @property
     def collar_seat_mm(self) -> tuple[float, float]:

@@ -61,7 +61,8 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
     journal_bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
     return InputPulleyDims(
         name=name,
-        x=low.input_side * drive.centre_distance_mm,
+        x=low.input_side * drive.input_x_mm,
+        y=drive.input_y_mm,
         journal_bottom_z=journal_bottom,
         lower_journal_radius=bearings.input_lower.bore_mm / 2,
         lower_neck_bottom_z=levels.bearing_shelf_top_z,

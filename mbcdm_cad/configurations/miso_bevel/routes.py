@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import cos, sin
 
 import numpy as np
 
@@ -35,7 +36,7 @@ class BevelGeometry:
     """Spans and guide wraps from radii and centre distance.
 
     ``input_side`` (n_inputs,) is -1 for an input at x = -L, +1 at +L; ``drum_side`` (n_cables,) the side to which a
-    cable runs on the drum; ``lead_m`` that of the helix on the inputs.
+    cable runs on the drum; ``setback_m`` how far the inputs' axes stand at -y; ``lead_m`` the lead of the helix there.
     """
 
     cable_names: tuple[str, ...]
@@ -43,6 +44,8 @@ class BevelGeometry:
     input_of: tuple[int, ...]
     input_side: tuple[int, ...]
     drum_side: tuple[int, ...]
+    # Input axes behind the guide's: the line of centres is turned out of the X axis by asin(setback / L).
+    setback_m: float = 0.0
     # Designs that differ in it alone have the same spans and wraps.
     lead_m: float = field(default=0.0, compare=False)
     per_cable: tuple[str, ...] = (INPUT_RADIUS, GUIDE_RADIUS, DRUM_RADIUS)
@@ -61,6 +64,11 @@ class BevelGeometry:
         side = [self.input_side[i] for i in self.input_of]
         return np.where(np.array(side) * np.array(self.drum_side) > 0, np.pi, 0.0)
 
+    def _turn_rad(self, distance_m: Floats) -> Floats:
+        """By how much the line of centres is turned out of the X axis, away from the drum; NaN where it cannot be."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.arcsin(self.setback_m / distance_m))
+
     @property
     def passed_radii(self) -> dict[str, str]:
         """The guide alone is passed."""
@@ -71,10 +79,13 @@ class BevelGeometry:
         return tangent_length_m(parameters[DISTANCE], parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS])
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
-        """Wrap on the guide: beta, and half a turn more the long way round."""
+        """Wrap on the guide: beta, and half a turn more the long way round; a setback adds to the short, takes from the
+        long way."""
         reach = (parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS]) / parameters[DISTANCE]
         with np.errstate(invalid="ignore"):
-            return (np.asarray(np.arcsin(reach) + self._long_way.reshape(-1, *(1,) * (reach.ndim - 1))),)
+            long_way = self._long_way.reshape(-1, *(1,) * (reach.ndim - 1))
+            turn = np.where(long_way > 0.0, -1.0, 1.0) * self._turn_rad(parameters[DISTANCE])
+            return (np.asarray(np.arcsin(reach) + long_way + turn),)
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """The pulleys overlap."""
@@ -97,10 +108,16 @@ class BevelGeometry:
             Body(GUIDE, "passed", (0.0, 0.0, 0.0), _Z, _X, -float(np.mean(drum / parameters[GUIDE_RADIUS]))),
         ]
         turns = drum / parameters[INPUT_RADIUS]
+        across = distance * float(np.cos(self._turn_rad(parameters[DISTANCE])))
         for i, (name, side) in enumerate(zip(self.input_names, self.input_side, strict=True)):
             own = [float(turns[j]) for j, of in enumerate(self.input_of) if of == i]
             body = Body(
-                input_body(name), "input", (side * distance, 0.0, 0.0), _Z, _X, sum(own) / len(own) if own else 1.0
+                input_body(name),
+                "input",
+                (side * across, 0.0 - self.setback_m, 0.0),
+                _Z,
+                _X,
+                sum(own) / len(own) if own else 1.0,
             )
             found.append(body)
         return tuple(found)
@@ -110,6 +127,10 @@ class BevelGeometry:
         r_i, r_g, r_o = (float(parameters[key][j]) for key in (INPUT_RADIUS, GUIDE_RADIUS, DRUM_RADIUS))
         sine = (r_g + r_i) / float(parameters[DISTANCE])
         cosine = float(np.sqrt(max(1.0 - sine**2, 0.0)))
+        # The span seen along Z, before and after the line of centres is turned.
+        plain = (-side * cosine, -side * towards * sine)
+        turn = -side * float(self._turn_rad(parameters[DISTANCE]))
+        along = (plain[0] * cos(turn) - plain[1] * sin(turn), plain[0] * sin(turn) + plain[1] * cos(turn), 0.0)
         name = self.input_names[self.input_of[j]]
         # A crossed span turns the sense round; the guide turns against the drum.
         return CableRoute(
@@ -119,7 +140,7 @@ class BevelGeometry:
             (
                 Anchor(input_body(name)),
                 Wrap(input_body(name), r_i, np.inf, r_o, towards, lead_m=self.lead_m),
-                Span(span_m, (-side * cosine, -side * towards * sine, 0.0)),
+                Span(span_m, along),
                 Wrap(GUIDE, r_g, wrap_rad, r_o, -towards, passed=True),
                 Span(0.0, (float(towards), 0.0, 0.0)),
                 Wrap(DRUM, r_o, np.inf, r_g, towards),
@@ -140,6 +161,7 @@ def routed(drive: BevelDrive) -> RoutedDrive:
         input_of=tuple(drive.input_names.index(run.input_name) for run in drive.cables),
         input_side=tuple(drive.input_sides),
         drum_side=tuple(run.drum_side for run in drive.cables),
+        setback_m=drive.input_setback_mm * _MM,
         lead_m=drive.helix_lead_mm * _MM,
     )
     parameters = {

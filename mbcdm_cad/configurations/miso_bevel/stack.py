@@ -121,7 +121,7 @@ def stack(drive: BevelDrive) -> Stack:
         max(c.input_radius_mm for c in drive.cables) + flank,
         collar_sweep_mm(drive, *drive.collar_seat_mm),
     )
-    side_inner = drive.centre_distance_mm + widest + drive.clearances.running_mm
+    side_inner = drive.input_x_mm + widest + drive.clearances.running_mm
     return Stack(
         motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
         gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,

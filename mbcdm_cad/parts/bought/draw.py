@@ -11,7 +11,7 @@ from math import cos, pi, sin
 import cadquery as cq
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, Motor, Screw
-from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS, first_screw_rad
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
 
 _EDGE = 0.3
@@ -50,8 +50,9 @@ def create_motor(motor: Motor) -> cq.Solid:
     )
 
 
-def _circle(count: int, radius: float) -> list[tuple[float, float]]:
-    return [(radius * cos(2 * pi * k / count), radius * sin(2 * pi * k / count)) for k in range(count)]
+def _circle(count: int, radius: float, first_rad: float = 0.0) -> list[tuple[float, float]]:
+    angles = [first_rad + 2 * pi * k / count for k in range(count)]
+    return [(radius * cos(a), radius * sin(a)) for a in angles]
 
 
 def create_gearhead(gearhead: Gearhead, screw: Screw, hole_depth: float) -> cq.Solid:
@@ -73,7 +74,7 @@ def create_gearhead(gearhead: Gearhead, screw: Screw, hole_depth: float) -> cq.S
     )
     holes = [
         cylinder_z(screw.thread_mm / 2, x, y, -hole_depth, 1.0)
-        for x, y in _circle(gearhead.screw_count, gearhead.bolt_circle_mm / 2)
+        for x, y in _circle(gearhead.screw_count, gearhead.bolt_circle_mm / 2, first_screw_rad(gearhead.screw_count))
     ]
     return cut(body, holes, "gearhead")
 

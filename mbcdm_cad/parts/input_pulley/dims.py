@@ -85,3 +85,4 @@ class InputPulleyDims:
     slit_width: float
     slit_top_z: float
     slots: tuple[StopSlot, ...]
+    y: float = 0.0

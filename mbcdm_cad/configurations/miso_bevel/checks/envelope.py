@@ -44,11 +44,21 @@ def _rim_points(d: DrumDims) -> np.ndarray:
 def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
-    d, f, pitch = lay.drum, lay.frame, drive.centre_distance_mm
+    d, f, pitch = lay.drum, lay.frame, drive.input_x_mm
     points = [_rim_points(d)]
     # Cable on the largest step of an input pulley: it may stand out beyond frame and drum on both sides.
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
-    ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, on_input, -on_input]
+    body = max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
+    ys = [
+        v.back_y,
+        drive.input_y_mm - body,
+        drive.input_y_mm + body,
+        v.hub_face_y,
+        d.lands[-1].y_end,
+        d.web_end_y + 0.5,
+        drive.input_y_mm + on_input,
+        drive.input_y_mm - on_input,
+    ]
     for t in d.tensioners:
         for _, outline, _, high in bodies_of(s, t, moved=False):
             points.append(outline)
@@ -58,7 +68,7 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
         v.side_outer_x,
         f.ear_reach,
         drive.drum_encoder.diameter_mm / 2,
-        pitch + max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2,
+        pitch + body,
         pitch + on_input,
     )
     outermost = s.steps[-1].drum_radius_mm + s.flank_mm

@@ -14,7 +14,8 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_L
 
 # A screw's head may bear on the pocket's rounded corner by its own broken edge (ISO 4762: under-head edge).
 HEAD_EDGE_MM = 0.02
-# The parts are drilled for this many screws, one on each side.
+# Gearheads are held by two to four screws; encoders by two, one on each side.
+GEARHEAD_SCREWS = (2, 3, 4)
 SCREWS_DRAWN = 2
 # Height of a mounting screw's head (M3, ISO 4762).
 MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
@@ -51,14 +52,18 @@ def dowel_engagement(s: BevelUnderTest) -> Comparison:
 
 
 def screw_counts(s: BevelUnderTest) -> Comparison:
-    """Gearhead and encoders are held by the two screws that the frame is drilled for."""
+    """Gearhead and encoders are held by as many screws as frame and plate can be drilled for."""
     drive = s.drive
     return worst(
-        at_most(f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws")
-        for name, item in (
-            ("gearhead", drive.gearhead),
-            ("encoder", drive.encoder),
-            ("drum encoder", drive.drum_encoder),
+        (
+            at_least("screws of the gearhead", drive.gearhead.screw_count, min(GEARHEAD_SCREWS), "screws"),
+            at_most("screws of the gearhead", drive.gearhead.screw_count, max(GEARHEAD_SCREWS), "screws"),
+            *(
+                at_most(
+                    f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws"
+                )
+                for name, item in (("encoder", drive.encoder), ("drum encoder", drive.drum_encoder))
+            ),
         )
     )
 
@@ -75,10 +80,17 @@ def head_seats(s: BevelUnderTest) -> Comparison:
     """Heads of the gearhead's screws stand on flat floor, not on the pocket's rounded corner."""
     v, f = s.levels, s.layout.frame
     head = s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
-    edge = s.drive.centre_distance_mm + f.gear_bolt_circle + head
+    edge = max(x for x, _ in f.gear_screws) + head
     radius = min(f.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
     gap = corner_gap(edge, v.motor_shelf_top_z, v.side_inner_x, v.motor_shelf_top_z, radius)
-    gap = min(gap, v.side_inner_x - edge)
+    inner = min(abs(x) for x, _ in f.gear_screws) - head
+    gap = min(
+        gap,
+        v.side_inner_x - edge,
+        corner_gap(-inner, v.motor_shelf_top_z, -f.web_half_width, v.motor_shelf_top_z, radius),
+        inner - f.web_half_width,
+        min(y for _, y in f.gear_screws) - head - v.pocket_floor_y,
+    )
     return at_least("gearhead screw's head from the pocket's corner", gap, -HEAD_EDGE_MM, "mm")
 
 
@@ -94,7 +106,7 @@ def pulley_corner(s: BevelUnderTest) -> Comparison:
             (high.input_radius_mm + s.flank_mm, p.wall_z),
         )
         gap = min(
-            corner_gap(s.drive.centre_distance_mm + r, z, v.side_inner_x, v.bearing_shelf_top_z, f.corner_radius)
+            corner_gap(s.drive.input_x_mm + r, z, v.side_inner_x, v.bearing_shelf_top_z, f.corner_radius)
             for r, z in edges
         )
         what = f"{p.name} input pulley from the upper pocket's corner"
@@ -106,7 +118,12 @@ def pocket_depth(s: BevelUnderTest) -> Comparison:
     """Pulleys and their cables turn clear of the back plate."""
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
     back = s.layout.frame.upper_floor_y
-    return at_least("input pulleys, cables on, from the back plate", -back - reach, s.drive.clearances.running_mm, "mm")
+    return at_least(
+        "input pulleys, cables on, from the back plate",
+        s.drive.input_y_mm - back - reach,
+        s.drive.clearances.running_mm,
+        "mm",
+    )
 
 
 def mounts(s: BevelUnderTest) -> Comparison:
@@ -133,10 +150,12 @@ def drives_apart(s: BevelUnderTest) -> Comparison:
     body = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
     centre = max(f.boss_radius, f.ear_reach, drive.drum_encoder.diameter_mm / 2)
     gap = drive.clearances.running_mm
+    behind = drive.input_y_mm - body - s.levels.back_y
     return worst(
         (
-            at_least("gearheads and motors from column and boss", drive.centre_distance_mm - body - centre, gap, "mm"),
-            at_least("encoders from each other", 2 * drive.centre_distance_mm - drive.encoder.diameter_mm, gap, "mm"),
+            at_least("gearheads and motors from what the frame is bolted to", behind, gap, "mm"),
+            at_least("gearheads and motors from column and boss", drive.input_x_mm - body - centre, gap, "mm"),
+            at_least("encoders from each other", 2 * drive.input_x_mm - drive.encoder.diameter_mm, gap, "mm"),
         )
     )
 
@@ -148,7 +167,7 @@ def screwdriver(s: BevelUnderTest) -> Comparison:
     return worst(
         at_least(
             "plate screw's socket from the encoder above the plate",
-            hypot(x - centre, y) - reach,
+            hypot(x - centre, y - p.input_y) - reach,
             drive.clearances.running_mm,
             "mm",
         )
@@ -180,10 +199,10 @@ CHECKS = (
     ),
     Check(
         "screw_counts",
-        "Gearhead and encoders have two screws",
-        "the frame is drilled for two",
+        "Gearhead has two to four screws, encoders two",
+        "what frame and plate are drilled for",
         screw_counts,
-        advice="choose a gearhead and encoders held by two screws",
+        advice="choose a gearhead of two to four screws and encoders of two",
     ),
     Check(
         "key_access",
@@ -225,7 +244,7 @@ CHECKS = (
         "Drives clear column and each other",
         "clearances.running_mm",
         drives_apart,
-        adjust=(up("transmission.centre_distance_mm"),),
+        adjust=(up("transmission.centre_distance_mm"), down("support.back_y_mm")),
     ),
     Check(
         "screwdriver",

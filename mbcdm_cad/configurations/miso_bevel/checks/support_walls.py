@@ -75,13 +75,16 @@ def front_wall(s: BevelUnderTest) -> Comparison:
     lay, front = s.layout, s.levels.front_y
     head = s.drive.screw(s.drive.encoder.screw).head_diameter_mm / 2 + 0.1
     limit = s.drive.support.material.min_wall_mm
+    forward = max(y for _, y in lay.frame.gear_screws) - s.drive.input_y_mm
     return worst(
-        at_least(f"front wall beside the {name}", front - radius, limit, "mm")
+        at_least(f"front wall beside the {name}", front - s.drive.input_y_mm - radius, limit, "mm")
         for name, radius in (
             ("lower bearings", lay.frame.seat_radius),
             ("upper bearings", lay.top_plate.seat_radius),
             ("gearheads' pilots", lay.frame.pilot_radius),
             ("encoders' screw heads", head),
+            ("gearheads' screws", forward + lay.frame.gear_screw_clearance),
+            ("gearheads' key holes", forward + lay.frame.key_hole_radius),
         )
     )
 
@@ -104,16 +107,15 @@ def hole_webs(s: BevelUnderTest) -> Comparison:
     plate: list[tuple[str, float, float, float, float, float]] = [("axle", 0.0, 0.0, p.axle_radius, low, high)]
     shelf: list[tuple[str, float, float, float, float, float]] = []
     for x in p.input_x:
-        plate.append(("upper bearing", x, 0.0, p.seat_radius, low, low + p.seat_depth))
-        plate.append(("upper shoulder", x, 0.0, p.shoulder_radius, low, high))
-        shelf.append(("pilot", x, 0.0, f.pilot_radius, *through_shelf))
+        plate.append(("upper bearing", x, p.input_y, p.seat_radius, low, low + p.seat_depth))
+        plate.append(("upper shoulder", x, p.input_y, p.shoulder_radius, low, high))
+        shelf.append(("pilot", x, p.input_y, f.pilot_radius, *through_shelf))
         for sign in (-1, 1):
             u = x + sign * p.encoder_circle_radius
-            plate.append(("encoder screw", u, 0.0, p.encoder_screw_clearance, low, high))
+            plate.append(("encoder screw", u, p.input_y, p.encoder_screw_clearance, low, high))
             sunk = low + head.head_height_mm + 0.2
-            plate.append(("encoder screw head", u, 0.0, head.head_diameter_mm / 2 + 0.1, low, sunk))
-            u = x + sign * f.gear_bolt_circle
-            shelf.append(("gearhead screw", u, 0.0, f.gear_screw_clearance, *through_shelf))
+            plate.append(("encoder screw head", u, p.input_y, head.head_diameter_mm / 2 + 0.1, low, sunk))
+    shelf += [("gearhead screw", x, y, f.gear_screw_clearance, *through_shelf) for x, y in f.gear_screws]
     for x, y in p.screws:
         plate.append(("plate screw head", x, y, p.screw_head_radius, high - p.screw_head_depth, high))
         plate.append(("plate screw", x, y, p.screw_clearance, low, high))

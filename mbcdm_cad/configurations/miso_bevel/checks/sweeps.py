@@ -36,10 +36,11 @@ class Ring(NamedTuple):
 
 
 class Upright(NamedTuple):
-    """A body round an axis parallel to Z at x = +-``x``; ``moves``: it turns in bearings of its own."""
+    """A body round an axis parallel to Z at x = +-``x``, ``y``; ``moves``: it turns in bearings of its own."""
 
     name: str
     x: float
+    y: float
     radius: float
     low: float
     high: float
@@ -73,14 +74,15 @@ def drum_zones(s: BevelUnderTest) -> list[Ring]:
 def uprights(s: BevelUnderTest) -> list[Upright]:
     """Drives and pulleys, one of each pair, since both stand alike."""
     drive, v, lay = s.drive, s.levels, s.layout
-    x = drive.centre_distance_mm
+    x, y = drive.input_x_mm, drive.input_y_mm
     bodies = [
-        Upright("gearheads", x, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.motor_shelf_bottom_z),
-        Upright("motors", x, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.gearhead_bottom_z),
-        Upright("encoders", x, drive.encoder.diameter_mm / 2, v.top_plate_top_z, v.encoder_top_z),
+        Upright("gearheads", x, y, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.motor_shelf_bottom_z),
+        Upright("motors", x, y, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.gearhead_bottom_z),
+        Upright("encoders", x, y, drive.encoder.diameter_mm / 2, v.top_plate_top_z, v.encoder_top_z),
         Upright(
             "clamp collars",
             x,
+            y,
             collar_sweep_mm(s.drive, *s.drive.collar_seat_mm),
             lay.collar.bottom_z,
             lay.collar.top_z,
@@ -89,17 +91,17 @@ def uprights(s: BevelUnderTest) -> list[Upright]:
     ]
     for p in lay.inputs:
         radius = max(c.input_radius_mm for c in s.steps if c.input_name == p.name) + s.flank_mm
-        bodies.append(Upright(f"{p.name} input pulley", x, radius, p.land_bottom_z, p.land_top_z, True))
+        bodies.append(Upright(f"{p.name} input pulley", x, y, radius, p.land_bottom_z, p.land_top_z, True))
     return bodies
 
 
 def ring_gap(ring: Ring, body: Upright, want: float) -> float:
     """Gap of a swept ring of the drum to an upright body: along y, else radially where the ring could reach it."""
-    along_y = ring.y - body.radius
+    along_y = ring.y - body.y - body.radius
     if along_y >= want:
         return along_y
     # The slice of the body that reaches the ring's y: |x| within its chord there.
-    chord = sqrt(max(body.radius**2 - max(ring.y - want, 0.0) ** 2, 0.0))
+    chord = sqrt(max(body.radius**2 - max(ring.y - body.y - want, 0.0) ** 2, 0.0))
     far_x, near_x = body.x + chord, max(body.x - chord, 0.0)
     near_z = 0.0 if body.low <= 0.0 <= body.high else min(abs(body.low), abs(body.high))
     furthest = hypot(far_x, max(abs(body.low), abs(body.high)))
@@ -133,14 +135,14 @@ def frame_front(s: BevelUnderTest) -> Comparison:
 def collar_space(s: BevelUnderTest) -> Comparison:
     """Clamp collars turn clear of web, side walls, back plate and the mounting screws' heads."""
     v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
-    reach, x = _collar_reach_mm(s), s.drive.centre_distance_mm
+    reach, x = _collar_reach_mm(s), s.drive.input_x_mm
     return worst(
         (
             at_least("clamp collar from the web between the drives", x - reach - f.web_half_width, running, "mm"),
             at_least("clamp collar from the side wall", v.side_inner_x - x - reach, running, "mm"),
             at_least(
                 "clamp collar from back plate and mounting screws' heads",
-                -max(v.pocket_floor_y, f.mount_seat_y + MOUNT_SCREW_HEAD_HEIGHT_MM) - reach,
+                -max(v.pocket_floor_y, f.mount_seat_y + MOUNT_SCREW_HEAD_HEIGHT_MM) + s.drive.input_y_mm - reach,
                 running,
                 "mm",
             ),
@@ -205,6 +207,7 @@ CHECKS = (
         "clearances.running_mm; 0.1 mm between turning bodies: estimate",
         drum_sweep,
         adjust=(
+            up("transmission.input_setback_mm"),
             down("transmission.centre_distance_mm"),
             up("transmission.centre_distance_mm"),
             up("all radii of transmission"),

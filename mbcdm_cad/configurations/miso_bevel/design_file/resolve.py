@@ -21,6 +21,7 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         cables=_cables(design),
         input_sides=tuple(_SIGN[item.side] for item in design.inputs),
         centre_distance_mm=design.transmission.centre_distance_mm,
+        input_setback_mm=design.transmission.input_setback_mm,
         radii_explicit=design.transmission.ratios is None,
         clearances=copied(d.Clearances, design.clearances),
         bearings=d.Bearings(

@@ -8,6 +8,9 @@ from itertools import pairwise
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.design.rules import Broken, NamedEntry, unique
 
+# Beyond half of L the inputs would stand behind the guide rather than beside it.
+MOST_SETBACK = 0.5
+
 
 def broken_rules(design: BevelDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
@@ -52,6 +55,14 @@ def _transmission(design: BevelDesign) -> Iterator[Broken]:
             "",
             "ratios or explicit radii",
             f"add {absent}" + ("" if given else ", or add ratios"),
+        )
+    if block.input_setback_mm > MOST_SETBACK * block.centre_distance_mm:
+        yield Broken(
+            ("transmission", "input_setback_mm"),
+            "input axes too far behind the guide's",
+            f"{block.input_setback_mm:g} mm",
+            f"up to {MOST_SETBACK:g} of centre_distance_mm, {MOST_SETBACK * block.centre_distance_mm:g} mm",
+            "a setback of a few mm clears drives and collars of the drum's terminals",
         )
     for name, radii in {"drum_radii_mm": block.drum_radii_mm, "guide_radii_mm": block.guide_radii_mm}.items():
         for k, (inner, outer) in enumerate(pairwise(radii or ())):

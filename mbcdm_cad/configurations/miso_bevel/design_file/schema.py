@@ -56,6 +56,13 @@ class Transmission(Block):
         ge=5.0,
         le=500.0,
     )
+    input_setback_mm: Number = quantity(
+        "input axes behind the guide's axis, away from the drum, so that drives and collars clear the drum's terminals",
+        unit="mm",
+        default=0.0,
+        ge=0.0,
+        le=100.0,
+    )
     drum_radii_mm: tuple[Length, ...] = quantity(
         "drum pitch radii r_o of steps 1 to 4",
         unit="mm",

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.drum import STOP_PIN_MM, drum_shaft, stop_pin_z
 from mbcdm_cad.configurations.miso_bevel.stack import Stack
+from mbcdm_cad.parts.bought.dims import screw_places
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
@@ -65,6 +66,7 @@ class FrameDims:
     encoder_screw_depth: float
     encoder_screw_count: int
     input_x: tuple[float, ...]
+    input_y: float
     pilot_radius: float
     gear_screw_clearance: float
     gear_bolt_circle: float
@@ -90,6 +92,12 @@ class FrameDims:
     mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
 
     @property
+    def gear_screws(self) -> tuple[tuple[float, float], ...]:
+        """(x, y) of the screws of all gearheads."""
+        places = screw_places(self.gear_screw_count, self.gear_bolt_circle)
+        return tuple((x + dx, self.input_y + dy) for x in self.input_x for dx, dy in places)
+
+    @property
     def column_start_z(self) -> float:
         """Where the column starts behind the boss: the encoder's pocket leaves less than a wall beside it below."""
         beside = self.boss_radius - COLUMN_WALL_MM
@@ -103,6 +111,7 @@ class TopPlateDims:
     levels: Stack
     corner_radius: float
     input_x: tuple[float, ...]
+    input_y: float
     seat_radius: float
     seat_depth: float
     shoulder_radius: float
@@ -178,7 +187,8 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         encoder_screw_circle=encoder.bolt_circle_mm / 2,
         encoder_screw_depth=encoder_screw.length_mm - grip + 0.5,
         encoder_screw_count=encoder.screw_count,
-        input_x=tuple(side * drive.centre_distance_mm for side in drive.input_sides),
+        input_x=tuple(side * drive.input_x_mm for side in drive.input_sides),
+        input_y=drive.input_y_mm,
         pilot_radius=gear.pilot_diameter_mm / 2,
         gear_screw_clearance=gear_screw.clearance_mm / 2,
         gear_bolt_circle=gear.bolt_circle_mm / 2,
@@ -220,7 +230,8 @@ def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
     return TopPlateDims(
         levels=levels,
         corner_radius=pocket_corner_radius_mm(drive, levels),
-        input_x=tuple(side * drive.centre_distance_mm for side in drive.input_sides),
+        input_x=tuple(side * drive.input_x_mm for side in drive.input_sides),
+        input_y=drive.input_y_mm,
         seat_radius=upper.outer_diameter_mm / 2,
         seat_depth=upper.width_mm,
         shoulder_radius=upper.outer_shoulder_mm / 2,

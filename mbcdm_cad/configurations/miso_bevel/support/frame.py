@@ -5,6 +5,7 @@ from __future__ import annotations
 import cadquery as cq
 
 from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims
+from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
 
 
@@ -64,15 +65,14 @@ def _drive_holes(d: FrameDims) -> list[cq.Shape]:
     tools: list[cq.Shape] = []
     below, above = v.motor_shelf_bottom_z - 1.0, v.motor_shelf_top_z + 1.0
     for x in d.input_x:
-        tools.append(cylinder_z(d.pilot_radius, x, 0, below, above))
-        tools.append(cylinder_z(d.seat_shoulder_radius, x, 0, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
-        tools.append(cylinder_z(d.seat_radius, x, 0, v.bearing_shelf_top_z - d.seat_depth, v.bearing_shelf_top_z + 1.0))
-        for sign in (-1, 1):
-            hole_x = x + sign * d.gear_bolt_circle
-            tools.append(cylinder_z(d.gear_screw_clearance, hole_x, 0, below, above))
-            tools.append(
-                cylinder_z(d.key_hole_radius, hole_x, 0, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z)
-            )
+        y = d.input_y
+        tools.append(cylinder_z(d.pilot_radius, x, y, below, above))
+        tools.append(cylinder_z(d.seat_shoulder_radius, x, y, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
+        tools.append(cylinder_z(d.seat_radius, x, y, v.bearing_shelf_top_z - d.seat_depth, v.bearing_shelf_top_z + 1.0))
+        for dx, dy in screw_places(d.gear_screw_count, d.gear_bolt_circle):
+            at = (x + dx, y + dy)
+            tools.append(cylinder_z(d.gear_screw_clearance, *at, below, above))
+            tools.append(cylinder_z(d.key_hole_radius, *at, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
     return tools
 
 

@@ -26,7 +26,6 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
     """Holes along Z."""
     v = d.levels
     shelf, motor, top = v.bearing_shelf_top_z, v.motor_shelf_top_z, v.top_plate_bottom_z
-    beside = tuple(x + s * d.gear_bolt_circle for x in d.input_x for s in (-1, 1))
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
     return (
         Holes(
@@ -42,7 +41,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "B",
             2 * d.seat_shoulder_radius,
             THROUGH,
-            tuple((x, 0.0, shelf) for x in d.input_x),
+            tuple((x, d.input_y, shelf) for x in d.input_x),
             "bearing shelf",
             "bearing seats",
             counterbore=seat,
@@ -51,7 +50,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "C",
             2 * d.key_hole_radius,
             THROUGH,
-            tuple((x, 0.0, shelf) for x in beside),
+            tuple((x, y, shelf) for x, y in d.gear_screws),
             "bearing shelf",
             "key for gearhead screws",
         ),
@@ -77,7 +76,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "F",
             2 * d.pilot_radius,
             THROUGH,
-            tuple((x, 0.0, motor) for x in d.input_x),
+            tuple((x, d.input_y, motor) for x in d.input_x),
             "motor shelf",
             "gearheads",
             fit=FITS["pilot"].code,
@@ -86,7 +85,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "G",
             2 * d.gear_screw_clearance,
             THROUGH,
-            tuple((x, 0.0, motor) for x in beside),
+            tuple((x, y, motor) for x, y in d.gear_screws),
             "motor shelf",
             "gearhead screws",
         ),

@@ -52,8 +52,8 @@ def seat_points_mm(layout: Layout) -> dict[str, tuple[float, float, float]]:
         "axle_upper": (0.0, 0.0, (v.top_plate_bottom_z + v.top_plate_top_z) / 2),
     }
     for pulley in layout.inputs:
-        points[f"{pulley.name}_lower"] = (pulley.x, 0.0, v.bearing_shelf_top_z - frame.seat_depth / 2)
-        points[f"{pulley.name}_upper"] = (pulley.x, 0.0, v.top_plate_bottom_z + plate.seat_depth / 2)
+        points[f"{pulley.name}_lower"] = (pulley.x, pulley.y, v.bearing_shelf_top_z - frame.seat_depth / 2)
+        points[f"{pulley.name}_upper"] = (pulley.x, pulley.y, v.top_plate_bottom_z + plate.seat_depth / 2)
     return points
 
 

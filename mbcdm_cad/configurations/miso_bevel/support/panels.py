@@ -101,11 +101,11 @@ def panels(layout: Layout) -> list[Wall]:
     bearing_t = v.bearing_shelf_top_z - v.bearing_shelf_bottom_z
     top_t = v.top_plate_top_z - v.top_plate_bottom_z
     back_t, upper_t = v.pocket_floor_y - v.back_y, f.upper_floor_y - v.back_y
-    pilot = Hole(at, 0.0, pi * f.pilot_radius**2 * motor_t)
+    pilot = Hole(at, f.input_y, pi * f.pilot_radius**2 * motor_t)
     depth = min(f.seat_depth, bearing_t)
-    seat = Hole(at, 0.0, pi * (f.seat_radius**2 * depth + f.seat_shoulder_radius**2 * (bearing_t - depth)))
+    seat = Hole(at, f.input_y, pi * (f.seat_radius**2 * depth + f.seat_shoulder_radius**2 * (bearing_t - depth)))
     depth = min(t.seat_depth, top_t)
-    upper_seat = Hole(at, 0.0, pi * (t.seat_radius**2 * depth + t.shoulder_radius**2 * (top_t - depth)))
+    upper_seat = Hole(at, f.input_y, pi * (t.seat_radius**2 * depth + t.shoulder_radius**2 * (top_t - depth)))
     deep, wide, narrow = (y_back, y_front), (0.0, x_wall), (0.0, x_rib)
     # Above the drum's bearings the boss is solid from the seat to the column's pocket.
     block_t = f.column_pocket_bottom_z - f.drum_seat_radius

@@ -97,7 +97,7 @@ def _half_load(layout: Layout, mesh: SupportMesh, loads: SeatLoads) -> Floats:
         force = 0.5 * (loads.at(f"{right}_{end}") + mirrored * loads.at(f"{left}_{end}"))
         nodes = mesh.near(panel, point, (reach, reach, 10.0))
         total[nodes, :3] += _statically(node[nodes], point, force, np.zeros(3))
-    at = np.array([max(f.input_x), 0.0, layout.levels.motor_shelf_bottom_z])
+    at = np.array([max(f.input_x), f.input_y, layout.levels.motor_shelf_bottom_z])
     reach = layout.drive.gearhead.diameter_mm / 2
     nodes = mesh.near("motor shelf", at, (reach, reach, 10.0))
     # N m to N mm.

@@ -16,12 +16,12 @@ def create_top_plate(dims: TopPlateDims, encoder_head_radius: float, encoder_hea
     body = cq.Workplane(obj=plate).edges("|Z").fillet(dims.corner_radius).val()
     tools: list[cq.Shape] = [cylinder_z(dims.axle_radius, 0, 0, low - 1.0, high + 1.0)]
     for x in dims.input_x:
-        tools.append(cylinder_z(dims.seat_radius, x, 0, low - 1.0, low + dims.seat_depth))
-        tools.append(cylinder_z(dims.shoulder_radius, x, 0, low, high + 1.0))
+        tools.append(cylinder_z(dims.seat_radius, x, dims.input_y, low - 1.0, low + dims.seat_depth))
+        tools.append(cylinder_z(dims.shoulder_radius, x, dims.input_y, low, high + 1.0))
         for sign in (-1, 1):
             hole_x = x + sign * dims.encoder_circle_radius
-            tools.append(cylinder_z(dims.encoder_screw_clearance, hole_x, 0, low - 1.0, high + 1.0))
-            tools.append(cylinder_z(encoder_head_radius, hole_x, 0, low - 1.0, low + encoder_head_depth))
+            tools.append(cylinder_z(dims.encoder_screw_clearance, hole_x, dims.input_y, low - 1.0, high + 1.0))
+            tools.append(cylinder_z(encoder_head_radius, hole_x, dims.input_y, low - 1.0, low + encoder_head_depth))
     for x, y in dims.screws:
         tools.append(cylinder_z(dims.screw_clearance, x, y, low - 1.0, high + 1.0))
         tools.append(cylinder_z(dims.screw_head_radius, x, y, high - dims.screw_head_depth, high + 1.0))

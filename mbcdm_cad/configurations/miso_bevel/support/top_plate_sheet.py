@@ -10,14 +10,14 @@ from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table
 
 def _holes(d: TopPlateDims, head_radius: float, head_depth: float) -> tuple[Holes, ...]:
     low, high = d.levels.top_plate_bottom_z, d.levels.top_plate_top_z
-    encoder = tuple((x + s * d.encoder_circle_radius, 0.0, low) for x in d.input_x for s in (-1, 1))
+    encoder = tuple((x + s * d.encoder_circle_radius, d.input_y, low) for x in d.input_x for s in (-1, 1))
     return (
         Holes("A", 2 * d.axle_radius, THROUGH, ((0.0, 0.0, high),), "top", "guide axle", fit=FITS["axle_bore"].code),
         Holes(
             "B",
             2 * d.shoulder_radius,
             THROUGH,
-            tuple((x, 0.0, low) for x in d.input_x),
+            tuple((x, d.input_y, low) for x in d.input_x),
             "below",
             "bearing seats",
             counterbore=(2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code),
