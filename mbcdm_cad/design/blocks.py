@@ -106,6 +106,13 @@ class Limits(Block):
         "smallest D/d on any pulley; the rope's own minimum is a warning", unit="-", ge=1.0, le=200.0
     )
     fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", unit="deg", gt=0.0, le=20.0)
+    fleet_angle_grooved_max_deg: Number = quantity(
+        "largest fleet angle on a grooved pulley; wire rope handbooks ask for 2, 4 at the very most",
+        unit="deg",
+        default=2.0,
+        gt=0.0,
+        le=20.0,
+    )
     tension_safety_factor: Number = quantity("breaking load over largest tension", unit="-", ge=1.0, le=100.0)
     preload_share_max: Number = quantity("preload over breaking load", unit="-", gt=0.0, le=1.0)
     frame_windup_max_mrad: Number = quantity(

@@ -67,6 +67,7 @@ COUPLED: dict[str, dict[Path, Any]] = {
         ("transmission", "guide_radii_mm"): [9.0, 9.6, 10.2, 10.8],
         ("transmission", "input_radii_mm"): [6.0, 6.4, 6.8, 7.21],
     },
+    "grooved input pulleys": {("input_pulleys", "surface"): "grooved"},
     "input axes set back": {("transmission", "input_setback_mm"): 0.1},
     "a modulus found on the built drive": {
         ("as_built",): [

@@ -72,9 +72,15 @@ class GuideSpec:
 
 @dataclass(frozen=True)
 class InputPulleySpec:
-    """Input pulleys, both alike but for their radii."""
+    """Input pulleys, both alike but for their radii. ``surface``: ``smooth`` or ``grooved``."""
 
     material: Material
+    surface: str
+
+    @property
+    def grooved(self) -> bool:
+        """Whether each cable winds into a helical groove."""
+        return self.surface == "grooved"
 
 
 @dataclass(frozen=True)
@@ -137,6 +143,12 @@ class BevelDrive(Drive):
     def input_y_mm(self) -> float:
         """y of both inputs' axes."""
         return 0.0 - self.input_setback_mm
+
+    @property
+    def fleet_angle_max_deg(self) -> float:
+        """Largest fleet angle that the input pulleys' surface allows."""
+        limits = self.limits
+        return limits.fleet_angle_grooved_max_deg if self.input_pulleys.grooved else limits.fleet_angle_max_deg
 
     @property
     def collar_seat_mm(self) -> tuple[float, float]:

@@ -162,7 +162,7 @@ def _fleet_limits(layout: Layout, run: BevelRun) -> Iterator[TravelLimit]:
     drive = layout.drive
     w = winding(drive, run)
     per_rad = abs(axial_walk_mm(drive, run, 1.0))
-    most = drive.limits.fleet_angle_max_deg
+    most = drive.fleet_angle_max_deg
     angle = min(tan(radians(most)) * w.free_span_mm / per_rad, pi)
     yield from (_limit(way * angle, f"fleet angle of {run.name} reaches {most:g} deg") for way in (1, -1))
 

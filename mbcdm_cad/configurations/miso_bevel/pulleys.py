@@ -11,16 +11,54 @@ inward round a radius and ends in a pocket that the stop cannot leave.
 from __future__ import annotations
 
 from itertools import pairwise
+from math import acos, radians, tau
 
-from mbcdm_cad.configurations.miso_bevel.cable_path import stop_geometry
-from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
+from mbcdm_cad.configurations.miso_bevel.cable_path import StopGeometry, stop_geometry, winding
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.stack import BAND_MARGIN_MM, END_PLAY_MM, Stack, band, outward_of
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
-from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, SLOT_PLAY_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import (
+    ENCODER_INSERTION_MM,
+    GROOVE_DEPTH,
+    GROOVE_LEAD,
+    GROOVE_RADIUS,
+    SLOT_PLAY_MM,
+    Groove,
+    InputPulleyDims,
+    StopSlot,
+)
 
 JOURNAL_SLIT_MM = 0.6
+
+
+def smallest_lead_mm(drive: BevelDrive) -> float:
+    """Least lead of the helix on the input pulleys: turns side by side, or grooves with crests between them."""
+    d = drive.cable.diameter_mm
+    return GROOVE_LEAD * GROOVE_RADIUS * d if drive.input_pulleys.grooved else d
+
+
+def _groove(drive: BevelDrive, cable: BevelRun, stop: StopGeometry, dead_end_z: float) -> Groove:
+    """From just past the winding's end in the stop's slot to where the span has risen out of the groove."""
+    d = drive.cable.diameter_mm
+    w = winding(drive, cable)
+    depth, r = GROOVE_DEPTH * d, cable.input_radius_mm
+    into_slot = d / 2 / r
+    # At this angle past its last contact the straight span has risen by the groove's depth.
+    out = acos(r / (r + depth))
+    wound = tau * drive.dead_turns + 2 * w.reduction * radians(drive.half_travel_deg) + out
+    per_rad = w.outward * drive.helix_lead_mm / tau
+    return Groove(
+        cable_name=cable.name,
+        root_radius=r - d / 2,
+        radius=GROOVE_RADIUS * d,
+        depth=depth,
+        start_angle_rad=stop.end_angle_rad + stop.away * into_slot,
+        end_angle_rad=stop.end_angle_rad - stop.away * wound,
+        start_z=dead_end_z + per_rad * into_slot,
+        end_z=dead_end_z - per_rad * wound,
+    )
 
 
 def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims:
@@ -51,6 +89,12 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
             stop_end=g.stop_end_mm,
         )
         for c, g, b in zip(cables, stops, (low_band, high_band), strict=True)
+    )
+
+    grooves = tuple(
+        _groove(drive, c, g, b.dead_end_mm)
+        for c, g, b in zip(cables, stops, (low_band, high_band), strict=True)
+        if drive.input_pulleys.grooved
     )
 
     def neck(shoulder_mm: float, bend_radius: float, stop_radius: float) -> float:
@@ -85,6 +129,7 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
         slit_width=JOURNAL_SLIT_MM,
         slit_top_z=journal_bottom + collar_width_mm(drive) + 1.0,
         slots=slots,
+        grooves=grooves,
     )
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, degrees, hypot, sqrt
+from math import acos, degrees, hypot, sqrt, tau
+
+from mbcdm_cad.routes.curves import Helix
 
 ENCODER_INSERTION_MM = 10.0
 # Play of a cable's stop in its pocket.
@@ -14,6 +16,12 @@ SLOT_PLAY_MM = 0.1
 STOP_CUTTER = 0.85
 # Where the slot leaves the land, the wedge outside it is cut back to this thickness.
 WEDGE_MM = 0.3
+
+# Helical grooves in rope diameters, and their least lead in groove radii: rope makers' tables for drums give radii of
+# 0.53 to 0.55 d, a depth of 0.374 d and leads of 2.065 to 2.18 radii.
+GROOVE_RADIUS = 0.53
+GROOVE_DEPTH = 0.374
+GROOVE_LEAD = 2.065
 
 # At 45 degrees, on every outer edge that is chamfered.
 CHAMFER_MM = 0.2
@@ -62,8 +70,47 @@ class StopSlot:
 
 
 @dataclass(frozen=True)
+class Groove:
+    """Helical groove for one cable, in the pulley's frame with the drum centred (angles rad, heights mm).
+
+    An arc of ``radius`` about a point of the helix at ``root_radius + radius`` from the axis, ``depth`` deep.
+    """
+
+    cable_name: str
+    root_radius: float
+    radius: float
+    depth: float
+    start_angle_rad: float
+    end_angle_rad: float
+    start_z: float
+    end_z: float
+
+    @property
+    def half_width(self) -> float:
+        """Half the width along the axis at the land's surface."""
+        return sqrt(max(2 * self.radius * self.depth - self.depth**2, 0.0))
+
+    @property
+    def lead(self) -> float:
+        """Advance along the axis a turn."""
+        return abs(self.end_z - self.start_z) * tau / abs(self.end_angle_rad - self.start_angle_rad)
+
+    def helix(self, radius_mm: float) -> Helix:
+        """The line at a radius that the groove follows."""
+        return Helix((0.0, 0.0), radius_mm, self.start_angle_rad, self.end_angle_rad, self.start_z, self.end_z)
+
+    @property
+    def right_handed(self) -> bool:
+        """Whether the helix rises as it turns anticlockwise."""
+        return (self.end_z - self.start_z) * (self.end_angle_rad - self.start_angle_rad) > 0.0
+
+
+@dataclass(frozen=True)
 class InputPulleyDims:
-    """One input pulley. Heights along Z from lower journal to encoder journal (mm)."""
+    """One input pulley. Heights along Z from lower journal to encoder journal (mm).
+
+    ``surface`` radii are those the cables lie on: of a smooth land, or of the root of a groove in it.
+    """
 
     name: str
     x: float
@@ -86,3 +133,18 @@ class InputPulleyDims:
     slit_top_z: float
     slots: tuple[StopSlot, ...]
     y: float = 0.0
+    grooves: tuple[Groove, ...] = ()
+
+    @property
+    def _groove_depth(self) -> float:
+        return max((groove.depth for groove in self.grooves), default=0.0)
+
+    @property
+    def lower_land_radius(self) -> float:
+        """Outside of the lower step: its surface, or the crests between its grooves."""
+        return self.lower_surface_radius + self._groove_depth
+
+    @property
+    def upper_land_radius(self) -> float:
+        """Outside of the upper step."""
+        return self.upper_surface_radius + self._groove_depth

@@ -1,4 +1,4 @@
-"""Input pulley: two smooth steps, journals for two bearings and the encoder, slit bore for the gearhead's shaft."""
+"""Input pulley: two steps, smooth or grooved, journals for bearings and encoder, slit bore for the gearhead's shaft."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ from math import cos, radians, sin, sqrt
 
 import cadquery as cq
 
-from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
-from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, turned
+from mbcdm_cad.parts.curve_edges import helix_edge
+from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, one_solid, turned
+
+# The tool of a groove reaches this share of its depth beyond the land, so that none of its edges lies on the surface.
+_BEYOND_DEPTHS = 0.13
 
 
 def _profile(d: InputPulleyDims) -> list[Point2]:
@@ -19,10 +23,10 @@ def _profile(d: InputPulleyDims) -> list[Point2]:
         (d.lower_journal_radius, d.lower_neck_bottom_z),
         (d.lower_neck_radius, d.lower_neck_bottom_z),
         (d.lower_neck_radius, d.land_bottom_z),
-        (d.lower_surface_radius, d.land_bottom_z),
-        (d.lower_surface_radius, d.wall_z),
-        (d.upper_surface_radius, d.wall_z),
-        (d.upper_surface_radius, d.land_top_z),
+        (d.lower_land_radius, d.land_bottom_z),
+        (d.lower_land_radius, d.wall_z),
+        (d.upper_land_radius, d.wall_z),
+        (d.upper_land_radius, d.land_top_z),
         (d.upper_neck_radius, d.land_top_z),
         (d.upper_neck_radius, d.upper_neck_top_z),
         (d.upper_journal_radius, d.upper_neck_top_z),
@@ -30,6 +34,27 @@ def _profile(d: InputPulleyDims) -> list[Point2]:
         (d.upper_journal_radius - c, d.journal_top_z),
         (0.0, d.journal_top_z),
     ]
+
+
+def _groove_tool(groove: Groove) -> cq.Solid:
+    """Swept along the groove's helix: the arc of its floor, carried on past the land's surface, and its chord."""
+    reach = groove.depth + _BEYOND_DEPTHS * groove.depth
+    half = sqrt(2 * groove.radius * reach - reach**2)
+    a = groove.start_angle_rad
+
+    def at(height: float, along: float) -> cq.Vector:
+        radius = groove.root_radius + height
+        return cq.Vector(radius * cos(a), radius * sin(a), groove.start_z + along)
+
+    profile = cq.Wire.assembleEdges(
+        [
+            cq.Edge.makeThreePointArc(at(reach, -half), at(0.0, 0.0), at(reach, half)),
+            cq.Edge.makeLine(at(reach, half), at(reach, -half)),
+        ]
+    )
+    middle = groove.root_radius + groove.radius
+    path = cq.Wire.assembleEdges([helix_edge(groove.helix(middle))])
+    return one_solid(cq.Solid.sweep(profile, [], path, True, True, None, "right"), f"groove of {groove.cable_name}")
 
 
 def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
@@ -94,11 +119,13 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
 def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
     """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred."""
     body = turned(_profile(dims), f"input pulley {dims.name}")
+    if dims.grooves:
+        body = cut(body, [_groove_tool(groove) for groove in dims.grooves], f"input pulley {dims.name}")
     tools: list[cq.Shape] = [cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, dims.bore_top_z)]
     half = dims.slit_width / 2
     reach = dims.lower_journal_radius + 1.0
     tools.append(block((-reach, reach), (-half, half), (dims.journal_bottom_z - 1.0, dims.slit_top_z)))
     for slot in dims.slots:
         lower = slot.face_z == dims.land_bottom_z
-        tools += _slot_tools(slot, dims.lower_surface_radius if lower else dims.upper_surface_radius)
+        tools += _slot_tools(slot, dims.lower_land_radius if lower else dims.upper_land_radius)
     return cut(body, tools, f"input pulley {dims.name}")

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, sin
+from math import cos, degrees, sin, tau
 
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.sheets.description import FitLine, Label, Linear, Sheet, Table, Vector, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.sheets.words import mm, mm3
 
 _NAMES = ("S1", "S2")
+_GROOVES = "Grooves turned before the slots are milled; crests broken by 0.02, floors Ra 0.8."
 
 
 def _lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
@@ -19,14 +20,12 @@ def _lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
     return (
         ALONG_Z.length(low, d.lower_neck_bottom_z, "below", (d.lower_journal_radius - c, d.lower_neck_radius)),
         ALONG_Z.length(
-            d.lower_neck_bottom_z, d.land_bottom_z, "below", (d.lower_neck_radius, d.lower_surface_radius), decimals=3
+            d.lower_neck_bottom_z, d.land_bottom_z, "below", (d.lower_neck_radius, d.lower_land_radius), decimals=3
         ),
+        ALONG_Z.length(d.land_bottom_z, d.wall_z, "below", (d.lower_land_radius, d.upper_land_radius), decimals=3),
+        ALONG_Z.length(d.wall_z, d.land_top_z, "below", (d.upper_land_radius, d.upper_land_radius), decimals=3),
         ALONG_Z.length(
-            d.land_bottom_z, d.wall_z, "below", (d.lower_surface_radius, d.upper_surface_radius), decimals=3
-        ),
-        ALONG_Z.length(d.wall_z, d.land_top_z, "below", (d.upper_surface_radius, d.upper_surface_radius), decimals=3),
-        ALONG_Z.length(
-            d.land_top_z, d.upper_neck_top_z, "below", (d.upper_surface_radius, d.upper_neck_radius), decimals=3
+            d.land_top_z, d.upper_neck_top_z, "below", (d.upper_land_radius, d.upper_neck_radius), decimals=3
         ),
         ALONG_Z.length(
             low, d.journal_top_z, "below", (d.lower_journal_radius - c, d.upper_journal_radius - c), decimals=3
@@ -38,14 +37,16 @@ def _lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
 
 
 def _diameters(d: InputPulleyDims) -> tuple[Linear, ...]:
-    journal, land, bore = (FITS[role].code for role in ("input_journal", "land", "gear_shaft_bore"))
+    journal, bore = (FITS[role].code for role in ("input_journal", "gear_shaft_bore"))
+    # The cables lie on the land, or in grooves whose roots the table gives.
+    land = "" if d.grooves else FITS["land"].code
     low, c = d.journal_bottom_z, CHAMFER_MM
     return (
         ALONG_Z.diameter(d.bore_radius, low, "left", fit=bore),
         ALONG_Z.diameter(d.lower_journal_radius, low + c, "left", fit=journal),
         ALONG_Z.diameter(d.lower_neck_radius, d.lower_neck_bottom_z, "left"),
-        ALONG_Z.diameter(d.lower_surface_radius, d.land_bottom_z, "left", fit=land, decimals=3),
-        ALONG_Z.diameter(d.upper_surface_radius, d.land_top_z, "right", fit=land, decimals=3),
+        ALONG_Z.diameter(d.lower_land_radius, d.land_bottom_z, "left", fit=land, decimals=3),
+        ALONG_Z.diameter(d.upper_land_radius, d.land_top_z, "right", fit=land, decimals=3),
         ALONG_Z.diameter(d.upper_neck_radius, d.upper_neck_top_z, "right"),
         ALONG_Z.diameter(d.upper_journal_radius, d.journal_top_z - c, "right", fit=journal),
     )
@@ -57,7 +58,7 @@ def _slot_table(d: InputPulleyDims) -> Table:
     def column(slot: StopSlot) -> tuple[str, ...]:
         lower = slot.face_z < slot.end_z
         half, r = slot.width / 2, slot.stop_radius + STOP_PLAY_MM
-        surface = d.lower_surface_radius if lower else d.upper_surface_radius
+        surface = d.lower_land_radius if lower else d.upper_land_radius
         floor = abs(slot.end_z - slot.face_z) + half
         pocket = abs(slot.chord_z - slot.face_z) + r
         return (
@@ -98,9 +99,43 @@ def _slot_table(d: InputPulleyDims) -> Table:
     return Table("Slots of the cable stops", ("", *_NAMES[: len(columns)]), rows)
 
 
+def _groove_table(d: InputPulleyDims) -> Table:
+    """Helical grooves, a column each; angles as in the end views."""
+    heads = (
+        "cable",
+        "hand of the helix",
+        "lead",
+        "root %%c",
+        "radius of the floor",
+        "depth from land",
+        "middle of the groove at its end in the slot, from the lower end",
+        "there at deg from X (seen from +Z, anticlockwise)",
+        "middle of the groove at its other end, from the lower end",
+        "turns",
+    )
+
+    def column(g: Groove) -> tuple[str, ...]:
+        return (
+            g.cable_name,
+            "right" if g.right_handed else "left",
+            mm3(g.lead),
+            mm3(2 * g.root_radius),
+            mm3(g.radius),
+            mm3(g.depth),
+            mm3(g.start_z - d.journal_bottom_z),
+            mm(degrees(g.start_angle_rad) % 360.0, 3),
+            mm3(g.end_z - d.journal_bottom_z),
+            mm(abs(g.end_angle_rad - g.start_angle_rad) / tau, 3),
+        )
+
+    columns = [column(groove) for groove in d.grooves]
+    rows = tuple((head, *(c[n] for c in columns)) for n, head in enumerate(heads))
+    return Table("Helical grooves", ("", *("G1", "G2")[: len(columns)]), rows)
+
+
 def _end_view(d: InputPulleyDims, lower: bool) -> View:
     right: Vector = Y if lower else minus(Y)
-    radius = d.lower_surface_radius if lower else d.upper_surface_radius
+    radius = d.lower_land_radius if lower else d.upper_land_radius
     z = d.land_bottom_z if lower else d.land_top_z
     axes: list[tuple[Vector, Vector]] = [
         ((-radius, 0.0, z), (radius, 0.0, z)),
@@ -132,7 +167,7 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
     labels = []
     for slot, name in zip(d.slots, _NAMES, strict=False):
         lower = slot.face_z < slot.end_z
-        radius = d.lower_surface_radius if lower else d.upper_surface_radius
+        radius = d.lower_land_radius if lower else d.upper_land_radius
         view, z = ("lower end", d.land_bottom_z) if lower else ("upper end", d.land_top_z)
         u, v = _directions(slot, radius + 0.6)
         labels += [Label(view, (*u, z), "u"), Label(view, (*v, z), "v")]
@@ -168,9 +203,10 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             ),
         ),
         labels=tuple(labels),
-        tables=(_slot_table(d),),
+        tables=(_slot_table(d), *([_groove_table(d)] if d.grooves else [])),
         fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
         notes=(
+            *((_GROOVES,) if d.grooves else ()),
             "Lands Ra 0.8; run-out of the lands to the common axis of both journals: 0.01.",
             "Slots after turning, edges that the cable touches rounded to R0.2 and polished.",
             "X of the slots is the direction of the slit. Slit sawn through both sides of the lower journal.",

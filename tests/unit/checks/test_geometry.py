@@ -66,16 +66,23 @@ def test_webs_leave_out_holes_on_one_axis_and_at_other_depths() -> None:
     assert web_between(holes) == [("a to c", 3.0)]
 
 
-@given(st.floats(20.0, 60.0), st.floats(1.0, 12.0), st.floats(-40.0, 40.0), st.floats(1.0, 40.0), st.floats(-2.0, 12.0))
+@given(
+    st.floats(20.0, 60.0),
+    st.floats(-3.0, 0.0),
+    st.floats(1.0, 12.0),
+    st.floats(-40.0, 40.0),
+    st.floats(1.0, 40.0),
+    st.floats(-2.0, 12.0),
+)
 def test_ring_and_upright_never_meet_where_a_gap_is_promised(
-    x: float, radius: float, low: float, height: float, y: float
+    x: float, back: float, radius: float, low: float, height: float, y: float
 ) -> None:
-    ring, body = Ring("ring", 40.0, 50.0, y), Upright("body", x, radius, low, low + height)
+    ring, body = Ring("ring", 40.0, 50.0, y), Upright("body", x, back, radius, low, low + height)
     if ring_gap(ring, body, 0.1) < 0.1:
         return
     angle = np.linspace(0.0, 2 * np.pi, 73)
     for share in np.linspace(0.05, 1.0, 20):
-        px, py = x + share * radius * np.cos(angle), share * radius * np.sin(angle)
+        px, py = x + share * radius * np.cos(angle), back + share * radius * np.sin(angle)
         for z in np.linspace(low, low + height, 31):
             r = np.hypot(px, z)
             inside = (py > y) & (r > 40.0) & (r < 50.0)

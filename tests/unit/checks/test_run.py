@@ -95,8 +95,8 @@ def test_frame_below_the_drum_axis_is_told(drive: Drive) -> None:
 
 
 def test_other_gearheads_screws_are_told(drive: Drive) -> None:
-    found = by_id(run_checks(put(drive, "gearhead.screw_count", 3)))["screw_counts"]
-    assert found.status == "fail" and found.actual == 1.0 and "two screws" in found.remedy, found
+    found = by_id(run_checks(put(drive, "gearhead.screw_count", 5)))["screw_counts"]
+    assert found.status == "fail" and found.actual == 5.0 and "two to four screws" in found.remedy, found
     assert by_id(run_checks(drive))["screw_counts"].status == "pass"
 
 

@@ -26,6 +26,11 @@ class Way(NamedTuple):
     failing: float
 
 
+def grooved_at_lead(drive: Drive, lead_mm: float) -> Drive:
+    """Grooved input pulleys with a helix of this lead."""
+    return put(put(drive, "input_pulleys.surface", "grooved"), "helix_lead_mm", lead_mm)
+
+
 PEAK, TEST = "loads.peak_torque_Nm", "loads.test_torque_Nm"
 WAYS: dict[str, Way] = {
     "eq1_guide_drum": Way(radius_of(1, "guide_radius_mm"), 9.6, 9.7),
@@ -50,6 +55,7 @@ WAYS: dict[str, Way] = {
     "guide_wrap": Way(to("centre_distance_mm"), 34.6, 2000.0),
     "fleet_angle": Way(to("helix_lead_mm"), 0.87, 1.0),
     "helix_lead": Way(to("helix_lead_mm"), 0.87, 0.7),
+    "groove_walls": Way(grooved_at_lead, 0.9, 0.85),
     "self_clearance": Way(to("helix_lead_mm"), 0.87, 0.8),
     "input_walk": Way(to("helix_lead_mm"), 0.87, 3.0),
     "guide_walk": Way(to("helix_lead_mm"), 0.87, 9.0),

@@ -6,7 +6,7 @@ from math import radians, tan, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
     BLEND_DIAMETERS,
@@ -16,10 +16,13 @@ from mbcdm_cad.configurations.miso_bevel.cable_path import (
 )
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.configurations.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
 
 # Gap between a cable's flank and a wall or another cable that it must not rub on (estimate).
 CABLE_GAP_MM = 0.1
+# Crest between two grooves, in rope diameters: thinner it would be a burr that cuts the rope (estimate).
+GROOVE_CREST = 0.05
 # Turns left on the pulley when all is unwound: the span never pulls at the bend before the stop (estimate).
 DEAD_TURNS = 0.5
 # Finest step of the search for the self-clearance, rad; the distance is flat there to 1e-6 mm.
@@ -61,13 +64,13 @@ def pulley_gap(s: BevelUnderTest) -> Comparison:
 def fleet_angle(s: BevelUnderTest) -> Comparison:
     """Largest fleet angle over the travel, at both ends."""
     s.levels  # noqa: B018 - without levels there is no winding
-    limit = s.drive.limits.fleet_angle_max_deg
+    limit = s.drive.fleet_angle_max_deg
     return worst(at_most(f"fleet angle of {c.name}", fleet_angle_deg(s.drive, c), limit, "deg") for c in s.steps)
 
 
 def helix_lead(s: BevelUnderTest) -> Comparison:
-    """Lead over the cable's diameter: turns lie side by side."""
-    return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, s.drive.cable.diameter_mm, "mm")
+    """Lead over the cable's diameter: turns lie side by side; over 2.065 groove radii where each has its groove."""
+    return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, smallest_lead_mm(s.drive), "mm")
 
 
 def straight_span_clearance_mm(drive: BevelDrive, cable: BevelRun) -> float:
@@ -159,6 +162,30 @@ def landing_angle(s: BevelUnderTest) -> Comparison:
     )
 
 
+def groove_walls(s: BevelUnderTest) -> Comparison:
+    """Crest between neighbouring grooves of an input pulley, and from the last one to the step beside it."""
+    grooved = [(p, groove) for p in s.layout.inputs for groove in p.grooves]
+    if not grooved:
+        return noted("no grooves: crest", 0.0, "mm")
+    limit = GROOVE_CREST * s.drive.cable.diameter_mm
+    found = []
+    for p, groove in grooved:
+        found.append(
+            at_least(f"crest between grooves of {groove.cable_name}", groove.lead - 2 * groove.half_width, limit, "mm")
+        )
+        to_wall = abs(p.wall_z - groove.end_z) - groove.half_width
+        found.append(at_least(f"groove of {groove.cable_name} from the step beside it", to_wall, limit, "mm"))
+    return worst(found)
+
+
+def _grooves(s: BevelUnderTest) -> str:
+    """Grooves, where they alone would do."""
+    if s.drive.input_pulleys.grooved:
+        return ""
+    angle, limit = max(fleet_angle_deg(s.drive, c) for c in s.steps), s.drive.limits.fleet_angle_grooved_max_deg
+    return f"set input_pulleys.surface: grooved, which allows {limit:g} deg" if angle <= limit else ""
+
+
 _SHORTER_WALK = (
     up("transmission.centre_distance_mm"),
     down("rope.helix_lead_mm"),
@@ -188,17 +215,25 @@ CHECKS = (
     ),
     Check(
         "fleet_angle",
-        "Fleet angle on the smooth pulleys",
-        "limits.fleet_angle_max_deg; usual limit for smooth drums",
+        "Fleet angle on the input pulleys",
+        "limits.fleet_angle_max_deg; usual limit for smooth drums; for grooved: limits.fleet_angle_grooved_max_deg",
         fleet_angle,
         adjust=_SHORTER_WALK,
+        advice=_grooves,
     ),
     Check(
         "helix_lead",
         "Turns on the input pulley lie side by side",
-        "derived: lead > d",
+        "derived: lead > d; grooves: rope makers",
         helix_lead,
         adjust=(up("rope.helix_lead_mm"), down("rope diameter_mm")),
+    ),
+    Check(
+        "groove_walls",
+        "Crests between the grooves",
+        "0.05 d: estimate",
+        groove_walls,
+        adjust=(up("rope.helix_lead_mm"), down("rope.helix_lead_mm"), down("travel.half_angle_deg")),
     ),
     Check(
         "self_clearance",

@@ -101,7 +101,7 @@ def pulley_corner(s: BevelUnderTest) -> Comparison:
     for p in s.layout.inputs:
         low, high = (c for c in s.steps if c.input_name == p.name)
         edges = (
-            (p.lower_surface_radius, p.land_bottom_z),
+            (p.lower_land_radius, p.land_bottom_z),
             (low.input_radius_mm + s.flank_mm, band(s.drive, low, outward_of(s.drive, low)).low_mm),
             (high.input_radius_mm + s.flank_mm, p.wall_z),
         )

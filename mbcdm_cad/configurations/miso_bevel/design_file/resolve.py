@@ -40,7 +40,7 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         guide=d.GuideSpec(
             material=catalogue.material(guide.material), axle_material=catalogue.material(guide.axle_material)
         ),
-        input_pulleys=d.InputPulleySpec(material=catalogue.material(pulleys.material)),
+        input_pulleys=d.InputPulleySpec(material=catalogue.material(pulleys.material), surface=pulleys.surface),
         support=copied(d.SupportSpec, design.support, material=catalogue.material(design.support.material)),
         sigmas=_sigmas(design, catalogue, sigmas),
     )

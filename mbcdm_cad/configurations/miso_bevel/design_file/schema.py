@@ -177,6 +177,10 @@ class InputPulleys(Block):
     """Input pulleys, carried by a bearing at both ends."""
 
     material: EntryName = choice("material of both pulleys", source=ESTIMATE, reference="steel")
+    surface: Literal["smooth", "grooved"] = choice(
+        "smooth lands, or a helical groove for each cable, which allows limits.fleet_angle_grooved_max_deg",
+        default="smooth",
+    )
     lower_bearing: EntryName = choice("bearing towards the gearhead", source=ESTIMATE, reference="618/5")
     upper_bearing: EntryName = choice("bearing in the top plate", source=ESTIMATE, reference="618/4")
 

@@ -104,3 +104,75 @@ def test_every_gearhead_screw_is_in_the_bill_and_counted(reference: BevelDrive, 
     items = [item.name for item in bill(layout(drive)).items if item.name.startswith("gearhead_screw_left")]
     assert items == [f"gearhead_screw_left_{n}" for n in range(1, count + 1)]
     assert statuses(drive)["screw_counts"] == ("pass" if count in (2, 3, 4) else "fail")
+
+
+def grooved(drive: BevelDrive, lead_mm: float = 0.89) -> BevelDrive:
+    """The drive with a helical groove for each cable on the input pulleys."""
+    pulleys = replace(drive.input_pulleys, surface="grooved")
+    return replace(drive, input_pulleys=pulleys, helix_lead_mm=lead_mm)
+
+
+def test_grooves_allow_the_fleet_angle_that_smooth_pulleys_do_not(reference: BevelDrive) -> None:
+    near = replace(reference, centre_distance_mm=31.0)
+    smooth = next(check for check in run_checks(near) if check.id == "fleet_angle")
+    assert smooth.status == "fail" and "input_pulleys.surface: grooved" in smooth.remedy, smooth
+    after = statuses(grooved(near))
+    assert {after[name] for name in ("fleet_angle", "groove_walls", "helix_lead", "self_clearance")} == {"pass"}
+    assert statuses(grooved(near, 0.87))["helix_lead"] == "fail"
+
+
+@pytest.mark.parametrize("angle_deg", [-35.0, -10.0, 0.0, 35.0])
+def test_the_cable_lies_along_the_middle_of_its_groove(reference: BevelDrive, angle_deg: float) -> None:
+    """At every drum angle the wound rope, seen on the turned pulley, follows the groove, and the span leaves beyond it."""
+    drive = grooved(reference)
+    dims = layout(drive)
+    motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
+    paths = {path.cable.name: path for path in dims.cable_paths(np.radians(angle_deg))}
+    for pulley in dims.inputs:
+        for groove in pulley.grooves:
+            helix = paths[groove.cable_name].piece("helix")
+            points = motions[f"input_{pulley.name}"].inverse.apply(helix.points(np.linspace(0.0, 1.0, 200)))
+            angle = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
+            turns = 2 * np.pi * np.round((angle[0] - groove.start_angle_rad) / (2 * np.pi))
+            share = (angle - turns - groove.start_angle_rad) / (groove.end_angle_rad - groove.start_angle_rad)
+            assert share.min() > 0.0 and share.max() < 1.0, f"{groove.cable_name} winds past its groove: {share}"
+            z = groove.start_z + share * (groove.end_z - groove.start_z)
+            assert np.abs(z - points[:, 2]).max() < 1e-9
+            assert np.hypot(points[:, 0], points[:, 1]) == pytest.approx(
+                groove.root_radius + drive.cable.diameter_mm / 2
+            )
+
+
+@pytest.mark.slow
+def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive) -> None:
+    """Metal removed by Pappus' theorem for a helix; the rope's rod and the pulley share nothing."""
+    from mbcdm_cad.build.overlap import common, rod
+    from mbcdm_cad.build.pairs import CABLE_UNDERSIZE_MM, VOLUME_LIMIT_MM3
+    from mbcdm_cad.build.validate import validate_solid
+    from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
+
+    drive = grooved(reference)
+    dims, d = layout(drive), drive.cable.diameter_mm
+    pulley = dims.inputs[0]
+    solid = create_input_pulley(pulley)
+    validate_solid("input_pulley", solid)
+    plain = replace(pulley, grooves=(), lower_surface_radius=pulley.lower_land_radius)
+    plain = replace(plain, upper_surface_radius=pulley.upper_land_radius)
+    removed = create_input_pulley(plain).Volume() - solid.Volume()
+    expected = 0.0
+    for groove in pulley.grooves:
+        r, h, half = groove.radius, groove.depth, groove.half_width
+        area = r**2 * np.arccos((r - h) / r) - (r - h) * half
+        # Of a circular segment, from the middle of its circle.
+        centroid = (2 * half) ** 3 / (12 * area)
+        turned = abs(groove.end_angle_rad - groove.start_angle_rad)
+        expected += area * (groove.root_radius + r - centroid) * turned
+    # Less what the slots have taken already.
+    assert 0.93 * expected < removed < expected, (removed, expected)
+    item = next(i for i in bill(dims, 35.0).items if i.name == f"input_pulley_{pulley.name}")
+    for path in dims.cable_paths(np.radians(35.0)):
+        if path.cable.input_name == pulley.name:
+            for stretch in path.stretches[:2]:
+                line = path.only(stretch.pieces).line
+                volume, place = common(rod(line, d / 2 - CABLE_UNDERSIZE_MM), solid, item.location)
+                assert abs(volume) < VOLUME_LIMIT_MM3, (path.cable.name, stretch.body, volume, place)

@@ -1,0 +1,26 @@
+"""Curves as edges of the kernel, shared by cables and the grooves that carry them."""
+
+from __future__ import annotations
+
+from math import hypot
+
+import cadquery as cq
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+from OCP.BRepLib import BRepLib
+from OCP.Geom import Geom_CylindricalSurface
+from OCP.Geom2d import Geom2d_Line
+from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
+
+from mbcdm_cad.routes.curves import Helix
+
+
+def helix_edge(piece: Helix) -> cq.Edge:
+    """A straight line on the unrolled cylinder: the exact helix, from any angle to any other."""
+    axis = gp_Ax3(gp_Pnt(piece.centre[0], piece.centre[1], 0.0), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0))
+    surface = Geom_CylindricalSurface(axis, piece.radius_mm)
+    da, dz = piece.angle_end - piece.angle_start, piece.z_end - piece.z_start
+    length = hypot(da, dz)
+    line = Geom2d_Line(gp_Pnt2d(piece.angle_start, piece.z_start), gp_Dir2d(da / length, dz / length))
+    edge = BRepBuilderAPI_MakeEdge(line, surface, 0.0, length).Edge()
+    BRepLib.BuildCurves3d_s(edge)
+    return cq.Edge(edge)
