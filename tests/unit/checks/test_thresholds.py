@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from designs import Change, preloaded, radius_of, reference, scaled, to, with_screw
+from designs import Change, preloaded, put, radius_of, reference, scaled, to, with_screw
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import run_check

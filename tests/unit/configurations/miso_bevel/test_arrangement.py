@@ -123,7 +123,7 @@ def test_grooves_allow_the_fleet_angle_that_smooth_pulleys_do_not(reference: Bev
 
 @pytest.mark.parametrize("angle_deg", [-35.0, -10.0, 0.0, 35.0])
 def test_the_cable_lies_along_the_middle_of_its_groove(reference: BevelDrive, angle_deg: float) -> None:
-    """At every drum angle the wound rope, seen on the turned pulley, follows the groove, and the span leaves beyond it."""
+    """At every drum angle the wound rope, seen on the turned pulley, follows the groove, which goes on at both ends."""
     drive = grooved(reference)
     dims = layout(drive)
     motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
