@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -17,15 +19,22 @@ def no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def shared_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+def shared_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """One cache for all tests of a run that name none of their own, in all its processes: each part is drawn once.
 
-    It is the run's own unless the environment names one, as ``.ci/run`` does with the cache of the main job.
+    It begins as a copy of the one that the environment names, so what an earlier run of the tests stored is never used.
     """
     folder = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         folder = folder.parent
+    cache, named = folder / "cache", os.environ.get(ENVIRONMENT_VARIABLE)
+    try:
+        cache.mkdir()
+    except FileExistsError:
+        pass  # another process of this run is before us
+    else:
+        if named and Path(named).is_dir():
+            shutil.copytree(named, cache, dirs_exist_ok=True)
     with pytest.MonkeyPatch.context() as patch:
-        if not os.environ.get(ENVIRONMENT_VARIABLE):
-            patch.setenv(ENVIRONMENT_VARIABLE, str(folder / "cache"))
-        yield
+        patch.setenv(ENVIRONMENT_VARIABLE, str(cache))
+        yield cache

@@ -1,4 +1,7 @@
-"""The workshop drawings of a design: a sheet for each made part, fetched from the cache or made and put there."""
+"""The workshop drawings of a design: a sheet for each made part, fetched from the cache or made and put there.
+
+The kernel and the drawing libraries are imported inside: sheets from the cache need neither.
+"""
 
 from __future__ import annotations
 

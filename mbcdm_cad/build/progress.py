@@ -13,7 +13,7 @@ def progress() -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda name: print(f"making {name}", file=sys.stderr, flush=True)
         return
-    from rich.console import Console
+    from rich.console import Console  # only where a terminal shows it
 
     console = Console(stderr=True)
     with console.status("reading") as status:

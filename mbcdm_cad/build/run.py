@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.build.export.step_text import with_description
+from mbcdm_cad.build.export.stl import with_note
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
@@ -24,6 +26,7 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
 
@@ -158,10 +161,7 @@ def _write(
     store: Store,
     data: dict[str, Any],
 ) -> None:
-    from mbcdm_cad.build.export.step_text import with_description
-    from mbcdm_cad.build.export.stl import with_note
-    from mbcdm_cad.report.markdown import report_markdown
-    from mbcdm_cad.storage.folders import output_folder
+    from mbcdm_cad.report.markdown import report_markdown  # its templates, only where something is written
 
     name = dims.drive.name
     note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""

@@ -6,16 +6,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from math import radians
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.checks.design_variables import DesignVariable
 from mbcdm_cad.design.drive import Drive
-
-if TYPE_CHECKING:
-    from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import DriveSI, to_si
 
 _Kept = TypeVar("_Kept")
 # Beyond this multiple of sum(T_pre r_o), at which cables without friction go slack, the model is not asked.
@@ -30,8 +30,6 @@ class CableTensions:
     """Cable tensions (N), shape (n_cables,), in the states that the strength checks look at."""
 
     def __init__(self, drive: Drive, si: DriveSI) -> None:
-        from mbcdm_cad.model.equilibrium import solve_equilibrium
-
         peak, test = drive.loads.peak_torque_Nm, drive.loads.test_torque_Nm
         self.si = si
         torques = np.array([0.0, peak, -peak, test, -test])
@@ -95,9 +93,6 @@ class DesignUnderTest(ABC):
     @cached_property
     def loads(self) -> CableTensions:
         """Tensions by the model."""
-        from mbcdm_cad.model.errors import ModelError
-        from mbcdm_cad.model.si import to_si
-
         drive = self.drive
         carried = sum(c.preload_N * c.drum_radius_mm for c in drive.cables) * 1e-3
         largest = max(drive.loads.peak_torque_Nm, drive.loads.test_torque_Nm)

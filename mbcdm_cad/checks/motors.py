@@ -14,6 +14,7 @@ from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.checks.design_variables import down
 from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
+from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 
 # A rating beyond this multiple of T_pre r_m is not followed further: cables are slack long before.
 _RATING_CAP = 60.0
@@ -22,8 +23,6 @@ _WORDS = {1: "+", -1: "-"}
 
 def saturation_Nm(s: DesignUnderTest, limit_Nm: float, direction: int) -> tuple[float, str]:
     """Drum torque (N m) at which the first input reaches ``limit_Nm``, and that input's name."""
-    from mbcdm_cad.model.capability import torque_at_input_limit_Nm
-
     si = s.loads.si
     cap = _RATING_CAP * float((si.preload_N * si.input_radius_m).min())
     loads = torque_at_input_limit_Nm(si, min(limit_Nm, cap), direction)

@@ -10,6 +10,9 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.remedies import floored
+from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.errors import ModelError
 
 # A cable under a hundredth of its preload counts as slack: it leaves its land (estimate).
 SLACK_SHARE = 0.01
@@ -19,9 +22,6 @@ BIAS_SHARE = 0.1
 
 def no_slack(s: DesignUnderTest) -> Comparison:
     """Lowest tension at peak torque, both ways, at both ends of travel with the wraps that are left there."""
-    from mbcdm_cad.model.equilibrium import solve_equilibrium
-    from mbcdm_cad.model.errors import ModelError
-
     peak = s.drive.loads.peak_torque_Nm
     si = s.loads.si
     found = []
@@ -119,8 +119,6 @@ def preload_bias(s: DesignUnderTest) -> Comparison:
 
 def balanced_preloads(s: DesignUnderTest) -> str:
     """Preloads with T ~ 1/r within each pair, and what they reach."""
-    from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
-
     try:
         si = s.loads.si
     except NoFigureError:

@@ -1,4 +1,7 @@
-"""The commands that draw, ``build`` and ``picture``: what they print, and the exit code they end with."""
+"""The commands that draw, ``build`` and ``picture``: what they print, and the exit code they end with.
+
+What draws pictures and drawings is imported inside: a build that finds nothing changed needs no CAD.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,18 @@ from pathlib import Path
 
 import click
 
-from mbcdm_cad.cli.files import refuse_missing_folder
+from mbcdm_cad.build.progress import progress
+from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.report.build_report import build_report
 from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
 
 def build_command(path: Path, *, angle_deg: float, force: bool, out: Path, use_cache: bool, jobs: int | None) -> int:
     """Build and say what came of it. 0 built, 1 refused or forced against a failing check."""
     loaded = load_design(path)
-    from mbcdm_cad.build.progress import progress
-    from mbcdm_cad.build.run import build
-    from mbcdm_cad.report.build_report import build_report
 
     cache = Cache(cache_folder() if use_cache else None)
     with progress() as note:
@@ -43,9 +46,6 @@ def picture_command(path: Path, png: Path, *, angle_deg: float, view: str, use_c
         raise InputError([Problem(str(png), 1, "", "pictures are PNG files", png.suffix, ".png", remedy)])
     refuse_missing_folder(png)
     from mbcdm_cad.build.export.picture import picture_png
-    from mbcdm_cad.build.progress import progress
-    from mbcdm_cad.build.run import drawn
-    from mbcdm_cad.storage.files import write_whole
 
     with progress() as note:
         items, parts = drawn(loaded.drive, angle_deg, Cache(cache_folder() if use_cache else None), note)
@@ -59,8 +59,6 @@ def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool
     """Write the workshop drawings into a folder of their own."""
     loaded = load_design(path)
     from mbcdm_cad.build.drawings import drawings_of
-    from mbcdm_cad.build.progress import progress
-    from mbcdm_cad.storage.files import write_whole
 
     with progress() as note:
         files = drawings_of(

@@ -1,4 +1,7 @@
-"""The commands ``init`` and ``schema``: new design files, and what an editor needs to complete them."""
+"""The commands ``init`` and ``schema``: new design files, and what an editor needs to complete them.
+
+Measurement files are imported inside: they need numpy, a new design file does not.
+"""
 
 from __future__ import annotations
 
@@ -9,24 +12,17 @@ from typing import Any
 
 import click
 
+from mbcdm_cad.configurations.loader import DEFAULT, design_file, load_design, new_design_text
+from mbcdm_cad.design.editor import editor_schema
+from mbcdm_cad.design.reference import reference_page
+from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, Problem
-
-
-def refuse_missing_folder(path: Path) -> None:
-    """Raise ``InputError`` if the folder that ``path`` is to be written into is not there."""
-    if not path.parent.is_dir():
-        what = f"there is no folder {path.parent}"
-        raise InputError([Problem(str(path), 1, "", what, remedy="make it first, or choose another path")])
+from mbcdm_cad.storage.files import refuse_missing_folder
 
 
 def init_command(new: Path, configuration: str | None) -> int:
     """Write the new design file. Raises ``InputError`` where there is one already or none can be written."""
     refuse_missing_folder(new)
-    from mbcdm_cad.configurations.loader import (  # the schema: a wrong path need not wait for it
-        DEFAULT,
-        new_design_text,
-    )
-    from mbcdm_cad.design.template import slug
 
     name = slug(new.stem)
     text = new_design_text(name, configuration or DEFAULT)
@@ -50,10 +46,6 @@ def schema_command(*, reference: bool, measurement: bool, configuration: str | N
 
         text = measurement_page() if reference else _json(json_schema())
     else:
-        from mbcdm_cad.configurations.loader import DEFAULT, design_file
-        from mbcdm_cad.design.editor import editor_schema
-        from mbcdm_cad.design.reference import reference_page
-
         nodes = design_file(configuration or DEFAULT).nodes
         text = reference_page(nodes) if reference else _json(editor_schema(nodes))
     click.echo(text, nl=False)
@@ -66,7 +58,6 @@ def _json(schema: dict[str, Any]) -> str:
 
 def measurement_init_command(data: Path, design: Path, out: Path | None) -> int:
     """Write a first measurement file for a logger's data. Never overwrites a file."""
-    from mbcdm_cad.configurations.loader import load_design
     from mbcdm_cad.measurement.draft import draft_text
 
     path = out or data.with_suffix(".yaml")

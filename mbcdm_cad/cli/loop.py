@@ -1,4 +1,7 @@
-"""The command ``mbcdm loop``: reads, vets, closes the loop, prints and writes."""
+"""The command ``mbcdm loop``: reads, vets, closes the loop, prints and writes.
+
+Pages and published figures are imported inside: most runs want neither, and their templates take time to load.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,8 @@ import click
 
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.identification.as_built import applied_words, as_built_text
+from mbcdm_cad.identification.correction_files import correction_files, correction_words
 from mbcdm_cad.identification.judge import drive_of, json_bytes, judge
 from mbcdm_cad.measurement.reading import MeasurementFile, load_file
 from mbcdm_cad.storage.files import write_whole
@@ -43,8 +48,6 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     content, vetted = report.to_dict(), report.runs
     outputs, applied = {} if wanted.json is None else {wanted.json: json_bytes(content)}, ""
     if wanted.as_built is not None:
-        from mbcdm_cad.identification.as_built import applied_words, as_built_text
-
         text = as_built_text(loaded, report.result, ", ".join(one.run.source for one in vetted))
         outputs[wanted.as_built] = text.encode()
         applied = applied_words(report.result)
@@ -54,8 +57,6 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         page = report_page(report.result, report.design(), [(one.run, one.findings, one.notes) for one in vetted])
         outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: json_bytes(content)}
     if wanted.correction is not None and report.result.correction is not None:
-        from mbcdm_cad.identification.correction_files import correction_files, correction_words
-
         table = report.result.correction()
         source = f"{loaded.path.name} and {', '.join(one.run.source for one in vetted)}"
         outputs |= {wanted.correction / name: text for name, text in correction_files(table, source).items()}

@@ -6,9 +6,14 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.build.bodies import bodies, is_cable
+from mbcdm_cad.build.progress import progress
+from mbcdm_cad.build.run import drawn
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.files import write_whole
 
 
 def moving_picture_command(path: Path, gif: Path, *, view: str, use_cache: bool) -> int:
@@ -17,12 +22,7 @@ def moving_picture_command(path: Path, gif: Path, *, view: str, use_cache: bool)
     if gif.suffix.lower() != ".gif":
         remedy = f"name it {gif.with_suffix('.gif').name}"
         raise InputError([Problem(str(gif), 1, "", "moving pictures are GIF files", gif.suffix, ".gif", remedy)])
-    from mbcdm_cad.build.bodies import bodies, is_cable
-    from mbcdm_cad.build.export.moving import travel_gif
-    from mbcdm_cad.build.progress import progress
-    from mbcdm_cad.build.run import drawn
-    from mbcdm_cad.configurations.registry import configuration
-    from mbcdm_cad.storage.files import write_whole
+    from mbcdm_cad.build.export.moving import travel_gif  # the renderer, once the names are known to be good
 
     drive = loaded.drive
     kind = configuration(drive.configuration)

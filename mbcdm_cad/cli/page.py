@@ -6,18 +6,17 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.build.progress import progress
+from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.report.page.stage import PAGE, page_of
 from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.files import write_whole
 
 
 def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
     """Write ``out/<name>/report.html``. 0 written, 1 refused or forced against a failing check."""
     loaded = load_design(path)
-    from mbcdm_cad.build.progress import progress
-    from mbcdm_cad.build.run import build, drawn
-    from mbcdm_cad.report.page.stage import PAGE, page_of
-    from mbcdm_cad.storage.files import write_whole
-
     cache = Cache(cache_folder() if use_cache else None)
     with progress() as tell:
         outcome = build(loaded, out, force=force, cache=cache, progress=tell)

@@ -6,20 +6,20 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.build.progress import progress
+from mbcdm_cad.build.run import drawn
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.robot.formats import robot_files
+from mbcdm_cad.robot.mechanism import mechanism
 from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.folders import output_folder
+from mbcdm_cad.storage.keys import content_key, package_hash
+from mbcdm_cad.storage.manifest import Manifest, versions
 
 
 def export_command(path: Path, *, form: str, elastic: bool, out: Path, use_cache: bool) -> int:
     """Write ``out/<name>-<form>``: the description and its meshes."""
     loaded = load_design(path)
-    from mbcdm_cad.build.progress import progress
-    from mbcdm_cad.build.run import drawn
-    from mbcdm_cad.robot.formats import robot_files
-    from mbcdm_cad.robot.mechanism import mechanism
-    from mbcdm_cad.storage.folders import output_folder
-    from mbcdm_cad.storage.keys import content_key, package_hash
-    from mbcdm_cad.storage.manifest import Manifest, versions
 
     drive = loaded.drive
     with progress() as tell:

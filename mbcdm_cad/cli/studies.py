@@ -1,4 +1,7 @@
-"""The commands ``analyse``, ``sensitivity`` and ``reproduce``: what they print, and the exit code they end with."""
+"""The commands ``analyse``, ``sensitivity`` and ``reproduce``: what they print, and the exit code they end with.
+
+Each imports its study inside: ``analyse`` must start fast and needs neither scipy nor plots.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,20 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.cli.screen import screen_width
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.loader import load_design, load_text, new_design_text
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.parts.making import model_tolerances
+from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.report.units import readable_figure
+from mbcdm_cad.storage.folders import output_folder
+from mbcdm_cad.storage.keys import content_key, package_hash
+from mbcdm_cad.storage.manifest import Manifest, versions
 
 
 def analyse_command(path: Path, *, as_json: bool) -> int:
     """Print the model's figures for one design."""
     loaded = load_design(path)
-    from mbcdm_cad.report.analysis_report import analyse_design  # the model, once the file is known to be good
+    from mbcdm_cad.report.analysis_report import analyse_design
 
     report = analyse_design(loaded.drive)
     click.echo(json.dumps(report.to_dict(), indent=1, allow_nan=False) if as_json else report.text(screen_width()))
@@ -24,14 +34,7 @@ def analyse_command(path: Path, *, as_json: bool) -> int:
 def sensitivity_command(path: Path, *, out: Path) -> int:
     """Write the sensitivity study into a folder of its own."""
     loaded = load_design(path)
-    from mbcdm_cad.configurations.registry import configuration
     from mbcdm_cad.model.study import write_study
-    from mbcdm_cad.parts.making import model_tolerances
-    from mbcdm_cad.report.table import ReportTable
-    from mbcdm_cad.report.units import readable_figure
-    from mbcdm_cad.storage.folders import output_folder
-    from mbcdm_cad.storage.keys import content_key, package_hash
-    from mbcdm_cad.storage.manifest import Manifest, versions
 
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
@@ -53,7 +56,6 @@ def sensitivity_command(path: Path, *, out: Path) -> int:
 
 def reproduce_command(path: Path | None) -> int:
     """Print the paper table; 1 if a figure leaves its tolerance."""
-    from mbcdm_cad.configurations.loader import load_text, new_design_text
     from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 
     loaded = load_text(new_design_text("mbcdm")) if path is None else load_design(path)

@@ -6,6 +6,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from typing import Any
 
+import jinja2
 import numpy as np
 
 from mbcdm_cad.identification.report_figures import loop_png, orders_png, scatter_png, time_png
@@ -50,8 +51,6 @@ JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]
 
 def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequence[JudgedRun]) -> bytes:
     """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
-    import jinja2
-
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mbcdm_cad.identification", "."), undefined=jinja2.StrictUndefined, autoescape=True
     )

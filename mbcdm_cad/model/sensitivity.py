@@ -137,7 +137,7 @@ def global_indices(
 
     Errors: ``ModelError`` for an empty or reversed range.
     """
-    from scipy import stats
+    from scipy import stats  # takes a second to import
 
     chosen = dict(ranges or global_ranges(d))
     for name, (low, high) in chosen.items():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mbcdm_cad.model import plots
 from mbcdm_cad.model.ratings import requirements, sigmas_si
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
 from mbcdm_cad.model.si import to_si
@@ -40,8 +41,6 @@ def write_study(drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequ
     Files: fig5_a to fig5_d as .csv and .svg, indices.svg, tolerance.svg and .csv, loop.svg, sensitivity.json. Seeded:
     the same design gives the same bytes.
     """
-    from mbcdm_cad.model import plots
-
     folder.mkdir(parents=True, exist_ok=True)
     d, need = to_si(drive), requirements(drive)
     for panel in figure_5(d, need.load_Nm):

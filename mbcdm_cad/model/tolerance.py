@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.displaced import path_slope
@@ -143,6 +142,8 @@ def _linear_effect(d: DriveSI, path: Floats) -> Floats:
 
 def _swept(d: DriveSI, pose: Floats, path: Floats, preload_error: Floats) -> Floats:
     """Transmission error on the way up, after one sweep has set the friction's memory; (m,), zero at the centre."""
+    from mbcdm_cad.model.hysteresis import simulate  # compiled; checks take only the linear theory of this file
+
     centre = pose.size // 2
     # From the centre up, down, and up again: no jump, and the last sweep is the one that counts.
     order = np.concatenate([np.arange(centre, pose.size), np.arange(pose.size - 2, -1, -1), np.arange(1, pose.size)])

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.paper.experiments import PaperResult, RAMP_Nm_s
@@ -16,9 +17,6 @@ from mbcdm_cad.paper.experiments_analysis import (
     transmission_error_rad,
 )
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 _SIZE_IN = (8.0, 6.0)
 _DASHES = ("-", "--", "-.", ":")
 _FAILURES = ("first input at its limit", "an input is off by 1 mrad", "drum gives way")
@@ -26,9 +24,6 @@ _FAILURES = ("first input at its limit", "an input is off by 1 mrad", "drum give
 
 def plot_png(result: PaperResult, drive: Drive) -> bytes:
     """The figure as PNG; the same bytes for the same result."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=_SIZE_IN, layout="constrained")
     FigureCanvasAgg(figure)
     _DRAW[result.name](figure, result, drive)

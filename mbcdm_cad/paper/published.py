@@ -97,7 +97,7 @@ Judge = Callable[[Drive, DriveSI, Published, float], Judged]
 
 def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
     """Hold the model of ``drive`` against the published figures. Raises InputError for a file of another kind."""
-    from mbcdm_cad.paper.published_causes import JUDGES, together
+    from mbcdm_cad.paper.published_causes import JUDGES, together  # the causes use the classes of this file
 
     if file.content.published is None:
         remedy = "give a file with published figures"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import jinja2
+
 from mbcdm_cad.paper.published import PublishedResult, shown
 
 
 def published_page(result: PublishedResult, design: str) -> bytes:
     """The page as HTML; ``design`` is the design's name."""
-    import jinja2  # only a report needs it
-
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mbcdm_cad.paper", "."), undefined=jinja2.StrictUndefined, autoescape=True
     )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import jinja2
+
 from mbcdm_cad.configurations.registry import configuration
 
 _AT_DRUM = "_at_drum"
@@ -19,8 +21,6 @@ def _figure(value: Any) -> str:
 
 def report_markdown(data: dict[str, Any]) -> str:
     """The report in words and tables."""
-    import jinja2  # only a build that writes needs it
-
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mbcdm_cad.report", "."),
         undefined=jinja2.StrictUndefined,

@@ -8,6 +8,8 @@ import secrets
 from collections.abc import Mapping
 from pathlib import Path
 
+from mbcdm_cad.errors import InputError, Problem
+
 
 def aside(target: Path) -> Path:
     """A name beside ``target`` that nothing else has, for what is to take its place."""
@@ -18,6 +20,13 @@ def is_aside(path: Path, target: Path | None = None) -> bool:
     """Whether ``path`` has a name that :func:`aside` gives, for ``target`` if that is given."""
     name = ".*" if target is None else re.escape(target.name)
     return re.fullmatch(rf"\.{name}\.new-[0-9a-f]{{16}}", path.name) is not None
+
+
+def refuse_missing_folder(path: Path) -> None:
+    """Raise ``InputError`` if the folder that ``path`` is to be written into is not there."""
+    if not path.parent.is_dir():
+        what = f"there is no folder {path.parent}"
+        raise InputError([Problem(str(path), 1, "", what, remedy="make it first, or choose another path")])
 
 
 def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:

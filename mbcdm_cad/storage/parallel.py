@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
@@ -33,7 +32,11 @@ def fork_map(function: Callable[[Argument], Result], arguments: Sequence[Argumen
     """
     global _work
     jobs = min(jobs, len(arguments))
-    if jobs <= 1 or not _allowed or "fork" not in multiprocessing.get_all_start_methods():
+    if jobs <= 1 or not _allowed:
+        return [function(argument) for argument in arguments]
+    import multiprocessing  # every command imports this file, few of them fork
+
+    if "fork" not in multiprocessing.get_all_start_methods():
         return [function(argument) for argument in arguments]
     assert _work is None, "fork_map within fork_map"
     _work = (function, arguments)

@@ -1,4 +1,4 @@
-"""The main job as a user runs it: one process a command, a cache and an output folder of its own."""
+"""The main job as a user runs it: one process a command, an output folder of its own."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def assert_equal_folders(first: Path, second: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("cache")
+def cache(shared_cache: Path) -> Path:
+    return shared_cache
 
 
 @pytest.fixture(scope="module")

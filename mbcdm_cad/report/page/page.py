@@ -9,6 +9,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+import jinja2
+import markupsafe
+
 from mbcdm_cad.report.page import content
 from mbcdm_cad.report.page.scene import Scene
 
@@ -29,8 +32,6 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
     ``links`` maps a part to (label, address) of its files, addresses relative to the page; the key "" holds those of
     the whole. The same input gives the same bytes.
     """
-    import jinja2
-
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mbcdm_cad.report.page", "assets"),
         undefined=jinja2.StrictUndefined,
@@ -67,8 +68,6 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
 @cache
 def _asset(name: str) -> Any:
     """A file of this package as it is, for the inside of a <style> or <script>."""
-    import markupsafe
-
     folder = files("mbcdm_cad.report.page")
     path = folder / name if name.startswith("vendor/") else folder / "assets" / name
     return markupsafe.Markup(path.read_text("utf-8").replace("</script", "<\\/script"))
@@ -76,8 +75,6 @@ def _asset(name: str) -> Any:
 
 def _json(value: Any) -> Any:
     """JSON for the inside of a <script>: no sign that could end it."""
-    import markupsafe
-
     text = json.dumps(value, separators=(",", ":"), allow_nan=False, sort_keys=True)
     return markupsafe.Markup(text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e"))
 

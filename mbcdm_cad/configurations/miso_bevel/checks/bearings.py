@@ -16,6 +16,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.routes import GUIDE
 from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
 
 STATIC_SAFETY = 1.0
 QUIET_SAFETY = 2.0
@@ -31,8 +32,6 @@ def _safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Compari
 
 def input_reactions(s: BevelUnderTest) -> list[tuple[str, float, float]]:
     """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
-    from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
-
     v, bearings = s.levels, s.drive.bearings
     lower = (v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2) * 1e-3
     upper = (v.top_plate_bottom_z + bearings.input_upper.width_mm / 2) * 1e-3
@@ -50,8 +49,6 @@ def input_reactions(s: BevelUnderTest) -> list[tuple[str, float, float]]:
 
 def guide_forces_N(s: BevelUnderTest) -> list[NDArray[np.float64]]:
     """Forces on the axle at the guide's (lower, upper) bearing, shape (2, 3), in each state of the loads."""
-    from mbcdm_cad.model.bearing_loads import bearing_loads
-
     g = s.layout.guide
     apart = (g.top_z - g.bottom_z - g.seat_depth) * 1e-3
     middle = 0.5 * (s.steps[0].drum_radius_mm + s.steps[-1].drum_radius_mm)
@@ -73,8 +70,6 @@ def guide_reaction_N(s: BevelUnderTest) -> float:
 
 def drum_reactions_N(s: BevelUnderTest) -> tuple[float, float]:
     """Largest radial loads of the drum's (rear, front) bearings."""
-    from mbcdm_cad.model.bearing_loads import bearing_loads
-
     shaft, width = s.layout.drum_shaft, s.drive.bearings.drum.width_mm
     rear, front = ((y + width / 2) * 1e-3 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
     most = [0.0, 0.0]
@@ -147,8 +142,6 @@ def drum_bearing_spacing(s: BevelUnderTest) -> Comparison:
 
 def coupling_runout(s: BevelUnderTest) -> Comparison:
     """How far the cables push the pulley aside at the coupling: more than the gearhead's play would load its shaft."""
-    from mbcdm_cad.model.bearing_loads import bearing_loads
-
     v, lay, drive = s.levels, s.layout, s.drive
     lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
     upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2

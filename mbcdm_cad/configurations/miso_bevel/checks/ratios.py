@@ -14,6 +14,8 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted, shown
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.drive import BevelRun
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.kinematics import pair_mismatch_m
 
 # 0.6 um on a radius of 6 mm, a tenth of what good turning holds: rounding of the drawing, not of the part.
 RATIO_TOLERANCE = 1e-4
@@ -86,9 +88,6 @@ def _surface_hint(s: BevelUnderTest) -> str:
 
 def pair_mismatch(s: BevelUnderTest) -> Comparison:
     """Tension that the two cables of an input put on each other over the travel, from the model."""
-    from mbcdm_cad.model.equilibrium import solve_equilibrium
-    from mbcdm_cad.model.kinematics import pair_mismatch_m
-
     si, idle = s.loads.si, s.loads.idle
     one_of_each = [si.input_of.index(i) for i in range(si.n_inputs)]
     angle = s.half_travel_rad * si.total_ratio[one_of_each]
