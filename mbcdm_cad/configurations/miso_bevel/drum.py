@@ -61,9 +61,14 @@ def half_width_mm(drive: BevelDrive) -> float:
 
 
 def _anchor_limit(drive: BevelDrive, cable: BevelRun, tip: float, nuts_end: float) -> float:
-    """Largest anchor angle (rad) that keeps the terminal inside the sector's angle and its width."""
+    """Largest anchor angle (rad) that keeps the terminal inside the sector's angle and its width.
+
+    From a right angle on the sector is as wide as its disc whatever it holds, and only its angle counts.
+    """
     r = cable.drum_radius_mm
     by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
+    if drive.drum.sector_half_angle_deg >= 90.0:
+        return by_angle
     corners = ((r + nut_corner_radius_mm(drive), nuts_end), (r + drive.tensioner.thread_mm / 2, tip))
     return min(by_angle, *(_angle_within(half_width_mm(drive) - 0.1, out, along, by_angle) for out, along in corners))
 

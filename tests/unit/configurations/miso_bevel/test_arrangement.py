@@ -176,3 +176,16 @@ def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive)
                 line = path.only(stretch.pieces).line
                 volume, place = common(rod(line, d / 2 - CABLE_UNDERSIZE_MM), solid, item.location)
                 assert abs(volume) < VOLUME_LIMIT_MM3, (path.cable.name, stretch.body, volume, place)
+
+
+def test_terminals_of_a_wide_sector_stand_at_its_ends(reference: BevelDrive) -> None:
+    """Beyond a right angle every degree of the sector is one more of travel, for each cable alike."""
+
+    def anchors(sector_deg: float) -> np.ndarray:
+        drive = replace(reference, drum=replace(reference.drum, sector_half_angle_deg=sector_deg))
+        return np.degrees([t.anchor_rad for t in layout(drive).drum.tensioners])
+
+    assert anchors(120.0) - anchors(100.0) == pytest.approx(20.0, abs=0.2)
+    wide = replace(reference, half_travel_deg=60.0, drum=replace(reference.drum, sector_half_angle_deg=105.0))
+    after = statuses(wide)
+    assert {after[name] for name in ("wrap_left", "terminal_clears_guide", "spans_clear", "drum_sweep")} == {"pass"}
