@@ -153,6 +153,7 @@ WAYS: dict[str, Way] = {
     "envelope_x": Way(to("drum.sector_half_angle_deg"), 78.1, 70.0),
     "envelope_z": Way(to("targets.envelope_tolerance_mm"), 0.5, 0.0001),
     "envelope_y": Way(to("drum.hub_face_y_mm"), 20.8, 25.0),
+    "mass_estimate": Way(to("targets.mass_tolerance_g"), 10.0, 1.0),
 }
 # Told without a limit, or tried in a test of their own.
 OTHERS = {"path_length", "transmission_error", "shaft_twist", "cut_at_pitch", "screw_counts"}
