@@ -170,12 +170,18 @@ def _drives(b: _Builder) -> None:
             place=_at(p.x, p.y, v.top_plate_top_z),
             mass_g=encoder.mass_g,
         )
-        for n, (x, y) in enumerate(screw_places(gear.screw_count, lay.frame.gear_bolt_circle), 1):
-            b.steel_screw(f"gearhead_screw_{p.name}_{n}", gear_screw, _at(p.x + x, p.y + y, v.motor_shelf_top_z))
-        for n, sign in enumerate((-1, 1), 1):
-            x = p.x + sign * lay.top_plate.encoder_circle_radius
-            place = _at(x, p.y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
-            b.steel_screw(f"encoder_screw_{p.name}_{n}", encoder_screw, place)
+        # Number by number: the order of the items is that of the files.
+        gear_places = screw_places(gear.screw_count, lay.frame.gear_bolt_circle)
+        encoder_places = screw_places(2, lay.top_plate.encoder_circle_radius)
+        for n in range(max(len(gear_places), len(encoder_places))):
+            if n < len(gear_places):
+                x, y = gear_places[n]
+                at = _at(p.x + x, p.y + y, v.motor_shelf_top_z)
+                b.steel_screw(f"gearhead_screw_{p.name}_{n + 1}", gear_screw, at)
+            if n < len(encoder_places):
+                x, y = encoder_places[n]
+                place = _at(p.x + x, p.y + y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
+                b.steel_screw(f"encoder_screw_{p.name}_{n + 1}", encoder_screw, place)
     floor = lay.frame.encoder_pocket_floor_y
     b.add(
         "drum_encoder",
