@@ -22,7 +22,7 @@ def brute(first: CablePath, second: CablePath) -> float:
     return min(float(np.linalg.norm(b - p, axis=1).min()) for p in a)
 
 
-@pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])
+@pytest.mark.parametrize("angle_deg", [-35.0, *(pytest.param(a, marks=pytest.mark.slow) for a in (0.0, 35.0))])
 def test_distances_are_those_of_brute_force(dims: Layout, angle_deg: float) -> None:
     """Centre lines of different cables are never nearer than 2.7 mm."""
     paths = dims.cable_paths(radians(angle_deg))

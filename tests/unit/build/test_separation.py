@@ -78,7 +78,7 @@ def test_nothing_that_overlaps_is_proven_apart(one: str, other: str, motion: tup
         assert gap < 3 * TOLERANCE_MM, f"{gap:.4f} mm apart and not seen"
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.sampled_from(sorted(SOLIDS)), st.tuples(ANGLE, ANGLE, SHIFT, SHIFT, SHIFT), st.floats(0.2, 2.0))
 def test_no_rod_that_overlaps_is_proven_apart(name: str, motion: tuple[float, ...], radius_mm: float) -> None:
     """A rod about a helix, an arc and a line; the nearest point of its centre line is sampled."""
