@@ -18,7 +18,7 @@ from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.interface import Layout
+from mbcdm_cad.configurations.interface import FrameCompliance, FrameStudy, Layout
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
@@ -98,7 +98,7 @@ def build(
         mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
         envelope_check(drive, data["envelope"]["size_mm"]),
         interference_check(drive, clashes),
-        *([frame_windup_check(drive, frame.windup_mrad(drive.loads.test_torque_Nm))] if frame else []),
+        *_frame_checks(drive, kind.frame_study(dims), frame),
     )
     failed = _failed(checks)
     if failed and not force:
@@ -130,6 +130,12 @@ def _refuse_angle(drive: Drive, angle_deg: float) -> None:
             f"--angle: beyond the travel (value {angle_deg:g} deg, limit +-{drive.half_travel_deg:g} deg); "
             "choose an angle within it or widen travel.half_angle_deg"
         )
+
+
+def _frame_checks(drive: Drive, study: FrameStudy | None, found: FrameCompliance | None) -> list[CheckResult]:
+    if study is None or found is None:
+        return []
+    return [frame_windup_check(drive, found.windup_mrad(drive.loads.test_torque_Nm), study.advice)]
 
 
 def _why_not_drawn(failed: Sequence[CheckResult]) -> str:

@@ -66,7 +66,7 @@ class Store:
         missing: dict[str, str] = {}
         for name, spec in specs.items():
             module = spec.maker.partition(":")[0]
-            source = self._source(module, "mbcdm_cad.build.drawn")
+            source = self._source(module, "mbcdm_cad.build.makefiles")
             key = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
             blobs = self._cache.get(key)
             if blobs is None:
@@ -74,7 +74,7 @@ class Store:
             else:
                 made[name] = MadePart(key, PartFiles.from_blobs(name, blobs))
         if missing:
-            from mbcdm_cad.build.drawn import drawn_part
+            from mbcdm_cad.build.makefiles import drawn_part
 
             self._note(*missing)
             drawn = fork_map(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), list(missing), jobs)

@@ -55,14 +55,14 @@ def mass_check(drive: Drive, mass_g: float, sigma_g: float) -> CheckResult:
     )
 
 
-def frame_windup_check(drive: Drive, windup_mrad: float) -> CheckResult:
-    """What the support's deflection adds to the drum's turn at the test torque, against the design's limit."""
+def frame_windup_check(drive: Drive, windup_mrad: float, advice: str) -> CheckResult:
+    """What the frame's deflection adds to the drum's turn at the test torque, against the design's limit."""
     check = Check(
         "frame_windup",
         "Frame stiff against the test torque",
         "limits.frame_windup_max_mrad; derived",
         _measured_by_the_build,
-        advice="thicken the walls that bend most: support.rib_mm, support.back_plate_mm, support.motor_shelf_mm",
+        advice=advice,
     )
     what = f"the frame's deflection turns the drum at {drive.loads.test_torque_Nm:g} N m by"
     return _result(check, drive, what, windup_mrad, drive.limits.frame_windup_max_mrad, "mrad")

@@ -1,4 +1,4 @@
-"""The commands that draw, ``build`` and ``picture``: what they print, and the exit code they end with.
+"""The commands that draw, ``build``, ``picture`` and ``drawings``: what they print, and the exit code they end with.
 
 What draws pictures and drawings is imported inside: a build that finds nothing changed needs no CAD.
 """
@@ -9,9 +9,11 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.build.bodies import bodies, is_cable
 from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.report.build_report import build_report
 from mbcdm_cad.storage.cache import Cache, cache_folder
@@ -52,6 +54,35 @@ def picture_command(path: Path, png: Path, *, angle_deg: float, view: str, use_c
     data = picture_png(items, {name: part.files.mesh for name, part in parts.items()}, view)
     write_whole({png: data})
     click.echo(f"{png}: {view} view, drum at {angle_deg:g} deg")
+    return 0
+
+
+def moving_picture_command(path: Path, gif: Path, *, view: str, use_cache: bool) -> int:
+    """Draw the travel into one GIF, without a display. Raises ``InputError`` for a file that cannot be a GIF."""
+    loaded = load_design(path)
+    if gif.suffix.lower() != ".gif":
+        remedy = f"name it {gif.with_suffix('.gif').name}"
+        raise InputError([Problem(str(gif), 1, "", "moving pictures are GIF files", gif.suffix, ".gif", remedy)])
+    from mbcdm_cad.build.export.moving import travel_gif
+
+    drive = loaded.drive
+    kind = configuration(drive.configuration)
+    dims = kind.layout(drive)
+    centred = kind.bill(dims)
+    with progress() as note:
+        _, parts = drawn(drive, 0.0, Cache(cache_folder() if use_cache else None), note)
+        note("moving picture")
+        colour = next(item.material.colour for item in centred.items if is_cable(item))
+        data = travel_gif(
+            [item for item in centred.items if not is_cable(item)],
+            {name: part.files.mesh for name, part in parts.items()},
+            bodies(kind.moving_bodies(dims), centred),
+            (dims.cable_paths, drive.cable.diameter_mm, colour),
+            drive.half_travel_deg,
+            view=view,
+        )
+    write_whole({gif: data})
+    click.echo(f"{gif}: {view} view, drum to +-{drive.half_travel_deg:g} deg, {len(data) / 1e6:.2f} MB")
     return 0
 
 

@@ -121,7 +121,7 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> int:
     """Draw a design into a PNG or GIF file; needs no display."""
     if travel:
-        from mbcdm_cad.cli.moving import moving_picture_command
+        from mbcdm_cad.cli.building import moving_picture_command
 
         return moving_picture_command(design, png, view=view, use_cache=not no_cache)
     from mbcdm_cad.cli.building import picture_command

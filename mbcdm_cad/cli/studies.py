@@ -13,9 +13,9 @@ import click
 from mbcdm_cad.cli.screen import screen_width
 from mbcdm_cad.configurations.loader import load_design, load_text, new_design_text
 from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.model.figures import readable_figure
 from mbcdm_cad.parts.making import model_tolerances
 from mbcdm_cad.report.table import ReportTable
-from mbcdm_cad.report.units import readable_figure
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, versions
@@ -45,8 +45,8 @@ def sensitivity_command(path: Path, *, out: Path) -> int:
     click.echo(f"{target}: fig5_a to fig5_d, indices, tolerance, loop as plots; sensitivity.json")
     rows = []
     for name, interval in summary["intervals"].items():
-        words, unit, scale = readable_figure(name)
-        rows.append((words, unit, *(interval[key] * scale for key in ("value", "low", "high"))))
+        plain, unit, scale = readable_figure(name)
+        rows.append((plain.replace("_", " "), unit, *(interval[key] * scale for key in ("value", "low", "high"))))
     click.echo("95 % intervals:")
     click.echo(
         "\n".join(ReportTable(("figure", "unit", "value", "low", "high"), tuple(rows)).text(screen_width(), "  "))

@@ -50,12 +50,14 @@ class FrameCompliance:
 class FrameStudy:
     """What the frame's compliance depends on, and how it is worked out: it takes long enough to be kept in the cache.
 
-    ``module`` is the one whose code makes it, ``inputs`` plain data, all that it depends on.
+    ``module`` is the one whose code makes it, ``inputs`` plain data, all that it depends on. ``advice`` says what makes
+    the frame stiffer.
     """
 
     module: str
     inputs: Any
     compliance: Callable[[], FrameCompliance]
+    advice: str = "thicken the walls that bend most"
 
 
 class PathFigures(Protocol):

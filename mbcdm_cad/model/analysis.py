@@ -26,6 +26,7 @@ from mbcdm_cad.model.figures import (
     PassedLoad,
     ShaftTurns,
     UncertainFigure,
+    readable_figure,
 )
 from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
@@ -107,7 +108,7 @@ def uncertain_figures(d: DriveSI, drive: Drive) -> tuple[UncertainFigure, ...]:
         return ()
     found = []
     for name, x in intervals(d, requirements(drive), sigmas).items():
-        plain, unit, scale = (name[:-4], "mrad", 1e3) if name.endswith("_rad") else (name[:-3], "N m", 1.0)
+        plain, unit, scale = readable_figure(name)
         found.append(UncertainFigure(plain, unit, *(scale * v for v in (x.value, x.low, x.high, x.sigma))))
     return tuple(found)
 

@@ -11,6 +11,17 @@ from typing import Any
 
 from mbcdm_cad.model.capability import TorqueLimit
 
+# How an SI figure, named with its unit, is read: (unit, factor) by the end of its name.
+_READABLE = {"_rad": ("mrad", 1e3), "_Nm": ("N m", 1.0), "_N": ("N", 1.0), "_m": ("mm", 1e3)}
+
+
+def readable_figure(name: str) -> tuple[str, str, float]:
+    """(name without unit, unit, factor): for ``reversal_swing_rad`` these are ``reversal_swing``, mrad, 1000."""
+    for suffix, (unit, factor) in _READABLE.items():
+        if name.endswith(suffix):
+            return name.removesuffix(suffix), unit, factor
+    return name, "-", 1.0
+
 
 @dataclass(frozen=True)
 class CableFigures:

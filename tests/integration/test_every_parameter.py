@@ -264,12 +264,12 @@ def test_windup_limit_is_held_against_the_windup() -> None:
     status = []
     for limit in (0.01, 0.03):
         drive = load_text(edited({("limits", "frame_windup_max_mrad"): limit})).drive
-        status.append(frame_windup_check(drive, 0.02).status)
+        status.append(frame_windup_check(drive, 0.02, "thicken it").status)
     assert status == ["fail", "pass"]
 
 
 def test_mesh_tolerance_changes_the_mesh() -> None:
-    from mbcdm_cad.build.drawn import drawn_part
+    from mbcdm_cad.build.makefiles import drawn_part
 
     counts = []
     for tolerance in (0.01, 0.04):

@@ -23,9 +23,7 @@ class BearingFriction(RigEffect):
 
     effect: Literal["bearing_friction"]
     drum_mNm: Annotated[float, Field(ge=0.0, le=5000.0)] = 0.0
-    passed_mNm: Annotated[float, Field(ge=0.0, le=500.0, validation_alias=AliasChoices("passed_mNm", "guide_mNm"))] = (
-        0.0
-    )
+    passed_mNm: Annotated[float, Field(ge=0.0, le=500.0, validation_alias=PASSED)] = 0.0
     presliding_urad: Annotated[float, Field(gt=0.0, le=1e4)] = 100.0
 
     def apply(self, bench: Bench) -> None:

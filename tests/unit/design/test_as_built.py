@@ -41,7 +41,6 @@ def test_analysis_is_that_of_the_drive_as_built(load_edited: Any) -> None:
     bare = analyse(load_edited({}).drive)
     stiff = analyse(load_edited({("as_built",): [MODULUS]}).drive)
     ratio = stiff.reversal_swing_mrad / bare.reversal_swing_mrad
-    print(f"backlash as built over declared: {ratio:.6f}")
     assert ratio == pytest.approx(1.0 / 1.1, rel=1e-9)
 
 

@@ -26,8 +26,9 @@ def test_loads_and_directions_are_those_of_the_whole(rhythm: int, count: int) ->
     assert 0.15 <= chosen.mean() <= 0.35, held
     assert {int(k) % 2 for k in held} == {0, 1}, held
     whole, part = float(np.std(load)), float(np.std(load[chosen]))
-    print(f"rhythm {rhythm}, {count} half sweeps: spread of the load {whole:.3f}, held back {part:.3f}")
-    assert part >= 0.5 * whole, (held, whole, part)
+    assert part >= 0.5 * whole, (
+        f"{count} half sweeps, {held} held back: spread of the load {whole:.3f}, there {part:.3f}"
+    )
 
 
 def test_few_or_unused_sweeps() -> None:

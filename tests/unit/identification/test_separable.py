@@ -31,9 +31,9 @@ def test_wrong_choices_happen_as_often_as_said(likeness: float, strength: float)
     wrong = float(np.mean(((first + noise - second) ** 2).sum(axis=1) < (noise**2).sum(axis=1)))
     white = float(norm.sf(np.sqrt(strength**2 * (1.0 - likeness) / 2.0)))
     said = [separation(first, second, one, SWEEP, SECTOR).probability for one in noise[:200]]
-    print(f"counted {wrong:.4f}, white formula {white:.4f}, clustered {np.median(said):.4f}")
-    assert abs(wrong - white) < 4.0 * np.sqrt(white * (1.0 - white) / 4000)
-    assert 0.6 * white - 0.01 < np.median(said) < 1.6 * white + 0.01
+    figures = f"counted {wrong:.4f}, white formula {white:.4f}, clustered {np.median(said):.4f}"
+    assert abs(wrong - white) < 4.0 * np.sqrt(white * (1.0 - white) / 4000), figures
+    assert 0.6 * white - 0.01 < np.median(said) < 1.6 * white + 0.01, figures
 
 
 def test_factor_is_what_would_separate() -> None:

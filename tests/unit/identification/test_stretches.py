@@ -32,8 +32,7 @@ def test_half_sweeps_begin_where_the_output_turns() -> None:
     turns = np.flatnonzero(np.diff(sweep)) + 1
     true = period / 4 + period / 2 * np.arange(60)
     off = np.abs(turns - true[: turns.size])
-    print(f"{turns.size} turns, at most {off.max():.0f} samples off")
-    assert turns.size == 60
+    assert turns.size == 60, turns
     assert off.max() <= 8, off
 
 
@@ -45,15 +44,17 @@ def test_cuts_cover_the_run_in_order_and_keep_whole_half_sweeps(half_sweep: int,
 
     def check(cut: Cut, most: int) -> None:
         dense = cut.index[~cut.lead]
-        print(f"{cut.index.size} samples, {cut.lead.sum()} of them lead in, stride {cut.stride}, starts {cut.starts}")
-        assert (np.diff(cut.index) > 0).all()
-        assert dense.size <= 1.3 * most
-        assert dense[0] == 0
-        assert dense[-1] >= samples - 2 * half_sweep - cut.stride
+        figures = (
+            f"{cut.index.size} samples, {cut.lead.sum()} of them lead in, stride {cut.stride}, starts {cut.starts}"
+        )
+        assert (np.diff(cut.index) > 0).all(), figures
+        assert dense.size <= 1.3 * most, figures
+        assert dense[0] == 0, figures
+        assert dense[-1] >= samples - 2 * half_sweep - cut.stride, figures
         judged = cut.index[~cut.unknown]
-        assert np.unique(sweep[judged]).size >= 0.6 * np.unique(sweep[dense]).size
+        assert np.unique(sweep[judged]).size >= 0.6 * np.unique(sweep[dense]).size, figures
         for start in cut.starts[1:]:
-            assert cut.index[start] % half_sweep == 0, "a stretch begins where the drive turns"
+            assert cut.index[start] % half_sweep == 0, f"a stretch begins where the drive does not turn: {figures}"
 
     part = search_cut(sweep, load)
     assert part is not None
@@ -90,6 +91,5 @@ def test_stretches_remember_what_the_whole_remembers() -> None:
     # On the load's flanks, where the drive turns, the two interpolate between other samples.
     level = part.used & (np.abs(part.cut.index % (period // 2) - period // 4) > 30)
     typical, worst = float(np.sqrt(np.mean(off[part.used] ** 2))), float(off[level].max())
-    print(f"stretches against the whole: {typical:.3f} urad RMS, {worst:.2f} urad at most between flanks")
     assert typical < 0.3, typical
     assert worst < 1.0, worst

@@ -64,10 +64,9 @@ def test_place_and_height_of_a_bump() -> None:
     unknown = describe_unknown(*run_with("bump", 0), FLOOR)
     words = unknown.sentence().split("a bump of ")[1].split()
     height, place, width = float(words[0]), float(words[4]), float(words[6])
-    print(unknown.sentence())
-    assert abs(height - 60.0) < 3.0
-    assert abs(place - 0.1) < 0.01
-    assert abs(width - 2.355 * 0.03) < 0.01
+    assert abs(height - 60.0) < 3.0, unknown.sentence()
+    assert abs(place - 0.1) < 0.01, unknown.sentence()
+    assert abs(width - 2.355 * 0.03) < 0.01, unknown.sentence()
 
 
 def test_noise_alone_has_no_pattern() -> None:

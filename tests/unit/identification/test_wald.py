@@ -52,7 +52,6 @@ def test_level_on_residuals_that_repeat_in_angle() -> None:
         left = y - y.mean() - slope * angle
         z = slope / (left.std() / np.sqrt(angle @ angle))
         plain += 2.0 * norm.sf(abs(z)) < 0.05
-    print(f"fired at 5 %: clustered {clustered / 400:.3f}, plain {plain / 400:.3f}")
     assert clustered / 400 < 0.10, clustered
     assert plain / 400 > 0.4, plain
 
@@ -66,7 +65,6 @@ def test_true_slope_is_found_and_covered() -> None:
         one = cluster_estimate(angle[:, None], y, sweep, sector)
         covered += abs(one.value[0] - 3.0) <= one.half_width()[0]
         found += one.probability([0]) < 0.05 / 14
-    print(f"covered {covered / 200:.3f}, found {found / 200:.3f}")
     assert 0.85 <= covered / 200 <= 0.995, covered
     assert found / 200 > 0.95, found
 

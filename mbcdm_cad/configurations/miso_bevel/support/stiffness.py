@@ -211,4 +211,5 @@ def frame_study(layout: Layout) -> FrameStudy:
     drive = layout.drive
     cables = [(c.input_side, c.drum_side, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm) for c in drive.cables]
     inputs = (layout.frame, layout.top_plate, layout.drum_shaft, drive.support, drive.bearings, cables)
-    return FrameStudy(__name__, inputs, compliance)
+    walls = "support.rib_mm, support.back_plate_mm, support.motor_shelf_mm"
+    return FrameStudy(__name__, inputs, compliance, f"thicken the walls that bend most: {walls}")
