@@ -164,7 +164,7 @@ def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
 )
 @_NO_CACHE
 def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
-    """Follow a design file: after every save new checks, parts and page.
+    """Follow a design file: new checks and page at each save.
 
     Prints the address of a page that loads itself again. The parts drawn at once go into DIR/NAME-live, the whole build
     into DIR/NAME. Ctrl-C ends it.

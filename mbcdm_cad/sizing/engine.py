@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from mbcdm_cad.design.sized import SizedValue, Sizing
-from mbcdm_cad.sizing.given import Given
+from mbcdm_cad.sizing.given import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule
 
 
-def fill(given: Given, rules: Iterable[Rule]) -> Sizing:
+def fill(given: KnownFields, rules: Iterable[Rule]) -> Sizing:
     """Fill every open field for which there is a rule that applies; what the file gives stays as it is."""
     records: list[SizedValue] = []
     for rule in rules:

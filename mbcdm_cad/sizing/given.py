@@ -10,7 +10,7 @@ from mbcdm_cad.design.rules import unknown_entry
 from mbcdm_cad.design.sized import SizingError
 
 
-class Given:
+class KnownFields:
     """The data of one design file while its gaps are filled.
 
     Fields are named as in messages, ``drum.outer_face_y_mm``. Reading one through this object notes it, so that what a

@@ -6,7 +6,7 @@ import pytest
 
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.sizing.engine import fill
-from mbcdm_cad.sizing.given import Given
+from mbcdm_cad.sizing.given import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, largest, rounded_down, rounded_up, smallest
 
 RULES = (
@@ -18,7 +18,7 @@ RULES = (
 
 
 def test_rules_fill_in_order_and_say_what_they_rest_on() -> None:
-    sizing = fill(Given({}), RULES)
+    sizing = fill(KnownFields({}), RULES)
     assert sizing.data == {"a": {"first": 2.0, "second": 4.0}, "b": {"third": 4.0}}
     second, third = sizing.values[1:]
     assert (second.driver, dict(second.rests_on)) == ("b", {"a.first": 2.0})
@@ -26,7 +26,7 @@ def test_rules_fill_in_order_and_say_what_they_rest_on() -> None:
 
 
 def test_what_is_given_is_a_pin_and_what_follows_rests_on_it() -> None:
-    sizing = fill(Given({"a": {"second": 7.0}, "b": {"extra": 0.5}}), RULES)
+    sizing = fill(KnownFields({"a": {"second": 7.0}, "b": {"extra": 0.5}}), RULES)
     assert sizing.of("a.second") is None
     third = sizing.of("b.third")
     assert third is not None and third.value == 7.5
@@ -35,7 +35,7 @@ def test_what_is_given_is_a_pin_and_what_follows_rests_on_it() -> None:
 
 def test_a_rule_that_stands_too_early_is_found() -> None:
     with pytest.raises(KeyError, match=r"a\.second is not known"):
-        fill(Given({}), RULES[2:])
+        fill(KnownFields({}), RULES[2:])
 
 
 def test_the_need_that_sets_a_value_is_named() -> None:
@@ -49,7 +49,7 @@ def test_rounding_leaves_what_is_on_its_step(value: float, up: float, down: floa
 
 
 def test_an_unknown_part_is_bad_input() -> None:
-    given = Given({"drive": {"motor": "none"}})
+    given = KnownFields({"drive": {"motor": "none"}})
     with pytest.raises(SizingError) as refused:
         given.entry("motors", "drive.motor")
     (broken,) = refused.value.broken

@@ -9,7 +9,7 @@ from typing import Any
 from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.design.bought import CableSpec, Gearhead, Screw, TerminationSpec
 from mbcdm_cad.design.resolve import termination
-from mbcdm_cad.sizing.given import Given
+from mbcdm_cad.sizing.given import KnownFields
 
 STEPS = 4
 # A lead that just clears the turn before it is raised by this share of the rope's diameter: stacked tolerances.
@@ -17,7 +17,7 @@ LEAD_SPARE = 0.008
 LEAD_STEP_MM = 0.01
 
 
-class BevelGiven(Given):
+class BevelGiven(KnownFields):
     """Adds the figures that follow from a few fields each; reading one notes these fields."""
 
     @property
