@@ -7,7 +7,7 @@ field is in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -70,10 +70,6 @@ class Rope(Block):
     preload_N: Number = quantity(
         "tension of each cable with the drum centred and unloaded", unit="N", uncertain=True, ge=0.1, le=20000.0
     )
-    helix_lead_mm: Number = quantity(
-        "axial advance per turn on the input pulley, above the rope's diameter", unit="mm", ge=0.2, le=10.0
-    )
-    dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", unit="-", ge=0.0, le=10.0)
     cut_tolerance_mm: Number = quantity(
         "how far the length of a finished cable, stop to terminal, may be from the one listed",
         unit="mm",
@@ -81,6 +77,28 @@ class Rope(Block):
         ge=0.0,
         le=20.0,
     )
+
+
+class WoundRope(Rope):
+    """The rope of all cables: a catalogue type, or all values inline."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "type",
+        "inline",
+        "modulus_GPa",
+        "modulus_area",
+        "termination",
+        "friction_coefficient",
+        "preload_N",
+        "helix_lead_mm",
+        "dead_turns",
+        "cut_tolerance_mm",
+    )
+
+    helix_lead_mm: Number = quantity(
+        "axial advance per turn on the input pulley, above the rope's diameter", unit="mm", ge=0.2, le=10.0
+    )
+    dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", unit="-", ge=0.0, le=10.0)
 
 
 class DriveTrain(Block):
@@ -104,14 +122,6 @@ class Limits(Block):
 
     bend_ratio_min: Number = quantity(
         "smallest D/d on any pulley; the rope's own minimum is a warning", unit="-", ge=1.0, le=200.0
-    )
-    fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", unit="deg", gt=0.0, le=20.0)
-    fleet_angle_grooved_max_deg: Number = quantity(
-        "largest fleet angle on a grooved pulley; wire rope handbooks ask for 2, 4 at the very most",
-        unit="deg",
-        default=2.0,
-        gt=0.0,
-        le=20.0,
     )
     tension_safety_factor: Number = quantity("breaking load over largest tension", unit="-", ge=1.0, le=100.0)
     preload_share_max: Number = quantity("preload over breaking load", unit="-", gt=0.0, le=1.0)
@@ -142,6 +152,28 @@ class Making(Block):
     )
     position_mm: Number = quantity(
         "place of a bore, a face or a step from its datum, plus or minus", unit="mm", default=0.02, ge=0.0, le=1.0
+    )
+
+
+class SpanLimits(Limits):
+    """Limits of this design that the checks hold it against."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "bend_ratio_min",
+        "fleet_angle_max_deg",
+        "fleet_angle_grooved_max_deg",
+        "tension_safety_factor",
+        "preload_share_max",
+        "frame_windup_max_mrad",
+    )
+
+    fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", unit="deg", gt=0.0, le=20.0)
+    fleet_angle_grooved_max_deg: Number = quantity(
+        "largest fleet angle on a grooved pulley; wire rope handbooks ask for 2, 4 at the very most",
+        unit="deg",
+        default=2.0,
+        gt=0.0,
+        le=20.0,
     )
 
 

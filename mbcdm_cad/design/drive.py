@@ -36,8 +36,6 @@ class Limits:
     """Limits of this design that the checks hold it against."""
 
     bend_ratio_min: float
-    fleet_angle_max_deg: float
-    fleet_angle_grooved_max_deg: float
     tension_safety_factor: float
     preload_share_max: float
     frame_windup_max_mrad: float

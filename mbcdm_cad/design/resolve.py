@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 from mbcdm_cad.design import drive as d
 from mbcdm_cad.design.blocks import Cable, Design, Rope
@@ -12,10 +12,19 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 
 
-def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
-    """The fields of :class:`~mbcdm_cad.design.drive.Drive` that follow from shared blocks: all but cables and sigmas.
+class SteppedCable(Protocol):
+    """A cable that the file puts on a step of its pulleys."""
 
-    Effects found on the built drive are left out; the loader puts them in.
+    @property
+    def step(self) -> int:
+        """From 1, the smallest."""
+
+
+def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
+    """The fields of :class:`~mbcdm_cad.design.drive.Drive` that follow from shared blocks.
+
+    All but cables, sigmas, and how the rope lies on the inputs (``helix_lead_mm``, ``dead_turns``). Effects found on
+    the built drive are left out; the loader puts them in.
     """
     train, rope, ends = design.drive, _rope(design.rope, catalogue), catalogue.all("terminations")
     return {
@@ -28,8 +37,6 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "terminations": ends,
         "termination": termination(design.rope.termination, ends, rope),
         "friction_coefficient": design.rope.friction_coefficient,
-        "helix_lead_mm": design.rope.helix_lead_mm,
-        "dead_turns": design.rope.dead_turns,
         "cut_tolerance_mm": design.rope.cut_tolerance_mm,
         "motor": catalogue.get("motors", train.motor),
         "gearhead": catalogue.get("gearheads", train.gearhead),
@@ -45,6 +52,11 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "materials": catalogue.all("materials"),
         "as_built": (),
     }
+
+
+def by_step(cables: Sequence[SteppedCable]) -> list[int]:
+    """Places of the file's cables in the order of their steps."""
+    return sorted(range(len(cables)), key=lambda k: cables[k].step)
 
 
 def preload_N(design: Design, cable: Cable) -> float:

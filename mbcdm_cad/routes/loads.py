@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.routes.route import DriveRoutes
+from mbcdm_cad.routes.route import DriveRoutes, Triple
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +52,15 @@ def body_load(routes: DriveRoutes, name: str, tension_N: Floats) -> BodyLoad:
     return BodyLoad(pulls.sum(axis=0), middle, moment)
 
 
-def two_bearing_reactions_N(force_N: Floats, moment_Nm: Floats, at_m: float, lower_m: float, upper_m: float) -> Floats:
-    """Radial reactions (2, 3) of bearings at ``lower_m`` and ``upper_m`` to a force at height ``at_m`` and a moment."""
+def two_bearing_reactions_N(
+    force_N: Floats, moment_Nm: Floats, at_m: float, lower_m: float, upper_m: float, axis: Triple = (0.0, 0.0, 1.0)
+) -> Floats:
+    """Radial reactions (2, 3) of bearings at ``lower_m`` and ``upper_m`` to a force at height ``at_m`` and a moment.
+
+    Heights count along the unit vector ``axis``.
+    """
     arm = upper_m - lower_m
-    # Equilibrium about the lower bearing: z x R_upper arm + z x F (at - lower) + moment = 0.
-    from_moment = np.array([moment_Nm[1], -moment_Nm[0], 0.0]) / arm
+    # Equilibrium about the lower bearing: a x R_upper arm + a x F (at - lower) + moment = 0.
+    from_moment = -np.cross(axis, moment_Nm) / arm
     upper = -np.asarray(force_N) * (at_m - lower_m) / arm - from_moment
     return np.stack([-np.asarray(force_N) - upper, upper])

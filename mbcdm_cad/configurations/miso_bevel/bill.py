@@ -6,18 +6,18 @@ No kernel here: with all parts in the cache, a build never draws.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, cos, degrees, radians, sin
-from typing import Any
+from math import radians
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
 from mbcdm_cad.design.bought import Bearing, Screw
-from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody, cable_item
+from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, StopSlot
+from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder
+from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
+from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.terminal.dims import TerminalDims
 
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
 _Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
@@ -26,12 +26,9 @@ _Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
 _ALONG_Y = Placement.about(_X, -90.0)
 _AGAINST_Y = Placement.about(_X, 90.0)
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
-RING_ENCODER_GRIP_MM = 2.0
 # Colours (linear RGB) that tell bought bodies and cables from machined metal.
 _MOTOR_COLOUR = (0.02, 0.02, 0.025)
 _GEARHEAD_COLOUR = (0.22, 0.2, 0.15)
-_ENCODER_COLOUR = (0.01, 0.12, 0.06)
-_CABLE_COLOUR = (0.85, 0.3, 0.02)
 
 
 def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
@@ -137,8 +134,8 @@ def _bearings(b: _Builder) -> None:
 def _drives(b: _Builder) -> None:
     lay, drive, v = b.layout, b.drive, b.layout.levels
     body = drive.material("stainless")
-    gear, encoder, ring = drive.gearhead, drive.encoder, drive.drum_encoder
-    gear_screw, encoder_screw, ring_screw = (drive.screw(x.screw) for x in (gear, encoder, ring))
+    gear, encoder = drive.gearhead, drive.encoder
+    gear_screw, encoder_screw = (drive.screw(x.screw) for x in (gear, encoder))
     gear_depth = gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0
     head_depth = encoder_screw.head_height_mm + 0.2
     encoder_depth = encoder_screw.length_mm - (drive.support.top_plate_mm - head_depth) + 0.5
@@ -166,7 +163,7 @@ def _drives(b: _Builder) -> None:
             "mbcdm_cad.parts.bought.draw:create_encoder",
             (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_depth),
             part="encoder",
-            material=replace(body, colour=_ENCODER_COLOUR),
+            material=replace(body, colour=ENCODER_COLOUR),
             place=_at(p.x, p.y, v.top_plate_top_z),
             mass_g=encoder.mass_g,
         )
@@ -182,90 +179,7 @@ def _drives(b: _Builder) -> None:
                 x, y = encoder_places[n]
                 place = _at(p.x + x, p.y + y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
                 b.steel_screw(f"encoder_screw_{p.name}_{n + 1}", encoder_screw, place)
-    floor = lay.frame.encoder_pocket_floor_y
-    b.add(
-        "drum_encoder",
-        "mbcdm_cad.parts.bought.draw:create_ring_encoder",
-        (ring, ring_screw, RING_ENCODER_GRIP_MM),
-        material=replace(body, colour=_ENCODER_COLOUR),
-        place=_at(0.0, floor, 0.0) @ _AGAINST_Y,
-        mass_g=ring.mass_g,
-    )
-    for n, sign in enumerate((-1, 1), 1):
-        place = _at(sign * lay.frame.encoder_screw_circle, floor - RING_ENCODER_GRIP_MM, 0.0) @ _AGAINST_Y
-        b.steel_screw(f"drum_encoder_screw_{n}", ring_screw, place)
-
-
-def _drum(b: _Builder) -> None:
-    lay, drive = b.layout, b.drive
-    d, t = lay.drum, drive.tensioner
-    set_screw = drive.screw(d.set_screw)
-    b.add(
-        "drum",
-        "mbcdm_cad.parts.drum_sector.draw:create_drum",
-        (d, set_screw.thread_mm),
-        material=drive.drum.material,
-        group="drum",
-    )
-    b.add(
-        "drum_shaft",
-        "mbcdm_cad.parts.drum_shaft.draw:create_drum_shaft",
-        (lay.drum_shaft,),
-        material=drive.drum.shaft_material,
-        group="drum",
-    )
-    for n, deg in enumerate((45.0, 135.0), 1):
-        out = d.set_screw_radius + set_screw.length_mm
-        place = _at(out * sin(radians(deg)), d.set_screw_y, out * cos(radians(deg))) @ Placement.about(_Y, deg)
-        b.steel_screw(f"hub_set_screw_{n}", set_screw, place, "drum")
-    steel = drive.material(t.material)
-    for p in d.tensioners:
-        turn = Placement.about(_Y, degrees(atan2(p.side * cos(p.anchor_rad), -sin(p.anchor_rad))))
-
-        def along(s: float, p: Any = p, turn: Placement = turn) -> Placement:
-            x, z = p.at(s)
-            return _at(x, p.y_mm, z) @ turn
-
-        # Drawn slack, and drawn in as far as its own cable asks: one part for all cables.
-        slack = TerminalDims(
-            swage_start=round(p.slack_start, 9),
-            cable_end=round(p.cable_end - p.drawn_in, 9),
-            swage_end=round(p.swage_end - p.drawn_in, 9),
-            tip=round(p.tip - p.drawn_in, 9),
-            swage_radius=t.swage_diameter_mm / 2,
-            flat=t.swage_flats_mm / 2,
-            stud_radius=t.thread_mm / 2,
-            bore_radius=drive.cable.diameter_mm / 2,
-        )
-        b.add(
-            f"terminal_{p.cable_name}",
-            "mbcdm_cad.parts.terminal.draw:create_terminal",
-            (slack,),
-            part="terminal",
-            material=steel,
-            group="drum",
-            # A flat of the sleeve towards the drum's axis, along the wall of its pocket.
-            place=along(p.drawn_in) @ Placement.about(_Z, 90.0),
-        )
-        for n in range(2):
-            b.add(
-                f"nut_{p.cable_name}_{n + 1}",
-                "mbcdm_cad.parts.ring:create_nut",
-                (t.nut_across_flats_mm, t.nut_height_mm, t.thread_mm),
-                part="nut",
-                material=steel,
-                group="drum",
-                place=along(p.lug_end + n * t.nut_height_mm),
-            )
-
-
-def _stop_place(slot: StopSlot) -> Placement:
-    """A stop drawn along +Z from its end next to the bend, laid on the chord."""
-    a = slot.end_angle_rad
-    u, v = (cos(a), sin(a)), (-slot.away * sin(a), slot.away * cos(a))
-    x = slot.stop_start * u[0] + slot.chord_offset * v[0]
-    y = slot.stop_start * u[1] + slot.chord_offset * v[1]
-    return _at(x, y, slot.chord_z) @ Placement.about(_Z, degrees(a) + 180.0) @ Placement.about(_Y, 90.0)
+    add_drum_encoder(b, drive, lay.frame.encoder_pocket_floor_y, lay.frame.encoder_screw_circle)
 
 
 def _pulleys(b: _Builder) -> None:
@@ -277,57 +191,16 @@ def _pulleys(b: _Builder) -> None:
         material=drive.guide.material,
         group="guide",
     )
-    c = lay.collar
-    screw = drive.screw(c.screw)
-    collar_args = (c, screw.thread_mm, screw.clearance_mm, screw.head_diameter_mm)
-    bore = drive.cable.diameter_mm / 2
     for p in lay.inputs:
-        group = f"input_{p.name}"
-        b.add(
-            f"input_pulley_{p.name}",
-            "mbcdm_cad.parts.input_pulley.draw:create_input_pulley",
-            (p,),
-            material=drive.input_pulleys.material,
-            group=group,
-        )
-        b.add(
-            f"collar_{p.name}",
-            "mbcdm_cad.parts.collar.draw:create_collar",
-            collar_args,
-            part="collar",
-            material=drive.support.material,
-            group=group,
-        )
-        place = _at(c.screw_offset, c.head_seat, (c.bottom_z + c.top_z) / 2) @ _ALONG_Y
-        b.steel_screw(f"collar_screw_{p.name}", screw, place, group)
-        for s in p.slots:
-            length = s.stop_start - s.stop_end
-            b.add(
-                f"stop_{s.cable_name}",
-                "mbcdm_cad.parts.ring:create_sleeve",
-                (bore, s.stop_radius, length),
-                part="stop",
-                material=drive.material("stainless"),
-                group=group,
-                place=_stop_place(s),
-            )
-
-
-def _cables(b: _Builder) -> None:
-    rope = replace(b.drive.material(b.drive.cable.material), colour=_CABLE_COLOUR)
-    for path in b.layout.cable_paths(radians(b.angle_deg)):
-        b.add(
-            cable_item(path.cable.name),
-            "mbcdm_cad.parts.cable:create_cable",
-            (path.line, b.drive.cable.diameter_mm / 2),
-            material=rope,
-            mass_g=b.drive.cable.mass_g_m * path.length_mm / 1e3,
-        )
+        add_input_pulley(b, drive, p, lay.collar, drive.support.material)
 
 
 def bill(layout: Layout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     b = _Builder(layout, drum_angle_deg)
-    for section in (_support, _bearings, _drives, _drum, _pulleys, _cables):
+    for section in (_support, _bearings, _drives):
         section(b)
+    add_drum(b, b.drive, layout.drum, layout.drum_shaft)
+    _pulleys(b)
+    add_cables(b, b.drive, layout.cable_paths(radians(drum_angle_deg)))
     return b.bill()

@@ -9,23 +9,20 @@ from math import pi, tau
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
+from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import DesignVariable
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.configurations.miso_bevel.design_variables import VARIABLES
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
-from mbcdm_cad.routes.cable_path import CablePath
 
 
-class BevelUnderTest(DesignUnderTest):
-    """Adds the levels and the cables in the order of their steps."""
+class BevelUnderTest(SectorUnderTest):
+    """Adds the cables' wraps and paths."""
 
     drive: BevelDrive
-
-    def __init__(self, drive: BevelDrive, layout: Layout | None = None) -> None:
-        super().__init__(drive, layout)
-        self.steps: tuple[BevelRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
+    steps: tuple[BevelRun, ...]
 
     @property
     def variables(self) -> Mapping[str, DesignVariable]:
@@ -43,6 +40,27 @@ class BevelUnderTest(DesignUnderTest):
                 ("drum", c.drum_radius_mm),
             )
         ]
+
+    @property
+    def before_drum(self) -> str:
+        """See the base class."""
+        return "guide"
+
+    @property
+    def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
+        """See the base class."""
+        guide = self.layout.guide
+        return tuple(zip(guide.surface_radii, (guide.bottom_z, *guide.walls_z), strict=True))
+
+    @property
+    def motor_shelf_mm(self) -> float:
+        """See the base class."""
+        return self.drive.support.motor_shelf_mm
+
+    @property
+    def encoder_plate_mm(self) -> float:
+        """See the base class."""
+        return self.drive.support.top_plate_mm
 
     @cached_property
     def levels(self) -> Stack:
@@ -70,20 +88,6 @@ class BevelUnderTest(DesignUnderTest):
             return layout(self.drive)
         except (ValueError, ZeroDivisionError) as error:
             raise NoFigureError(f"the dimensions have no solution: {error}") from None
-
-    @cached_property
-    def extreme_paths(self) -> tuple[tuple[float, tuple[CablePath, ...]], ...]:
-        """Cable paths at one end of travel, centred, and at the other end, with the drum angles in rad."""
-        half = self.half_travel_rad
-        return tuple((angle, self.layout.cable_paths(angle)) for angle in (-half, 0.0, half))
-
-    def anchor_rad(self, cable: BevelRun) -> float:
-        """Where the cable leaves its land, drum centred."""
-        return next(t.anchor_rad for t in self.layout.drum.tensioners if t.cable_name == cable.name)
-
-    def smallest_wrap_rad(self, cable: BevelRun) -> float:
-        """Wrap on the drum at the end of travel that unwinds it."""
-        return self.anchor_rad(cable) - self.half_travel_rad
 
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""

@@ -5,32 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import asin, cos
 
-from mbcdm_cad.design.bought import Bearing, Material, TensionerSpec
-from mbcdm_cad.design.drive import CableRun, Drive, Sigmas
+from mbcdm_cad.design.bought import Bearing, Material
+from mbcdm_cad.design.drive import Drive, Limits, Sigmas
+from mbcdm_cad.parts.drum_sector.design import InputPulleySpec, SectorDrive, SectorRun
 
 
 @dataclass(frozen=True)
-class BevelRun(CableRun):
-    """One cable, with the guide's step that it runs on."""
+class BevelRun(SectorRun):
+    """One cable, with the guide's step that it runs on: steps 1 to 4, the same on guide and drum."""
 
     input_side: int  # -1: input at x = -L, +1: at x = +L
-    drum_side: int  # +1: runs on the drum towards +x, -1: towards -x
-    step: int  # 1..4, axial step on guide and drum
     guide_radius_mm: float
 
     @property
-    def sense(self) -> int:
-        """Sense in which this cable's tension turns the drum about +Y (mechanism: -1 towards +x, +1 towards -x)."""
-        return -self.drum_side
-
-
-@dataclass(frozen=True)
-class Clearances:
-    """Gaps the geometry must keep, all in mm between finished surfaces."""
-
-    transfer_gap_mm: float  # guide step 1 surface to the drum's inner face
-    land_edge_mm: float  # edge of a drum land to the next cable's contact line
-    running_mm: float  # any moving solid to any fixed one, elsewhere
+    def land_y_mm(self) -> float:
+        """The transfer point stands at (0, r_g, r_o)."""
+        return self.guide_radius_mm
 
 
 @dataclass(frozen=True)
@@ -48,21 +38,6 @@ class Bearings:
 
 
 @dataclass(frozen=True)
-class DrumSpec:
-    """Drum sector and its shaft; y is measured along the drum axis from the guide's axis."""
-
-    material: Material
-    sector_half_angle_deg: float
-    rim_inner_radius_mm: float
-    outer_face_y_mm: float
-    web_thickness_mm: float
-    hub_diameter_mm: float
-    hub_face_y_mm: float
-    shaft_bore_mm: float
-    shaft_material: Material
-
-
-@dataclass(frozen=True)
 class GuideSpec:
     """Guide pulley and its fixed axle."""
 
@@ -71,10 +46,9 @@ class GuideSpec:
 
 
 @dataclass(frozen=True)
-class InputPulleySpec:
+class WoundPulleySpec(InputPulleySpec):
     """Input pulleys, both alike but for their radii. ``surface``: ``smooth`` or ``grooved``."""
 
-    material: Material
     surface: str
 
     @property
@@ -98,6 +72,14 @@ class SupportSpec:
     rib_mm: float
 
 
+@dataclass(frozen=True)
+class SpanLimitValues(Limits):
+    """Limits of the free spans too."""
+
+    fleet_angle_max_deg: float
+    fleet_angle_grooved_max_deg: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class BevelSigmas(Sigmas):
     """Standard deviations of this configuration's own lengths too."""
@@ -109,21 +91,19 @@ class BevelSigmas(Sigmas):
 
 
 @dataclass(frozen=True)
-class BevelDrive(Drive):
+class BevelDrive(SectorDrive):
     """A drive with two inputs, a guide and a bevel transfer. ``input_sides``: -1 for an input at x = -L, +1 at +L."""
 
     cables: tuple[BevelRun, ...]
     sigmas: BevelSigmas
+    limits: SpanLimitValues
     input_sides: tuple[int, ...]
     centre_distance_mm: float
     input_setback_mm: float  # input axes at y = -this, behind the guide's axis
     radii_explicit: bool
-    clearances: Clearances
     bearings: Bearings
-    tensioner: TensionerSpec
-    drum: DrumSpec
     guide: GuideSpec
-    input_pulleys: InputPulleySpec
+    input_pulleys: WoundPulleySpec
     support: SupportSpec
 
     @property

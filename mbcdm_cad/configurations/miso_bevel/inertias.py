@@ -6,19 +6,16 @@ features are left out: windows in the web, lugs, the drum's shaft, collars, bear
 
 from __future__ import annotations
 
-from math import pi, radians
-
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.routes import DRUM, GUIDE
-from mbcdm_cad.model.inertia import disc_kg_m2, sector_kg_m2
+from mbcdm_cad.model.inertia import disc_kg_m2
+from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.routes.route import input_body
-
-_MM = 1e-3
 
 
 def inertias_kg_m2(drive: BevelDrive) -> dict[str, float]:
     """Inertia of each body of the routes about its own axis, kg m2."""
-    found = {DRUM: _drum(drive), GUIDE: _guide(drive)}
+    found = {DRUM: drum_inertia_kg_m2(drive), GUIDE: _guide(drive)}
     return found | {input_body(name): _input_pulley(drive, name) for name in drive.input_names}
 
 
@@ -45,23 +42,3 @@ def _guide(drive: BevelDrive) -> float:
     bore = drive.bearings.guide.outer_diameter_mm / 2.0
     density = drive.guide.material.density_g_cm3
     return sum(disc_kg_m2(density, abs(length), _surface_mm(drive, c.guide_radius_mm), bore) for c in cables)
-
-
-def _drum(drive: BevelDrive) -> float:
-    """Stepped rim, web and hub; studs and sleeves of the tensioners count as solid steel at the pitch radius."""
-    spec, cables = drive.drum, sorted(drive.cables, key=lambda c: c.step)
-    half, density = radians(spec.sector_half_angle_deg), spec.material.density_g_cm3
-    start = _surface_mm(drive, cables[0].guide_radius_mm) + drive.clearances.transfer_gap_mm
-    walls = [c.guide_radius_mm - drive.clearances.land_edge_mm for c in cables[1:]] + [spec.outer_face_y_mm]
-    hub = spec.hub_diameter_mm / 2.0
-    total = disc_kg_m2(density, spec.hub_face_y_mm - start, hub, drive.bearings.drum.bore_mm / 2.0)
-    total += sector_kg_m2(density, spec.web_thickness_mm, spec.rim_inner_radius_mm, hub, half)
-    edge = start
-    for cable, wall in zip(cables, walls, strict=True):
-        radius = _surface_mm(drive, cable.drum_radius_mm)
-        total += sector_kg_m2(density, wall - edge, radius, spec.rim_inner_radius_mm, half)
-        edge = wall
-    t = drive.tensioner
-    steel = drive.material(t.material).density_g_cm3 * 1e-6  # kg/mm3
-    stud = pi / 4.0 * (t.thread_mm**2 * t.stud_length_mm + t.swage_diameter_mm**2 * t.swage_length_mm) * steel
-    return total + sum(stud * (c.drum_radius_mm * _MM) ** 2 for c in cables)

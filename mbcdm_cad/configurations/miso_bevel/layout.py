@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import cable_path
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
-from mbcdm_cad.configurations.miso_bevel.drum import drum, drum_shaft
+from mbcdm_cad.configurations.miso_bevel.drum import drum
 from mbcdm_cad.configurations.miso_bevel.pulleys import axle, guide, input_pulley
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, stack
 from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims

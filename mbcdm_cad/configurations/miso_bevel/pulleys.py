@@ -24,13 +24,12 @@ from mbcdm_cad.parts.input_pulley.dims import (
     GROOVE_DEPTH,
     GROOVE_LEAD,
     GROOVE_RADIUS,
+    JOURNAL_SLIT_MM,
     SLOT_PLAY_MM,
     Groove,
     InputPulleyDims,
     StopSlot,
 )
-
-JOURNAL_SLIT_MM = 0.6
 
 
 def smallest_lead_mm(drive: BevelDrive) -> float:

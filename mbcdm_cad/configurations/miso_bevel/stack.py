@@ -17,6 +17,7 @@ from math import radians
 from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 
 # Land beyond the outermost turn: the wall of the slot that holds the swaged stop.
 BAND_MARGIN_MM = 0.8
@@ -86,11 +87,6 @@ def outward_of(drive: BevelDrive, cable: BevelRun) -> int:
     """+1 if this cable's dead turn lies above its step plane: the upper step of a pulley winds up, the lower down."""
     steps = [c.step for c in drive.cables if c.input_name == cable.input_name]
     return 1 if cable.step == max(steps) else -1
-
-
-def nut_corner_radius_mm(drive: BevelDrive) -> float:
-    """Half the width across corners of the tensioner's hexagon nut: AF / sqrt(3)."""
-    return drive.tensioner.nut_across_flats_mm / 3**0.5
 
 
 def stack(drive: BevelDrive) -> Stack:

@@ -2,30 +2,17 @@
 
 from __future__ import annotations
 
-from math import ceil, hypot, pi, radians, tau
+from math import hypot, pi, radians, tau
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import winding
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
-from mbcdm_cad.model.tensioning import TakeUp, take_up
-from mbcdm_cad.model.tensioning_plan import (
-    TensionedCable,
-    TensionedRope,
-    TensioningPlan,
-    rope_stiffnesses,
-    tensioning_plan,
-)
+from mbcdm_cad.model.tensioning_plan import TensionedCable, TensioningPlan, tensioning_plan
+from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, furthest_anchor_rad
+from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope, terminal_travel_mm
 
 if TYPE_CHECKING:  # the layout asks this module for the terminals' travel
     from mbcdm_cad.configurations.miso_bevel.layout import Layout
-
-# Travel is rounded up to this, as a drawing would.
-_STEP_MM = 0.1
-
-
-def highest_preload_N(drive: BevelDrive, cable: BevelRun) -> float:
-    """Preload of a cable with two of its standard deviations, where it has one."""
-    return cable.preload_N + 2.0 * drive.sigmas.preload_N[drive.cables.index(cable)]
 
 
 def longest_mm(drive: BevelDrive, cable: BevelRun, anchor_rad: float) -> float:
@@ -38,32 +25,15 @@ def longest_mm(drive: BevelDrive, cable: BevelRun, anchor_rad: float) -> float:
     return helix + w.free_span_mm + cable.guide_radius_mm * w.guide_wrap_rad + cable.drum_radius_mm * anchor_rad + ends
 
 
-def take_up_of(drive: BevelDrive, cable: BevelRun, length_mm: float) -> TakeUp:
-    """What a cable ``length_mm`` long asks of its terminal, m."""
-    rope = drive.cable
-    return take_up(
-        length_mm * 1e-3,
-        highest_preload_N(drive, cable),
-        rope.axial_stiffness_N,
-        rope.bedding_in_share,
-        drive.cut_tolerance_mm * 1e-3,
-    )
-
-
-def terminal_travel_mm(drive: BevelDrive, furthest_rad: float) -> tuple[float, dict[str, float]]:
-    """(travel of all terminals, how far each is drawn in by a cable of nominal length), no anchor beyond an angle."""
-    needed = {c.name: take_up_of(drive, c, longest_mm(drive, c, furthest_rad)) for c in drive.cables}
-    longest = max(t.total_m for t in needed.values()) * 1e3
-    return ceil(longest / _STEP_MM - 1e-9) * _STEP_MM, {name: t.nominal_m * 1e3 for name, t in needed.items()}
+def terminal_way(drive: BevelDrive) -> TerminalWay:
+    """How far all terminals can be drawn in, and how far each is, mm, by cables anchored as far out as can be."""
+    furthest = furthest_anchor_rad(drive)
+    return terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
 
 
 def plan(layout: Layout) -> TensioningPlan:
     """How the preloads of this design are set, cables in the order of the file."""
-    drive, rope = layout.drive, layout.drive.cable
-    wire = drive.material(rope.material)
-    loose, bonded = rope_stiffnesses(
-        rope.construction, rope.diameter_mm * 1e-3, rope.axial_stiffness_N, wire.youngs_modulus_GPa * 1e9
-    )
+    drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
     slots = {slot.cable_name: slot for pulley in layout.inputs for slot in pulley.slots}
     cables = []
@@ -92,16 +62,4 @@ def plan(layout: Layout) -> TensioningPlan:
                 travel_m=t.travel * 1e-3,
             )
         )
-    return tensioning_plan(
-        cables,
-        TensionedRope(
-            axial_stiffness_N=rope.axial_stiffness_N,
-            mass_kg_m=rope.mass_g_m * 1e-3,
-            loose_N_m2=loose,
-            bonded_N_m2=bonded,
-            bedding_share=rope.bedding_in_share,
-            cut_tolerance_m=drive.cut_tolerance_mm * 1e-3,
-            friction=drive.friction_coefficient,
-        ),
-        drive.tensioner.pitch_mm * 1e-3,
-    )
+    return tensioning_plan(cables, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)

@@ -8,6 +8,7 @@ from math import acos, degrees, hypot, sqrt, tau
 from mbcdm_cad.routes.curves import Helix
 
 ENCODER_INSERTION_MM = 10.0
+JOURNAL_SLIT_MM = 0.6
 # Play of a cable's stop in its pocket.
 STOP_PLAY_MM = 0.05
 # Slot over the cable it holds.
@@ -66,7 +67,8 @@ class StopSlot:
     @property
     def pocket_inner(self) -> float:
         """Nearest the pocket comes to the pulley's axis, reliefs included."""
-        return self.bend_radius - self.stop_radius - STOP_PLAY_MM - self.cutter_radius * (1 - 1 / sqrt(2))
+        across = self.bend_radius - self.stop_radius - STOP_PLAY_MM - self.cutter_radius * (1 - 1 / sqrt(2))
+        return hypot(across, max(0.0, self.stop_end - STOP_PLAY_MM - self.cutter_radius))
 
 
 @dataclass(frozen=True)

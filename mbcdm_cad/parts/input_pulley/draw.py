@@ -76,12 +76,14 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
         return at(centre + radius * cos(radians(deg)), radius * sin(radians(deg)))
 
     inner, outer = rho - half, rho + half
+    # The straight piece reaches into the pocket, however near the bend that stands.
+    stem = max(0.0, slot.stop_end)
     band = cq.Wire.assembleEdges(
         [
             cq.Edge.makeThreePointArc(arc(inner, 0), arc(inner, 45), arc(inner, 90)),
-            cq.Edge.makeLine(arc(inner, 90), at(0.0, inner)),
-            cq.Edge.makeLine(at(0.0, inner), at(0.0, outer)),
-            cq.Edge.makeLine(at(0.0, outer), arc(outer, 90)),
+            cq.Edge.makeLine(arc(inner, 90), at(stem, inner)),
+            cq.Edge.makeLine(at(stem, inner), at(stem, outer)),
+            cq.Edge.makeLine(at(stem, outer), arc(outer, 90)),
             cq.Edge.makeThreePointArc(arc(outer, 90), arc(outer, 45), arc(outer, 0)),
             cq.Edge.makeLine(arc(outer, 0), arc(inner, 0)),
         ]

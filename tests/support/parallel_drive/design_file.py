@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from mbcdm_cad.design.blocks import Cable, Design, Input, Length
+from mbcdm_cad.design.blocks import Cable, Design, Input, Length, SpanLimits, WoundRope
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import CableRun, Drive, Sigmas
 from mbcdm_cad.design.fieldpath import FieldPath
@@ -35,6 +35,8 @@ class ParallelDesign(Design):
 
     configuration: Literal["parallel_test"] = choice("layout of the drive", source="test")
     transmission: Transmission
+    rope: WoundRope
+    limits: SpanLimits
     inputs: tuple[Input, ...] = choice("the input", source="test", min_length=1, max_length=1)
     cables: tuple[ParallelCable, ...] = choice("the cables", source="test", min_length=2, max_length=2)
 
@@ -70,6 +72,8 @@ def _drive(design: ParallelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPa
     places = range(len(runs))
     return ParallelDrive(
         **shared_values(design, catalogue),
+        helix_lead_mm=design.rope.helix_lead_mm,
+        dead_turns=design.rope.dead_turns,
         cables=runs,
         sigmas=Sigmas(**shared_sigmas(design, catalogue, sigmas, places)),
         centre_distance_mm=lengths.centre_distance_mm,

@@ -4,24 +4,19 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import motors, strength
+from mbcdm_cad.checks import drum_sector, fixings, input_pulley, motors, strength, take_up, terminals
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.configurations.miso_bevel.checks import (
     bearings,
     bending,
-    drum_fits,
     envelope,
-    fixings,
     guide_fits,
-    pulley_fits,
     ratios,
     spans,
     support_fits,
     support_walls,
     surfaces,
     sweeps,
-    tensioning,
-    terminals,
     tolerances,
     transfer,
     wraps,
@@ -40,11 +35,11 @@ FAMILIES: tuple[ModuleType, ...] = (
     motors,
     bearings,
     fixings,
-    pulley_fits,
+    input_pulley,
     guide_fits,
-    drum_fits,
+    drum_sector,
     terminals,
-    tensioning,
+    take_up,
     support_walls,
     support_fits,
     sweeps,

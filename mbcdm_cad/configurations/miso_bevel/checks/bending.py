@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.bending import bending_checks
+from mbcdm_cad.checks.bending import ANCHOR_RATIO, bending_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_bevel.cable_path import stop_geometry
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-
-# A cable hooked round a pin without moving keeps about four fifths of its strength at D/d = 6 (rope makers' tables).
-ANCHOR_RATIO = 6.0
 
 
 def anchor_bend(s: BevelUnderTest) -> Comparison:

@@ -2,54 +2,26 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin
-
 import numpy as np
 
+from mbcdm_cad.checks.box import box_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.drum_outline import rim_points
+from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.checks.terminals import bodies_of
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
-from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.volume import estimated_mm3
-
-# Grid of the rim: 0.1 mm and finer near the outside of the reference design, 0.3 mm along it.
-_RADII = 40
-_ANGLES = 160
-
-
-def _rim_points(d: DrumDims) -> np.ndarray:
-    """(x, z) of the rim where no pocket that goes through it takes the metal, on a grid near its edges."""
-    outer = d.lands[-1].surface_radius_mm
-    # Fine near the outside, where the box is decided.
-    radii = outer - (outer - d.rim_inner_radius) * np.linspace(0.0, 1.0, _RADII) ** 2
-    half = radians(d.half_angle_deg)
-    # Widest at the ends or, on a sector of more than half a turn, at right angles to Z.
-    side = np.linspace(half / 2, half, _ANGLES)
-    side = np.append(side, min(half, np.pi / 2))
-    angles = np.concatenate([-side, [0.0], side])
-    x = np.multiply.outer(radii, np.sin(angles))
-    z = np.multiply.outer(radii, np.cos(angles))
-    kept = np.ones_like(x, dtype=bool)
-    for t in d.tensioners:
-        if t.cut_through:
-            sine, cosine = sin(t.anchor_rad), cos(t.anchor_rad)
-            out = t.side * x * sine + z * cosine - t.radius_mm
-            along = t.side * x * cosine - z * sine
-            floor = np.where(along > t.lug_end, -d.nut_pocket, -d.flat_wall)
-            kept &= ~((along > t.slack_start) & (along < t.pocket_end) & (out > floor))
-    return np.stack([x[kept], z[kept]], axis=1)
 
 
 def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
     d, f, pitch = lay.drum, lay.frame, drive.input_x_mm
-    points = [_rim_points(d)]
+    points = [rim_points(d)]
     # Cable on the largest step of an input pulley: it may stand out beyond frame and drum on both sides.
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
     body = max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
@@ -82,34 +54,6 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     bottom = min(float(cloud[:, 1].min()), v.motor_bottom_z, -f.boss_radius, -d.hub_radius, -encoder_half)
     top = max(v.encoder_top_z, outermost)
     return right - left, top - bottom, max(ys) - min(ys)
-
-
-def _side(s: BevelUnderTest, axis: int, name: str) -> Comparison:
-    size, wanted = s.once("box_mm", box_mm)[axis], s.drive.targets.envelope_mm
-    if wanted is None:
-        return noted(f"box along {name}, drum centred", size, "mm", "the design asks for none")
-    target = wanted[axis]
-    return at_most(
-        f"box along {name}, drum centred, {size:.2f} mm: from the target of {target:g} mm",
-        abs(size - target),
-        s.drive.targets.envelope_tolerance_mm,
-        "mm",
-    )
-
-
-def along_x(s: BevelUnderTest) -> Comparison:
-    """Box along X."""
-    return _side(s, 0, "X")
-
-
-def along_z(s: BevelUnderTest) -> Comparison:
-    """Box along Z."""
-    return _side(s, 1, "Z")
-
-
-def along_y(s: BevelUnderTest) -> Comparison:
-    """Box along Y."""
-    return _side(s, 2, "Y")
 
 
 def estimated_mass_g(s: BevelUnderTest) -> float:
@@ -151,9 +95,7 @@ _Z: tuple[Adjustment, ...] = (
 )
 _Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
 CHECKS = (
-    Check("envelope_x", "Box along X", _SOURCE, along_x, adjust=_X, advice="set targets.envelope_mm to what is wanted"),
-    Check("envelope_z", "Box along Z", _SOURCE, along_z, adjust=_Z, advice="set targets.envelope_mm to what is wanted"),
-    Check("envelope_y", "Box along Y", _SOURCE, along_y, adjust=_Y, advice="set targets.envelope_mm to what is wanted"),
+    *box_checks(box_mm, _SOURCE, (_X, _Z, _Y)),
     Check(
         "mass_estimate",
         "Estimated mass",

@@ -7,36 +7,19 @@ paper already.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted, shown
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
+from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, pair_mismatch, spread
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.drive import BevelRun
-from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.kinematics import pair_mismatch_m
-
-# 0.6 um on a radius of 6 mm, a tenth of what good turning holds: rounding of the drawing, not of the part.
-RATIO_TOLERANCE = 1e-4
-# Tension that the mismatch of a pair may add over the travel, as a share of the preload; beyond it the preload that
-# was set is not the preload that acts (estimate).
-MISMATCH_SHARE = 0.1
 
 EQ1 = "paper Eq. (1)"
 
 
-def _spread(name: str, ratios: Sequence[float], cables: Sequence[BevelRun], note: str = "") -> Comparison:
-    """Largest relative deviation of the ratios from the first of them."""
-    off = [abs(ratio / ratios[0] - 1.0) for ratio in ratios]
-    k = int(np.argmax(off))
-    listed = ", ".join(f"{ratio:.6g}" for ratio in ratios)
-    return at_most(f"{name} = {listed}: {cables[k].name} off", off[k], RATIO_TOLERANCE, "relative", note)
-
-
 def guide_to_drum(s: BevelUnderTest) -> Comparison:
     """Row 1: r_g/r_o the same for all four steps."""
-    return _spread("r_g/r_o", [c.guide_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
+    return spread("r_g/r_o", [c.guide_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
 
 
 def _own(s: BevelUnderTest, index: int) -> list[BevelRun]:
@@ -46,7 +29,7 @@ def _own(s: BevelUnderTest, index: int) -> list[BevelRun]:
 def first_input(s: BevelUnderTest) -> Comparison:
     """Row 2: r_m/r_g the same for both cables of the first input."""
     own = _own(s, 0)
-    return _spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own)
+    return spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own)
 
 
 def second_input(s: BevelUnderTest) -> Comparison:
@@ -54,7 +37,7 @@ def second_input(s: BevelUnderTest) -> Comparison:
     own = _own(s, 1)
     steps = " and ".join(f"r_g{c.step}" for c in own)
     note = f"over {steps}; the paper prints r_g1, r_g2"
-    return _spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own, note)
+    return spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own, note)
 
 
 def equal_total_ratio(s: BevelUnderTest) -> Comparison:
@@ -84,26 +67,6 @@ def _surface_hint(s: BevelUnderTest) -> str:
     guide = ", ".join(f"{c.drum_radius_mm / i_g:.5g}" for c in s.steps)
     pulley = ", ".join(f"{c.drum_radius_mm / i_c:.5g}" for c in s.steps)
     return f"with step 1 kept, guide_radii_mm: [{guide}] and input_radii_mm: [{pulley}] satisfy Eq. (1)"
-
-
-def pair_mismatch(s: BevelUnderTest) -> Comparison:
-    """Tension that the two cables of an input put on each other over the travel, from the model."""
-    si, idle = s.loads.si, s.loads.idle
-    one_of_each = [si.input_of.index(i) for i in range(si.n_inputs)]
-    angle = s.half_travel_rad * si.total_ratio[one_of_each]
-    poses = np.stack([angle, -angle], axis=1)
-    moved = solve_equilibrium(si, np.zeros(2), input_angle_rad=poses).tension_N
-    change = np.abs(moved - idle[:, None]).max(axis=1)
-    k = int(np.argmax(change))
-    length = np.abs(pair_mismatch_m(si, poses)).max() * 1e3
-    cable = s.drive.cables[k]
-    what = f"over the travel {cable.name} changes by {shown(change[k])} N (pair mismatch {shown(length)} mm):"
-    return at_most(
-        what,
-        change[k] / cable.preload_N,
-        MISMATCH_SHARE,
-        "of T_pre",
-    )
 
 
 def path_length(s: BevelUnderTest) -> Comparison:

@@ -6,6 +6,7 @@ from math import radians, tan, tau
 
 import numpy as np
 
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
@@ -19,8 +20,6 @@ from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
 
-# Gap between a cable's flank and a wall or another cable that it must not rub on (estimate).
-CABLE_GAP_MM = 0.1
 # Crest between two grooves, in rope diameters: thinner it would be a burr that cuts the rope (estimate).
 GROOVE_CREST = 0.05
 # Turns left on the pulley when all is unwound: the span never pulls at the bend before the stop (estimate).

@@ -2,36 +2,9 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
+from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.drive import BevelRun
-
-# Thinnest stub that is still turned between journals of this size (estimate).
-SMALLEST_SURFACE_MM = 1.0
-# Cut surfaces must stand at pitch radius less half a cable: rounding of the drawing only.
-SURFACE_TOLERANCE_MM = 1e-6
-
-
-def ratio_if_cut_as_surface(s: BevelUnderTest, cable: BevelRun) -> float:
-    """Total ratio of a cable if its pitch radii were cut as surface radii: (r_o + d/2) / (r_m + d/2)."""
-    return (cable.drum_radius_mm + s.flank_mm) / (cable.input_radius_mm + s.flank_mm)
-
-
-def smallest_surface(s: BevelUnderTest) -> Comparison:
-    """Every surface radius r - d/2 can be machined."""
-    ratios = "/".join(f"{ratio_if_cut_as_surface(s, c):.4g}" for c in s.steps)
-    meant = "/".join(f"{c.drum_radius_mm / c.input_radius_mm:.4g}" for c in s.steps)
-    note = f"radii are pitch radii; cut as surface radii the total ratios would be {ratios} instead of {meant}"
-    return worst(
-        at_least(f"r - d/2 of {c.name} on the {body}", radius - s.flank_mm, SMALLEST_SURFACE_MM, "mm", note)
-        for c in s.steps
-        for body, radius in (
-            ("input pulley", c.input_radius_mm),
-            ("guide", c.guide_radius_mm),
-            ("drum", c.drum_radius_mm),
-        )
-    )
 
 
 def cut_at_pitch(s: BevelUnderTest) -> Comparison:
@@ -72,13 +45,7 @@ def _input_surfaces(s: BevelUnderTest) -> list[float]:
 
 
 CHECKS = (
-    Check(
-        "surface_radius",
-        "Surfaces r - d/2 can be machined",
-        "derived from paper Table 2, which gives pitch radii",
-        smallest_surface,
-        adjust=(down("rope diameter_mm"), up("all radii of transmission")),
-    ),
+    SURFACE_RADIUS,
     Check(
         "cut_at_pitch",
         "Surfaces are cut half a cable inside the pitch radii",

@@ -6,33 +6,22 @@ lies nearer to the frame than the zone's y. Drives are cylinders along Z. Cables
 
 from __future__ import annotations
 
-from itertools import combinations
 from math import hypot, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, nearest_mm, step_mm
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.drum_outline import Ring, drum_zones
 from mbcdm_cad.configurations.miso_bevel.cable_path import FREE
-from mbcdm_cad.configurations.miso_bevel.checks.spans import CABLE_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 
 # Gap between two bodies that both turn in bearings (estimate).
 MOVING_GAP_MM = 0.1
-_SAMPLE_MM = 1.0
-_MOST_SAMPLES = 500
-
-
-class Ring(NamedTuple):
-    """A zone of the drum: radii from the Y axis and the lowest y in it."""
-
-    name: str
-    inner: float
-    outer: float
-    y: float
 
 
 class Upright(NamedTuple):
@@ -49,26 +38,6 @@ class Upright(NamedTuple):
 
 def _collar_reach_mm(s: BevelUnderTest) -> float:
     return collar_sweep_mm(s.drive, *s.drive.collar_seat_mm)
-
-
-def drum_zones(s: BevelUnderTest) -> list[Ring]:
-    """Rings that together hold everything which turns with the drum in front of the frame."""
-    d = s.layout.drum
-    spec = s.drive.tensioner
-    half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
-    below = max(half, d.lug_root)
-    zones = [
-        Ring("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
-        Ring("drum's web", d.spigot_radius, d.rim_inner_radius + 1.0, min(d.web_start_y, d.lands[0].y_start)),
-        Ring("drum's hub", 0.0, d.hub_radius, d.spigot_y),
-    ]
-    for t in d.tensioners:
-        name = f"terminal of {t.cable_name}"
-        zones.append(Ring(name, t.radius_mm - below, hypot(t.radius_mm + half, t.last_tip), t.y_mm - half))
-    for c in s.steps:
-        radii = (c.drum_radius_mm - s.flank_mm, c.drum_radius_mm + s.flank_mm)
-        zones.append(Ring(f"{c.name} on the drum", *radii, c.guide_radius_mm - s.flank_mm))
-    return zones
 
 
 def uprights(s: BevelUnderTest) -> list[Upright]:
@@ -150,53 +119,27 @@ def collar_space(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _step_mm(s: BevelUnderTest) -> float:
-    """Sampling step along cables: coarse enough that no design, however large, takes long."""
-    longest = max(path.length_mm for _, paths in s.extreme_paths for path in paths)
-    return max(_SAMPLE_MM, longest / _MOST_SAMPLES)
-
-
-def _sampled(s: BevelUnderTest) -> list[tuple[float, list[np.ndarray], np.ndarray]]:
-    """(drum angle in deg, points of every cable, points of all free stretches) at centre and both ends of travel."""
-    step = _step_mm(s)
+def _free(s: BevelUnderTest) -> list[tuple[float, np.ndarray]]:
+    """(drum angle in deg, points of all free stretches) at centre and both ends of travel."""
+    step = step_mm(s)
     return [
-        (
-            float(np.degrees(angle)),
-            [path.sample(step) for path in paths],
-            np.concatenate([path.only(FREE).sample(step) for path in paths]),
-        )
+        (float(np.degrees(angle)), np.concatenate([path.only(FREE).sample(step) for path in paths]))
         for angle, paths in s.extreme_paths
     ]
 
 
-def _nearest(a: np.ndarray, b: np.ndarray, step: float) -> float:
-    """Least distance between two lines sampled every ``step``, from below: what lies between samples is allowed for."""
-    squared = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None, :] - 2.0 * (a @ b.T)
-    return sqrt(max(float(squared.min()) - step**2 / 2, 0.0))
-
-
-def cables_apart(s: BevelUnderTest) -> Comparison:
-    """Centre lines of different cables stay apart, at centre and both ends of travel."""
-    d, step, names, found = s.drive.cable.diameter_mm, _step_mm(s), [c.name for c in s.drive.cables], []
-    for angle, lines, _ in s.once("sampled", _sampled):
-        for (i, first), (j, second) in combinations(enumerate(lines), 2):
-            what = f"gap of {names[i]} and {names[j]} with the drum at {angle:+.4g} deg"
-            found.append(at_least(what, _nearest(first, second, step) - d, CABLE_GAP_MM, "mm"))
-    return worst(found)
-
-
 def spans_clear(s: BevelUnderTest) -> Comparison:
     """Free spans and the cables on the guide pass the terminals at centre and both ends of travel."""
-    d, step, found = s.layout.drum, _step_mm(s), []
+    d, step, found = s.layout.drum, step_mm(s), []
     keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
-    for angle, _, free in s.once("sampled", _sampled):
+    for angle, free in _free(s):
         cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
         for t in d.tensioners:
             along = np.linspace(t.slack_start, t.last_tip, int(t.last_tip / step) + 2)
             axis = np.array([(x, t.y_mm, z) for x, z in (t.at(a) for a in along)]) @ turn.T
             what = f"terminal of {t.cable_name} from the free spans with the drum at {angle:+.4g} deg"
-            found.append(at_least(what, _nearest(free, axis, step) - keep, CABLE_GAP_MM, "mm"))
+            found.append(at_least(what, nearest_mm(free, axis, step) - keep, CABLE_GAP_MM, "mm"))
     return worst(found)
 
 

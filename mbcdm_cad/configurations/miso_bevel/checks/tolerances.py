@@ -9,10 +9,10 @@ from math import ceil, floor, sqrt
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted
+from mbcdm_cad.checks.ratios import MISMATCH_SHARE
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
 from mbcdm_cad.configurations.miso_bevel import gap_tolerances as gaps
-from mbcdm_cad.configurations.miso_bevel.checks.ratios import MISMATCH_SHARE
 from mbcdm_cad.configurations.miso_bevel.checks.spans import guide_wall_gaps_mm
-from mbcdm_cad.configurations.miso_bevel.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.model.stack_up import StackUp, tightest
 from mbcdm_cad.parts.making import model_tolerances

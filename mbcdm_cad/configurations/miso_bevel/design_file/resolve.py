@@ -8,7 +8,8 @@ from mbcdm_cad.configurations.miso_bevel import drive as d
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign, Transmission
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
-from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
+from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
+from mbcdm_cad.parts.drum_sector.resolve import sector_values
 
 _SIGN = {"-x": -1, "+x": 1}
 
@@ -17,30 +18,28 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
     """The drive of a design that breaks no rule; its cables are in the order of their steps."""
     drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
     return d.BevelDrive(
-        **shared_values(design, catalogue),
+        **shared_values(design, catalogue)
+        | sector_values(design, catalogue)
+        | {
+            "limits": copied(d.SpanLimitValues, design.limits),
+            "input_pulleys": d.WoundPulleySpec(material=catalogue.material(pulleys.material), surface=pulleys.surface),
+        },
+        helix_lead_mm=design.rope.helix_lead_mm,
+        dead_turns=design.rope.dead_turns,
         cables=_cables(design),
         input_sides=tuple(_SIGN[item.side] for item in design.inputs),
         centre_distance_mm=design.transmission.centre_distance_mm,
         input_setback_mm=design.transmission.input_setback_mm,
         radii_explicit=design.transmission.ratios is None,
-        clearances=copied(d.Clearances, design.clearances),
         bearings=d.Bearings(
             drum=catalogue.bearing(drum.bearing),
             guide=catalogue.bearing(guide.bearing),
             input_lower=catalogue.bearing(pulleys.lower_bearing),
             input_upper=catalogue.bearing(pulleys.upper_bearing),
         ),
-        tensioner=catalogue.get("tensioners", drum.tensioner),
-        drum=copied(
-            d.DrumSpec,
-            drum,
-            material=catalogue.material(drum.material),
-            shaft_material=catalogue.material(drum.shaft_material),
-        ),
         guide=d.GuideSpec(
             material=catalogue.material(guide.material), axle_material=catalogue.material(guide.axle_material)
         ),
-        input_pulleys=d.InputPulleySpec(material=catalogue.material(pulleys.material), surface=pulleys.surface),
         support=copied(d.SupportSpec, design.support, material=catalogue.material(design.support.material)),
         sigmas=_sigmas(design, catalogue, sigmas),
     )
@@ -58,11 +57,6 @@ def pitch_radii_mm(transmission: Transmission) -> tuple[tuple[float, ...], tuple
     return guide, tuple(round(radius / ratios.input_to_guide, 9) for radius in guide)
 
 
-def _by_step(design: BevelDesign) -> list[int]:
-    """Places of the file's cables in the order of their steps."""
-    return sorted(range(len(design.cables)), key=lambda k: design.cables[k].step)
-
-
 def _cables(design: BevelDesign) -> tuple[d.BevelRun, ...]:
     guide, pulley = pitch_radii_mm(design.transmission)
     sides = {item.name: _SIGN[item.side] for item in design.inputs}
@@ -78,12 +72,12 @@ def _cables(design: BevelDesign) -> tuple[d.BevelRun, ...]:
             drum_radius_mm=design.transmission.drum_radii_mm[cable.step - 1],
             preload_N=preload_N(design, cable),
         )
-        for cable in (design.cables[k] for k in _by_step(design))
+        for cable in (design.cables[k] for k in by_step(design.cables))
     )
 
 
 def _sigmas(design: BevelDesign, catalogue: Catalogue, given: Mapping[FieldPath, float]) -> d.BevelSigmas:
-    places = _by_step(design)
+    places = by_step(design.cables)
 
     def radii(name: str) -> tuple[float, ...]:
         return tuple(given.get(("transmission", name, design.cables[k].step - 1), 0.0) for k in places)

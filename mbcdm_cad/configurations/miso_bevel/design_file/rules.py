@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.design.rules import Broken, NamedEntry, unique
+from mbcdm_cad.parts.drum_sector.resolve import sector_entries
 
 # Beyond half of L the inputs would stand behind the guide rather than beside it.
 MOST_SETBACK = 0.5
@@ -21,17 +22,10 @@ def broken_rules(design: BevelDesign) -> Iterator[Broken]:
 
 def named_entries(design: BevelDesign) -> Iterator[NamedEntry]:
     """Entries of the catalogue that this configuration's blocks name."""
-    drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
-    yield NamedEntry(("drum", "material"), "materials", drum.material)
-    yield NamedEntry(("drum", "bearing"), "bearings", drum.bearing)
-    yield NamedEntry(("drum", "shaft_material"), "materials", drum.shaft_material)
-    yield NamedEntry(("drum", "tensioner"), "tensioners", drum.tensioner)
-    yield NamedEntry(("guide", "material"), "materials", guide.material)
-    yield NamedEntry(("guide", "bearing"), "bearings", guide.bearing)
-    yield NamedEntry(("guide", "axle_material"), "materials", guide.axle_material)
-    yield NamedEntry(("input_pulleys", "material"), "materials", pulleys.material)
-    yield NamedEntry(("input_pulleys", "lower_bearing"), "bearings", pulleys.lower_bearing)
-    yield NamedEntry(("input_pulleys", "upper_bearing"), "bearings", pulleys.upper_bearing)
+    yield from sector_entries(design)
+    yield NamedEntry(("guide", "material"), "materials", design.guide.material)
+    yield NamedEntry(("guide", "bearing"), "bearings", design.guide.bearing)
+    yield NamedEntry(("guide", "axle_material"), "materials", design.guide.axle_material)
     yield NamedEntry(("support", "material"), "materials", design.support.material)
 
 

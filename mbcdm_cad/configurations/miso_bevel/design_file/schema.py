@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, DERIVED, ESTIMATE, INPUTS
-from mbcdm_cad.design.blocks import Cable, Design, Input, Length
+from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, ESTIMATE, INPUTS
+from mbcdm_cad.design.blocks import Cable, Design, Input, Length, SpanLimits, WoundRope
 from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import SectorClearances, SectorDrum, SteppedPulleys
 
 Side = Literal["-x", "+x"]
 
@@ -101,68 +102,19 @@ class Transmission(Block):
     )
 
 
-class Clearances(Block):
+class Clearances(SectorClearances):
     """Gaps between finished surfaces."""
 
     transfer_gap_mm: Number = quantity(
         "guide step 1 surface to the drum's inner face; under half a rope, so that none slips in",
         unit="mm",
-        source=DERIVED,
-        reference=0.155,
         ge=0.01,
         le=5.0,
     )
-    land_edge_mm: Number = quantity(
-        "edge of a drum land to the next cable's contact line",
-        unit="mm",
-        source=DERIVED,
-        reference=0.15,
-        ge=0.0,
-        le=5.0,
-    )
-    running_mm: Number = quantity(
-        "any moving solid to any fixed one, elsewhere", unit="mm", source=ESTIMATE, reference=0.25, ge=0.01, le=5.0
-    )
 
 
-class Drum(Block):
+class Drum(SectorDrum):
     """Drum sector with web, hub and tensioners; y is along the drum axis from the guide's axis."""
-
-    material: EntryName = choice("material of the sector", source=ESTIMATE, reference="aluminium-7075")
-    sector_half_angle_deg: Number = quantity(
-        "half angle of the sector, from the transfer point",
-        unit="deg",
-        source="derived from the 126 mm box: 77.1 to 79.2",
-        reference=78.1,
-        ge=20.0,
-        le=175.0,
-    )
-    rim_inner_radius_mm: Number = quantity(
-        "inner radius of the rim that carries the lands", unit="mm", source=ESTIMATE, reference=47.0, ge=2.0, le=500.0
-    )
-    outer_face_y_mm: Number = quantity(
-        "outer face of the rim", unit="mm", source=ESTIMATE, reference=13.0, ge=0.0, le=200.0
-    )
-    web_thickness_mm: Number = quantity(
-        "web between rim and hub", unit="mm", source=ESTIMATE, reference=2.0, ge=0.3, le=50.0
-    )
-    hub_diameter_mm: Number = quantity(
-        "hub outside diameter", unit="mm", source=ESTIMATE, reference=20.0, ge=2.0, le=200.0
-    )
-    hub_face_y_mm: Number = quantity(
-        "face of the hub, where the output is taken",
-        unit="mm",
-        source="derived from the 34.8 mm box",
-        reference=20.8,
-        ge=0.0,
-        le=300.0,
-    )
-    bearing: EntryName = choice("both bearings of the drum shaft", source=ESTIMATE, reference="618/8")
-    shaft_bore_mm: Number = quantity(
-        "bore of the drum shaft, 0 for a solid one", unit="mm", source=ESTIMATE, reference=4.0, ge=0.0, le=100.0
-    )
-    shaft_material: EntryName = choice("material of the drum shaft", source=ESTIMATE, reference="steel")
-    tensioner: EntryName = choice("tensioner of each cable", source="section 4.1: turnbuckles", reference="M1.6")
 
 
 class Guide(Block):
@@ -173,16 +125,17 @@ class Guide(Block):
     axle_material: EntryName = choice("material of the axle", source=ESTIMATE, reference="steel")
 
 
-class InputPulleys(Block):
+class InputPulleys(SteppedPulleys):
     """Input pulleys, carried by a bearing at both ends."""
 
-    material: EntryName = choice("material of both pulleys", source=ESTIMATE, reference="steel")
+    ORDER: ClassVar[tuple[str, ...]] = ("material", "surface", "lower_bearing", "upper_bearing")
+
+    material: EntryName = choice("material of both pulleys")
     surface: Literal["smooth", "grooved"] = choice(
         "smooth lands, or a helical groove for each cable, which allows limits.fleet_angle_grooved_max_deg",
         default="smooth",
     )
-    lower_bearing: EntryName = choice("bearing towards the gearhead", source=ESTIMATE, reference="618/5")
-    upper_bearing: EntryName = choice("bearing in the top plate", source=ESTIMATE, reference="618/4")
+    upper_bearing: EntryName = choice("bearing in the top plate")
 
 
 class Support(Block):
@@ -290,8 +243,10 @@ class BevelDesign(Design):
         min_length=1,
         max_length=16,
     )
+    rope: WoundRope
     clearances: Clearances
     drum: Drum
     guide: Guide
     input_pulleys: InputPulleys
     support: Support
+    limits: SpanLimits

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.configurations.miso_bevel.checks.drum_fits import STOP_WINDOW_DEG
-from mbcdm_cad.configurations.miso_bevel.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down

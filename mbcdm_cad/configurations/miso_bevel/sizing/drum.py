@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from math import asin, atan2, degrees, hypot
 
-from mbcdm_cad.configurations.miso_bevel.checks.drum_fits import (
+from mbcdm_cad.checks.drum_sector import (
     HUB_DIAMETERS,
     RIM_WALLS,
     SLOT_WALLS,
     SPIGOT_MM,
 )
-from mbcdm_cad.configurations.miso_bevel.checks.terminals import LUG_SAFETY
-from mbcdm_cad.configurations.miso_bevel.checks.transfer import EDGE_BREAK_MM
-from mbcdm_cad.configurations.miso_bevel.checks.wraps import LEAST_WRAP_DEG
-from mbcdm_cad.configurations.miso_bevel.drum import (
+from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG
+from mbcdm_cad.checks.terminals import LUG_SAFETY
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
+from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import take_up_mm
+from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM
+from mbcdm_cad.parts.drum_sector.sizes import (
     FLAT_PLAY_MM,
     SECTOR_MARGIN_DEG,
     STOP_PIN_MM,
     STOP_SLOT_PLAY_MM,
     SWAGE_START_MM,
 )
-from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import take_up_mm
-from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 
 # Lip of the hub over its set screws, so that they never stand out.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from mbcdm_cad.configurations.miso_bevel.checks.pulley_fits import GRIP_DIAMETERS, PASSAGE_MM
+from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_fits import HEAD_ROOM_MM, MOUNT_SCREW_HEAD_HEIGHT_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
 from mbcdm_cad.configurations.miso_bevel.support.dims import (

@@ -6,15 +6,15 @@ from collections.abc import Iterable, Mapping
 from math import sqrt
 from typing import Any
 
+from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
+from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
+from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
-from mbcdm_cad.configurations.miso_bevel.checks.pulley_fits import FIT_MM, SHOULDER_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
-from mbcdm_cad.configurations.miso_bevel.checks.tensioning import THREAD_OUT_PITCHES
-from mbcdm_cad.configurations.miso_bevel.checks.terminals import STUD_SAFETY
-from mbcdm_cad.configurations.miso_bevel.drum import SWAGE_FLOOR_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_input_mm, take_up_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTH_MM, DOWEL_MM
+from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.sizing.rule import Found, Rule
 
 # An input carries half the peak torque, a little more in the direction that its preload's bias loads.

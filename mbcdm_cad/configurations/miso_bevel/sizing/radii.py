@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from math import hypot, pi
 
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
     BLEND_DIAMETERS,
     STOP_WALL_MM,
 )
-from mbcdm_cad.configurations.miso_bevel.checks.spans import CABLE_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM
-from mbcdm_cad.configurations.miso_bevel.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.given import STEPS, BevelGiven, reach_mm, span_for_fleet_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down

@@ -16,9 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
-from mbcdm_cad.configurations.miso_bevel.drum import STOP_PIN_MM, drum_shaft, stop_pin_z
+from mbcdm_cad.configurations.miso_bevel.drum import stop_pin_z
 from mbcdm_cad.configurations.miso_bevel.stack import Stack
 from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.drum_sector.sizes import STOP_PIN_MM, drum_shaft
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2

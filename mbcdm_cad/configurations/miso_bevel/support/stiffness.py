@@ -24,63 +24,25 @@ import numpy as np
 
 from mbcdm_cad.configurations.interface import FrameCompliance, FrameStudy
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
-from mbcdm_cad.configurations.miso_bevel.support.folded_plates import Ints, freedoms, sides, solve, stiffness
 from mbcdm_cad.configurations.miso_bevel.support.loads import SeatLoads, seat_loads, unit_tensions_N
-from mbcdm_cad.configurations.miso_bevel.support.panels import SupportMesh, support_mesh
+from mbcdm_cad.configurations.miso_bevel.support.panels import mounts, support_mesh
 from mbcdm_cad.design.bought import Material
+from mbcdm_cad.model.folded_plates import Ints
+from mbcdm_cad.model.plate_mesh import GPA_TO_MPA, URAD_PER_MRAD, PlateMesh, centred_load, shares_urad, statically
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes import Floats
 
-_GPA_TO_MPA = 1e3
 _SHEAR_FACTOR = 5.0 / 6.0
-# N mm of work per (N m)^2 is a compliance in mrad per N m.
-_URAD_PER_MRAD = 1e3
 
 
-def _statically(points: Floats, at: Floats, force: Floats, moment: Floats) -> Floats:
-    """Forces (n, 3) on nodes that have the given resultant at ``at``, the least in sum of squares."""
-    off = points - at
-    wrench = np.zeros((6, len(points), 3))
-    wrench[:3] = np.eye(3)[:, None, :]
-    for a in range(3):
-        wrench[3 + a] = np.cross(np.eye(3)[a], off)
-    rows = wrench.reshape(6, -1)
-    return np.asarray(np.linalg.lstsq(rows, np.concatenate([force, moment]), rcond=None)[0].reshape(-1, 3))
-
-
-def _mount_springs(layout: Layout, mesh: SupportMesh) -> Floats:
-    """Springs (6 m,) to the base: from the ring held under a screw's head up to the middle of the plate.
-
-    The load spreads in the plate as a cone of 30 degrees, the usual one for screwed joints, so that the layer's area is
-    pi ((R + z tan 30)^2 - r^2) at height z; its flexibility is the integral of 1 / (modulus x area).
-    """
-    f, v, material = layout.frame, layout.levels, layout.drive.support.material
-    outer, hole, slope = MOUNT_SCREW_HEAD_MM / 2, f.mount_radius, np.tan(pi / 6)
-    above = outer + slope * (v.pocket_floor_y - v.back_y) / 2
-    spread = (above - hole) * (outer + hole) / ((above + hole) * (outer - hole))
-    depth_over_area = np.log(spread) / (2.0 * pi * hole * slope)
-    normal = material.youngs_modulus_GPa * _GPA_TO_MPA / depth_over_area
-    sliding = normal / (2.0 * (1.0 + material.poisson_ratio))
-    springs = np.zeros((len(mesh.plates.node_mm), 6))
-    for nodes in mesh.mounted:
-        # Four points stand for the ring; of a screw in the mirror plane two are in this half.
-        springs[nodes, :3] = np.array([sliding, normal, sliding]) / 4.0
-    return springs.ravel()
-
-
-def _half_load(layout: Layout, mesh: SupportMesh, loads: SeatLoads) -> Floats:
+def _half_load(layout: Layout, mesh: PlateMesh, loads: SeatLoads) -> Floats:
     """Nodal loads (6 m,) of the half x >= 0: the part of ``loads`` that changes sign in the mirror."""
     node = mesh.plates.node_mm
     total = np.zeros((len(node), 6))
     points = dict(zip(loads.names, loads.point_mm, strict=True))
 
     def centre(nodes: Ints, point: Floats, force_x: float) -> None:
-        off_plane = nodes[~mesh.middle[nodes]]
-        both = np.concatenate([node[nodes], node[off_plane] * (-1.0, 1.0, 1.0)])
-        spread = _statically(both, point, np.array([force_x, 0.0, 0.0]), np.zeros(3))[: len(nodes)]
-        # Nodes in the mirror plane carry half of their force on each side.
-        total[nodes, :3] += spread * np.where(mesh.middle[nodes], 0.5, 1.0)[:, None]
+        total[nodes, :3] += centred_load(mesh, nodes, point, force_x)
 
     f = layout.frame
     block = mesh.near("boss block", (0.0, 0.0, f.column_pocket_bottom_z), (1e3, 1e3, 1e3))
@@ -96,13 +58,13 @@ def _half_load(layout: Layout, mesh: SupportMesh, loads: SeatLoads) -> Floats:
         point = points[f"{right}_{end}"]
         force = 0.5 * (loads.at(f"{right}_{end}") + mirrored * loads.at(f"{left}_{end}"))
         nodes = mesh.near(panel, point, (reach, reach, 10.0))
-        total[nodes, :3] += _statically(node[nodes], point, force, np.zeros(3))
+        total[nodes, :3] += statically(node[nodes], point, force, np.zeros(3))
     at = np.array([max(f.input_x), f.input_y, layout.levels.motor_shelf_bottom_z])
     reach = layout.drive.gearhead.diameter_mm / 2
     nodes = mesh.near("motor shelf", at, (reach, reach, 10.0))
     # N m to N mm.
     couple = np.array([0.0, 0.0, 1e3 * loads.gearhead_torque_Nm.mean()])
-    total[nodes, :3] += _statically(node[nodes], at, np.zeros(3), couple)
+    total[nodes, :3] += statically(node[nodes], at, np.zeros(3), couple)
     return total.ravel()
 
 
@@ -113,7 +75,7 @@ def ring_compliance_mm_N(layout: Layout, material: Material) -> float:
     block. Its depth grows there from the round wall to the block's corner. Pressure of the seat is p cos(phi).
     """
     f = layout.frame
-    inner, modulus = f.drum_seat_radius, material.youngs_modulus_GPa * _GPA_TO_MPA
+    inner, modulus = f.drum_seat_radius, material.youngs_modulus_GPa * GPA_TO_MPA
     shear_modulus = modulus / (2.0 * (1.0 + material.poisson_ratio))
     phi = np.linspace(-pi / 2, pi / 3, 121)
     outer = np.full_like(phi, f.boss_radius)
@@ -155,7 +117,7 @@ def _ring_work(layout: Layout, loads: SeatLoads) -> float:
     at = np.array([loads.point_mm[loads.names.index(n)][1] - middle for n in ("drum_rear", "drum_front")])
     force = np.array([loads.at(n)[0] for n in ("drum_rear", "drum_front")])
     slice_mm_N = ring_compliance_mm_N(layout, material)
-    shear_modulus = material.youngs_modulus_GPa * _GPA_TO_MPA / (2.0 * (1.0 + material.poisson_ratio))
+    shear_modulus = material.youngs_modulus_GPa * GPA_TO_MPA / (2.0 * (1.0 + material.poisson_ratio))
     arc_N = shear_modulus * (f.boss_radius**2 - f.drum_seat_radius**2) / 2 * pi / 2
     shift = slice_mm_N / length * force.sum() ** 2
     return float(shift + (force @ at) ** 2 / (length**3 / (12.0 * slice_mm_N) + arc_N * length))
@@ -169,28 +131,9 @@ def frame_compliance(layout: Layout) -> FrameCompliance:
     material = layout.drive.support.material
     loads = seat_loads(layout, unit_tensions_N(to_si(layout.drive)))
     mesh = support_mesh(layout)
-    plates = mesh.plates
-    modulus = material.youngs_modulus_GPa * _GPA_TO_MPA
-    # Many elements are alike.
-    shape = np.column_stack([sides(plates), plates.thickness_mm])
-    kinds, kind = np.unique(shape.round(9), axis=0, return_inverse=True)
-    unlike = stiffness(kinds[:, :2], kinds[:, 2], modulus, material.poisson_ratio)
-    element = unlike[kind.ravel()] * mesh.weight[:, None, None]
-    held = np.zeros((len(plates.node_mm), 6), dtype=bool)
-    # A field that changes sign in the mirror: u_y, u_z and the turn about x vanish in its plane.
-    held[mesh.middle, 1:4] = True
-    load = _half_load(layout, mesh, loads)
-    ground = _mount_springs(layout, mesh)
-    try:
-        displacement = solve(plates, element, held.ravel(), ground, load)
-    except np.linalg.LinAlgError:
-        raise ValueError("frame: its walls hang together so little that their deflection has no answer") from None
-    local = displacement[freedoms(plates)]
-    work = 2.0 * ((element @ local[:, :, None])[:, :, 0] * local).sum(axis=1)
-    by_panel = np.bincount(plates.panel, work, len(mesh.names))
-    shares = {name: float(w) * _URAD_PER_MRAD for name, w in zip(mesh.names, by_panel, strict=True)}
-    shares["mounts"] = 2.0 * float(ground @ displacement**2) * _URAD_PER_MRAD
-    shares["boss ring"] = _ring_work(layout, loads) * _URAD_PER_MRAD
+    ground = mounts(layout).springs(mesh, material)
+    shares = shares_urad(mesh, material, _half_load(layout, mesh, loads), ground)
+    shares["boss ring"] = _ring_work(layout, loads) * URAD_PER_MRAD
     return FrameCompliance(sum(shares.values()), shares)
 
 

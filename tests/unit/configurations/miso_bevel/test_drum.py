@@ -11,9 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
-from mbcdm_cad.configurations.miso_bevel.drum import Tensioner, half_width_mm, lands, tensioners
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.stack import stack
+from mbcdm_cad.configurations.miso_bevel.tensioning import terminal_way
+from mbcdm_cad.parts.drum_sector.sizes import half_width_mm, lands, tensioners
+from mbcdm_cad.parts.terminal.dims import Tensioner
 
 from .designs import drives, reference
 
@@ -121,7 +123,7 @@ def test_no_thin_wall_before_a_land_further_out(step: float, sector: float, radi
     cables = tuple(replace(c, drum_radius_mm=radius + step * k) for k, c in enumerate(first.cables))
     drive = replace(first, cables=cables, drum=replace(first.drum, sector_half_angle_deg=sector))
     surfaces = [c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in cables]
-    for t in tensioners(drive):
+    for t in tensioners(drive, terminal_way(drive)):
         left = radians(sector) - t.anchor_rad
         end = min(t.pocket_end, t.radius_mm * sin(left) / cos(left))
         for surface in surfaces:

@@ -6,8 +6,8 @@ from math import acos, degrees
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.tensioning import take_up_of
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.parts.terminal.take_up import take_up_of
 
 # A nut holds on all its turns once the thread stands out this many pitches (usual rule).
 THREAD_OUT_PITCHES = 1.0
@@ -17,7 +17,7 @@ RUN_OUT_PITCHES = 2.0
 TWIST_DEG = 20.0
 
 
-def take_up(s: BevelUnderTest) -> Comparison:
+def take_up(s: SectorUnderTest) -> Comparison:
     """Way of each terminal with thread under nut and lock nut, against what its cable asks of it.
 
     Asked: stretch at the highest preload, bedding-in, both ends of the cut length's tolerance.
@@ -35,7 +35,7 @@ def take_up(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def thread_at_end(s: BevelUnderTest) -> Comparison:
+def thread_at_end(s: SectorUnderTest) -> Comparison:
     """With the terminal drawn in all the way, the nut still finds thread at the lug."""
     spec = s.drive.tensioner
     return worst(
@@ -49,7 +49,7 @@ def thread_at_end(s: BevelUnderTest) -> Comparison:
     )
 
 
-def terminal_twist(s: BevelUnderTest) -> Comparison:
+def terminal_twist(s: SectorUnderTest) -> Comparison:
     """How far a terminal turns with its nut before the flat of its sleeve lies against the pocket's wall."""
     spec, wall = s.drive.tensioner, s.layout.drum.flat_wall
     corner, flat = spec.swage_diameter_mm / 2, spec.swage_flats_mm / 2

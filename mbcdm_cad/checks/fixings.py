@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
+from mbcdm_cad.checks.bearings import drum_reactions_N, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.checks.strength import rated_input_Nm
-from mbcdm_cad.configurations.miso_bevel.checks.bearings import drum_reactions_N, input_reactions
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.bought import Screw
 
 # Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
@@ -32,7 +32,7 @@ def clamp_force_N(screw: Screw) -> float:
     return TIGHTENED_SHARE * SCREW_YIELD_MPA * area
 
 
-def collar_grip(s: BevelUnderTest) -> Comparison:
+def collar_grip(s: SectorUnderTest) -> Comparison:
     """Clamp collar holds the largest torque of an input.
 
     The ring hinges opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the distances of
@@ -52,7 +52,7 @@ def collar_grip(s: BevelUnderTest) -> Comparison:
     )
 
 
-def hub_set_screws(s: BevelUnderTest) -> Comparison:
+def hub_set_screws(s: SectorUnderTest) -> Comparison:
     """Set screws turn the drum's shaft against bearing friction; the load itself never passes through the shaft."""
     radius = s.layout.drum_shaft.radius
     holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.layout.drum.set_screw)) * radius
@@ -68,7 +68,7 @@ def hub_set_screws(s: BevelUnderTest) -> Comparison:
     )
 
 
-def stop_pin(s: BevelUnderTest) -> Comparison:
+def stop_pin(s: SectorUnderTest) -> Comparison:
     """Pin in bending from the frame's front to the web, both motors stalled against it."""
     lay = s.layout
     stall = max(
@@ -86,7 +86,7 @@ def stop_pin(s: BevelUnderTest) -> Comparison:
     )
 
 
-def pulley_stress(s: BevelUnderTest) -> Comparison:
+def pulley_stress(s: SectorUnderTest) -> Comparison:
     """Bending and torsion of the input pulley's necks."""
     v, strength = s.levels, s.drive.input_pulleys.material.yield_MPa
     torque = s.loads.highest_input_Nm * 1e3
@@ -106,7 +106,7 @@ def pulley_stress(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def shaft_twist(s: BevelUnderTest) -> Comparison:
+def shaft_twist(s: SectorUnderTest) -> Comparison:
     """Twist of the drum's shaft if the load were taken at its far end."""
     shaft, metal = s.layout.drum_shaft, s.drive.drum.shaft_material
     length = shaft.y_end - shaft.y_start

@@ -8,13 +8,13 @@ from math import atan2, hypot
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, polygon_gap
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.drum import SWAGE_FLOOR_MM
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.parts.terminal.dims import Tensioner
 
 # Gap between two terminals, and between terminal and cable (estimate: no tool between them, nothing moves).
@@ -24,9 +24,11 @@ CORNER_ROOM_MM = 0.1
 # Yield over stress (usual for steady loads on ductile metal).
 STUD_SAFETY = 2.0
 LUG_SAFETY = 2.0
+# Where each side of the drum has one terminal.
+_ALONE = noted("terminals beside another one", 0.0, "")
 
 
-def bodies_of(s: BevelUnderTest, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
+def bodies_of(s: SectorUnderTest, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
     """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug.
 
     ``moved``: the room they take over the whole travel of the terminal, else where they stand at preload.
@@ -54,7 +56,7 @@ def _pairs(d: DrumDims) -> Iterator[tuple[Tensioner, Tensioner]]:
             yield a, b
 
 
-def sleeve_fits(s: BevelUnderTest) -> Comparison:
+def sleeve_fits(s: SectorUnderTest) -> Comparison:
     """Sleeve of the terminal against the rope that ends in it: thick enough round it, and long enough to hold it."""
     end, spec, d = s.drive.termination, s.drive.tensioner, s.drive.cable.diameter_mm
     return worst(
@@ -72,7 +74,7 @@ def sleeve_fits(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _fitting_tensioner(s: BevelUnderTest) -> str:
+def _fitting_tensioner(s: SectorUnderTest) -> str:
     """The smallest tensioner of the package whose sleeve takes the rope."""
     end, d = s.drive.termination, s.drive.cable.diameter_mm
     fitting = [
@@ -86,7 +88,7 @@ def _fitting_tensioner(s: BevelUnderTest) -> str:
     return "add a tensioner with a larger sleeve to catalogue: tensioners:, or choose a thinner rope"
 
 
-def terminals_apart(s: BevelUnderTest) -> Comparison:
+def terminals_apart(s: SectorUnderTest) -> Comparison:
     """Terminals and lugs of neighbours on one side do not touch, nut corners included."""
     found = []
     for a, b in _pairs(s.layout.drum):
@@ -96,10 +98,10 @@ def terminals_apart(s: BevelUnderTest) -> Comparison:
                 gap = along_y if along_y >= TERMINAL_GAP_MM else max(along_y, polygon_gap(outline, other_outline))
                 what = f"{name} of {a.cable_name} to {other} of {b.cable_name}"
                 found.append(at_least(what, gap, TERMINAL_GAP_MM, "mm"))
-    return worst(found)
+    return worst(found) if found else _ALONE
 
 
-def lands_intact(s: BevelUnderTest) -> Comparison:
+def lands_intact(s: SectorUnderTest) -> Comparison:
     """No pocket takes the land, the lug's root or the way of a neighbour's cable."""
     d, half, wall = s.layout.drum, s.flank_mm, s.drive.drum.material.min_wall_mm
     lands = {c.name: d.lands[k] for k, c in enumerate(s.steps)}
@@ -135,10 +137,10 @@ def lands_intact(s: BevelUnderTest) -> Comparison:
                     "mm",
                 )
             )
-    return worst(found) if found else at_least("terminals on one side", 1.0, 0.0, "mm")
+    return worst(found) if found else _ALONE
 
 
-def outer_face(s: BevelUnderTest) -> Comparison:
+def outer_face(s: SectorUnderTest) -> Comparison:
     """Rim's outer face lies beyond every nut and lug."""
     d = s.layout.drum
     half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum.material.min_wall_mm)
@@ -148,7 +150,7 @@ def outer_face(s: BevelUnderTest) -> Comparison:
     )
 
 
-def pocket_corners(s: BevelUnderTest) -> Comparison:
+def pocket_corners(s: SectorUnderTest) -> Comparison:
     """Rooms for swage and nuts are longer and wider than the two corners that their cutter leaves."""
     d = s.layout.drum
     rooms = [
@@ -165,7 +167,7 @@ def pocket_corners(s: BevelUnderTest) -> Comparison:
     )
 
 
-def stud_stress(s: BevelUnderTest) -> Comparison:
+def stud_stress(s: SectorUnderTest) -> Comparison:
     """Tension of the stud at the largest cable force."""
     spec = s.drive.tensioner
     strength = s.drive.material(spec.material).yield_MPa
@@ -178,7 +180,7 @@ def stud_stress(s: BevelUnderTest) -> Comparison:
     )
 
 
-def lug_stress(s: BevelUnderTest) -> Comparison:
+def lug_stress(s: SectorUnderTest) -> Comparison:
     """Bending of the lug about its root: only the metal beyond the slot, towards the outer face, is counted."""
     d = s.layout.drum
     strength = s.drive.drum.material.yield_MPa

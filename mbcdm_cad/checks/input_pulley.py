@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 
@@ -20,12 +20,12 @@ GRIP_DIAMETERS = 1.0
 PASSAGE_MM = 0.1
 
 
-def _slots(s: BevelUnderTest) -> list[tuple[InputPulleyDims, StopSlot, float]]:
+def _slots(s: SectorUnderTest) -> list[tuple[InputPulleyDims, StopSlot, float]]:
     """(pulley, slot, surface radius of the land round it)."""
     return [(p, slot, slot.pitch_radius - s.flank_mm) for p in s.layout.inputs for slot in p.slots]
 
 
-def stop_pocket_wall(s: BevelUnderTest) -> Comparison:
+def stop_pocket_wall(s: SectorUnderTest) -> Comparison:
     """Metal between the corner of a stop's pocket and the land's surface."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     return worst(
@@ -39,7 +39,7 @@ def stop_pocket_wall(s: BevelUnderTest) -> Comparison:
     )
 
 
-def stop_pocket_floor(s: BevelUnderTest) -> Comparison:
+def stop_pocket_floor(s: SectorUnderTest) -> Comparison:
     """Metal between the pockets milled from both end faces of a pulley."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
@@ -52,7 +52,7 @@ def stop_pocket_floor(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def stop_pocket_bore(s: BevelUnderTest) -> Comparison:
+def stop_pocket_bore(s: SectorUnderTest) -> Comparison:
     """Metal between a stop's pocket and the bore for the gearhead's shaft, or the bore's end below the pockets."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
@@ -63,14 +63,14 @@ def stop_pocket_bore(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def bore_wall(s: BevelUnderTest) -> Comparison:
+def bore_wall(s: SectorUnderTest) -> Comparison:
     """Metal round the gearhead's shaft in the slit journal."""
     p = s.layout.inputs[0]
     limit = s.drive.input_pulleys.material.min_wall_mm
     return at_least("journal's wall round the gearhead's shaft", p.lower_journal_radius - p.bore_radius, limit, "mm")
 
 
-def bearing_shoulders(s: BevelUnderTest) -> Comparison:
+def bearing_shoulders(s: SectorUnderTest) -> Comparison:
     """Necks stand out over the journals, so that the bearings' inner rings rest on them."""
     return worst(
         at_least(f"{end} neck of {p.name} over its journal", neck - journal, SHOULDER_MM, "mm")
@@ -82,7 +82,7 @@ def bearing_shoulders(s: BevelUnderTest) -> Comparison:
     )
 
 
-def encoder_fit(s: BevelUnderTest) -> Comparison:
+def encoder_fit(s: SectorUnderTest) -> Comparison:
     """Encoders are bored for the shafts they sit on."""
     drive = s.drive
     pairs = (
@@ -92,13 +92,13 @@ def encoder_fit(s: BevelUnderTest) -> Comparison:
     return worst(at_most(name, abs(off), FIT_MM, "mm") for name, off in pairs)
 
 
-def bought_depth(s: BevelUnderTest) -> Comparison:
+def bought_depth(s: SectorUnderTest) -> Comparison:
     """Bought parts are deep enough for the holes that are used in them."""
     drive, lay = s.drive, s.layout
     gear_screw, encoder_screw = drive.screw(drive.gearhead.screw), drive.screw(drive.encoder.screw)
     ring_screw = drive.screw(drive.drum_encoder.screw)
-    in_gear = gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0
-    in_encoder = encoder_screw.length_mm - (drive.support.top_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
+    in_gear = gear_screw.length_mm - s.motor_shelf_mm + 1.0
+    in_encoder = encoder_screw.length_mm - (s.encoder_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
     grip = ring_screw.length_mm - lay.frame.encoder_screw_depth + 0.5
     return worst(
         (
@@ -117,7 +117,7 @@ def bought_depth(s: BevelUnderTest) -> Comparison:
     )
 
 
-def shaft_grip(s: BevelUnderTest) -> Comparison:
+def shaft_grip(s: SectorUnderTest) -> Comparison:
     """Length over which the collar squeezes journal and shaft."""
     lay, gear = s.layout, s.drive.gearhead
     end = s.levels.motor_shelf_bottom_z + gear.shaft_length_mm
@@ -130,14 +130,14 @@ def shaft_grip(s: BevelUnderTest) -> Comparison:
     )
 
 
-def pilot_room(s: BevelUnderTest) -> Comparison:
+def pilot_room(s: SectorUnderTest) -> Comparison:
     """Gearhead's centring boss stays below the pulley's journal, and in the shelf or beside the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
     top = s.levels.motor_shelf_bottom_z + gear.pilot_height_mm
     bottom = min(p.journal_bottom_z for p in s.layout.inputs)
     head = s.drive.screw(gear.screw).head_diameter_mm
     beside = (gear.bolt_circle_mm - head - gear.pilot_diameter_mm) / 2
-    inside = s.drive.support.motor_shelf_mm - gear.pilot_height_mm
+    inside = s.motor_shelf_mm - gear.pilot_height_mm
     return worst(
         (
             at_least("journal above the gearhead's pilot", bottom - top, running, "mm"),
@@ -148,7 +148,7 @@ def pilot_room(s: BevelUnderTest) -> Comparison:
     )
 
 
-def coupling_height(s: BevelUnderTest) -> Comparison:
+def coupling_height(s: SectorUnderTest) -> Comparison:
     """Coupling space takes collar and slit below the bearing; gearhead screws and collar pass on their way in."""
     lay, v, drive = s.layout, s.levels, s.drive
     shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
@@ -176,7 +176,7 @@ def coupling_height(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _of_thinner_walls(s: BevelUnderTest) -> str:
+def _of_thinner_walls(s: SectorUnderTest) -> str:
     """Steel, for pulleys of something that asks for thicker walls."""
     own, steel = s.drive.input_pulleys.material, s.drive.material("steel")
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""

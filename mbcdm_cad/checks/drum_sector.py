@@ -6,7 +6,7 @@ from math import asin, degrees, radians
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 
 # Rim under a pocket's floor, in thinnest walls: it carries the lug's root (estimate).
 RIM_WALLS = 1.5
@@ -20,7 +20,7 @@ STOP_WINDOW_DEG = 0.5
 SPIGOT_MM = 0.3
 
 
-def rim_height(s: BevelUnderTest) -> Comparison:
+def rim_height(s: SectorUnderTest) -> Comparison:
     """Rim left under the deepest pocket and the smallest land."""
     d = s.layout.drum
     floors = [(f"pocket of {t.cable_name}", t.radius_mm - d.nut_pocket) for t in d.tensioners]
@@ -29,7 +29,7 @@ def rim_height(s: BevelUnderTest) -> Comparison:
     return worst(at_least(f"rim under the {name}", floor - d.rim_inner_radius, limit, "mm") for name, floor in floors)
 
 
-def web_inside_rim(s: BevelUnderTest) -> Comparison:
+def web_inside_rim(s: SectorUnderTest) -> Comparison:
     """Web lies within the rim's width and is no thinner than can be made."""
     d = s.layout.drum
     return worst(
@@ -45,7 +45,7 @@ def web_inside_rim(s: BevelUnderTest) -> Comparison:
     )
 
 
-def land_thickness(s: BevelUnderTest) -> Comparison:
+def land_thickness(s: SectorUnderTest) -> Comparison:
     """Every land has width: walls follow each other along y."""
     return worst(
         at_least(f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm, "mm")
@@ -53,7 +53,7 @@ def land_thickness(s: BevelUnderTest) -> Comparison:
     )
 
 
-def hub_walls(s: BevelUnderTest) -> Comparison:
+def hub_walls(s: SectorUnderTest) -> Comparison:
     """Hub takes the payload's threads between shaft and outside, and its set screws' threads."""
     d = s.layout.drum
     screw = s.drive.screw(d.set_screw)
@@ -71,7 +71,7 @@ def hub_walls(s: BevelUnderTest) -> Comparison:
     )
 
 
-def hub_length(s: BevelUnderTest) -> Comparison:
+def hub_length(s: SectorUnderTest) -> Comparison:
     """Hub holds the shaft over its diameter, and has room for the set screws before the web."""
     d = s.layout.drum
     screw = s.drive.screw(d.set_screw)
@@ -95,7 +95,7 @@ def hub_length(s: BevelUnderTest) -> Comparison:
     )
 
 
-def hub_spigot(s: BevelUnderTest) -> Comparison:
+def hub_spigot(s: SectorUnderTest) -> Comparison:
     """Spigot bears on the inner ring of the front bearing and stays inside the hub."""
     d = s.layout.drum
     return worst(
@@ -106,7 +106,7 @@ def hub_spigot(s: BevelUnderTest) -> Comparison:
     )
 
 
-def shaft_wall(s: BevelUnderTest) -> Comparison:
+def shaft_wall(s: SectorUnderTest) -> Comparison:
     """Wall of the hollow drum shaft."""
     shaft = s.layout.drum_shaft
     return at_least(
@@ -114,7 +114,7 @@ def shaft_wall(s: BevelUnderTest) -> Comparison:
     )
 
 
-def stop_slot(s: BevelUnderTest) -> Comparison:
+def stop_slot(s: SectorUnderTest) -> Comparison:
     """Stop's slot lies in the web between hub and rim and ends before the sector does."""
     d = s.layout.drum
     half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum.material.min_wall_mm
@@ -133,19 +133,19 @@ def stop_slot(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _stop_angle_deg(s: BevelUnderTest) -> float:
+def _stop_angle_deg(s: SectorUnderTest) -> float:
     """Drum angle at which the pin meets the slot's end, beyond the travel."""
     d = s.layout.drum
     play = d.stop_slot_width / 2 - s.layout.frame.stop_pin_radius
-    return d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg
+    return float(d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg)
 
 
-def stop_late(s: BevelUnderTest) -> Comparison:
+def stop_late(s: SectorUnderTest) -> Comparison:
     """Stops engage no earlier than the travel ends."""
     return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
 
 
-def stop_early(s: BevelUnderTest) -> Comparison:
+def stop_early(s: SectorUnderTest) -> Comparison:
     """Stops engage within half a degree of the travel's end."""
     return at_most("stops engage beyond the travel by", _stop_angle_deg(s), STOP_WINDOW_DEG, "deg")
 

@@ -1,0 +1,174 @@
+"""Bearing loads against static ratings, and what reaches the gearhead in spite of the pulley's own bearings.
+
+A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cable's pull of well
+over 100 N on each input pulley is more than a gearhead of this size takes, so each pulley has a bearing at both ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
+
+STATIC_SAFETY = 1.0
+QUIET_SAFETY = 2.0
+# Radial play of a small deep-groove bearing, normal class, and what a gearhead's output shaft has (catalogues).
+BEARING_PLAY_MM = 0.01
+GEARHEAD_PLAY_MM = 0.02
+
+
+def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparison:
+    what = f"{name}: {bearing.name}, static rating {bearing.static_rating_N:g} N over {load_N:.4g} N"
+    return at_least(what, bearing.static_rating_N / max(load_N, 1e-9), limit, "times")
+
+
+def input_reactions(s: SectorUnderTest) -> list[tuple[str, float, float]]:
+    """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
+
+    v, bearings = s.levels, s.drive.bearings
+    lower = (v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2) * 1e-3
+    upper = (v.top_plate_bottom_z + bearings.input_upper.width_mm / 2) * 1e-3
+    found = []
+    for i, name in enumerate(s.drive.input_names):
+        most = np.zeros(2)
+        axis = s.loads.si.routes.inputs[i].axis
+        for _, tension in s.loads.states:
+            at = bearing_loads(s.loads.si, tension)
+            load = at.inputs[i]
+            pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, axis)
+            most = np.maximum(most, np.linalg.norm(pair, axis=1))
+        found.append((name, float(most[0]), float(most[1])))
+    return found
+
+
+def drum_reactions_N(s: SectorUnderTest) -> tuple[float, float]:
+    """Largest radial loads of the drum's (rear, front) bearings."""
+
+    shaft, width = s.layout.drum_shaft, s.drive.bearings.drum.width_mm
+    rear, front = ((y + width / 2) * 1e-3 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
+    most = [0.0, 0.0]
+    for _, tension in s.loads.states:
+        at = bearing_loads(s.loads.si, tension).drum
+        force, moment = at.force_N, at.moment_Nm
+        # About the rear bearing, with y x F = (y Fz, 0, -y Fx): the front bearing takes what is left of the moment.
+        about = moment - np.cross([0.0, rear, 0.0], force)
+        on_front = np.array([-about[2], 0.0, about[0]]) / (front - rear)
+        on_rear = force - on_front
+        loads = (float(np.hypot(on_rear[0], on_rear[2])), float(np.hypot(on_front[0], on_front[2])))
+        most = [max(a, b) for a, b in zip(most, loads, strict=True)]
+    return most[0], most[1]
+
+
+def input_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
+    bearings = s.drive.bearings
+    return [
+        safety(bearing, f"{end} bearing of the {name} input", load, limit)
+        for name, low, high in s.once("input_reactions", input_reactions)
+        for end, bearing, load in (("lower", bearings.input_lower, low), ("upper", bearings.input_upper, high))
+    ]
+
+
+def drum_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
+    return [
+        safety(s.drive.bearings.drum, f"{end} drum bearing", load, limit)
+        for end, load in zip(("rear", "front"), s.once("drum_reactions", drum_reactions_N), strict=True)
+    ]
+
+
+def input_bearings(s: SectorUnderTest) -> Comparison:
+    """Bearings at both ends of the input pulleys."""
+    return worst(input_safety(s, STATIC_SAFETY))
+
+
+def drum_bearings(s: SectorUnderTest) -> Comparison:
+    """Bearings of the drum's shaft."""
+    return worst(drum_safety(s, STATIC_SAFETY))
+
+
+def drum_bearing_spacing(s: SectorUnderTest) -> Comparison:
+    """Drum bearings stand apart by their own width."""
+    shaft = s.layout.drum_shaft
+    width = s.drive.bearings.drum.width_mm
+    between = shaft.front_bearing_y - shaft.rear_bearing_y - width
+    return at_least("space between the drum's bearings", between, width, "mm")
+
+
+def coupling_runout(s: SectorUnderTest) -> Comparison:
+    """How far the cables push the pulley aside at the coupling: more than the gearhead's play would load its shaft."""
+
+    v, lay, drive = s.levels, s.layout, s.drive
+    lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
+    upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2
+    span, overhang = upper - lower, lower - (lay.collar.bottom_z + lay.collar.top_z) / 2
+    found = []
+    for i, p in enumerate(lay.inputs):
+        # The thinnest neck along the whole span, on the safe side.
+        second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
+        stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment
+        pull = max(float(np.linalg.norm(bearing_loads(s.loads.si, t).inputs[i].force_N)) for _, t in s.loads.states)
+        low = float(np.clip(min(slot.chord_z for slot in p.slots) - lower, 0.0, span))
+        slope = pull * (span - low) * (span**2 - (span - low) ** 2) / (6 * span * stiffness)
+        moved = BEARING_PLAY_MM / 2 + slope * max(overhang, 0.0)
+        note = f"its bearings carry {pull:.4g} N; the gearhead may carry {drive.gearhead.radial_load_N:g} N"
+        found.append(at_most(f"{p.name} pulley pushed aside at the coupling", moved, GEARHEAD_PLAY_MM, "mm", note))
+    return worst(found)
+
+
+LESS: tuple[Adjustment, ...] = (down("rope.preload_N"), down("loads.peak_torque_Nm"))
+RATING = "bearing catalogue; static safety 1: bearing makers, normal running"
+LARGER = "choose a larger bearing"
+INPUT_BEARINGS = Check(
+    "input_bearings",
+    "Input pulleys' bearings carry the cables",
+    RATING,
+    input_bearings,
+    adjust=LESS,
+    advice=LARGER,
+)
+DRUM_BEARINGS = Check(
+    "drum_bearings", "Drum's bearings carry the cables", RATING, drum_bearings, adjust=LESS, advice=LARGER
+)
+BEARING_SPACING = Check(
+    "drum_bearing_spacing",
+    "Drum's bearings stand apart",
+    "usual rule: one bearing width",
+    drum_bearing_spacing,
+    adjust=(down("support.back_y_mm"),),
+)
+COUPLING_RUNOUT = Check(
+    "coupling_runout",
+    "Pulleys' bearings spare the gearhead",
+    "play of gearheads: 0.02 mm, estimate",
+    coupling_runout,
+    "warn",
+    LESS,
+    LARGER,
+)
+
+
+def quiet(measure: Callable[[Any], Comparison]) -> Check:
+    """The check that all bearings run quietly; ``measure`` takes those of the configuration together."""
+    return Check(
+        "quiet_running",
+        "All bearings run quietly",
+        "static safety 2: bearing makers, quiet running",
+        measure,
+        "warn",
+        advice=partial(_rating_needed, measure),
+    )
+
+
+def _rating_needed(measure: Callable[[Any], Comparison], s: SectorUnderTest) -> str:
+    finding, rated = measure(s), s.drive.bearings.all()
+    name = finding.subject.split(",")[0].split(": ")[1]
+    rating = next(b.static_rating_N for b in rated if b.name == name)
+    return f"choose a bearing of static rating {rating / finding.actual * QUIET_SAFETY:.4g} N or more in its place"

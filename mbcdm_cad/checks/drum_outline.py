@@ -1,0 +1,67 @@
+"""Room that a drum sector takes: its outline with the drum centred, and the rings that it sweeps as it turns."""
+
+from __future__ import annotations
+
+from math import cos, hypot, radians, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.parts.drum_sector.dims import DrumDims
+
+# Grid of the rim: 0.1 mm and finer near the outside of the reference design, 0.3 mm along it.
+_RADII = 40
+_ANGLES = 160
+
+
+class Ring(NamedTuple):
+    """A zone of the drum: radii from the Y axis and the lowest y in it."""
+
+    name: str
+    inner: float
+    outer: float
+    y: float
+
+
+def rim_points(d: DrumDims) -> np.ndarray:
+    """(x, z) of the rim where no pocket that goes through it takes the metal, on a grid near its edges."""
+    outer = d.lands[-1].surface_radius_mm
+    # Fine near the outside, where the box is decided.
+    radii = outer - (outer - d.rim_inner_radius) * np.linspace(0.0, 1.0, _RADII) ** 2
+    half = radians(d.half_angle_deg)
+    # Widest at the ends or, on a sector of more than half a turn, at right angles to Z.
+    side = np.linspace(half / 2, half, _ANGLES)
+    side = np.append(side, min(half, np.pi / 2))
+    angles = np.concatenate([-side, [0.0], side])
+    x = np.multiply.outer(radii, np.sin(angles))
+    z = np.multiply.outer(radii, np.cos(angles))
+    kept = np.ones_like(x, dtype=bool)
+    for t in d.tensioners:
+        if t.cut_through:
+            sine, cosine = sin(t.anchor_rad), cos(t.anchor_rad)
+            out = t.side * x * sine + z * cosine - t.radius_mm
+            along = t.side * x * cosine - z * sine
+            floor = np.where(along > t.lug_end, -d.nut_pocket, -d.flat_wall)
+            kept &= ~((along > t.slack_start) & (along < t.pocket_end) & (out > floor))
+    return np.stack([x[kept], z[kept]], axis=1)
+
+
+def drum_zones(s: SectorUnderTest) -> list[Ring]:
+    """Rings that together hold everything which turns with the drum in front of the frame."""
+    d = s.layout.drum
+    spec = s.drive.tensioner
+    half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
+    below = max(half, d.lug_root)
+    zones = [
+        Ring("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
+        Ring("drum's web", d.spigot_radius, d.rim_inner_radius + 1.0, min(d.web_start_y, d.lands[0].y_start)),
+        Ring("drum's hub", 0.0, d.hub_radius, d.spigot_y),
+    ]
+    for t in d.tensioners:
+        name = f"terminal of {t.cable_name}"
+        zones.append(Ring(name, t.radius_mm - below, hypot(t.radius_mm + half, t.last_tip), t.y_mm - half))
+    for c in s.steps:
+        radii = (c.drum_radius_mm - s.flank_mm, c.drum_radius_mm + s.flank_mm)
+        zones.append(Ring(f"{c.name} on the drum", *radii, c.land_y_mm - s.flank_mm))
+    return zones

@@ -1,0 +1,122 @@
+"""Wrap on the drum over the travel: real, less than a turn, and how it compares with the model's slip zones.
+
+Both ends of a cable are anchored, so a wrap shorter than the slip zone is legal; only Eq. (5) and (6) stop holding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from math import atan2, degrees
+
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.remedies import floored
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+
+# Land left under the cable between transfer point and terminal at the end of travel (estimate).
+LEAST_WRAP_DEG = 2.0
+FULL_TURN_DEG = 360.0
+
+
+def wrap_left(s: SectorUnderTest) -> Comparison:
+    """Anchors lie beyond the travel: some wrap is left at both ends."""
+    return worst(
+        at_least(
+            f"wrap left of {c.name} (anchor at {degrees(s.anchor_rad(c)):.4g} deg)",
+            degrees(s.smallest_wrap_rad(c)),
+            LEAST_WRAP_DEG,
+            "deg",
+        )
+        for c in s.steps
+    )
+
+
+def wrap_under_a_turn(s: SectorUnderTest) -> Comparison:
+    """Cable and terminal stay under a full turn: beyond it they would come round to the transfer point again."""
+    return worst(
+        at_most(
+            f"largest wrap of {t.cable_name}, terminal included",
+            degrees(t.anchor_rad + s.half_travel_rad + atan2(t.last_tip, t.radius_mm)),
+            FULL_TURN_DEG,
+            "deg",
+        )
+        for t in s.layout.drum.tensioners
+    )
+
+
+def _wrap_against_slip(s: SectorUnderTest, load: str, states: tuple[np.ndarray, np.ndarray]) -> Comparison:
+    friction = s.drive.friction_coefficient
+    found = []
+    for k, c in enumerate(s.drive.cables):
+        lowest, highest = (float(f(state[k] for state in states)) for f in (min, max))
+        preload = c.preload_N
+        slip = max(abs(np.log(max(t, 1e-9) / preload)) for t in (lowest, highest)) / friction
+        found.append(
+            at_least(
+                f"{c.name}: wrap left at the end of travel against the slip angle at {load}",
+                degrees(s.smallest_wrap_rad(c)),
+                degrees(slip),
+                "deg",
+                "the ends are anchored, so it holds; Eq. (5), (6) do not, and the model's figures are estimates there",
+            )
+        )
+    return worst(found)
+
+
+def slip_at_test(s: SectorUnderTest) -> Comparison:
+    """Wrap left against the slip zone of the backlash test."""
+    load = f"{s.drive.loads.test_torque_Nm:g} N m"
+    return _wrap_against_slip(s, load, (s.loads.test_forward, s.loads.test_back))
+
+
+def slip_at_peak(s: SectorUnderTest) -> Comparison:
+    """Wrap left against the slip zone at peak torque."""
+    load = f"{s.drive.loads.peak_torque_Nm:g} N m"
+    return _wrap_against_slip(s, load, (s.loads.peak_forward, s.loads.peak_back))
+
+
+def _travel_within(measure: Callable[[SectorUnderTest], Comparison], s: SectorUnderTest) -> str:
+    travel = s.drive.half_travel_deg + measure(s).margin
+    if travel > 1.0:
+        return f"lower travel.half_angle_deg to at most {floored(travel)} or raise rope.preload_N"
+    return "no travel is short enough: take the model's figures at this load as estimates, or raise rope.preload_N"
+
+
+MORE_WRAP: tuple[Adjustment, ...] = (down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"))
+WRAPS = (
+    Check(
+        "wrap_left",
+        "Wrap left on the drum at both ends of travel",
+        "derived; 2 deg: estimate",
+        wrap_left,
+        adjust=MORE_WRAP,
+    ),
+    Check(
+        "wrap_under_turn",
+        "Wrap on the drum stays under a turn",
+        "paper section 2.1",
+        wrap_under_a_turn,
+        adjust=(down("drum.sector_half_angle_deg"), down("travel.half_angle_deg")),
+    ),
+)
+SLIPS = (
+    Check(
+        "wrap_slip_test",
+        "Wrap left against the slip angle at the test torque",
+        "paper Eq. (5), (6)",
+        slip_at_test,
+        "warn",
+        advice=partial(_travel_within, slip_at_test),
+    ),
+    Check(
+        "wrap_slip_peak",
+        "Wrap left against the slip angle at peak torque",
+        "paper Eq. (5), (6)",
+        slip_at_peak,
+        "warn",
+        advice=partial(_travel_within, slip_at_peak),
+    ),
+)

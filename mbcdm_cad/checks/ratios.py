@@ -1,0 +1,52 @@
+"""Ratios that all cables of an input must share, and what a difference does to their tension.
+
+Held on the nominal radii, to far less than can be machined: a drive whose drawing misses them is wrong on paper
+already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Comparison, at_most, shown
+from mbcdm_cad.checks.design_under_test import DesignUnderTest
+from mbcdm_cad.design.drive import CableRun
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.kinematics import pair_mismatch_m
+
+# 0.6 um on a radius of 6 mm, a tenth of what good turning holds: rounding of the drawing, not of the part.
+RATIO_TOLERANCE = 1e-4
+# Tension that the mismatch of a pair may add over the travel, as a share of the preload; beyond it the preload that
+# was set is not the preload that acts (estimate).
+MISMATCH_SHARE = 0.1
+
+
+def spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note: str = "") -> Comparison:
+    """Largest relative deviation of the ratios from the first of them."""
+    off = [abs(ratio / ratios[0] - 1.0) for ratio in ratios]
+    k = int(np.argmax(off))
+    listed = ", ".join(f"{ratio:.6g}" for ratio in ratios)
+    return at_most(f"{name} = {listed}: {cables[k].name} off", off[k], RATIO_TOLERANCE, "relative", note)
+
+
+def pair_mismatch(s: DesignUnderTest) -> Comparison:
+    """Tension that the two cables of an input put on each other over the travel, from the model."""
+
+    si, idle = s.loads.si, s.loads.idle
+    one_of_each = [si.input_of.index(i) for i in range(si.n_inputs)]
+    angle = s.half_travel_rad * si.total_ratio[one_of_each]
+    poses = np.stack([angle, -angle], axis=1)
+    moved = solve_equilibrium(si, np.zeros(2), input_angle_rad=poses).tension_N
+    change = np.abs(moved - idle[:, None]).max(axis=1)
+    k = int(np.argmax(change))
+    length = np.abs(pair_mismatch_m(si, poses)).max() * 1e3
+    cable = s.drive.cables[k]
+    what = f"over the travel {cable.name} changes by {shown(change[k])} N (pair mismatch {shown(length)} mm):"
+    return at_most(
+        what,
+        change[k] / cable.preload_N,
+        MISMATCH_SHARE,
+        "of T_pre",
+    )

@@ -1,0 +1,93 @@
+"""A drive whose cables end on a drum sector, under test: what its checks share whatever else the drive has."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import cached_property
+from typing import Any, Protocol
+
+from mbcdm_cad.checks.design_under_test import DesignUnderTest
+from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
+from mbcdm_cad.routes.cable_path import CablePath
+
+
+class InputLevels(SectorLevels, Protocol):
+    """Heights along an input pulley's axis, from the gearhead towards its encoder, and the frame's front; mm."""
+
+    @property
+    def motor_shelf_bottom_z(self) -> float:
+        """Face of the gearhead."""
+
+    @property
+    def motor_shelf_top_z(self) -> float:
+        """Where the coupling space begins."""
+
+    @property
+    def bearing_shelf_bottom_z(self) -> float:
+        """Where the coupling space ends."""
+
+    @property
+    def bearing_shelf_top_z(self) -> float:
+        """Shelf of the bearing next to the gearhead, on the pulley's side."""
+
+    @property
+    def top_plate_bottom_z(self) -> float:
+        """Plate of the bearing next to the encoder, on the pulley's side."""
+
+    @property
+    def front_y(self) -> float:
+        """Front of shelves and plates."""
+
+
+class SectorUnderTest(DesignUnderTest):
+    """Adds the levels and the cables in the order of their steps."""
+
+    drive: SectorDrive
+
+    def __init__(self, drive: SectorDrive, layout: Any = None) -> None:
+        super().__init__(drive, layout)
+        self.steps: tuple[SectorRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
+
+    @property
+    @abstractmethod
+    def levels(self) -> InputLevels:
+        """Heights and depths."""
+
+    @property
+    @abstractmethod
+    def layout(self) -> Any:
+        """All dimensions: those given, else worked out."""
+
+    @property
+    @abstractmethod
+    def before_drum(self) -> str:
+        """What the cables run on before the drum, in words."""
+
+    @property
+    @abstractmethod
+    def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
+        """(surface radius, lowest height along Z) of the steps of that body, mm."""
+
+    @property
+    @abstractmethod
+    def motor_shelf_mm(self) -> float:
+        """Thickness of the shelf that carries a gearhead."""
+
+    @property
+    @abstractmethod
+    def encoder_plate_mm(self) -> float:
+        """Thickness of the plate that carries an input's encoder."""
+
+    def anchor_rad(self, cable: SectorRun) -> float:
+        """Where the cable leaves its land, drum centred."""
+        return float(next(t.anchor_rad for t in self.layout.drum.tensioners if t.cable_name == cable.name))
+
+    def smallest_wrap_rad(self, cable: SectorRun) -> float:
+        """Wrap on the drum at the end of travel that unwinds it."""
+        return self.anchor_rad(cable) - self.half_travel_rad
+
+    @cached_property
+    def extreme_paths(self) -> tuple[tuple[float, tuple[CablePath, ...]], ...]:
+        """Cable paths at one end of travel, centred, and at the other end, with the drum angles in rad."""
+        half = self.half_travel_rad
+        return tuple((angle, self.layout.cable_paths(angle)) for angle in (-half, 0.0, half))

@@ -1,0 +1,121 @@
+"""The order in which the mechanism goes together: what joins at each step, with the tool and why it reaches."""
+
+from __future__ import annotations
+
+from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
+from mbcdm_cad.configurations.siso_bevel.support.dims import FLANGE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM
+from mbcdm_cad.configurations.siso_bevel.tensioning import plan
+from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.terminal.instructions import tensioning_words
+
+
+def assembly_order(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
+    """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
+    return (*_frame(layout), *_input(layout), *_head(layout), *_drum(layout))
+
+
+def _key(layout: DirectLayout, screw: str) -> str:
+    return f"{layout.drive.screw(screw).key_mm:g} mm key"
+
+
+def _numbered(stem: str, count: int) -> tuple[str, ...]:
+    return tuple(f"{stem}_{n}" for n in range(1, count + 1))
+
+
+def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
+    drive = layout.drive
+    rope, ring, encoder, name = drive.cable, drive.drum_encoder, drive.encoder, drive.input_names[0]
+    return (
+        AssemblyStep(
+            f"Swage the stop on one end of each cable ({rope.name}, {rope.diameter_mm:g} mm) and the threaded terminal "
+            f"({drive.tensioner.name}) on the other, to the cut lengths of the bill of materials."
+        ),
+        AssemblyStep(
+            f"Press the drum bearings ({drive.bearings.drum.name}) into the frame's boss from both sides, push the "
+            "drum shaft in from behind until its flange rests on the rear bearing, and screw the ring encoder on "
+            f"behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}).",
+            (
+                *("frame", "drum_bearing_front", "drum_bearing_rear", "drum_shaft", "drum_encoder"),
+                *_numbered("drum_encoder_screw", 2),
+            ),
+        ),
+        AssemblyStep(
+            f"Bolt the frame to its base with {len(layout.frame.mounts)} {MOUNT_SCREW} through the back plate, from "
+            f"the front through the column's open pockets ({MOUNT_SCREW_KEY_MM:g} mm key): the encoder will stand "
+            "before two of them."
+        ),
+        AssemblyStep(
+            f"Hold the encoder under its shelf and screw it on from above, through the open top of the pulley's box "
+            f"({encoder.screw_count} x {encoder.screw}, {_key(layout, encoder.screw)}); their heads are sunk below the "
+            f"pulley. Press the bearing ({drive.bearings.input_upper.name}) into the shelf from above.",
+            (f"encoder_{name}", *_numbered(f"encoder_screw_{name}", 2), f"input_bearing_upper_{name}"),
+        ),
+    )
+
+
+def _input(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
+    drive = layout.drive
+    names = tuple(c.name for c in drive.cables)
+    return (
+        AssemblyStep(
+            "Hook the stops of both cables into the slots in the end faces of the input pulley, wind each half a turn, "
+            "one each way, and hold them with tape. Lower the pulley into its box, through the bearing into the "
+            "encoder, and tighten the encoder's own clamp from the front.",
+            (
+                f"input_pulley_{drive.input_names[0]}",
+                *(f"stop_{name}" for name in names),
+                *(cable_item(name) for name in names),
+            ),
+        ),
+    )
+
+
+def _head(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
+    drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
+    gear = drive.gearhead
+    return (
+        AssemblyStep(
+            f"On the bench, screw the gearhead with its motor on the motor head ({gear.screw_count} x {gear.screw}). "
+            f"The screws go in through the open front of the coupling space; the {_key(layout, gear.screw)} reaches "
+            "their heads from below, through the key holes in the shoulder of the empty bearing seat. Pass the clamp "
+            f"collar, its screw ({collar_screw}) loose, over the gearhead's shaft through the open front, and press "
+            f"the bearing ({drive.bearings.input_lower.name}) into the head from below.",
+            (
+                *("motor_head", f"gearhead_{name}", f"motor_{name}"),
+                *_numbered(f"gearhead_screw_{name}", 2),
+                *(f"collar_{name}", f"collar_screw_{name}", f"input_bearing_lower_{name}"),
+            ),
+        ),
+        AssemblyStep(
+            "Press the two dowels into the side walls. Lower the head over the pulley's journal and the dowels, "
+            f"tighten four {FLANGE_SCREW} from above ({_key(layout, FLANGE_SCREW)}), then the collar from the front "
+            f"({_key(layout, collar_screw)}).",
+            (*_numbered("dowel", 2), *_numbered("flange_screw", len(layout.frame.flange_screws))),
+        ),
+    )
+
+
+def _drum(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
+    drive, hub_screw = layout.drive, layout.drum.set_screw
+    names = tuple(c.name for c in drive.cables)
+    preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
+    return (
+        AssemblyStep(
+            "Take off the tape and lead each cable out to its side, held taut: between input and drum there will be no "
+            "room to lay it in. Push the drum onto the shaft until its spigot touches the front bearing, then press "
+            "the stop pin through the slot of its web into the stop shelf. Tighten the hub's two set screws "
+            f"({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the web).",
+            ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
+        ),
+        AssemblyStep(
+            "Lay each cable onto its land. With nut and lock nut run on to the stud's end, drop its terminal sideways "
+            "into the slotted lug from the drum's inner side.",
+            tuple(item for name in names for item in (f"terminal_{name}", f"nut_{name}_1", f"nut_{name}_2")),
+        ),
+        AssemblyStep(
+            f"Set the preloads, {preloads} N, with the drum centred, turning each nut with a "
+            f"{drive.tensioner.nut_across_flats_mm:g} mm spanner: the flat of the sleeve lies against its pocket and "
+            "keeps the rope from twisting."
+        ),
+        *(AssemblyStep(words) for words in tensioning_words(plan(layout))),
+    )

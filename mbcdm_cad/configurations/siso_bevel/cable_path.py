@@ -1,0 +1,128 @@
+"""The true centre line of each cable at a given drum angle, and where it ends in the input pulley.
+
+A cable runs: chord through the input pulley (swaged stop) - inward bend - arc on the input - transfer - arc on the
+drum - straight into its terminal. On the input it stays in the plane z = r_o, where the transfer point is: with a helix
+it would walk off it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, atan2, cos, degrees, hypot, pi, radians, sin
+
+import numpy as np
+
+from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive, DirectRun
+from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
+from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
+
+# The bend before the stop, D/d: as sharp as a standing bend may well be, so that the slot takes little of the turn.
+STOP_BEND_RATIO = 8.0
+# Straight cable before the swaged stop on its end.
+STOP_LEAD_MM = 0.3
+# Gap between the cable that leaves a full pulley and its own end that dips into the slot (estimate).
+DIP_GAP_MM = 0.1
+# The point of the input where all cables change over, an angle about Z.
+TRANSFER_RAD = pi / 2
+
+
+@dataclass(frozen=True)
+class StopBend:
+    """End of a cable in the input pulley: a bend inward in the plane of its step, then a chord with the swaged stop.
+
+    Along the chord counts the distance from the pulley's middle plane through the axis, positive towards the bend.
+    ``taken_rad``: angle about the pulley's axis, from the winding's end, that the slot takes of the turn: the land is
+    open there, or the cable not yet a diameter below the one that would pass over it.
+    """
+
+    bend_radius_mm: float
+    stop_radius_mm: float
+    stop_start_mm: float
+    stop_end_mm: float
+    taken_rad: float
+
+
+def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
+    """Raises ValueError where the pulley is too small for the bend."""
+    d, r = drive.cable.diameter_mm, cable.input_radius_mm
+    rho = STOP_BEND_RATIO * d / 2
+    centre = r - rho
+    start = centre - STOP_LEAD_MM
+    end = start - drive.termination.stop_length_ratio * d
+    if end <= 0.0:
+        raise ValueError(
+            f"input radius {r:g} mm of {cable.name} leaves no room for the bend of {rho:.4g} mm and the stop behind it"
+        )
+
+    def angle_at(radius: float, along: float) -> float:
+        """Angle about the pulley's axis at which a circle of radius ``along`` about the bend reaches a radius."""
+        cosine = (radius**2 - centre**2 - along**2) / (2 * centre * along)
+        turned = acos(min(1.0, max(-1.0, cosine)))
+        return atan2(along * sin(turned), centre + along * cos(turned))
+
+    dipped = angle_at(r - d - DIP_GAP_MM, rho)
+    opened = angle_at(r - d / 2 - WEDGE_MM, rho + (d + SLOT_PLAY_MM) / 2)
+    return StopBend(rho, drive.termination.stop_radius_ratio * d, start, end, max(dipped, opened))
+
+
+def input_wrap_rad(drive: DirectDrive, cable: DirectRun, drum_angle_rad: float) -> float:
+    """Wrap on the input: reserve + i (half travel - q theta); a cable that runs to +x leaves it as the drum turns."""
+    half = radians(drive.half_travel_deg)
+    ratio = cable.drum_radius_mm / cable.input_radius_mm
+    return radians(drive.reserve_deg) + ratio * (half - cable.drum_side * drum_angle_rad)
+
+
+def full_input_turn_deg(drive: DirectDrive, cable: DirectRun) -> float:
+    """i x full travel + reserve + what the stop's slot takes: all that must fit on one turn of the input."""
+    return degrees(input_wrap_rad(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))) + degrees(
+        stop_bend(drive, cable).taken_rad
+    )
+
+
+# The stretches of a cable by what carries them.
+WOUND = ("chord", "bend", "wound")
+ON_DRUM = ("drum", "tail")
+
+
+def _t(v: Vector) -> Triple:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def cable_path(
+    drive: DirectDrive, cable: DirectRun, anchor_rad: float, tail_mm: float, drum_angle_rad: float
+) -> CablePath:
+    """Centre line at ``drum_angle_rad``.
+
+    ``anchor_rad``: angle on the drum, from +Z towards the cable's side, where the cable leaves its land with the drum
+    centred; ``tail_mm``: straight length from there into the terminal.
+    """
+    side, r_m, r_o = cable.drum_side, cable.input_radius_mm, cable.drum_radius_mm
+    stop = stop_bend(drive, cable)
+    rho = stop.bend_radius_mm
+    end = TRANSFER_RAD + side * input_wrap_rad(drive, cable, drum_angle_rad)
+    radial = np.array([cos(end), sin(end), 0.0])
+    onward = side * np.array([-sin(end), cos(end), 0.0])
+    centre = (r_m - rho) * radial + np.array([0.0, 0.0, r_o])
+    bend_end = centre + rho * onward
+    chord_end = bend_end - radial * ((r_m - rho) - stop.stop_end_mm)
+    drum_end = anchor_rad + side * drum_angle_rad
+    leave = np.array([side * r_o * sin(drum_end), r_m, r_o * cos(drum_end)])
+    along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
+    pieces: tuple[tuple[str, Piece], ...] = (
+        ("chord", Line(_t(chord_end), _t(bend_end))),
+        ("bend", Arc(_t(centre), _t(radial), _t(onward), rho, pi / 2, 0.0)),
+        ("wound", Arc((0.0, 0.0, r_o), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_m, end, TRANSFER_RAD)),
+        ("drum", Arc((0.0, r_m, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), r_o, 0.0, drum_end)),
+        ("tail", Line(_t(leave), _t(leave + tail_mm * along))),
+    )
+    stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch("drum", ON_DRUM))
+    return CablePath(cable, drum_angle_rad, pieces, stretches)
+
+
+def longest_mm(drive: DirectDrive, cable: DirectRun, anchor_rad: float) -> float:
+    """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; a little more than the drawn path."""
+    stop = stop_bend(drive, cable)
+    ends = pi / 2 * stop.bend_radius_mm + hypot(STOP_LEAD_MM, 6.0 * drive.cable.diameter_mm)
+    wound = cable.input_radius_mm * input_wrap_rad(drive, cable, 0.0)
+    return wound + cable.drum_radius_mm * anchor_rad + ends

@@ -1,0 +1,38 @@
+"""The checks of this configuration, families in the order in which they are run and shown."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from mbcdm_cad.checks import drum_sector, fixings, input_pulley, motors, strength, take_up, terminals
+from mbcdm_cad.configurations.siso_bevel.checks import (
+    bearings,
+    input_turn,
+    motor_head,
+    ratios,
+    room,
+    support,
+    tolerances,
+    transfer,
+    wraps,
+)
+
+# First what the mechanism asks, then what the parts ask.
+FAMILIES: tuple[ModuleType, ...] = (
+    ratios,
+    input_turn,
+    transfer,
+    tolerances,
+    wraps,
+    strength,
+    motors,
+    bearings,
+    fixings,
+    input_pulley,
+    drum_sector,
+    terminals,
+    take_up,
+    support,
+    motor_head,
+    room,
+)

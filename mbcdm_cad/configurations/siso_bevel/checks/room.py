@@ -1,0 +1,84 @@
+"""What turns clears what stands, cables stay apart, and the box against its target."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbcdm_cad.checks.box import box_checks
+from mbcdm_cad.checks.cable_gaps import cables_apart
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.drum_outline import drum_zones, rim_points
+from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+
+
+def frame_front(s: DirectUnderTest) -> Comparison:
+    """Everything that turns with the drum passes in front of frame, motor head and boss."""
+    v, running, found = s.levels, s.drive.clearances.running_mm, []
+    for ring in drum_zones(s):
+        if ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the frame", ring.y - v.front_y, running, "mm"))
+        if ring.inner < s.layout.frame.boss.radius and ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    return worst(found)
+
+
+def bought_parts_clear(s: DirectUnderTest) -> Comparison:
+    """Drum and terminals pass in front of gearhead, motor and encoder, which stand at x = y = 0."""
+    drive = s.drive
+    nearest = min(ring.y for ring in drum_zones(s))
+    widest = max(item.diameter_mm for item in (drive.gearhead, drive.motor, drive.encoder)) / 2
+    return at_least("drum before gearhead, motor and encoder", nearest - widest, drive.clearances.running_mm, "mm")
+
+
+def box_mm(s: DirectUnderTest) -> tuple[float, float, float]:
+    """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
+    lay, v, drive = s.layout, s.levels, s.drive
+    d, f = lay.drum, lay.frame
+    points = [rim_points(d)]
+    reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
+    ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, reach]
+    for t in d.tensioners:
+        for _, outline, _, high in bodies_of(s, t, moved=False):
+            points.append(outline)
+            ys.append(high)
+    cloud = np.concatenate(points)
+    bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
+    wide = max(v.side_outer_x, f.column_half_width, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2, bodies)
+    left, right = min(float(cloud[:, 0].min()), -wide), max(float(cloud[:, 0].max()), wide)
+    encoder = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
+    bottom = min(float(cloud[:, 1].min()), -f.boss.radius, -d.hub_radius, -encoder)
+    top = max(-v.motor_bottom_z, float(cloud[:, 1].max()), s.steps[-1].drum_radius_mm + s.flank_mm)
+    return right - left, top - bottom, max(ys) - min(ys)
+
+
+_X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
+_Z: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
+_Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
+CHECKS = (
+    Check(
+        "frame_front",
+        "Drum passes in front of the frame",
+        "clearances.running_mm",
+        frame_front,
+        advice="choose a smaller drum.tensioner",
+    ),
+    Check(
+        "drum_sweep",
+        "Drum passes in front of the drive",
+        "clearances.running_mm",
+        bought_parts_clear,
+        adjust=(up("all radii of transmission"), down("transmission.input_to_drum")),
+    ),
+    Check(
+        "cables_apart",
+        "Cables stay apart",
+        "derived; 0.1 mm: estimate",
+        cables_apart,
+        adjust=(up("all radii of transmission"), down("rope diameter_mm")),
+    ),
+    *box_checks(box_mm, "targets.envelope_mm", (_X, _Z, _Y)),
+)

@@ -1,0 +1,251 @@
+"""Frame: walls thick enough to be made, metal round its holes, room for the encoder and the screws' heads."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.geometry import corner_gap, web_between
+from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.configurations.siso_bevel.support.dims import DOWEL_LENGTH_MM, FLANGE_SCREW, MOUNT_SCREW_HEAD_MM
+from mbcdm_cad.parts.boss.dims import EAR_WALL_MM
+
+# Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
+HOLE_WEB_MM = 0.5
+# Room beside a mounting screw's head for its washer face (estimate).
+HEAD_ROOM_MM = 0.5
+# Height of a mounting screw's head (M3, ISO 4762).
+MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
+
+
+def walls(s: DirectUnderTest) -> Comparison:
+    """Every wall of frame and motor head can be made."""
+    support, f = s.drive.support, s.layout.frame
+    names = (
+        "back_plate_mm",
+        "side_wall_mm",
+        "motor_shelf_mm",
+        "bearing_shelf_mm",
+        "encoder_shelf_mm",
+        "rib_mm",
+    )
+    limit = support.material.min_wall_mm
+    found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
+    pin = (f.stop_shelf_top_z - f.stop_shelf_bottom_z) / 2 - f.stop_pin_radius
+    found.append(at_least("stop shelf over and under its pin", pin, limit, "mm"))
+    found.append(at_least("wall of the motor head", s.levels.head_outer_x - s.levels.head_inner_x, limit, "mm"))
+    return worst(found)
+
+
+def pockets(s: DirectUnderTest) -> Comparison:
+    """Frame and pockets are larger than the corners that the pockets' tool leaves."""
+    v, f = s.levels, s.layout.frame
+    two = 2 * f.corner_radius
+    return worst(
+        (
+            at_least("frame's depth over two corner radii", v.front_y - v.back_y - two, 0.1, "mm"),
+            at_least("width of the pulley's box over two corner radii", 2 * v.side_inner_x - two, 0.1, "mm"),
+            at_least(
+                "column's pocket over two corner radii", f.encoder_shelf_bottom_z - f.stop_shelf_top_z - two, 0.1, "mm"
+            ),
+            at_least(
+                "lower pocket over two corner radii", f.stop_shelf_bottom_z - f.low_pocket_bottom_z - two, 0.1, "mm"
+            ),
+        )
+    )
+
+
+def bearing_seats(s: DirectUnderTest) -> Comparison:
+    """Shelves leave a shoulder behind their bearings, and a wall in front of the seats."""
+    drive, v, limit = s.drive, s.levels, s.drive.support.material.min_wall_mm
+    return worst(
+        (
+            at_least(
+                "shoulder over the bearing next to the gearhead",
+                drive.support.bearing_shelf_mm - drive.bearings.input_lower.width_mm,
+                limit,
+                "mm",
+            ),
+            at_least(
+                "shoulder under the bearing next to the encoder",
+                drive.support.encoder_shelf_mm - drive.bearings.input_upper.width_mm,
+                limit,
+                "mm",
+            ),
+            at_least(
+                "front wall beside the bearing next to the gearhead", v.front_y - s.layout.head.seat_radius, limit, "mm"
+            ),
+            at_least(
+                "front wall beside the bearing next to the encoder", v.front_y - s.layout.frame.seat_radius, limit, "mm"
+            ),
+        )
+    )
+
+
+def encoder_shelf(s: DirectUnderTest) -> Comparison:
+    """The encoder's screws find metal under their heads and thread in its housing."""
+    f, drive = s.layout.frame, s.drive
+    screw, limit = drive.screw(drive.encoder.screw), drive.support.material.min_wall_mm
+    shelf = drive.support.encoder_shelf_mm
+    low, high = f.encoder_shelf_bottom_z, f.encoder_shelf_top_z
+    holes: list[tuple[str, float, float, float, float, float]] = [
+        ("bearing", 0.0, 0.0, f.seat_radius, high - f.seat_depth, high),
+        ("shoulder", 0.0, 0.0, f.seat_shoulder_radius, low, high),
+    ]
+    for sign in (-1, 1):
+        x = sign * f.encoder_circle_radius
+        holes.append(("screw", x, 0.0, f.encoder_screw_clearance, low, high))
+        holes.append(("screw head", x, 0.0, f.encoder_head_radius, high - f.encoder_head_depth, high))
+    found = [at_least(f"encoder shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)]
+    found += [
+        at_least("metal under the encoder's screw heads", shelf - f.encoder_head_depth, limit, "mm"),
+        at_least("encoder's screw heads sunk", f.encoder_head_depth - screw.head_height_mm, 0.0, "mm"),
+    ]
+    return worst(found)
+
+
+def pulley_room(s: DirectUnderTest) -> Comparison:
+    """Pulley and cables turn clear of back plate and side walls, whose corners are round."""
+    v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
+    p, found = s.layout.inputs[0], []
+    reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
+    found.append(at_least("input pulley, cables on, from the back plate", -v.pocket_floor_y - reach, running, "mm"))
+    edges = [(p.upper_surface_radius, -p.land_top_z)]
+    edges += [(c.input_radius_mm + s.flank_mm, c.drum_radius_mm - s.flank_mm) for c in s.steps]
+    for x, z in edges:
+        gap = corner_gap(x, z, v.side_inner_x, f.encoder_shelf_top_z, f.corner_radius)
+        found.append(at_least("input pulley, cables on, from the box's side and its corner", gap, running, "mm"))
+    return worst(found)
+
+
+def encoder_room(s: DirectUnderTest) -> Comparison:
+    """The encoder hangs in the column's pocket clear of its rounded corners, the back plate and the mounts' heads."""
+    v, f, encoder = s.levels, s.layout.frame, s.drive.encoder
+    radius = encoder.diameter_mm / 2
+    heads = v.pocket_floor_y + MOUNT_SCREW_HEAD_HEIGHT_MM
+    return worst(
+        at_least(f"encoder from the {name}", gap, s.drive.clearances.running_mm, "mm")
+        for name, gap in (
+            ("corner of its pocket", f.pocket_half_width - f.corner_radius - radius),
+            ("heads of the mounting screws", -radius - heads),
+            ("stop shelf", -v.encoder_top_z - f.stop_shelf_top_z),
+        )
+    )
+
+
+def mounts(s: DirectUnderTest) -> Comparison:
+    """Mounting screws' heads find flat floor in both pockets of the column."""
+    f, head = s.layout.frame, MOUNT_SCREW_HEAD_MM / 2
+    _, (x, high), _, (_, low) = f.mounts
+    rooms = (
+        ("side of the pocket", f.pocket_half_width - x - head),
+        ("height of the upper pocket", f.encoder_shelf_bottom_z - high - head),
+        ("height of the lower pocket", f.stop_shelf_bottom_z - low - head),
+        ("each other", x - head),
+    )
+    return worst(at_least(f"mounting screw's head: {name}", room, HEAD_ROOM_MM, "mm") for name, room in rooms)
+
+
+def flange(s: DirectUnderTest) -> Comparison:
+    """The motor head's screws and dowels stand inside the side walls, engage over their diameter, and apart."""
+    f, drive = s.layout.frame, s.drive
+    limit, wall = drive.support.material.min_wall_mm, drive.support.side_wall_mm
+    screw, shelf = drive.screw(FLANGE_SCREW), drive.support.bearing_shelf_mm
+    (x, front), _, (_, back), _ = f.flange_screws
+    dowel_y, gap = f.dowels[0][1], f.flange_screw_radius + f.dowel_radius
+    heads = abs(x) - screw.head_diameter_mm / 2 - s.levels.head_outer_x
+    return worst(
+        (
+            at_least("side wall beside a flange screw's thread", wall / 2 - f.flange_screw_radius, limit, "mm"),
+            at_least("side wall beside a dowel", wall / 2 - f.dowel_radius, limit, "mm"),
+            at_least("metal between flange screw and dowel", min(front - dowel_y, dowel_y - back) - gap, limit, "mm"),
+            at_least(
+                "engaged length of a flange screw over its diameter",
+                screw.length_mm - shelf - screw.thread_mm,
+                0.0,
+                "mm",
+            ),
+            at_least(
+                "engaged length of a dowel over its diameter", DOWEL_LENGTH_MM - shelf - 2 * f.dowel_radius, 0.0, "mm"
+            ),
+            at_least("heads of the flange screws from the motor head's wall", heads, 0.1, "mm"),
+        )
+    )
+
+
+def boss(s: DirectUnderTest) -> Comparison:
+    """Drum bearings sit apart in the boss with a shoulder between, its ears take the encoder's screws."""
+    b, f, encoder = s.layout.frame.boss, s.layout.frame, s.drive.drum_encoder
+    limit = s.drive.support.material.min_wall_mm
+    return worst(
+        (
+            at_least("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit, "mm"),
+            at_least("boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0, "mm"),
+            at_least("lower pocket above the boss", f.low_pocket_bottom_z - b.radius, limit, "mm"),
+            at_least(
+                "drum encoder's threads from the bearing's seat",
+                b.screw_circle - b.screw_radius - b.seat_radius,
+                HOLE_WEB_MM,
+                "mm",
+            ),
+            at_least(
+                "drum encoder's threads inside its housing",
+                encoder.diameter_mm / 2 - b.screw_circle - b.screw_radius,
+                HOLE_WEB_MM,
+                "mm",
+            ),
+            at_least(
+                "ear round the drum encoder's threads",
+                max(b.ear_reach, b.radius) - b.screw_circle - b.screw_radius,
+                EAR_WALL_MM,
+                "mm",
+            ),
+        )
+    )
+
+
+_WALL = "material: min_wall_mm"
+_SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm"))
+_DEEPER: tuple[Adjustment, ...] = (down("support.back_y_mm"), down("support.back_plate_mm"))
+CHECKS = (
+    Check(
+        "walls",
+        "Walls of frame and motor head can be made",
+        _WALL,
+        walls,
+        adjust=(
+            up("support.back_plate_mm"),
+            up("support.side_wall_mm"),
+            up("support.motor_shelf_mm"),
+            *_SHELVES,
+            up("support.rib_mm"),
+        ),
+    ),
+    Check("pockets", "Corners fit frame and pockets", "material: min_internal_radius_mm", pockets, adjust=_DEEPER),
+    Check("bearing_seats", "Shelves take the input's bearings", _WALL, bearing_seats, adjust=_SHELVES),
+    Check("encoder_shelf", "Encoder shelf takes bearing and screws", _WALL, encoder_shelf, adjust=_SHELVES),
+    Check("pulley_room", "Input pulley turns freely in its box", "clearances.running_mm", pulley_room, adjust=_DEEPER),
+    Check(
+        "encoder_room",
+        "Encoder hangs free in the column",
+        "clearances.running_mm",
+        encoder_room,
+        adjust=_DEEPER,
+        advice="choose a smaller encoder",
+    ),
+    Check(
+        "mounts",
+        "Mounting screws' heads find room",
+        "M3 head; 0.5 mm: estimate",
+        mounts,
+        adjust=(up("all radii of transmission"),),
+        advice="choose a shorter encoder",
+    ),
+    Check(
+        "flange",
+        "Motor head is held and located",
+        "usual rule: one diameter",
+        flange,
+        adjust=(up("support.side_wall_mm"), down("support.bearing_shelf_mm")),
+    ),
+    Check("boss", "Boss takes drum bearings and encoder", _WALL, boss, adjust=(down("support.back_y_mm"),)),
+)

@@ -1,0 +1,58 @@
+"""All derived dimensions of a design in one object: what the checks test and the parts draw."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.configurations.siso_bevel.cable_path import cable_path, longest_mm
+from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
+from mbcdm_cad.configurations.siso_bevel.pulley import input_pulley
+from mbcdm_cad.configurations.siso_bevel.stack import DirectStack, direct_stack
+from mbcdm_cad.configurations.siso_bevel.support.dims import ColumnDims, HeadDims, column, head
+from mbcdm_cad.parts.collar.dims import CollarDims, collar
+from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_sector.sizes import drum, drum_shaft, furthest_anchor_rad
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
+from mbcdm_cad.routes.cable_path import CablePath
+
+
+@dataclass(frozen=True)
+class DirectLayout:
+    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along -Z."""
+
+    drive: DirectDrive
+    levels: DirectStack
+    drum: DrumDims
+    drum_shaft: DrumShaftDims
+    inputs: tuple[InputPulleyDims, ...]
+    collar: CollarDims
+    frame: ColumnDims
+    head: HeadDims
+
+    def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
+        """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
+        terminals = {t.cable_name: t for t in self.drum.tensioners}
+        return tuple(
+            cable_path(self.drive, c, terminals[c.name].anchor_rad, terminals[c.name].cable_end, drum_angle_rad)
+            for c in self.drive.cables
+        )
+
+
+def layout(drive: DirectDrive) -> DirectLayout:
+    """Solve all dimensions. Raises ValueError only where no geometry exists at all (a pulley too small for a stop)."""
+    levels = direct_stack(drive)
+    frame = column(drive, levels)
+    furthest = furthest_anchor_rad(drive)
+    way = terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
+    return DirectLayout(
+        drive=drive,
+        levels=levels,
+        drum=drum(drive, levels, frame.stop_pin_z, way),
+        drum_shaft=drum_shaft(drive, levels),
+        inputs=(input_pulley(drive, levels),),
+        collar=collar(drive, *drive.collar_seat_mm, levels.motor_shelf_top_z),
+        frame=frame,
+        head=head(drive, levels),
+    )

@@ -1,0 +1,103 @@
+"""Levels along the input's axis and depths along Y that all parts share.
+
+Heights count along -Z, from the motor (lowest) to the encoder (highest), since the motor stands above the pulley and
+its parts are drawn with the gearhead below:
+
+    motor | gearhead | motor shelf | coupling space | bearing shelf | pulley | encoder shelf | encoder
+
+The drum's axis crosses the input's at height 0; the steps stand at -r_o. The pulley reaches just past its cables, the
+shelves follow the pulley, the drive follows the shelves. All mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+
+# Land beyond the cable: the wall of the slot that holds the swaged stop.
+BAND_MARGIN_MM = 0.8
+# Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
+SHOULDER_MM = 0.6
+# Longest sensible reach of an end mill, in diameters.
+TOOL_SLENDERNESS = 4.0
+# Axial play of the pulley between its two bearings.
+END_PLAY_MM = 0.1
+
+
+@dataclass(frozen=True)
+class DirectStack:
+    """Levels along -Z (names in ``_z``) and along Y, mm; those along -Z say what lies just below or above them."""
+
+    motor_bottom_z: float
+    gearhead_bottom_z: float
+    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_top_z: float
+    bearing_shelf_bottom_z: float
+    bearing_shelf_top_z: float
+    land_bottom_z: float
+    land_top_z: float
+    top_plate_bottom_z: float  # the encoder shelf
+    top_plate_top_z: float
+    encoder_top_z: float
+    back_y: float
+    pocket_floor_y: float  # front surface of the back plate
+    front_y: float
+    drum_inner_y: float
+    drum_outer_y: float
+    hub_face_y: float
+    boss_front_y: float
+    side_inner_x: float
+    side_outer_x: float
+    head_inner_x: float
+    head_outer_x: float
+
+
+def direct_stack(drive: DirectDrive) -> DirectStack:
+    """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
+    flank, running = drive.cable.diameter_mm / 2, drive.clearances.running_mm
+    steps = sorted(c.drum_radius_mm for c in drive.cables)
+    land_bottom = -steps[-1] - flank - BAND_MARGIN_MM
+    land_top = -steps[0] + flank + BAND_MARGIN_MM
+    s = drive.support
+    bearing_top = land_bottom - SHOULDER_MM
+    bearing_bottom = bearing_top - s.bearing_shelf_mm
+    motor_top = bearing_bottom - s.coupling_space_mm
+    motor_bottom = motor_top - s.motor_shelf_mm
+    shelf_bottom = land_top + SHOULDER_MM + END_PLAY_MM
+    shelf_top = shelf_bottom + s.encoder_shelf_mm
+
+    smallest, largest = (f(c.input_radius_mm for c in drive.cables) for f in (min, max))
+    drum_inner = smallest - flank + drive.clearances.transfer_gap_mm
+    front = min(smallest - nut_corner_radius_mm(drive), drum_inner) - running
+    side_inner = max(largest + flank, drive.encoder.diameter_mm / 2) + running
+    # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
+    heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
+    corner = max(s.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
+    head_inner = max(collar_sweep_mm(drive, *drive.collar_seat_mm) + running, heads + corner)
+    return DirectStack(
+        motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
+        gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,
+        motor_shelf_bottom_z=motor_bottom,
+        motor_shelf_top_z=motor_top,
+        bearing_shelf_bottom_z=bearing_bottom,
+        bearing_shelf_top_z=bearing_top,
+        land_bottom_z=land_bottom,
+        land_top_z=land_top,
+        top_plate_bottom_z=shelf_bottom,
+        top_plate_top_z=shelf_top,
+        encoder_top_z=shelf_top + drive.encoder.length_mm,
+        back_y=s.back_y_mm,
+        pocket_floor_y=s.back_y_mm + s.back_plate_mm,
+        front_y=front,
+        drum_inner_y=drum_inner,
+        drum_outer_y=drive.drum.outer_face_y_mm,
+        hub_face_y=drive.drum.hub_face_y_mm,
+        boss_front_y=drum_inner - 3 * running,
+        side_inner_x=side_inner,
+        side_outer_x=side_inner + s.side_wall_mm,
+        head_inner_x=head_inner,
+        head_outer_x=head_inner + s.side_wall_mm / 2,
+    )

@@ -1,0 +1,1 @@
+"""Frame and motor head: dimensions, drawing, deflection."""

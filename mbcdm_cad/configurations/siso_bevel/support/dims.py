@@ -1,0 +1,209 @@
+"""Dimensions of the support: a column milled from one block, pockets from the front, and a separate motor head.
+
+Seen from the front (x across, z up), heights as in the assembly:
+
+        | motor |
+        |gearhead|
+      ==============  motor head: motor shelf,
+      | coupling   |    coupling space, open to the front,
+    ==================  bearing shelf as a flange on the side walls
+    |     pulley     |  upper pocket, open at the top
+    |================|  encoder shelf
+      |  encoder   |    column's pocket
+      |============|    stop shelf: the stop pin in its front
+      |   pocket   |
+       (   boss   )     drum bearings, drum encoder from behind
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
+from mbcdm_cad.configurations.siso_bevel.stack import TOOL_SLENDERNESS, DirectStack
+from mbcdm_cad.parts.boss.dims import BossDims, boss
+from mbcdm_cad.parts.drum_sector.sizes import STOP_PIN_MM, drum_shaft
+
+FLANGE_SCREW = "M2x6"
+DOWEL_MM = 2.0
+DOWEL_LENGTH_MM = 6.0
+STOP_SHELF_MM = 6.0
+STOP_PIN_DEPTH_MM = 10.0
+# Between encoder and stop shelf.
+ENCODER_ROOM_MM = 1.0
+# Thread of the encoder's screws in its housing, in diameters.
+ENCODER_GRIP = 1.25
+# The frame's own fixing to what carries the drive (ISO 4762).
+MOUNT_SCREW = "M3"
+MOUNT_SCREW_KEY_MM = 2.5
+MOUNT_SCREW_CLEARANCE_MM = 3.4
+MOUNT_SCREW_HEAD_MM = 5.5
+MOUNT_ROOM_MM = 0.6
+
+
+@dataclass(frozen=True)
+class ColumnDims:
+    """The frame (mm), heights as in the assembly."""
+
+    levels: DirectStack
+    boss: BossDims
+    top_z: float
+    encoder_shelf_top_z: float
+    encoder_shelf_bottom_z: float
+    stop_shelf_top_z: float
+    stop_shelf_bottom_z: float
+    low_pocket_bottom_z: float
+    post_bottom_z: float  # below it the column is as wide as the boss
+    column_half_width: float
+    pocket_half_width: float
+    column_start_z: float  # behind the boss: the encoder's pocket leaves less than a wall beside it below
+    corner_radius: float
+    seat_radius: float
+    seat_depth: float
+    seat_shoulder_radius: float
+    encoder_screw_clearance: float
+    encoder_head_radius: float
+    encoder_head_depth: float
+    encoder_circle_radius: float
+    stop_pin_radius: float
+    stop_pin_z: float
+    stop_pin_start_y: float
+    flange_screw_radius: float
+    flange_screw_depth: float
+    flange_screws: tuple[tuple[float, float], ...]  # (x, y)
+    dowels: tuple[tuple[float, float], ...]  # (x, y)
+    dowel_radius: float
+    dowel_depth: float
+    mounts: tuple[tuple[float, float], ...]  # (x, z)
+    mount_radius: float
+
+    @property
+    def encoder_screw_depth(self) -> float:
+        """Depth of the threads for the drum encoder's screws."""
+        return self.boss.screw_depth
+
+
+@dataclass(frozen=True)
+class HeadDims:
+    """The motor head (mm), heights as in the assembly."""
+
+    levels: DirectStack
+    bottom_z: float
+    flange_top_z: float
+    shelf_bottom_z: float
+    top_z: float
+    front_y: float  # of the part above the flange
+    back_y: float
+    corner_radius: float
+    seat_radius: float
+    seat_depth: float
+    shoulder_radius: float
+    pilot_radius: float
+    gear_screw_clearance: float
+    gear_bolt_circle: float
+    key_hole_radius: float
+    screw_clearance: float
+    screws: tuple[tuple[float, float], ...]
+    dowels: tuple[tuple[float, float], ...]
+    dowel_radius: float
+
+
+def corner_radius_mm(drive: DirectDrive, levels: DirectStack) -> float:
+    """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
+    depth = levels.front_y - levels.pocket_floor_y
+    return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
+
+
+def _flange(levels: DirectStack) -> tuple[tuple[tuple[float, float], ...], tuple[tuple[float, float], ...]]:
+    """(x, y) of the flange's screws and of its dowels, in the side walls."""
+    x = (levels.side_inner_x + levels.side_outer_x) / 2
+    front, back = levels.front_y - 3.5, levels.back_y + 3.5
+    middle = (front + back) / 2
+    return ((-x, front), (x, front), (-x, back), (x, back)), ((-x, middle), (x, middle))
+
+
+def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
+    """Dimensions of the frame."""
+    round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
+    encoder, upper = drive.encoder, drive.bearings.input_upper
+    encoder_screw, flange_screw = drive.screw(encoder.screw), drive.screw(FLANGE_SCREW)
+    radius = corner_radius_mm(drive, levels)
+    shelf_bottom = -levels.top_plate_top_z
+    stop_top = -levels.encoder_top_z - ENCODER_ROOM_MM
+    stop_bottom = stop_top - STOP_SHELF_MM
+    # The encoder's end stands in the corner that the pocket's cutter leaves.
+    pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
+    low = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
+    screws, dowels = _flange(levels)
+    beside = round_boss.radius - 1.2
+    mount_x = pocket - MOUNT_SCREW_HEAD_MM / 2 - MOUNT_ROOM_MM
+    return ColumnDims(
+        levels=levels,
+        boss=round_boss,
+        top_z=-levels.bearing_shelf_top_z,
+        encoder_shelf_top_z=-levels.top_plate_bottom_z,
+        encoder_shelf_bottom_z=shelf_bottom,
+        stop_shelf_top_z=stop_top,
+        stop_shelf_bottom_z=stop_bottom,
+        low_pocket_bottom_z=low,
+        post_bottom_z=low - drive.support.rib_mm,
+        column_half_width=pocket + drive.support.rib_mm,
+        pocket_half_width=pocket,
+        column_start_z=sqrt(max(0.0, round_boss.encoder_pocket_radius**2 - beside**2)),
+        corner_radius=radius,
+        seat_radius=upper.outer_diameter_mm / 2,
+        seat_depth=upper.width_mm,
+        seat_shoulder_radius=upper.outer_shoulder_mm / 2,
+        encoder_screw_clearance=encoder_screw.clearance_mm / 2,
+        encoder_head_radius=encoder_screw.head_diameter_mm / 2 + 0.1,
+        encoder_head_depth=drive.support.encoder_shelf_mm
+        - encoder_screw.length_mm
+        + ENCODER_GRIP * encoder_screw.thread_mm,
+        encoder_circle_radius=encoder.bolt_circle_mm / 2,
+        stop_pin_radius=STOP_PIN_MM / 2,
+        stop_pin_z=(stop_top + stop_bottom) / 2,
+        stop_pin_start_y=levels.front_y - STOP_PIN_DEPTH_MM,
+        flange_screw_radius=flange_screw.thread_mm / 2,
+        flange_screw_depth=flange_screw.length_mm - drive.support.bearing_shelf_mm + 0.5,
+        flange_screws=screws,
+        dowels=dowels,
+        dowel_radius=DOWEL_MM / 2,
+        dowel_depth=DOWEL_LENGTH_MM - drive.support.bearing_shelf_mm + 0.5,
+        mounts=(
+            *((s * mount_x, (shelf_bottom + stop_top) / 2) for s in (-1, 1)),
+            *((s * mount_x, (stop_bottom + low) / 2) for s in (-1, 1)),
+        ),
+        mount_radius=MOUNT_SCREW_CLEARANCE_MM / 2,
+    )
+
+
+def head(drive: DirectDrive, levels: DirectStack) -> HeadDims:
+    """Dimensions of the motor head."""
+    lower, gear = drive.bearings.input_lower, drive.gearhead
+    gear_screw, screw = drive.screw(gear.screw), drive.screw(FLANGE_SCREW)
+    screws, dowels = _flange(levels)
+    front = max(levels.head_inner_x, gear.diameter_mm / 2)
+    depth = front + levels.head_inner_x
+    return HeadDims(
+        levels=levels,
+        bottom_z=-levels.bearing_shelf_top_z,
+        flange_top_z=-levels.bearing_shelf_bottom_z,
+        shelf_bottom_z=-levels.motor_shelf_top_z,
+        top_z=-levels.motor_shelf_bottom_z,
+        front_y=front,
+        back_y=-levels.head_outer_x,
+        corner_radius=max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2),
+        seat_radius=lower.outer_diameter_mm / 2,
+        seat_depth=lower.width_mm,
+        shoulder_radius=lower.outer_shoulder_mm / 2,
+        pilot_radius=gear.pilot_diameter_mm / 2,
+        gear_screw_clearance=gear_screw.clearance_mm / 2,
+        gear_bolt_circle=gear.bolt_circle_mm / 2,
+        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is in.
+        key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
+        screw_clearance=screw.clearance_mm / 2,
+        screws=screws,
+        dowels=dowels,
+        dowel_radius=DOWEL_MM / 2,
+    )

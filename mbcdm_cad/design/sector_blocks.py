@@ -1,0 +1,49 @@
+"""Blocks of the design file of drives whose cables end on a drum sector, each from a pulley of two steps.
+
+As in :mod:`mbcdm_cad.design.blocks`, the reference values with their sources are the configurations' own.
+"""
+
+from __future__ import annotations
+
+from mbcdm_cad.design.fields import Block, EntryName, Number, choice, quantity
+
+
+class SectorClearances(Block):
+    """Gaps between finished surfaces."""
+
+    transfer_gap_mm: Number = quantity(
+        "surface of step 1 at the transfer to the drum's inner face; under half a rope, so that none slips in",
+        unit="mm",
+        ge=0.01,
+        le=5.0,
+    )
+    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0)
+    running_mm: Number = quantity("any moving solid to any fixed one, elsewhere", unit="mm", ge=0.01, le=5.0)
+
+
+class SectorDrum(Block):
+    """Drum sector with web, hub and tensioners; y is along the drum axis from the axis of the pulley before it."""
+
+    material: EntryName = choice("material of the sector")
+    sector_half_angle_deg: Number = quantity(
+        "half angle of the sector, from the transfer point", unit="deg", ge=20.0, le=175.0
+    )
+    rim_inner_radius_mm: Number = quantity(
+        "inner radius of the rim that carries the lands", unit="mm", ge=2.0, le=500.0
+    )
+    outer_face_y_mm: Number = quantity("outer face of the rim", unit="mm", ge=0.0, le=200.0)
+    web_thickness_mm: Number = quantity("web between rim and hub", unit="mm", ge=0.3, le=50.0)
+    hub_diameter_mm: Number = quantity("hub outside diameter", unit="mm", ge=2.0, le=200.0)
+    hub_face_y_mm: Number = quantity("face of the hub, where the output is taken", unit="mm", ge=0.0, le=300.0)
+    bearing: EntryName = choice("both bearings of the drum shaft")
+    shaft_bore_mm: Number = quantity("bore of the drum shaft, 0 for a solid one", unit="mm", ge=0.0, le=100.0)
+    shaft_material: EntryName = choice("material of the drum shaft")
+    tensioner: EntryName = choice("tensioner of each cable")
+
+
+class SteppedPulleys(Block):
+    """Input pulleys, carried by a bearing at both ends."""
+
+    material: EntryName = choice("material of the pulleys")
+    lower_bearing: EntryName = choice("bearing towards the gearhead")
+    upper_bearing: EntryName = choice("bearing towards the encoder")

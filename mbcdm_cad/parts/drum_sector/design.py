@@ -1,0 +1,113 @@
+"""What drives have in common whose cables end on a drum sector, each from its input pulley of two steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from mbcdm_cad.design.bought import Bearing, Material, TensionerSpec
+from mbcdm_cad.design.drive import CableRun, Drive
+
+
+@dataclass(frozen=True)
+class SectorRun(CableRun):
+    """One cable with the side and the step of the drum that it runs on."""
+
+    drum_side: int  # +1: runs on the drum towards +x, -1: towards -x
+    step: int  # from 1, the smallest
+
+    @property
+    def land_y_mm(self) -> float:
+        """Plane of this cable on the drum; each configuration has its own."""
+        raise NotImplementedError
+
+    @property
+    def sense(self) -> int:
+        """Sense in which this cable's tension turns the drum about +Y (mechanism: -1 towards +x, +1 towards -x)."""
+        return -self.drum_side
+
+
+@dataclass(frozen=True)
+class Clearances:
+    """Gaps the geometry must keep, all in mm between finished surfaces."""
+
+    transfer_gap_mm: float  # surface of the other pulley at step 1 to the drum's inner face
+    land_edge_mm: float  # edge of a drum land to the next cable's contact line
+    running_mm: float  # any moving solid to any fixed one, elsewhere
+
+
+@dataclass(frozen=True)
+class DrumSpec:
+    """Drum sector and its shaft; y is measured along the drum axis from the axis of the pulley at the transfer."""
+
+    material: Material
+    sector_half_angle_deg: float
+    rim_inner_radius_mm: float
+    outer_face_y_mm: float
+    web_thickness_mm: float
+    hub_diameter_mm: float
+    hub_face_y_mm: float
+    shaft_bore_mm: float
+    shaft_material: Material
+
+
+@dataclass(frozen=True)
+class InputPulleySpec:
+    """Input pulleys, alike but for their radii."""
+
+    material: Material
+
+
+class SectorBearings(Protocol):
+    """The bearings that every such drive has."""
+
+    @property
+    def drum(self) -> Bearing:
+        """Both bearings of the drum's shaft."""
+
+    @property
+    def input_lower(self) -> Bearing:
+        """Of an input pulley, next to the gearhead."""
+
+    @property
+    def input_upper(self) -> Bearing:
+        """Of an input pulley, next to its encoder."""
+
+    def all(self) -> tuple[Bearing, ...]:
+        """All roles; types may repeat."""
+
+
+@dataclass(frozen=True)
+class SectorDrive(Drive):
+    """A drive whose cables end on a drum sector."""
+
+    cables: tuple[SectorRun, ...]
+    clearances: Clearances
+    bearings: SectorBearings
+    tensioner: TensionerSpec
+    drum: DrumSpec
+    input_pulleys: InputPulleySpec
+
+
+class SectorLevels(Protocol):
+    """Depths along Y that the drum shares with what stands before it, mm."""
+
+    @property
+    def back_y(self) -> float:
+        """Outer face of the frame."""
+
+    @property
+    def boss_front_y(self) -> float:
+        """Front of the boss that holds the drum's bearings."""
+
+    @property
+    def drum_inner_y(self) -> float:
+        """Inner face of the drum's rim."""
+
+    @property
+    def drum_outer_y(self) -> float:
+        """Outer face of the drum's rim."""
+
+    @property
+    def hub_face_y(self) -> float:
+        """Face of the hub."""

@@ -1,0 +1,118 @@
+"""The drum with all that turns with it, and the cables, as items of a bill."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import atan2, cos, degrees, radians, sin
+from typing import Any
+
+from mbcdm_cad.parts.bill import BillBuilder, cable_item
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
+from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.terminal.dims import TerminalDims
+from mbcdm_cad.routes.cable_path import CablePath
+
+_Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_AGAINST_Y = Placement.about((1.0, 0.0, 0.0), 90.0)
+RING_ENCODER_GRIP_MM = 2.0
+# Colours (linear RGB) that tell bought bodies and cables from machined metal.
+ENCODER_COLOUR = (0.01, 0.12, 0.06)
+_CABLE_COLOUR = (0.85, 0.3, 0.02)
+
+
+def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDims) -> None:
+    """Drum sector with its terminals and nuts, its shaft, and the set screws that hold it there."""
+    t = drive.tensioner
+    set_screw = drive.screw(d.set_screw)
+    b.add(
+        "drum",
+        "mbcdm_cad.parts.drum_sector.draw:create_drum",
+        (d, set_screw.thread_mm),
+        material=drive.drum.material,
+        group="drum",
+    )
+    b.add(
+        "drum_shaft",
+        "mbcdm_cad.parts.drum_shaft.draw:create_drum_shaft",
+        (shaft,),
+        material=drive.drum.shaft_material,
+        group="drum",
+    )
+    for n, deg in enumerate((45.0, 135.0), 1):
+        out = d.set_screw_radius + set_screw.length_mm
+        place = Placement.translation(
+            out * sin(radians(deg)), d.set_screw_y, out * cos(radians(deg))
+        ) @ Placement.about(_Y, deg)
+        b.screw(f"hub_set_screw_{n}", set_screw, drive.material("steel"), place, "drum")
+    steel = drive.material(t.material)
+    for p in d.tensioners:
+        turn = Placement.about(_Y, degrees(atan2(p.side * cos(p.anchor_rad), -sin(p.anchor_rad))))
+
+        def along(s: float, p: Any = p, turn: Placement = turn) -> Placement:
+            x, z = p.at(s)
+            return Placement.translation(x, p.y_mm, z) @ turn
+
+        # Drawn slack, and drawn in as far as its own cable asks: one part for all cables.
+        slack = TerminalDims(
+            swage_start=round(p.slack_start, 9),
+            cable_end=round(p.cable_end - p.drawn_in, 9),
+            swage_end=round(p.swage_end - p.drawn_in, 9),
+            tip=round(p.tip - p.drawn_in, 9),
+            swage_radius=t.swage_diameter_mm / 2,
+            flat=t.swage_flats_mm / 2,
+            stud_radius=t.thread_mm / 2,
+            bore_radius=drive.cable.diameter_mm / 2,
+        )
+        b.add(
+            f"terminal_{p.cable_name}",
+            "mbcdm_cad.parts.terminal.draw:create_terminal",
+            (slack,),
+            part="terminal",
+            material=steel,
+            group="drum",
+            # A flat of the sleeve towards the drum's axis, along the wall of its pocket.
+            place=along(p.drawn_in) @ Placement.about(_Z, 90.0),
+        )
+        for n in range(2):
+            b.add(
+                f"nut_{p.cable_name}_{n + 1}",
+                "mbcdm_cad.parts.ring:create_nut",
+                (t.nut_across_flats_mm, t.nut_height_mm, t.thread_mm),
+                part="nut",
+                material=steel,
+                group="drum",
+                place=along(p.lug_end + n * t.nut_height_mm),
+            )
+
+
+def add_drum_encoder(b: BillBuilder, drive: SectorDrive, floor_y: float, screw_circle: float) -> None:
+    """Ring encoder on the shaft, behind the floor of its pocket, with its two screws at +-``screw_circle``."""
+    ring = drive.drum_encoder
+    screw = drive.screw(ring.screw)
+    b.add(
+        "drum_encoder",
+        "mbcdm_cad.parts.bought.draw:create_ring_encoder",
+        (ring, screw, RING_ENCODER_GRIP_MM),
+        material=replace(drive.material("stainless"), colour=ENCODER_COLOUR),
+        place=Placement.translation(0.0, floor_y, 0.0) @ _AGAINST_Y,
+        mass_g=ring.mass_g,
+    )
+    for n, sign in enumerate((-1, 1), 1):
+        place = Placement.translation(sign * screw_circle, floor_y - RING_ENCODER_GRIP_MM, 0.0) @ _AGAINST_Y
+        b.screw(f"drum_encoder_screw_{n}", screw, drive.material("steel"), place)
+
+
+def add_cables(b: BillBuilder, drive: SectorDrive, paths: Iterable[CablePath]) -> None:
+    """All cables, as rods along their centre lines."""
+    rope = replace(drive.material(drive.cable.material), colour=_CABLE_COLOUR)
+    for path in paths:
+        b.add(
+            cable_item(path.cable.name),
+            "mbcdm_cad.parts.cable:create_cable",
+            (path.line, drive.cable.diameter_mm / 2),
+            material=rope,
+            mass_g=drive.cable.mass_g_m * path.length_mm / 1e3,
+        )

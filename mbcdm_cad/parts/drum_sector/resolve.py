@@ -1,0 +1,55 @@
+"""What of a drive with a drum sector follows from the blocks of its design file that all such drives have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.rules import NamedEntry
+from mbcdm_cad.design.sector_blocks import SectorClearances, SectorDrum, SteppedPulleys
+from mbcdm_cad.parts.drum_sector.design import Clearances, DrumSpec, InputPulleySpec
+
+
+class SectorBlocks(Protocol):
+    """The blocks."""
+
+    @property
+    def clearances(self) -> SectorClearances:
+        """Gaps."""
+
+    @property
+    def drum(self) -> SectorDrum:
+        """The sector."""
+
+    @property
+    def input_pulleys(self) -> SteppedPulleys:
+        """The pulleys."""
+
+
+def sector_values(design: SectorBlocks, catalogue: Catalogue) -> dict[str, Any]:
+    """The fields of :class:`~mbcdm_cad.parts.drum_sector.design.SectorDrive` but for cables and bearings."""
+    drum = design.drum
+    return {
+        "clearances": copied(Clearances, design.clearances),
+        "tensioner": catalogue.get("tensioners", drum.tensioner),
+        "drum": copied(
+            DrumSpec,
+            drum,
+            material=catalogue.material(drum.material),
+            shaft_material=catalogue.material(drum.shaft_material),
+        ),
+        "input_pulleys": InputPulleySpec(material=catalogue.material(design.input_pulleys.material)),
+    }
+
+
+def sector_entries(design: SectorBlocks) -> Iterator[NamedEntry]:
+    """Entries of the catalogue that these blocks name."""
+    drum, pulleys = design.drum, design.input_pulleys
+    yield NamedEntry(("drum", "material"), "materials", drum.material)
+    yield NamedEntry(("drum", "bearing"), "bearings", drum.bearing)
+    yield NamedEntry(("drum", "shaft_material"), "materials", drum.shaft_material)
+    yield NamedEntry(("drum", "tensioner"), "tensioners", drum.tensioner)
+    yield NamedEntry(("input_pulleys", "material"), "materials", pulleys.material)
+    yield NamedEntry(("input_pulleys", "lower_bearing"), "bearings", pulleys.lower_bearing)
+    yield NamedEntry(("input_pulleys", "upper_bearing"), "bearings", pulleys.upper_bearing)

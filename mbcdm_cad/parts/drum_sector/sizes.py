@@ -1,0 +1,291 @@
+"""Dimensions of the drum sector: stepped lands, tensioners at both ends, web with the stop's slot, hub and shaft.
+
+     y ->  8.75   9.45  10.05 10.65      13        lands of cables 1..4, each a step larger in radius
+rim        |  1  |  2  |  3  |    4      |         walls at y_k+1 - edge margin: the edge of a land lies
+web              |======|                          between a cable's flank and the next contact line
+hub      |==============================......|    hub face: the output
+"""
+
+from __future__ import annotations
+
+from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
+
+from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
+from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims, Land, Window
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.terminal.dims import Tensioner
+
+# Cable left straight between the land's end and the swage.
+SWAGE_START_MM = 0.5
+# Solid end of the swage behind the cable's bore.
+SWAGE_FLOOR_MM = 0.5
+# Swage to the pocket's corner with the terminal drawn in all the way.
+END_GAP_MM = 0.1
+# Play of the swage's flat at the pocket's inner wall, which keeps the terminal from turning with its nut.
+FLAT_PLAY_MM = 0.1
+# Wall of a lug beside the stud's hole.
+LUG_WALL_MM = 0.75
+# Stud and nuts must end this far before the sector's end face.
+SECTOR_MARGIN_DEG = 0.6
+# Below this the floor left under a pocket is not worth leaving.
+MIN_FLOOR_MM = 1.0
+# Edges nearer than this are a sliver.
+SLIVER_MM = 0.02
+# How far a pocket that is open to the outside reaches past the surface it opens.
+OPEN_MM = 0.05
+# A wall behind a terminal, towards the sector's end, thinner than this is cut away.
+MIN_GUARD_MM = 2.0
+BEYOND_MM = 30.0
+STOP_PIN_MM = 3.0
+STOP_SLOT_PLAY_MM = 0.3
+
+
+# How far all terminals can be drawn in, and how far each is by a cable of nominal length, mm.
+TerminalWay = tuple[float, dict[str, float]]
+
+
+def nut_corner_radius_mm(drive: SectorDrive) -> float:
+    """Half the width across corners of the tensioner's hexagon nut: AF / sqrt(3)."""
+    return drive.tensioner.nut_across_flats_mm / 3**0.5
+
+
+def furthest_anchor_rad(drive: SectorDrive) -> float:
+    """No cable leaves its land further from the transfer point than this, drum centred."""
+    return radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG)
+
+
+def lands(drive: SectorDrive, levels: SectorLevels) -> tuple[Land, ...]:
+    """Lands in the order of the steps; the wall before step k+1 stands at y_k+1 less the edge margin."""
+    cables = sorted(drive.cables, key=lambda c: c.step)
+    walls = [levels.drum_inner_y, *(c.land_y_mm - drive.clearances.land_edge_mm for c in cables[1:])]
+    ends = [*walls[1:], levels.drum_outer_y]
+    flank = drive.cable.diameter_mm / 2
+    return tuple(
+        Land(c.step, c.drum_radius_mm - flank, start, end) for c, start, end in zip(cables, walls, ends, strict=True)
+    )
+
+
+def half_width_mm(drive: SectorDrive) -> float:
+    """Half the sector's width along x with the drum centred: R sin(min(angle, 90 deg))."""
+    outer = max(c.drum_radius_mm for c in drive.cables) - drive.cable.diameter_mm / 2
+    return outer * sin(radians(min(drive.drum.sector_half_angle_deg, 90.0)))
+
+
+def _anchor_limit(drive: SectorDrive, cable: SectorRun, tip: float, nuts_end: float) -> float:
+    """Largest anchor angle (rad) that keeps the terminal inside the sector's angle and its width.
+
+    From a right angle on the sector is as wide as its disc whatever it holds, and only its angle counts.
+    """
+    r = cable.drum_radius_mm
+    by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
+    if drive.drum.sector_half_angle_deg >= 90.0:
+        return by_angle
+    corners = ((r + nut_corner_radius_mm(drive), nuts_end), (r + drive.tensioner.thread_mm / 2, tip))
+    return min(by_angle, *(_angle_within(half_width_mm(drive) - 0.1, out, along, by_angle) for out, along in corners))
+
+
+def _angle_within(width: float, out: float, along: float, otherwise: float) -> float:
+    """Angle at which a corner, ``out`` from the axis and ``along`` the tangent, reaches ``width``."""
+    amplitude = hypot(out, along)
+    return asin(width / amplitude) - atan2(along, out) if width < amplitude else otherwise
+
+
+def _end_gap_mm(drive: SectorDrive) -> float:
+    """Swage to lug, drawn in: the round corner that the pocket's cutter leaves must not lift the swage's flat."""
+    radius = drive.drum.material.min_internal_radius_mm + drive.clearances.running_mm
+    return radius - sqrt(radius**2 - max(radius - FLAT_PLAY_MM, 0.0) ** 2) + END_GAP_MM
+
+
+def _pocket_end(drive: SectorDrive, cable: SectorRun, anchor_rad: float, tip: float) -> float:
+    end = tip + 1.0
+    left = radians(drive.drum.sector_half_angle_deg) - anchor_rad - atan2(end, cable.drum_radius_mm)
+    return end if left * cable.drum_radius_mm > MIN_GUARD_MM else end + BEYOND_MM
+
+
+def nut_pocket_mm(drive: SectorDrive) -> float:
+    """Half width of the nuts' pocket: the end mill's corner must not lift the nut off its seat."""
+    return nut_corner_radius_mm(drive) + drive.clearances.running_mm + drive.drum.material.min_internal_radius_mm
+
+
+def _pocket_top(drive: SectorDrive, cable: SectorRun, anchor_rad: float, pocket_end: float) -> float:
+    """Outward reach of a terminal's pockets, so that no thin wall is left before the surface of a land further out."""
+    r = cable.drum_radius_mm
+    left = max(0.0, radians(drive.drum.sector_half_angle_deg) - anchor_rad)
+    end = min(pocket_end, r * tan(min(left, 1.0)))
+    top = nut_pocket_mm(drive)
+    surfaces = sorted(c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in drive.cables)
+    for surface in (s for s in surfaces if s > r):
+        # The pocket is straight and the land round, so that the wall is thinnest at the pocket's end.
+        if surface > r + top and surface - hypot(r + top, end) < MIN_FLOOR_MM:
+            top = surface - r + OPEN_MM
+    return top if top < surfaces[-1] - r else BEYOND_MM
+
+
+def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
+    """Place the terminals as far out as the sector allows; neighbours on one side are staggered.
+
+    Where two cables of one side lie close in radius, the outer one's lug must end before the inner one's pocket
+    begins: then it stands on solid rim, and a spanner reaches both nuts.
+    """
+    t = drive.tensioner
+    travel, drawn_in = way
+    swage_end = SWAGE_START_MM + t.swage_length_mm
+    lug_start = swage_end + travel + _end_gap_mm(drive)
+    lug_end = lug_start + t.lug_thickness_mm
+    nuts_end = lug_end + 2 * t.nut_height_mm
+    slack_tip = SWAGE_START_MM + t.stud_length_mm
+    # With the terminal drawn in all the way.
+    tip = slack_tip + travel
+    nut = nut_corner_radius_mm(drive)
+    # Nearer than this, the inner one's pocket would reach the outer cable's land.
+    reach = nut_pocket_mm(drive) + drive.cable.diameter_mm / 2 + MIN_FLOOR_MM
+    placed: list[Tensioner] = []
+    for side in (-1, 1):
+        inner: Tensioner | None = None
+        for cable in sorted((c for c in drive.cables if c.drum_side == side), key=lambda c: c.drum_radius_mm):
+            limit = _anchor_limit(drive, cable, tip, nuts_end)
+            near = max(2 * nut + 2.0, reach + (tip + 1.0) ** 2 / (2 * cable.drum_radius_mm))
+            if inner is not None and cable.drum_radius_mm - inner.radius_mm < near:
+                pocket = inner.anchor_rad - radians(0.3)
+                limit = min(limit, pocket - atan2(lug_end, cable.drum_radius_mm))
+            floor = drive.drum.outer_face_y_mm - cable.land_y_mm - nut - drive.clearances.running_mm
+            through = floor < MIN_FLOOR_MM
+            pocket_end = _pocket_end(drive, cable, limit, tip)
+            moved = drawn_in[cable.name]
+            inner = Tensioner(
+                cable_name=cable.name,
+                side=side,
+                radius_mm=cable.drum_radius_mm,
+                y_mm=cable.land_y_mm,
+                anchor_rad=limit,
+                swage_start=SWAGE_START_MM + moved,
+                cable_end=swage_end - SWAGE_FLOOR_MM + moved,
+                swage_end=swage_end + moved,
+                lug_start=lug_start,
+                lug_end=lug_end,
+                nuts_end=nuts_end,
+                tip=slack_tip + moved,
+                pocket_end=pocket_end,
+                # A pocket through the whole rim is open outwards, or what is left over it hangs on nothing.
+                pocket_top=BEYOND_MM if through else _pocket_top(drive, cable, limit, pocket_end),
+                cut_through=through,
+                travel=travel,
+                drawn_in=moved,
+            )
+            placed.append(inner)
+    order = {c.name: c.step for c in drive.cables}
+    return tuple(sorted(placed, key=lambda p: order[p.cable_name]))
+
+
+def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall: float) -> float:
+    """Radius of the pockets' corners: what the material allows, or a little more.
+
+    Where a corner would end within a hair of a land's edge, a sliver would be left that no kernel and no mill can make.
+    """
+    least, nuts = drive.drum.material.min_internal_radius_mm, nut_pocket_mm(drive)
+    surfaces = [c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in drive.cables]
+
+    def nearest(radius: float) -> float:
+        """Least distance from a corner's end to the surface of a land."""
+        ends = [
+            hypot(t.radius_mm + n, s)
+            for t in placed
+            for half, s in (
+                (flat_wall, t.slack_start - POCKET_LEAD_MM),
+                (flat_wall, t.lug_start),
+                (nuts, t.lug_end),
+                (nuts, t.pocket_end),
+            )
+            for n in (radius - half, t.pocket_top - radius)
+        ]
+        return min(abs(end - surface) for end in ends for surface in surfaces)
+
+    tried = [least + k * drive.clearances.running_mm / 12 for k in range(13)]
+    return next((radius for radius in tried if nearest(radius) >= SLIVER_MM), max(tried, key=nearest))
+
+
+def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
+    d = drive.drum
+    inner = d.hub_diameter_mm / 2 + 3.0
+    outer = d.rim_inner_radius_mm - 2.5
+    below = stop_radius - STOP_PIN_MM / 2 - 2.4
+    above = stop_radius + STOP_PIN_MM / 2 + 2.4
+    spoke = degrees(asin(min(0.9, 1.5 / inner)))
+    side_start = slot_end_deg + degrees(asin(min(0.9, (STOP_PIN_MM / 2 + 2.6) / stop_radius)))
+    side_end = d.sector_half_angle_deg - degrees(3.5 / inner)
+    candidates = [
+        Window(inner, below, spoke, min(slot_end_deg + spoke, side_start - 2 * spoke)),
+        Window(above, outer, spoke, slot_end_deg - spoke),
+        Window(inner, outer, side_start, side_end),
+    ]
+    radius = 2 * drive.drum.material.min_internal_radius_mm
+    kept = [
+        w
+        for w in candidates
+        if w.r_outer - w.r_inner > 2 * radius + 1.0 and radians(w.end_deg - w.start_deg) * w.r_inner > 2 * radius + 1.0
+    ]
+    return tuple(kept) + tuple(Window(w.r_inner, w.r_outer, -w.end_deg, -w.start_deg) for w in kept)
+
+
+def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> DrumDims:
+    """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
+    d = drive.drum
+    slot_width = STOP_PIN_MM + STOP_SLOT_PLAY_MM
+    # Contact comes when the pin has used up its play at the slot's end.
+    play_deg = degrees(STOP_SLOT_PLAY_MM / 2 / max(stop_radius, 1.0))
+    slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg
+    shaft_radius = drive.bearings.drum.bore_mm / 2
+    screw = drive.screw("M3x5-set")
+    hub_radius = d.hub_diameter_mm / 2
+    web_start = levels.drum_inner_y + 3 * drive.clearances.running_mm
+    placed = tensioners(drive, way)
+    flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
+    return DrumDims(
+        half_angle_deg=d.sector_half_angle_deg,
+        rim_inner_radius=d.rim_inner_radius_mm,
+        lands=lands(drive, levels),
+        web_start_y=web_start,
+        web_end_y=web_start + d.web_thickness_mm,
+        hub_radius=hub_radius,
+        hub_start_y=levels.boss_front_y + 0.5,
+        hub_face_y=d.hub_face_y_mm,
+        spigot_radius=drive.bearings.drum.inner_shoulder_mm / 2,
+        spigot_y=levels.boss_front_y,
+        bore_radius=shaft_radius,
+        windows=_windows(drive, stop_radius, slot_end),
+        stop_radius=stop_radius,
+        stop_slot_width=slot_width,
+        stop_slot_end_deg=slot_end,
+        tensioners=placed,
+        stud_hole_radius=drive.tensioner.clearance_mm / 2,
+        lug_half_width=drive.tensioner.clearance_mm / 2 + LUG_WALL_MM,
+        swage_pocket=drive.tensioner.swage_diameter_mm / 2 + drive.clearances.running_mm,
+        flat_wall=flat_wall,
+        nut_pocket=nut_pocket_mm(drive),
+        pocket_radius=_pocket_radius(drive, placed, flat_wall),
+        set_screw=screw.name,
+        set_screw_y=(web_start + d.web_thickness_mm + d.hub_face_y_mm) / 2,
+        set_screw_radius=shaft_radius,
+        payload_screw_thread=2.5,
+        payload_circle_radius=(hub_radius + shaft_radius) / 2,
+        payload_depth=6.0,
+        corner_radius=2 * d.material.min_internal_radius_mm,
+    )
+
+
+def drum_shaft(drive: SectorDrive, levels: SectorLevels) -> DrumShaftDims:
+    """Shaft through the boss: encoder, flange, rear bearing, front bearing, hub."""
+    bearing = drive.bearings.drum
+    encoder_front = levels.back_y + drive.drum_encoder.length_mm
+    rear = encoder_front + 1.0
+    return DrumShaftDims(
+        radius=bearing.bore_mm / 2,
+        bore_radius=drive.drum.shaft_bore_mm / 2,
+        y_start=levels.back_y,
+        y_end=levels.hub_face_y,
+        flange_radius=bearing.inner_shoulder_mm / 2,
+        flange_start_y=rear - 0.8,
+        flange_end_y=rear,
+        rear_bearing_y=rear,
+        front_bearing_y=levels.boss_front_y - bearing.width_mm,
+    )

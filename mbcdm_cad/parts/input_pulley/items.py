@@ -1,0 +1,70 @@
+"""An input pulley with what turns with it: its clamp collar and the stops of its cables, as items of a bill."""
+
+from __future__ import annotations
+
+from math import cos, degrees, sin
+
+from mbcdm_cad.design.bought import Material
+from mbcdm_cad.parts.bill import BillBuilder
+from mbcdm_cad.parts.collar.dims import CollarDims
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims, StopSlot
+from mbcdm_cad.parts.placement import Placement
+
+_ALONG_Y = Placement.about((1.0, 0.0, 0.0), -90.0)
+UPRIGHT = Placement.identity()
+
+
+def _stop_place(slot: StopSlot) -> Placement:
+    """A stop drawn along +Z from its end next to the bend, laid on the chord."""
+    a = slot.end_angle_rad
+    u, v = (cos(a), sin(a)), (-slot.away * sin(a), slot.away * cos(a))
+    x = slot.stop_start * u[0] + slot.chord_offset * v[0]
+    y = slot.stop_start * u[1] + slot.chord_offset * v[1]
+    turn = Placement.about((0.0, 0.0, 1.0), degrees(a) + 180.0) @ Placement.about((0.0, 1.0, 0.0), 90.0)
+    return Placement.translation(x, y, slot.chord_z) @ turn
+
+
+def add_input_pulley(
+    b: BillBuilder,
+    drive: SectorDrive,
+    pulley: InputPulleyDims,
+    collar: CollarDims,
+    collar_metal: Material,
+    stand: Placement = UPRIGHT,
+) -> None:
+    """Pulley, collar with its screw and stops, in the frame of the pulley's group; ``stand`` turns all of them in it.
+
+    Dimensions of pulley and collar have their heights along +Z, the gearhead below.
+    """
+    group = f"input_{pulley.name}"
+    screw = drive.screw(collar.screw)
+    b.add(
+        f"input_pulley_{pulley.name}",
+        "mbcdm_cad.parts.input_pulley.draw:create_input_pulley",
+        (pulley,),
+        material=drive.input_pulleys.material,
+        group=group,
+        place=stand,
+    )
+    b.add(
+        f"collar_{pulley.name}",
+        "mbcdm_cad.parts.collar.draw:create_collar",
+        (collar, screw.thread_mm, screw.clearance_mm, screw.head_diameter_mm),
+        part="collar",
+        material=collar_metal,
+        group=group,
+        place=stand,
+    )
+    middle = Placement.translation(collar.screw_offset, collar.head_seat, (collar.bottom_z + collar.top_z) / 2)
+    b.screw(f"collar_screw_{pulley.name}", screw, drive.material("steel"), stand @ middle @ _ALONG_Y, group)
+    for slot in pulley.slots:
+        b.add(
+            f"stop_{slot.cable_name}",
+            "mbcdm_cad.parts.ring:create_sleeve",
+            (drive.cable.diameter_mm / 2, slot.stop_radius, slot.stop_start - slot.stop_end),
+            part="stop",
+            material=drive.material("stainless"),
+            group=group,
+            place=stand @ _stop_place(slot),
+        )
