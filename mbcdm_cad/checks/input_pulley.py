@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
-from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
@@ -182,79 +182,80 @@ def _of_thinner_walls(s: SectorUnderTest) -> str:
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
 
 
-_RADII = (
-    up("transmission.input_radii_mm"),
-    down("transmission.ratios.input_to_guide"),
-    up("all radii of transmission"),
-)
 _CHOOSE = "choose another bearing or gearhead, or a material of thinner walls"
-CHECKS = (
-    Check(
-        "stop_pocket_wall",
-        "Wall outside the stops' pockets",
-        "material: min_wall_mm",
-        stop_pocket_wall,
-        adjust=_RADII,
-        advice=_of_thinner_walls,
-    ),
-    Check(
-        "stop_pocket_floor",
-        "Metal between the stops' pockets",
-        "material: min_wall_mm",
-        stop_pocket_floor,
-        adjust=(up("rope.helix_lead_mm"), up("rope.dead_turns"), up("all radii of transmission")),
-    ),
-    Check(
-        "stop_pocket_bore",
-        "Metal between stops and shaft bore",
-        "material: min_wall_mm",
-        stop_pocket_bore,
-        adjust=_RADII,
-    ),
-    Check("bore_wall", "Journal's wall round the gearhead's shaft", "material: min_wall_mm", bore_wall, advice=_CHOOSE),
-    Check(
-        "bearing_shoulders",
-        "Shoulders for the input pulleys' bearings",
-        "bearing catalogue; 0.3 mm: estimate",
-        bearing_shoulders,
-        adjust=_RADII,
-        advice="choose a smaller bearing",
-    ),
-    Check(
-        "encoder_fit",
-        "Encoders fit their shafts",
-        "encoder and bearing catalogue",
-        encoder_fit,
-        advice="choose encoder and bearing of one bore",
-    ),
-    Check(
-        "bought_depth",
-        "Bought parts are deep enough for their holes",
-        "catalogue; 1 mm: estimate",
-        bought_depth,
-        adjust=(up("support.motor_shelf_mm"), up("support.top_plate_mm")),
-        advice="choose a shorter screw",
-    ),
-    Check(
-        "shaft_grip",
-        "Clamp collar grips the gearhead's shaft",
-        "one diameter: usual rule",
-        shaft_grip,
-        adjust=(down("support.motor_shelf_mm"),),
-        advice="choose a gearhead with a longer shaft",
-    ),
-    Check(
-        "pilot_room",
-        "Gearhead's pilot clears pulley and screws",
-        "clearances.running_mm",
-        pilot_room,
-        adjust=(up("support.motor_shelf_mm"),),
-    ),
-    Check(
-        "coupling_height",
-        "Coupling space is high enough",
-        "clearances.running_mm; 0.1 mm: estimate",
-        coupling_height,
-        adjust=(up("support.coupling_space_mm"), up("support.motor_shelf_mm")),
-    ),
-)
+
+
+def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
+    """The family; ``wider``: the configuration's variables that make the input pulleys larger."""
+    return (
+        Check(
+            "stop_pocket_wall",
+            "Wall outside the stops' pockets",
+            "material: min_wall_mm",
+            stop_pocket_wall,
+            adjust=wider,
+            advice=_of_thinner_walls,
+        ),
+        Check(
+            "stop_pocket_floor",
+            "Metal between the stops' pockets",
+            "material: min_wall_mm",
+            stop_pocket_floor,
+            adjust=(up("rope.helix_lead_mm"), up("rope.dead_turns"), up("all radii of transmission")),
+        ),
+        Check(
+            "stop_pocket_bore",
+            "Metal between stops and shaft bore",
+            "material: min_wall_mm",
+            stop_pocket_bore,
+            adjust=wider,
+        ),
+        Check(
+            "bore_wall", "Journal's wall round the gearhead's shaft", "material: min_wall_mm", bore_wall, advice=_CHOOSE
+        ),
+        Check(
+            "bearing_shoulders",
+            "Shoulders for the input pulleys' bearings",
+            "bearing catalogue; 0.3 mm: estimate",
+            bearing_shoulders,
+            adjust=wider,
+            advice="choose a smaller bearing",
+        ),
+        Check(
+            "encoder_fit",
+            "Encoders fit their shafts",
+            "encoder and bearing catalogue",
+            encoder_fit,
+            advice="choose encoder and bearing of one bore",
+        ),
+        Check(
+            "bought_depth",
+            "Bought parts are deep enough for their holes",
+            "catalogue; 1 mm: estimate",
+            bought_depth,
+            adjust=(up("support.motor_shelf_mm"), up("support.top_plate_mm")),
+            advice="choose a shorter screw",
+        ),
+        Check(
+            "shaft_grip",
+            "Clamp collar grips the gearhead's shaft",
+            "one diameter: usual rule",
+            shaft_grip,
+            adjust=(down("support.motor_shelf_mm"),),
+            advice="choose a gearhead with a longer shaft",
+        ),
+        Check(
+            "pilot_room",
+            "Gearhead's pilot clears pulley and screws",
+            "clearances.running_mm",
+            pilot_room,
+            adjust=(up("support.motor_shelf_mm"),),
+        ),
+        Check(
+            "coupling_height",
+            "Coupling space is high enough",
+            "clearances.running_mm; 0.1 mm: estimate",
+            coupling_height,
+            adjust=(up("support.coupling_space_mm"), up("support.motor_shelf_mm")),
+        ),
+    )

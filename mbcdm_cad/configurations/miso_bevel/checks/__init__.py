@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import drum_sector, fixings, input_pulley, motors, strength, take_up, terminals
+from mbcdm_cad.checks import drum_sector, fixings, motors, strength, take_up, terminals
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.configurations.miso_bevel.checks import (
     bearings,
     bending,
     envelope,
     guide_fits,
+    pulley_fits,
     ratios,
     spans,
     support_fits,
@@ -35,7 +36,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     motors,
     bearings,
     fixings,
-    input_pulley,
+    pulley_fits,
     guide_fits,
     drum_sector,
     terminals,

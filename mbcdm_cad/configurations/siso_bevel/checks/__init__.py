@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import drum_sector, fixings, input_pulley, motors, strength, take_up, terminals
+from mbcdm_cad.checks import drum_sector, fixings, motors, strength, take_up, terminals
 from mbcdm_cad.configurations.siso_bevel.checks import (
     bearings,
     input_turn,
     motor_head,
+    pulley_fits,
     ratios,
     room,
     support,
@@ -28,7 +29,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     motors,
     bearings,
     fixings,
-    input_pulley,
+    pulley_fits,
     drum_sector,
     terminals,
     take_up,

@@ -53,7 +53,7 @@ class DirectTransmission(Block):
     )
 
 
-class Column(Block):
+class ColumnSupport(Block):
     """Frame with the drum's bearings and the pulley's box, and the motor head on top of it."""
 
     material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
@@ -157,4 +157,4 @@ class DirectDesign(Design):
     clearances: SectorClearances
     drum: SectorDrum
     input_pulleys: SteppedPulleys
-    support: Column
+    support: ColumnSupport
