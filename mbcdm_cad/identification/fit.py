@@ -207,7 +207,7 @@ class Fitter:
         jacobian = self.jacobian(effects, now) if slopes is None else slopes
         damping = 1e-7
         for _ in range(iterations):
-            following, damping = self._stepped(effects, now, jacobian, damping, mask)
+            following, damping = self._stepped(effects, now, jacobian, damping, mask, settled)
             fall = 0.0 if following is None else (now.square - following.square) / now.square
             if following is not None:
                 jacobian = self._updated(jacobian, now, following)
@@ -235,16 +235,29 @@ class Fitter:
         return _Point(values, offsets, predicted, residual, float(np.mean(residual[mask] ** 2)))
 
     def _stepped(
-        self, effects: Sequence[Effect], now: _Point, jacobian: Floats, damping: float, mask: NDArray[np.bool_]
+        self,
+        effects: Sequence[Effect],
+        now: _Point,
+        jacobian: Floats,
+        damping: float,
+        mask: NDArray[np.bool_],
+        settled: float,
     ) -> tuple[_Point | None, float]:
-        """A better point, or None, and the damping to go on with."""
+        """A better point, or None, and the damping to go on with; None too where the step promises no more.
+
+        A promise of less than half of the fall by which a fit has ``settled`` is not worth a simulation.
+        """
         columns = self.centred(jacobian, mask)[mask]
         size = np.linalg.norm(columns, axis=0)
         size[size == 0.0] = 1.0
         columns /= size
         normal, slope = columns.T @ columns, columns.T @ now.residual[mask]
         for _ in range(6):
-            step = np.linalg.solve(normal + damping * np.eye(slope.size), slope) / size
+            scaled = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
+            promised = float(2.0 * slope @ scaled - scaled @ normal @ scaled) / (now.square * int(mask.sum()))
+            if promised < 0.5 * settled:
+                return None, damping
+            step = scaled / size
             better = self._tried(effects, now, step, mask)
             if better is None and self.free.any() and effects:
                 # An offset that runs into its bound spoils the step of the rest: leave the offsets alone.

@@ -38,8 +38,10 @@ SPEED_NOISE_SHARE = 0.01
 LONGEST_SPEED_S = 1.0
 COMMON_WINDOW_S = 0.05
 TEMPERATURE_WINDOW_S = 5.0
-# The elastic part of the prediction is simulated at steps of this length at most, and interpolated.
-COARSE_STEP_S = 0.04
+# The elastic part of the prediction is simulated at steps of this time, or this turn of the inputs, at most, and
+# interpolated.
+COARSEST_S = 0.15
+COARSE_TURN_RAD = 0.1
 # The narrowest mean is over so many samples; means count as apart by so many standard errors.
 NARROWEST = 5
 APART_ERRORS = 2.5
@@ -48,8 +50,10 @@ SECTORS = 8
 FEWEST_SWEEPS = 3
 # Where the mean misses the load by so many standard errors of one sample, it is on a flank and the sample is taken.
 FLANK_ERRORS = 5.0
-# Between samples on which the cables are simulated the load may leave a straight line by this share of its range.
-BENT_SHARE = 0.005
+# Between samples on which the cables are simulated, load and difference of the inputs may leave a straight line by this
+# share of their range, the load by this share of its sensor's noise.
+BENT_SHARE = 0.002
+BENT_NOISE = 0.1
 
 
 @dataclass(frozen=True)
@@ -116,23 +120,46 @@ class Prepared:
 
     @cached_property
     def coarse(self) -> NDArray[np.int64]:
-        """Samples on which the cables are simulated: the ends of each stretch and the load's flanks among them."""
-        every = max(1, int(COARSE_STEP_S / self.step_s))
-        starts = self.cut.starts
-        ends = np.append(starts[1:], self.time_s.size) - 1
+        """Samples on which the cables are simulated: between them all that works the cables is as good as straight.
+
+        The ends of each stretch and the few samples that lead in to it are among them.
+        """
+        n = self.time_s.size
+        turned = np.abs(np.diff(self.common_rad)) / COARSE_TURN_RAD
+        passed = np.maximum(turned, np.diff(self.time_s) / COARSEST_S)
+        grid = np.flatnonzero(np.diff(np.floor(np.cumsum(passed)), prepend=-1.0))
         few = np.flatnonzero(self.cut.lead)
-        at = np.unique(np.concatenate([np.arange(0, self.time_s.size, every), few, few[few > 0] - 1, starts, ends]))
-        if self.load_Nm is None:
-            return at
-        straight = np.interp(np.arange(self.time_s.size), at, self.load_Nm[at])
-        bent = np.flatnonzero(np.abs(self.load_Nm - straight) > BENT_SHARE * np.ptp(self.load_Nm))
-        return np.union1d(at, bent)
+        ends = np.append(self.cut.starts[1:], n) - 1
+        at = np.unique(np.concatenate([[0], grid, few, few[few > 0] - 1, self.cut.starts, ends]))
+        for values, most in self._works_the_cables:
+            at = _until_straight(at, values, most)
+        return at
+
+    @property
+    def _works_the_cables(self) -> list[tuple[Floats, float]]:
+        """Signals that move the friction, and how far each may leave a straight line between simulated samples."""
+        found = [(row, BENT_SHARE * float(np.ptp(row))) for row in self.apart_rad]
+        if self.load_Nm is not None:
+            noise = 0.0 if self.run.load_Nm is None else noise_of_signal(self.run.load_Nm)
+            found.append((self.load_Nm, max(BENT_SHARE * float(np.ptp(self.load_Nm)), BENT_NOISE * noise)))
+        return found
 
     def rewindowed(self, factor: float) -> Prepared:
         """The same samples with other windows on the difference of the inputs and on the load."""
         at = self.cut.index
         load = None if self.run.load_Nm is None else quiet_load(self.run, factor)[0][at]
         return replace(self, apart_rad=slow_difference(self.run, factor)[0][:, at], load_Nm=load)
+
+
+def _until_straight(at: NDArray[np.int64], values: Floats, most: float) -> NDArray[np.int64]:
+    """Samples ``at`` with middles of intervals added until ``values`` (n,) leave a straight line by ``most`` only."""
+    every = np.arange(values.size)
+    while True:
+        bent = np.abs(values - np.interp(every, at, values[at])) > most
+        first = np.unique(np.searchsorted(at, np.flatnonzero(bent), side="right")) - 1
+        if not first.size:
+            return at
+        at = np.union1d(at, (at[first] + at[first + 1]) // 2)
 
 
 def noise_of_signal(values: Floats) -> float:

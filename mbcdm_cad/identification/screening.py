@@ -36,10 +36,8 @@ class Screening:
         if self._screened is not None and self._screened[0] is fit:
             return self._screened[1]
         f = self.fitter
-        mask = f.train
         taken = {e.key for e in fit.effects}
-        known = f.centred(fit.jacobian, mask)[mask]
-        basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(mask.sum()), 0))
+        basis = self._basis(fit)
         found = []
         for effect in self.library:
             if effect.key in taken and not effect.several:
@@ -56,6 +54,34 @@ class Screening:
         found = self._best_starts(found)
         self._screened = fit, found
         return found
+
+    def best_known_fall(self, fit: Fit) -> float:
+        """The best fall that any effect promises beside ``fit`` without a simulation of the cables.
+
+        What strains the cables goes by the slopes that were taken when others stood beside it.
+        """
+        f = self.fitter
+        taken = {e.key for e in fit.effects}
+        basis = self._basis(fit)
+        known: dict[Effect, list[bytes]] = {}
+        for effect, start in self._columns:
+            known.setdefault(effect, []).append(start)
+        falls = [0.0]
+        for effect in self.library:
+            if effect.key in taken and not effect.several:
+                continue
+            if f.kind(effect) < 2:
+                starts = [np.frombuffer(start) for start in known.get(effect, [])]
+            else:
+                starts = [np.array(s) for s in effect.first_guesses(f.base[0], fit.residual[f.parts[0]])]
+            falls += [fit.square - self._projected(fit, *self._slopes(fit, effect, s), basis)[0] for s in starts]
+        return max(falls)
+
+    def _basis(self, fit: Fit) -> Floats:
+        """Orthonormal columns of what ``fit`` itself may change, on the training samples."""
+        mask = self.fitter.train
+        known = self.fitter.centred(fit.jacobian, mask)[mask]
+        return np.asarray(np.linalg.qr(known)[0]) if known.shape[1] else np.zeros((int(mask.sum()), 0))
 
     @staticmethod
     def _best_starts(found: Sequence[Screened]) -> list[Screened]:
@@ -91,8 +117,18 @@ class Screening:
         return found
 
     def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats) -> Screened:
-        f, mask = self.fitter, self.fitter.train
         change, columns = self._slopes(fit, effect, start)
+        square, step = self._projected(fit, change, columns, basis)
+        low = [p.low for p in effect.parameters]
+        high = [p.high for p in effect.parameters]
+        # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
+        held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
+        first = np.clip(np.where(held, start, start + step), low, high)
+        return Screened(effect, first, fit.square - square, columns)
+
+    def _projected(self, fit: Fit, change: Floats, columns: Floats, basis: Floats) -> tuple[float, Floats]:
+        """Mean square that a linear step from ``change`` along ``columns`` leaves beside a fit, and the step."""
+        f, mask = self.fitter, self.fitter.train
         new = f.centred(columns, mask)[mask]
         r = f.centred(fit.residual - change, mask)[mask]
         new = new - basis @ (basis.T @ new)
@@ -104,9 +140,4 @@ class Screening:
             solved = np.linalg.lstsq(new, r, rcond=1e-8)[0]
             r = r - new @ solved
             step[size > 0.0] = solved / size[size > 0.0]
-        low = [p.low for p in effect.parameters]
-        high = [p.high for p in effect.parameters]
-        # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
-        held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
-        first = np.clip(np.where(held, start, start + step), low, high)
-        return Screened(effect, first, fit.square - float(np.mean(r**2)), columns)
+        return float(np.mean(r**2)), step

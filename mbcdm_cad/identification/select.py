@@ -30,6 +30,8 @@ MOST_REFITS = 7
 # A candidate is taken in place of a better one that was refused only if it falls by this share of it.
 RUNNER_UP = 0.8
 MOST_EFFECTS = 6
+# Where no more than the floor is left, a candidate is refitted that promises this share of the fall that is needed.
+PROMISED_SHARE = 0.25
 # Effects that were refused alone and that the search goes on with all the same.
 MOST_FIRST = 3
 # What they then leave beyond the floor, over what they explain, at most.
@@ -74,6 +76,11 @@ class Search:
     def floor_rad(self) -> float:
         """The noise floor, rad RMS."""
         return self.noise.total_rad
+
+    @property
+    def least_floor_rad(self) -> float:
+        """What the floor cannot be below: what the sensors declare, where they do; rad RMS."""
+        return self.noise.declared_rad or self.noise.white_rad
 
     def noise_left(self, fit: Fit) -> Noise:
         """The noise in what a fit leaves."""
@@ -233,7 +240,7 @@ class Search:
                 each.setdefault(one.effects[-1].key, one)
 
         def promised(one: Fit) -> float:
-            return one.square - max((c.fall for c in self.screening.screen(one)), default=0.0)
+            return one.square - self.screening.best_known_fall(one)
 
         return sorted(each.values(), key=promised)
 
@@ -251,6 +258,8 @@ class Search:
         found: Fit | None = None
         for first in range(0, len(self.screening.screen(now)), MOST_REFITS):
             chosen = [c for c in self.close(now, first=first) if c not in done]
+            if not self.too_much(now):
+                chosen = [c for c in chosen if c.fall > PROMISED_SHARE * (LEAST_FALL * self.least_floor_rad) ** 2]
             done += chosen
             new = self.refits(now, chosen)
             tried += new
