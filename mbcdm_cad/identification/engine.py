@@ -156,7 +156,7 @@ class _Loop:
         """What the data themselves say against the sensors, and against figures that would fit."""
         noise = self.search.noise
         found = [doubt_of(noise, runs_of(self.prepared))] if noise.far_above else []
-        return (*found, *self.search.doubts)
+        return (*found, *self.search.doubts.values())
 
     def _evidence(self, groups: Sequence[Group], fit: Fit) -> tuple[Evidence, ...]:
         """What was taken, given back, and stands beside the named."""

@@ -21,6 +21,7 @@ from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise, noise_of
 from mbcdm_cad.identification.screening import Screened, Screening
 from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.routes import Floats
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
 LEAST_FALL = 0.45
@@ -65,8 +66,8 @@ class Search:
         self.noise = self.noise_left(bare)
         self.twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
         self.steps: list[Step] = []
-        # Sentences, each once.
-        self.doubts: dict[str, None] = {}
+        # What speaks against figures that would fit: a sentence for each effect's label.
+        self.doubts: dict[str, str] = {}
         self.screening = Screening(fitter, self.library)
         self._without: dict[tuple[Fit, Effect], Fit] = {}
         self._leaning: dict[Fit, list[Fit]] = {}
@@ -236,7 +237,8 @@ class Search:
         """
         each: dict[object, Fit] = {}
         for one in sorted(self._tried.get(now, []), key=lambda one: one.square):
-            if not one.effects[-1].last and self.enough(now, one):
+            possible = not one.effects[-1].last and not self._impossible(one.effects[-1], one.values[-1])
+            if possible and self.enough(now, one):
                 each.setdefault(one.effects[-1].key, one)
 
         def promised(one: Fit) -> float:
@@ -301,21 +303,25 @@ class Search:
         """Is the last effect of ``better`` large enough, within its bounds, and borne out by all sweeps and sectors?"""
         if not self.enough(now, better) and not self._enough_beside(now, better):
             return False
-        effect, values = better.effects[-1], better.values[-1]
-        at_bound = [p.name for p, v in zip(effect.parameters, values, strict=True) if v in (p.low, p.high)]
-        words = effect.doubtful(values) if effect.doubtful else ""
-        if words:
-            self.doubts[words] = None
-            self._note("no such part is built", effect, now, better)
-            return False
-        if at_bound:
-            self._note(f"{at_bound[0]} runs out of its bounds", effect, now, better)
+        effect = better.effects[-1]
+        why = self._impossible(effect, better.values[-1])
+        if why:
+            self._note(why, effect, now, better)
             return False
         if supported(self.fitter, now, better, len(self.library)):
             return True
         self._note("leans on one place", better.effects[-1], now, better)
         self._leaning.setdefault(now, []).append(better)
         return False
+
+    def _impossible(self, effect: Effect, values: Floats) -> str:
+        """Why no bench can have an effect of these values; nothing where it can."""
+        words = effect.doubtful(values) if effect.doubtful else ""
+        if words:
+            self.doubts.setdefault(effect.label, words)
+            return "no such part is built"
+        at_bound = [p.name for p, v in zip(effect.parameters, values, strict=True) if v in (p.low, p.high)]
+        return f"{at_bound[0]} runs out of its bounds" if at_bound else ""
 
     def backward(self, fit: Fit) -> Fit:
         """Drop what the others explain as well."""
