@@ -262,6 +262,13 @@ def reproduce(design: Path | None) -> int:
     metavar="FOLDER",
     help="Write a correction table for the controller there.",
 )
+@click.option(
+    "--next",
+    "next_path",
+    type=_FILE,
+    metavar="NEXT.yaml",
+    help="Where the data cannot tell which of a set it is, write the experiment that tells best.",
+)
 def loop(
     design: Path,
     measurements: tuple[Path, ...],
@@ -269,6 +276,7 @@ def loop(
     as_built: Path | None,
     report: Path | None,
     correction: Path | None,
+    next_path: Path | None,
 ) -> int:
     """Find in measured runs what the model lacks.
 
@@ -279,7 +287,7 @@ def loop(
     loaded = load_design(design)  # before the rest is imported, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
-    return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction))
+    return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction, next_path))
 
 
 @mbcdm.command(

@@ -26,12 +26,15 @@ CORRECTION_FILES = ("correction.csv", "correction.json", "correction.h")
 
 @dataclass(frozen=True)
 class Outputs:
-    """Files to write: result as JSON, design as built, folders of report page and correction table; None for none."""
+    """Files to write: result as JSON, design as built, folders of report page and correction table, the next run's
+    experiment; None for none.
+    """
 
     json: Path | None = None
     as_built: Path | None = None
     report: Path | None = None
     correction: Path | None = None
+    next: Path | None = None
 
 
 def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
@@ -42,6 +45,9 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         return _published(loaded, files, wanted)
     if wanted.as_built is not None and drive_of(loaded, files) is None:
         remedy = "leave --apply out, or judge runs of the design"
+        raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
+    if wanted.next is not None and drive_of(loaded, files) is None:
+        remedy = "leave --next out, or judge runs of the design"
         raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
     report = judge(loaded, files)
     click.echo(report.text())
@@ -61,6 +67,15 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         source = f"{loaded.path.name} and {', '.join(one.run.source for one in vetted)}"
         outputs |= {wanted.correction / name: text for name, text in correction_files(table, source).items()}
         click.echo(f"\ncorrection: {correction_words(table)}")
+    if wanted.next is not None:
+        from mbcdm_cad.cli.next_run import next_run
+
+        following = next_run(loaded.drive, [one.run for one in vetted], report.result)
+        if following is None:
+            click.echo(f"\nno set is left to be told apart: {wanted.next} is not written")
+        else:
+            outputs[wanted.next] = following.text().encode()
+            click.echo(f"\nnext run, {following.words()}")
     write_whole(outputs)
     for path in outputs:
         click.echo(f"{path} written" + (f": {applied}" if path == wanted.as_built else ""))
@@ -71,8 +86,8 @@ def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: O
     """Figures of a paper: no search, what could explain them."""
     from mbcdm_cad.paper.published import judge_published
 
-    if len(files) > 1 or wanted.as_built is not None or wanted.correction is not None:
-        remedy = "give it alone, without --apply and --correction"
+    if len(files) > 1 or any(one is not None for one in (wanted.as_built, wanted.correction, wanted.next)):
+        remedy = "give it alone, without --apply, --correction and --next"
         wrong = next(file for file in files if file.content.published is not None)
         raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
     result = judge_published(loaded.drive, files[0])
@@ -97,6 +112,7 @@ def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], want
     taken += [("data of " + path.name, path.parent / name) for path, name in data]
     outputs = [] if wanted.json is None else [("--json", wanted.json)]
     outputs += [] if wanted.as_built is None else [("--apply", wanted.as_built)]
+    outputs += [] if wanted.next is None else [("--next", wanted.next)]
     folders = (("--report", wanted.report, REPORT_FILES), ("--correction", wanted.correction, CORRECTION_FILES))
     for option, folder, names in folders:
         if folder is None:

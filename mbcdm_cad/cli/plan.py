@@ -40,6 +40,11 @@ def planned_run(drive: Drive, path: Path) -> Run:
     if not isinstance(wanted, Experiment):
         remedy = "give one of the quasi-static rig; motion, load and sensors are planned the same"
         raise InputError([Problem(str(path), 1, "format", "an experiment of the dynamic rig", remedy=remedy)])
+    return run_of(drive, wanted)
+
+
+def run_of(drive: Drive, wanted: Experiment) -> Run:
+    """The same of an experiment that need not be a file."""
     plain = wanted.physics.model_copy(update={"cable_transport": False})
     run = simulate(drive, wanted.model_copy(update={"effects": (), "physics": plain}))
     s = wanted.sensors
@@ -58,5 +63,5 @@ def planned_run(drive: Drive, path: Path) -> Run:
         run.measured_temperature_C,
         sensors,
         tuple(drive.input_names) if len(drive.input_names) > 1 else ("input",),
-        path.name,
+        wanted.name,
     )

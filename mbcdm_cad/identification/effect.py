@@ -61,7 +61,8 @@ class Effect:
     are refitted, however little they promise, before this one is taken; ``doubtful`` says of fitted values that no such
     part is built, in a sentence that says what to look for instead, or nothing. ``hangs_on`` is what it hangs on where
     that is not angle, direction or load: no correction table can hold it. ``last``: a shape more than a cause, taken
-    only where no cause will do.
+    only where no cause will do. ``plain`` says it in a sentence for a person who has not read these names: figures in
+    braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and ``{cables}``.
     """
 
     name: str
@@ -83,6 +84,7 @@ class Effect:
     doubtful: Callable[[Floats], str] | None = None
     hangs_on: str = ""
     last: bool = False
+    plain: str = ""
 
     @property
     def key(self) -> tuple[str, str | None, tuple[str, ...]]:

@@ -150,6 +150,7 @@ class _Loop:
             fall,
             {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
             {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
+            effect.plain,
         )
 
     def _doubts(self) -> tuple[str, ...]:

@@ -94,13 +94,13 @@ def _words(parameter: str, size: float | None) -> str:
 
 def noise_from(drive: Drive, run: Run) -> Noise:
     """The noise that a measured run has, to plan others with."""
-    fitter = _fitter(drive, run)
+    fitter = planned_fitter(drive, run)
     return noise_of(fitter.base, [fitter.fit().residual])
 
 
 def plan_of(drive: Drive, run: Run, noise: Noise | None = None) -> RunPlan:
     """What ``run`` could say of ``drive``; it need not have been made. ``noise`` is that of a pilot run."""
-    fitter = _fitter(drive, run)
+    fitter = planned_fitter(drive, run)
     bare = fitter.fit()
     noise = noise or noise_of(fitter.base, [bare.residual])
     p = fitter.runs[0]
@@ -128,7 +128,8 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None) -> RunPlan:
     return RunPlan(noise, tuple(foreseen))
 
 
-def _fitter(drive: Drive, run: Run) -> Fitter:
+def planned_fitter(drive: Drive, run: Run) -> Fitter:
+    """Fits of one run, made or planned."""
     d = to_si(drive)
     ratio = float(np.mean(d.total_ratio))
     return Fitter(d, ratio, [prepare(arranged(run, drive), ratio)[0]], drive.as_built)
@@ -172,16 +173,15 @@ def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[tuple[Effect, st
     return found
 
 
-def _counting(noise: Noise, p: Prepared) -> float:
-    """Share of the samples that count, since noise with a memory repeats itself."""
-    step = float(np.median(np.diff(p.time_s)))
-    square = noise.white_rad**2 + noise.coloured_rad**2 * max(1.0, 2.0 * noise.memory_s / step)
+def counting(noise: Noise, step_s: float) -> float:
+    """Share of samples ``step_s`` apart that count, since noise with a memory repeats itself."""
+    square = noise.white_rad**2 + noise.coloured_rad**2 * max(1.0, 2.0 * noise.memory_s / step_s)
     return noise.total_rad**2 / max(square, noise.total_rad**2)
 
 
 def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int) -> tuple[float, float]:
     """RMS over the floor that is named with ``POWER``, and RMS that one unit of the size makes at its worst phase."""
-    n = columns.shape[0] * _counting(noise, p)
+    n = columns.shape[0] * counting(noise, p.step_s)
     held = max(4.0, n * float(p.test.sum()) / max(float(p.used.sum()), 1.0))
     sure = float(norm.ppf(POWER))
     # The fall of the held-out mean square, less what noise takes from it, is to be LEAST_FALL of the floor's.
@@ -198,6 +198,6 @@ def _apart(columns: Floats, others: Floats, noise: Noise, p: Prepared) -> float:
     """RMS over the floor from which an effect is told from another."""
     one, other = np.linalg.qr(columns)[0], np.linalg.qr(others)[0]
     alike = min(1.0, float(np.linalg.svd(one.T @ other, compute_uv=False)[0]))
-    n = columns.shape[0] * _counting(noise, p)
+    n = columns.shape[0] * counting(noise, p.step_s)
     left = max(1.0 - alike, 1e-12)
     return float(max(np.sqrt(TOLD_STRENGTH / left / n), ALIKE_SHARE / np.sqrt(max(1.0 - alike**2, 1e-12))))

@@ -9,6 +9,7 @@ from typing import Any
 import jinja2
 import numpy as np
 
+from mbcdm_cad.identification import plain
 from mbcdm_cad.identification.report_figures import loop_png, orders_png, scatter_png, time_png
 from mbcdm_cad.identification.result import Evidence, LoopResult, Named, Traces, readable, share_text, windows_words
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
@@ -56,6 +57,8 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
     )
     page = environment.get_template("report.html.j2").render(
         verdict=VERDICTS[result.verdict],
+        finding=_micro(plain.finding(result)),
+        certainty=_micro(plain.certainty(result)),
         sentence=_micro(result.sentence),
         doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)]
         + [_micro(words) for words in result.doubts],
@@ -68,7 +71,7 @@ def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequenc
         unknown=_micro(result.unknown.sentence()) if result.unknown else "",
         candidates=[_candidate(one, result.small) for one in (*result.evidence, *result.small)],
         not_testable=result.not_testable,
-        next_steps=result.next_steps,
+        next_steps=plain.steps(result),
         nothing_lacks=result.verdict == "none",
         design=design,
         runs=[_run(judged) for judged in runs],

@@ -48,7 +48,7 @@ class Named:
     """An effect that was named: figures by name (SI, the unit in the name), what it means in metal, what else is alike.
 
     ``fitted`` are the values that the effect's own parameters took, ``form`` which form they belong to, ``meanings``
-    what figures mean on the bench where their names do not say it.
+    what figures mean on the bench where their names do not say it; ``plain`` as of :class:`Effect`.
     """
 
     name: str
@@ -64,6 +64,7 @@ class Named:
     fall_rad: float
     fitted: dict[str, float]
     meanings: dict[str, str] = field(default_factory=dict)
+    plain: str = ""
 
     @property
     def words(self) -> str:

@@ -46,6 +46,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             (Parameter("parabola_rad_rad2", 1e-6 / half**2), Parameter("cubic_rad_rad3", 1e-6 / half**3)),
             _apply,
             last=True,
+            plain="the output reading bends smoothly over the travel, by {height_rad}",
             figures=(Figure("height_rad", height),),
         )
     ]

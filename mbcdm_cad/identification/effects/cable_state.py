@@ -18,6 +18,7 @@ SHARE = (Parameter("share", 0.02, -0.8, 4.0),)
 # Starts of the fit: ropes settle and wear, and lose more than half of what they were set to.
 PRELOAD_STARTS = ([0.0], [-0.4], [0.6])
 FRICTION_STARTS = ([0.0], [-0.4], [1.0])
+TENSION = "the tension of {cables} is {share} {way_share} than the design file says"
 SEPARATE = "re-tension to a measured value and run again; friction stays as it was"
 
 
@@ -59,6 +60,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         figures=(share, mean),
         physical=(mean,),
         generic=True,
+        plain=TENSION,
     )
     single = [
         Effect(
@@ -74,6 +76,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             figures=(share, each[j]),
             physical=(each[j],),
             generic=True,
+            plain=TENSION,
         )
         for j, cable in enumerate(d.cable_names)
     ]
@@ -89,5 +92,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         figures=(share, mu),
         physical=(mu,),
         generic=True,
+        plain="the friction between rope and pulleys is {share} {way_share} than the design file says",
     )
     return [everything, *single, friction]

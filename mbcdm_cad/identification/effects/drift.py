@@ -45,6 +45,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 (Parameter("turn_rad_K", 1e-6),),
                 _by_temperature,
                 hangs_on="temperature",
+                plain="the output reading drifts as the bench warms, by {turn_rad_K} rad a kelvin",
             )
         )
     else:
@@ -60,6 +61,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 _by_time,
                 starts=_times,
                 hangs_on="time",
+                plain="the output reading drifts as something warms, by {turn_rad} in the end",
             )
         )
     found.append(
@@ -76,6 +78,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             _settling,
             starts=_times,
             hangs_on="time",
+            plain="a rope settles: the output reading creeps by {amplitude_rad} for each e-fold of time",
         )
     )
     return found

@@ -101,6 +101,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 play,
                 _output,
                 generic=True,
+                plain="there is {play_rad} of play between drum and load",
             )
         )
     if d is not None and p.load_Nm is not None:
@@ -116,6 +117,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 starts=partial(_at_input, d, index),
                 stage=f"input_{name}",
                 generic=True,
+                plain="there is {play_rad} of play between encoder and pulley of the {stage}",
             )
             for index, name in enumerate(d.input_names)
         ]
@@ -131,6 +133,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 _operator,
                 starts=_width,
                 generic=True,
+                plain="there is {play_rad} of play between input and output",
             )
         )
     return found

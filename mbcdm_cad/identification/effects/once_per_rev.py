@@ -55,6 +55,7 @@ def _encoder(stage: str, size: float, apply: object, seen: float) -> Effect:
             Figure("phase_rad", phase, "minus the shaft angle at which it reads highest"),
         ),
         physical=(Figure("encoder_error_rad", length),),
+        plain="the encoder disc of the {stage} sits off centre: it is wrong by {amplitude_rad} at the drum once a turn",
     )
 
 
@@ -74,6 +75,7 @@ def _eccentric(stage: str, lever_m: float) -> Effect:
             Figure("phase_rad", phase, "where its high side points at zero travel, from +x"),
         ),
         physical=(Figure("eccentricity_m", length),),
+        plain="the pulley of the {stage} runs {eccentricity_m} off centre",
     )
 
 

@@ -24,5 +24,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "a full turn of each encoder against a reference tells the scale from the radii",
             (Parameter("share", 1e-5, -0.5, 0.5),),
             _apply,
+            plain="the ratio of output to inputs is {share} {way_share} than declared",
         )
     ]

@@ -42,5 +42,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 Figure("phase_rad", phase),
             ),
             several=True,
+            plain="the output reading ripples by {amplitude_rad}, {cycles_per_output_rev} times a turn of the drum",
         )
     ]

@@ -42,6 +42,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         _late,
         hangs_on="speed",
         generic=True,
+        plain="the output is read {delay_s} too late",
     )
     bias = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
     if d is None or p.load_Nm is None:
@@ -54,6 +55,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             (Parameter("half_width_rad", 1e-5, 0.0),),
             _hysteresis,
             generic=True,
+            plain="friction holds the output back by {half_width_rad}, one way and the other",
         )
         return [late, shift]
     bearing = Effect(
@@ -65,6 +67,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         (Parameter("torque_Nm", 0.01, 0.0),),
         _bearing,
         generic=True,
+        plain="the bearings hold back {torque_Nm} that the torque sensor does not see",
     )
     viscous = Effect(
         "delay",
@@ -76,5 +79,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         _viscous,
         hangs_on="speed",
         generic=True,
+        plain="something drags in proportion to the speed, by {drag_Nm_s} N m for each rad/s",
     )
     return [late, viscous, bearing]

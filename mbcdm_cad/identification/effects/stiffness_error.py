@@ -52,6 +52,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         (Parameter("compliance_rad_Nm", 1e-6, 0.0),),
         _series,
         generic=True,
+        plain="something between drum and torque sensor twists by {compliance_rad_Nm}",
         after=AFTER,
     )
     if d is None:
@@ -64,6 +65,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         SEPARATE,
         (Parameter("share", 0.02, -0.8, 4.0),),
         _modulus,
+        plain="the rope's stiffness is {share} {way_share} than the design file says",
         starts=lambda setup, residual: [list(start) for start in STARTS],
         doubtful=_no_rope,
         generic=True,

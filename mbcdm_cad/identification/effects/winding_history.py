@@ -28,5 +28,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             "the same load at a shorter travel, or a bias load",
             (Parameter("strength", 0.5, 0.0),),
             _apply,
+            plain="rope wound on under load keeps its tension and brings it back: {strength} times the full effect",
         )
     ]

@@ -1,0 +1,88 @@
+"""Which run would tell the members of a set apart, before it is made.
+
+Each member stands in the planned run with the size that was found, and each other member is fitted to what it does, by
+one linear step. What cannot be imitated is held against the noise: the probability to take the wrong one of two is
+Phi(-|d| / (2 sigma)) for a difference d (see ``clusters``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import norm
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.effects import library
+from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.noise import Noise
+from mbcdm_cad.identification.plan import counting, planned_fitter
+from mbcdm_cad.identification.result import Named
+from mbcdm_cad.identification.verdict import ALIKE_SHARE
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.routes import Floats
+
+
+def wrong_choice(drive: Drive, run: Run, members: Sequence[Named], noise: Noise, step_s: float) -> float:
+    """Probability to take the wrong one of the two of ``members`` that ``run`` tells apart worst, 0 to 0.5.
+
+    ``step_s`` is the time between samples of the run to be made, of which ``run`` may be a thinner one. 0.5 too where
+    the run does not show one of them at all, or cannot be simulated with it.
+    """
+    fitter = planned_fitter(drive, run)
+    bare = fitter.fit()
+    offered = library(fitter.d, fitter.runs[0])
+    found = [_changes(fitter, bare, effect, one) for one in members if (effect := _effect_of(one, offered))]
+    if len(found) < len(members) or any(one is None for one in found):
+        return 0.5
+    counted = counting(noise, step_s) * fitter.runs[0].step_s / step_s
+    worst = 0.0
+    for k, one in enumerate(found):
+        for j, other in enumerate(found):
+            if j != k and one is not None and other is not None:
+                worst = max(worst, _mistaken(one[0], other[1], noise, counted))
+    return worst
+
+
+def _effect_of(named: Named, offered: Sequence[Effect]) -> Effect | None:
+    """The effect of the library that was named; None where the run does not allow it."""
+    key = named.name, named.stage, named.cables
+    return next((effect for effect in offered if effect.key == key and effect.form == named.form), None)
+
+
+def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named) -> tuple[Floats, Floats] | None:
+    """What the effect changes at the size that was found, (n,), and its slopes there (n, k), offsets taken off."""
+    at = np.array([named.fitted[parameter.name] for parameter in effect.parameters])
+    try:
+        there = fitter.predict([effect], [at], bare.offsets)
+        rows = [there - fitter.predict([effect], [0.0 * at], bare.offsets)]
+        for k, parameter in enumerate(effect.parameters):
+            moved = at.copy()
+            moved[k] += 0.1 * parameter.size
+            rows.append((fitter.predict([effect], [moved], bare.offsets) - there) / (0.1 * parameter.size))
+    except ModelError:
+        return None
+    used = fitter.used
+    columns = fitter.centred(np.stack(rows, axis=1), used)[used]
+    known = fitter.centred(bare.jacobian, used)[used]
+    if known.shape[1]:
+        basis = np.linalg.qr(known)[0]
+        columns = columns - basis @ (basis.T @ columns)
+    return columns[:, 0], columns[:, 1:]
+
+
+def _mistaken(change: Floats, slopes: Floats, noise: Noise, counted: float) -> float:
+    """Probability to take an effect of these ``slopes`` for one that makes this ``change``.
+
+    Each sample counts as ``counted`` independent ones.
+    """
+    size = np.linalg.norm(slopes, axis=0)
+    kept = slopes[:, size > 0.0] / size[size > 0.0]
+    left = change - kept @ np.linalg.lstsq(kept, change, rcond=1e-8)[0] if kept.shape[1] else change
+    rms = float(np.sqrt(np.mean(left**2)))
+    # So small a difference may be the model's own: the loop takes it for none.
+    if rms < ALIKE_SHARE * noise.total_rad:
+        return 0.5
+    return float(norm.sf(0.5 * rms * np.sqrt(left.size * counted) / noise.total_rad))
