@@ -45,7 +45,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 (Parameter("turn_rad_K", 1e-6),),
                 _by_temperature,
                 hangs_on="temperature",
-                plain="the output reading drifts as the bench warms, by {turn_rad_K} rad a kelvin",
+                plain="the output reading drifts with the temperature, by {turn_rad_K}",
             )
         )
     else:

@@ -79,6 +79,6 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         _viscous,
         hangs_on="speed",
         generic=True,
-        plain="something drags in proportion to the speed, by {drag_Nm_s} N m for each rad/s",
+        plain="something drags in proportion to the speed, with {drag_Nm_s}",
     )
     return [late, viscous, bearing]
