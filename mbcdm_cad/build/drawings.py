@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from importlib import metadata
+from typing import Any
 
 import mbcdm_cad
 from mbcdm_cad.build.assembly_sheet import assembly_sheet
@@ -34,6 +35,17 @@ ASSEMBLY = "assembly"
 _CABLES = "mbcdm_cad.parts.cable:"
 
 
+def _shown(spec: PartSpec, made: MadePart) -> Any:
+    """The kernel's shape of a part as drawings show it: as made, or simplified where its sheet says so."""
+    if has_sheet(spec.maker):
+        simplified = sheet_of(spec.name, spec.maker, spec.args).simplified
+        if simplified is not None:
+            from mbcdm_cad.parts.make import make
+
+            return make(spec.maker, simplified).wrapped
+    return made.solid()
+
+
 @dataclass(frozen=True)
 class _Job:
     """One sheet to make."""
@@ -56,7 +68,8 @@ class _Job:
 
         mass = self.material.density_g_cm3 * self.made.files.shape.volume_mm3 / 1e3
         facts = PartFacts(self.design, self.material.name, mass, mbcdm_cad.__version__)
-        return draw_sheet(sheet_of(self.spec.name, self.spec.maker, self.spec.args), self.made.solid(), facts)
+        sheet = sheet_of(self.spec.name, self.spec.maker, self.spec.args)
+        return draw_sheet(sheet, _shown(self.spec, self.made), facts)
 
 
 @dataclass(frozen=True)
@@ -89,7 +102,8 @@ class _Assembly:
 
         shapes = {name: made.files.shape for name, made in self.parts.items()}
         boxes = {name: (shape.low_mm, shape.high_mm) for name, shape in shapes.items()}
-        solids = {name: cq.Shape.cast(self.parts[name].solid()) for name in {item.part for item in self.items}}
+        names = {item.part for item in self.items}
+        solids = {name: cq.Shape.cast(_shown(self.posed.parts[name], self.parts[name])) for name in names}
         whole = cq.Compound.makeCompound(
             [cq.Shape.cast(solids[i.part].wrapped.Moved(location(i.location))) for i in self.items]
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import cos, degrees, sin, tau
 
 from mbcdm_cad.parts.fits import FITS
@@ -97,6 +98,11 @@ def _slot_table(d: InputPulleyDims) -> Table:
     columns = [column(slot) for slot in d.slots]
     rows = tuple((head, *(c[n] for c in columns)) for n, head in enumerate(heads))
     return Table("Slots of the cable stops", ("", *_NAMES[: len(columns)]), rows)
+
+
+def _without_grooves(d: InputPulleyDims) -> InputPulleyDims:
+    """The pulley with plain lands as wide as the crests."""
+    return replace(d, grooves=(), lower_surface_radius=d.lower_land_radius, upper_surface_radius=d.upper_land_radius)
 
 
 def _groove_table(d: InputPulleyDims) -> Table:
@@ -203,6 +209,8 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             ),
         ),
         labels=tuple(labels),
+        # Hidden lines of a helical groove take minutes to find and show nothing that the table does not say.
+        simplified=(_without_grooves(d),) if d.grooves else None,
         tables=(_slot_table(d), *([_groove_table(d)] if d.grooves else [])),
         fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
         notes=(

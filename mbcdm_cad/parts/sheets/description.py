@@ -9,7 +9,7 @@ engine refuses a sheet in which the two disagree.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 Vector = tuple[float, float, float]
 Side = Literal["above", "below", "left", "right"]
@@ -150,7 +150,11 @@ class FitLine:
 
 @dataclass(frozen=True)
 class Sheet:
-    """All that one drawing shows."""
+    """All that one drawing shows.
+
+    ``simplified``: arguments to draw the views from in place of the part's own, for a feature that a drawing leaves to
+    its tables, as it does with threads.
+    """
 
     part: str
     title: str
@@ -162,6 +166,7 @@ class Sheet:
     fits: tuple[FitLine, ...] = ()
     notes: tuple[str, ...] = ()
     paper: Literal["A4", "A3", "A2"] = "A4"
+    simplified: tuple[Any, ...] | None = None
 
     def view(self, name: str) -> View:
         """The view of that name. Raises ``KeyError``."""

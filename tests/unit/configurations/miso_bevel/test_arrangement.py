@@ -16,6 +16,7 @@ from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.configurations.miso_bevel.routes import GUIDE, routed
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.input_pulley.sheet import input_pulley_sheet
 from mbcdm_cad.routes.curves import Arc, Line
 from mbcdm_cad.routes.route import Span, Wrap
 
@@ -189,3 +190,14 @@ def test_terminals_of_a_wide_sector_stand_at_its_ends(reference: BevelDrive) -> 
     wide = replace(reference, half_travel_deg=60.0, drum=replace(reference.drum, sector_half_angle_deg=105.0))
     after = statuses(wide)
     assert {after[name] for name in ("wrap_left", "terminal_clears_guide", "spans_clear", "drum_sweep")} == {"pass"}
+
+
+def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table_and_draws_none(reference: BevelDrive) -> None:
+    plain, cut = (layout(drive).inputs[0] for drive in (reference, grooved(reference)))
+    assert input_pulley_sheet("p", plain).simplified is None
+    sheet = input_pulley_sheet("p", cut)
+    assert sheet.simplified is not None and sheet.simplified[0].grooves == ()
+    assert sheet.simplified[0].lower_land_radius == cut.lower_land_radius > plain.lower_land_radius
+    table = {row[0]: row[1:] for row in next(t for t in sheet.tables if t.title == "Helical grooves").rows}
+    assert table["lead"] == ("0.89", "0.89") and table["root %%c"] == ("11.19", "11.99")
+    assert table["hand of the helix"] == ("right", "right")
