@@ -17,7 +17,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import Adjustment, down
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.design.bought import Bearing
-from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.model.bearing_loads import two_bearing_reactions_N
 
 STATIC_SAFETY = 1.0
 QUIET_SAFETY = 2.0
@@ -33,7 +33,6 @@ def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparis
 
 def input_reactions(s: SectorUnderTest) -> list[tuple[str, float, float]]:
     """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
-
     v, bearings = s.levels, s.drive.bearings
     lower = (v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2) * 1e-3
     upper = (v.top_plate_bottom_z + bearings.input_upper.width_mm / 2) * 1e-3
@@ -41,9 +40,8 @@ def input_reactions(s: SectorUnderTest) -> list[tuple[str, float, float]]:
     for i, name in enumerate(s.drive.input_names):
         most = np.zeros(2)
         axis = s.loads.si.routes.inputs[i].axis
-        for _, tension in s.loads.states:
-            at = bearing_loads(s.loads.si, tension)
-            load = at.inputs[i]
+        for loads in s.loads.on_bodies:
+            load = loads.inputs[i]
             pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, axis)
             most = np.maximum(most, np.linalg.norm(pair, axis=1))
         found.append((name, float(most[0]), float(most[1])))
@@ -52,13 +50,11 @@ def input_reactions(s: SectorUnderTest) -> list[tuple[str, float, float]]:
 
 def drum_reactions_N(s: SectorUnderTest) -> tuple[float, float]:
     """Largest radial loads of the drum's (rear, front) bearings."""
-
     shaft, width = s.layout.drum_shaft, s.drive.bearings.drum.width_mm
     rear, front = ((y + width / 2) * 1e-3 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
     most = [0.0, 0.0]
-    for _, tension in s.loads.states:
-        at = bearing_loads(s.loads.si, tension).drum
-        force, moment = at.force_N, at.moment_Nm
+    for on_bodies in s.loads.on_bodies:
+        force, moment = on_bodies.drum.force_N, on_bodies.drum.moment_Nm
         # About the rear bearing, with y x F = (y Fz, 0, -y Fx): the front bearing takes what is left of the moment.
         about = moment - np.cross([0.0, rear, 0.0], force)
         on_front = np.array([-about[2], 0.0, about[0]]) / (front - rear)
@@ -104,7 +100,6 @@ def drum_bearing_spacing(s: SectorUnderTest) -> Comparison:
 
 def coupling_runout(s: SectorUnderTest) -> Comparison:
     """How far the cables push the pulley aside at the coupling: more than the gearhead's play would load its shaft."""
-
     v, lay, drive = s.levels, s.layout, s.drive
     lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
     upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2
@@ -114,7 +109,7 @@ def coupling_runout(s: SectorUnderTest) -> Comparison:
         # The thinnest neck along the whole span, on the safe side.
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
         stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment
-        pull = max(float(np.linalg.norm(bearing_loads(s.loads.si, t).inputs[i].force_N)) for _, t in s.loads.states)
+        pull = max(float(np.linalg.norm(loads.inputs[i].force_N)) for loads in s.loads.on_bodies)
         low = float(np.clip(min(slot.chord_z for slot in p.slots) - lower, 0.0, span))
         slope = pull * (span - low) * (span**2 - (span - low) ** 2) / (6 * span * stiffness)
         moved = BEARING_PLAY_MM / 2 + slope * max(overhang, 0.0)

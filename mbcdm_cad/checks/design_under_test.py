@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks.design_variables import DesignVariable
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.bearing_loads import BearingLoads, bearing_loads
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -42,6 +43,11 @@ class CableTensions:
     def states(self) -> tuple[tuple[str, NDArray[np.float64]], ...]:
         """Unloaded and at peak torque both ways."""
         return (("no load", self.idle), ("+peak torque", self.peak_forward), ("-peak torque", self.peak_back))
+
+    @cached_property
+    def on_bodies(self) -> tuple[BearingLoads, ...]:
+        """What the cables put on every body in these states."""
+        return tuple(bearing_loads(self.si, tension) for _, tension in self.states)
 
     @property
     def highest_N(self) -> float:

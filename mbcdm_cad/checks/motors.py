@@ -24,8 +24,10 @@ _WORDS = {1: "+", -1: "-"}
 def saturation_Nm(s: DesignUnderTest, limit_Nm: float, direction: int) -> tuple[float, str]:
     """Drum torque (N m) at which the first input reaches ``limit_Nm``, and that input's name."""
     si = s.loads.si
-    cap = _RATING_CAP * float((si.preload_N * si.input_radius_m).min())
-    loads = torque_at_input_limit_Nm(si, min(limit_Nm, cap), direction)
+    limit = min(limit_Nm, _RATING_CAP * float((si.preload_N * si.input_radius_m).min()))
+    loads = s.once(
+        f"saturation {limit!r} {direction}", lambda s: torque_at_input_limit_Nm(s.loads.si, limit, direction)
+    )
     first = int(loads.argmin())
     return float(loads[first]), si.input_names[first]
 

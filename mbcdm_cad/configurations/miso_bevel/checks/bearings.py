@@ -27,19 +27,17 @@ from mbcdm_cad.checks.bearings import (
 from mbcdm_cad.checks.comparison import Check, Comparison, worst
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.routes import GUIDE
-from mbcdm_cad.model.bearing_loads import bearing_loads
 
 
 def guide_forces_N(s: BevelUnderTest) -> list[NDArray[np.float64]]:
     """Forces on the axle at the guide's (lower, upper) bearing, shape (2, 3), in each state of the loads."""
-
     g = s.layout.guide
     apart = (g.top_z - g.bottom_z - g.seat_depth) * 1e-3
     middle = 0.5 * (s.steps[0].drum_radius_mm + s.steps[-1].drum_radius_mm)
     shift = (0.5 * (g.top_z + g.bottom_z) - middle) * 1e-3
     found = []
-    for _, tension in s.loads.states:
-        at = bearing_loads(s.loads.si, tension).bodies[GUIDE]
+    for loads in s.loads.on_bodies:
+        at = loads.bodies[GUIDE]
         # About the middle of the bearings, which need not be that of the steps.
         moment = at.moment_Nm - np.cross([0.0, 0.0, shift], at.force_N)
         couple = np.array([moment[1], -moment[0], 0.0]) / apart
