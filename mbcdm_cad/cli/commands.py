@@ -106,6 +106,39 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 
 @mbcdm.command(
     epilog=_examples(
+        "mbcdm compare params/mbcdm.yaml params/siso_bevel.yaml",
+        "mbcdm compare my_drive.yaml my_other.yaml --json",
+    )
+)
+@click.argument("designs", metavar="DESIGN...", type=_FILE, nargs=-1, required=True)
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, a list with one object a design.")
+@click.option("--markdown", is_flag=True, help="Print the table as Markdown.")
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the designs are built into where they are not yet.",
+)
+@_NO_CACHE
+@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+def compare(
+    designs: tuple[Path, ...], as_json: bool, markdown: bool, out: Path, no_cache: bool, jobs: int | None
+) -> int:
+    """Compare built designs: torque, mass, box, backlash, stiffness, modes, parts, margins.
+
+    Builds those that are not built yet; a design that fails a check is not compared.
+    """
+    if as_json and markdown:
+        raise click.UsageError("--json and --markdown exclude each other; give one of them")
+    from mbcdm_cad.cli.comparing import compare_command
+
+    return compare_command(designs, out=out, as_json=as_json, markdown=markdown, use_cache=not no_cache, jobs=jobs)
+
+
+@mbcdm.command(
+    epilog=_examples(
         "mbcdm picture my_drive.yaml my_drive.png --view iso --angle 20",
         "mbcdm picture my_drive.yaml my_drive.gif --travel",
     )

@@ -32,8 +32,8 @@ class StopBend:
     """End of a cable in the input pulley: a bend inward in the plane of its step, then a chord with the swaged stop.
 
     Along the chord counts the distance from the pulley's middle plane through the axis, positive towards the bend.
-    ``taken_rad``: angle about the pulley's axis, from the winding's end, that the slot takes of the turn: the land is
-    open there, or the cable not yet a diameter below the one that would pass over it.
+    ``taken_rad``: angle about the pulley's axis that the winding's end must stay short of a whole turn, so that the
+    cable that leaves there passes it, and still finds land.
     """
 
     bend_radius_mm: float
@@ -55,15 +55,14 @@ def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
             f"input radius {r:g} mm of {cable.name} leaves no room for the bend of {rho:.4g} mm and the stop behind it"
         )
 
-    def angle_at(radius: float, along: float) -> float:
-        """Angle about the pulley's axis at which a circle of radius ``along`` about the bend reaches a radius."""
-        cosine = (radius**2 - centre**2 - along**2) / (2 * centre * along)
-        turned = acos(min(1.0, max(-1.0, cosine)))
-        return atan2(along * sin(turned), centre + along * cos(turned))
-
-    dipped = angle_at(r - d - DIP_GAP_MM, rho)
-    opened = angle_at(r - d / 2 - WEDGE_MM, rho + (d + SLOT_PLAY_MM) / 2)
-    return StopBend(rho, drive.termination.stop_radius_ratio * d, start, end, max(dipped, opened))
+    # The cable that leaves a full pulley runs straight off at the transfer. The end of the winding, this angle short of
+    # a turn, nears that line as it bends inward, to (r - rho)(1 - cos angle) at the nearest (derived).
+    passing = acos(max(-1.0, 1.0 - (d + DIP_GAP_MM) / centre))
+    outer = rho + (d + SLOT_PLAY_MM) / 2
+    cosine = ((r - d / 2 - WEDGE_MM) ** 2 - centre**2 - outer**2) / (2 * centre * outer)
+    turned = acos(min(1.0, max(-1.0, cosine)))
+    opened = atan2(outer * sin(turned), centre + outer * cos(turned))
+    return StopBend(rho, drive.termination.stop_radius_ratio * d, start, end, max(passing, opened))
 
 
 def input_wrap_rad(drive: DirectDrive, cable: DirectRun, drum_angle_rad: float) -> float:

@@ -47,7 +47,7 @@ class DirectTransmission(Block):
         "wrap that stays on the input at the unwound end of the travel, before the stop's bend",
         unit="deg",
         source=ESTIMATE,
-        reference=28.0,
+        reference=18.0,
         ge=0.0,
         le=360.0,
     )

@@ -1,0 +1,118 @@
+"""Sheet of the motor head: from above, a middle section, holes as tables."""
+
+from __future__ import annotations
+
+from mbcdm_cad.configurations.siso_bevel.support.dims import HeadDims
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, Side, View, X, Y, Z
+from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.words import mm
+
+
+def _holes(d: HeadDims) -> tuple[Holes, ...]:
+    """Bored along Z; the axis of A is the input's."""
+    beside = tuple((s * d.gear_bolt_circle, 0.0) for s in (-1, 1))
+    seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
+    return (
+        Holes("A", 2 * d.shoulder_radius, THROUGH, ((0.0, 0.0, d.bottom_z),), "below", "bearing", counterbore=seat),
+        Holes(
+            "B",
+            2 * d.pilot_radius,
+            THROUGH,
+            ((0.0, 0.0, d.top_z),),
+            "motor shelf",
+            "gearhead",
+            fit=FITS["pilot"].code,
+        ),
+        Holes(
+            "C",
+            2 * d.gear_screw_clearance,
+            THROUGH,
+            tuple((x, y, d.top_z) for x, y in beside),
+            "motor shelf",
+            "gearhead screws",
+        ),
+        Holes(
+            "D",
+            2 * d.key_hole_radius,
+            THROUGH,
+            tuple((x, y, d.bottom_z) for x, y in beside),
+            "below",
+            "key for gearhead screws",
+        ),
+        Holes(
+            "E",
+            2 * d.screw_clearance,
+            THROUGH,
+            tuple((x, y, d.flange_top_z) for x, y in d.screws),
+            "flange",
+            "screws",
+        ),
+        Holes(
+            "F",
+            2 * d.dowel_radius,
+            THROUGH,
+            tuple((x, y, d.flange_top_z) for x, y in d.dowels),
+            "flange",
+            "dowels",
+            fit=FITS["pin_slide"].code,
+        ),
+    )
+
+
+def head_sheet(part: str, d: HeadDims) -> Sheet:
+    """From above and in section, with all heights from the lower face."""
+    v, r = d.levels, d.corner_radius
+    holes = _holes(d)
+    low, x, half = d.bottom_z, v.side_outer_x, 0.5**0.5 * r
+    seen = tuple(group for group in holes if group.letter in "BCEF")
+
+    def tall(top: float, at: float) -> Linear:
+        return Linear("section", (-x, 0.0, low), (at, 0.0, top), top - low, "left", decimals=3)
+
+    def wide(half_width: float, z: float, what: str = "") -> Linear:
+        side: Side = "above" if z > d.flange_top_z else "below"
+        ends = ((-half_width, 0.0, z), (half_width, 0.0, z))
+        return Linear("section", *ends, 2 * half_width, side, suffix=what)
+
+    return Sheet(
+        part=part,
+        title="Motor head",
+        paper="A3",
+        views=(
+            View(
+                "section",
+                right=X,
+                up=Z,
+                row=1,
+                title="A-A",
+                cut=(0.0, 0.0, 0.0),
+                axes=(((0, 0, low), (0, 0, d.top_z)),),
+            ),
+            View("top", right=X, up=Y),
+        ),
+        dimensions=(
+            tall(d.flange_top_z, -x),
+            tall(d.shelf_bottom_z, -v.head_inner_x),
+            tall(d.top_z, -v.head_outer_x),
+            wide(x, low),
+            wide(v.head_outer_x, d.top_z),
+            wide(v.head_inner_x, d.shelf_bottom_z, " pocket"),
+            Linear("top", (x - r, v.back_y, low), (x - r, v.front_y, low), v.front_y - v.back_y, "right", decimals=3),
+            Linear("top", (0.0, 0.0, low), (x - r, v.front_y, low), v.front_y, "right", decimals=3),
+            Linear(
+                "top", (0.0, 0.0, d.top_z), (-v.head_outer_x + r, d.front_y, d.top_z), d.front_y, "left", decimals=3
+            ),
+            Linear("top", (-v.head_outer_x + r, d.back_y, d.top_z), (0.0, 0.0, d.top_z), -d.back_y, "left", decimals=3),
+            Radius("top", (r - x, v.front_y - r, low), (r - x - half, v.front_y - r + half, low), r, prefix="8x "),
+        ),
+        labels=hole_labels(seen, "top"),
+        cutting_lines=(CuttingLine("top", (-x - 4.0, 0.0, low), (x + 4.0, 0.0, low), "A", Y),),
+        tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of A")),
+        fits=tuple(line for group in holes for line in group.fit_lines()),
+        notes=(
+            "A, B and F to one datum within 0.01; all other positions within 0.1.",
+            f"Pocket from the front, {mm(v.head_inner_x)} behind the axis of A; its corners R{mm(r)} as the outside.",
+            "Bearing seat Ra 0.8, its shoulder flat within 0.01 to the lower face; motor shelf parallel to it in 0.02.",
+        ),
+    )

@@ -1,0 +1,153 @@
+"""Designs side by side, from what their builds wrote: torque, mass, box, backlash, stiffness, modes, parts, margins.
+
+Torque counts the gearhead as lossless, as the paper does. Backlash is taken at one load for all designs, the smallest
+of their test torques, since it does not grow in proportion. The stiffness of the frame, where it is known, counts in
+series with that of the cables, all wraps sticking.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from math import sqrt
+from typing import Any
+
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.model.backlash import drum_backlash
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_of
+from mbcdm_cad.report.table import ReportTable
+
+# Units in which a margin over its limit says how much harder the design could be driven.
+_LOADS = ("times", "N m", "of breaking load")
+
+
+@dataclass(frozen=True)
+class ComparedDesign:
+    """Figures of one design. ``tightest_check``: of the checks of strength and torque, and its margin over its limit.
+
+    ``toleranced_fits`` counts the fits on the drawings of its made parts, ``undrawn`` the made parts without one.
+    """
+
+    name: str
+    configuration: str
+    torque_positive_Nm: float
+    torque_negative_Nm: float
+    mass_g: float
+    torque_to_weight_Nm_kg: float
+    box_mm: tuple[float, float, float]
+    box_cm3: float
+    torque_per_volume_Nm_l: float
+    backlash_load_Nm: float
+    backlash_mrad: float
+    cable_stiffness_Nm_rad: float
+    stiffness_Nm_rad: float
+    lowest_mode_Hz: float
+    travel_deg: float
+    total_ratio: float
+    made_parts: int
+    made_kinds: int
+    bought_parts: int
+    toleranced_fits: int
+    undrawn: int
+    tightest_check: str
+    tightest_margin_share: float
+
+
+def compared(drive: Drive, report: dict[str, Any], load_Nm: float) -> ComparedDesign:
+    """Figures of one built design from its report, with the backlash at ``load_Nm``."""
+    torque = report["torque"]["peak_positive_Nm"], report["torque"]["peak_negative_Nm"]
+    mass, box = report["mass"]["mass_g"], tuple(report["envelope"]["size_mm"])
+    litres = box[0] * box[1] * box[2] * 1e-6
+    cables = report["torsion"]["stiffness_Nm_rad"]
+    frame = report["frame"]["windup_urad_Nm"] * 1e-6 if report["frame"] else 0.0
+    whole = 1.0 / (1.0 / cables + frame)
+    lines = report["bill_of_materials"]
+    made = [line for line in lines if line["kind"] == "made"]
+    name, share = _tightest(report["checks"])
+    fits, undrawn = _fits(drive)
+    return ComparedDesign(
+        name=drive.name,
+        configuration=drive.configuration,
+        torque_positive_Nm=torque[0],
+        torque_negative_Nm=torque[1],
+        mass_g=mass,
+        torque_to_weight_Nm_kg=min(torque) / mass * 1e3,
+        box_mm=(box[0], box[1], box[2]),
+        box_cm3=litres * 1e3,
+        torque_per_volume_Nm_l=min(torque) / litres,
+        backlash_load_Nm=load_Nm,
+        backlash_mrad=float(drum_backlash(to_si(drive), load_Nm).reversal_swing_rad) * 1e3,
+        cable_stiffness_Nm_rad=cables,
+        stiffness_Nm_rad=whole,
+        lowest_mode_Hz=report["torsion"]["lowest_inputs_held_Hz"] * sqrt(whole / cables),
+        travel_deg=2.0 * drive.half_travel_deg,
+        total_ratio=drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm,
+        made_parts=sum(line["count"] for line in made),
+        made_kinds=len(made),
+        bought_parts=sum(line["count"] for line in lines if line["kind"] != "made"),
+        toleranced_fits=fits,
+        undrawn=undrawn,
+        tightest_check=name,
+        tightest_margin_share=share,
+    )
+
+
+def _tightest(checks: Sequence[dict[str, Any]]) -> tuple[str, float]:
+    """(id, margin over limit) of the check of strength or torque that is nearest to its limit; warnings aside."""
+    found = [
+        (check["margin"] / abs(check["limit"]), check["id"])
+        for check in checks
+        if check["unit"] in _LOADS and check["limit"] and check["status"] == "pass"
+    ]
+    share, name = min(found, default=(float("nan"), ""))
+    return name, share
+
+
+def _fits(drive: Drive) -> tuple[int, int]:
+    """Fits on the drawings of all kinds of made parts, and how many kinds have no drawing."""
+    kind = configuration(drive.configuration)
+    bill = kind.bill(kind.layout(drive))
+    made = {item.part for item in bill.items if item.mass_g is None}
+    drawn = [name for name in made if has_sheet(bill.parts[name].maker)]
+    fits = sum(len(sheet_of(name, bill.parts[name].maker, bill.parts[name].args).fits) for name in drawn)
+    return fits, len(made) - len(drawn)
+
+
+def comparison_data(designs: Sequence[ComparedDesign]) -> list[dict[str, Any]]:
+    """The designs as plain data."""
+    return [asdict(design) for design in designs]
+
+
+def comparison_table(designs: Sequence[ComparedDesign]) -> ReportTable:
+    """One column a design."""
+    rows: tuple[tuple[str, Any], ...] = (
+        ("configuration", lambda d: d.configuration),
+        ("total ratio", lambda d: d.total_ratio),
+        ("travel, deg", lambda d: d.travel_deg),
+        ("torque at the drum, +, N m", lambda d: d.torque_positive_Nm),
+        ("torque at the drum, -, N m", lambda d: d.torque_negative_Nm),
+        ("mass, g", lambda d: d.mass_g),
+        ("torque to weight, N m/kg", lambda d: d.torque_to_weight_Nm_kg),
+        ("box X x Z x Y, mm", lambda d: " x ".join(f"{side:.1f}" for side in d.box_mm)),
+        ("box, cm3", lambda d: d.box_cm3),
+        ("torque per volume of the box, N m/l", lambda d: d.torque_per_volume_Nm_l),
+        ("swing at a reversal, mrad", lambda d: d.backlash_mrad),
+        ("  at the load, N m", lambda d: d.backlash_load_Nm),
+        ("stiffness of the cables, N m/rad", lambda d: d.cable_stiffness_Nm_rad),
+        ("stiffness with the frame, N m/rad", lambda d: d.stiffness_Nm_rad),
+        ("lowest mode, inputs held, Hz", lambda d: d.lowest_mode_Hz),
+        ("made parts (kinds)", lambda d: f"{d.made_parts} ({d.made_kinds})"),
+        ("bought parts", lambda d: d.bought_parts),
+        ("toleranced fits on the drawings", _fit_words),
+        ("tightest check of strength and torque", lambda d: f"{d.tightest_check} {d.tightest_margin_share:+.1%}"),
+    )
+    return ReportTable(
+        ("", *(design.name for design in designs)),
+        tuple((label, *(figure(design) for design in designs)) for label, figure in rows),
+    )
+
+
+def _fit_words(d: ComparedDesign) -> str:
+    return str(d.toleranced_fits) + (f", {d.undrawn} kinds not drawn" if d.undrawn else "")

@@ -1,0 +1,76 @@
+"""Designs side by side: figures that follow from others by their definition, and what the table and JSON show."""
+
+from __future__ import annotations
+
+import json
+from math import pi, sqrt
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.model.backlash import drum_backlash
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table
+
+PARAMS = Path(__file__).parents[3] / "params"
+
+
+def report(**changes: Any) -> dict[str, Any]:
+    """What of a report counts: a drum of 0.1 g m2 on 8000 N m/rad, and a frame that turns by 25 urad per N m."""
+    stiffness, inertia = 8000.0, 1e-4
+    data: dict[str, Any] = {
+        "torque": {"peak_positive_Nm": 3.7, "peak_negative_Nm": 3.2},
+        "mass": {"mass_g": 400.0},
+        "envelope": {"size_mm": [100.0, 50.0, 40.0]},
+        "torsion": {"stiffness_Nm_rad": stiffness, "lowest_inputs_held_Hz": sqrt(stiffness / inertia) / (2 * pi)},
+        "frame": {"windup_urad_Nm": 25.0},
+        "bill_of_materials": [
+            {"kind": "made", "count": 2},
+            {"kind": "made", "count": 1},
+            {"kind": "bought", "count": 7},
+        ],
+        "checks": [
+            {"id": "tension", "unit": "times", "limit": 5.0, "margin": 0.5, "status": "pass"},
+            {"id": "motor_torque_back", "unit": "N m", "limit": 3.0, "margin": 0.15, "status": "pass"},
+            {"id": "motor_losses", "unit": "N m", "limit": 3.0, "margin": -1.0, "status": "warn"},
+            {"id": "walls", "unit": "mm", "limit": 1.0, "margin": 0.0, "status": "pass"},
+        ],
+    }
+    return data | changes
+
+
+def test_figures_follow_from_each_other() -> None:
+    drive = load_design(PARAMS / "mbcdm.yaml").drive
+    found = compared(drive, report(), 0.28)
+    assert found.torque_to_weight_Nm_kg == pytest.approx(3.2 / 0.4)
+    assert found.torque_per_volume_Nm_l == pytest.approx(3.2 / 0.2)
+    # In series: 1/8000 + 25e-6 rad per N m; the mode follows the root of the stiffness.
+    assert found.stiffness_Nm_rad == pytest.approx(1.0 / (1.0 / 8000.0 + 25e-6))
+    assert found.lowest_mode_Hz == pytest.approx(sqrt(found.stiffness_Nm_rad / 1e-4) / (2 * pi))
+    assert (found.made_parts, found.made_kinds, found.bought_parts) == (3, 2, 7)
+    # Of strength and torque, what passes nearest to its limit.
+    assert (found.tightest_check, found.tightest_margin_share) == ("motor_torque_back", pytest.approx(0.05))
+    assert found.toleranced_fits > 20
+    assert found.undrawn == 0
+    swing = float(drum_backlash(to_si(drive), 0.28).reversal_swing_rad) * 1e3
+    assert found.backlash_mrad == pytest.approx(swing)
+
+
+def test_a_frame_taken_as_rigid_adds_nothing() -> None:
+    drive = load_design(PARAMS / "mbcdm.yaml").drive
+    assert compared(drive, report(frame=None), 0.28).stiffness_Nm_rad == pytest.approx(8000.0)
+
+
+def test_table_has_a_column_a_design_and_json_is_plain() -> None:
+    designs = [compared(load_design(PARAMS / name).drive, report(), 0.28) for name in ("mbcdm.yaml", "siso_bevel.yaml")]
+    table = comparison_table(designs)
+    assert table.columns == ("", "mbcdm", "siso_bevel")
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert rows["configuration"] == ("miso_bevel", "siso_bevel")
+    assert rows["total ratio"] == (pytest.approx(9.0), pytest.approx(4.5))
+    assert len({len(line.split("|")) for line in table.markdown()}) == 1
+    plain = json.loads(json.dumps(comparison_data(designs)))
+    assert [design["name"] for design in plain] == ["mbcdm", "siso_bevel"]
+    assert plain[1]["box_mm"] == [100.0, 50.0, 40.0]
