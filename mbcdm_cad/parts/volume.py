@@ -6,7 +6,7 @@ the ends of slots) are left out; turned parts come out within 0.5 %, the drum wi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import acos, asin, hypot, pi, radians, sqrt
 from typing import Any
 
@@ -38,6 +38,13 @@ def segment_mm2(radius: float, distance: float) -> float:
     """Area of a circle beyond a chord at ``distance`` from its middle."""
     at = min(max(distance, -radius), radius)
     return radius**2 * acos(at / radius) - at * sqrt(max(radius**2 - at**2, 0.0))
+
+
+def pocket_mm3(x: float, y: float, z: float, radius: float, corners: int = 4) -> float:
+    """Box milled along y, some of its edges rounded; nothing where it has no extent."""
+    if min(x, y, z) <= 0.0:
+        return 0.0
+    return (x * z - corners * CORNER * min(radius, 0.49 * min(x, z)) ** 2) * y
 
 
 def _strip_mm2(radius: float, width: float) -> float:
@@ -215,7 +222,7 @@ VOLUMES: dict[str, Volume] = {
 }
 
 
-def estimated_mm3(spec: PartSpec, own: dict[str, Volume]) -> float:
+def estimated_mm3(spec: PartSpec, own: Mapping[str, Volume]) -> float:
     """Volume of a part, by its maker; ``own`` are a configuration's parts. Raises ``KeyError`` for one unknown."""
     args: tuple[Any, ...] = spec.args
     return float({**VOLUMES, **own}[spec.maker](*args))

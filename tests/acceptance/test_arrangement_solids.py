@@ -8,12 +8,14 @@ import pytest
 
 from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.validate import validate_solid
+from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.configurations.loader import load_text, new_design_text
 from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm, estimated_mass_g
+from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.drive import bevel
 from mbcdm_cad.configurations.miso_bevel.layout import layout
+from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 from tests.support.interference_of_solids import body, run_of
@@ -43,7 +45,7 @@ def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> No
         for item in centred.items
     )
     design = BevelUnderTest(drive)
-    assert estimated_mass_g(design) == pytest.approx(mass, rel=0.01)
+    assert estimated_mass_g(centred, VOLUMES) == pytest.approx(mass, rel=0.01)
     assert box_mm(design)[2] == pytest.approx(drive.drum.hub_face_y_mm - drive.support.back_y_mm)
     run = run_of(dims, {name: body(name, solid, MESH_MM) for name, solid in solids.items()}, (-35.0, 35.0))
     clashes = run.clashes(answers(run, {}, 1))

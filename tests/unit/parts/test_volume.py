@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import pytest
 
+from mbcdm_cad.checks.estimated_mass import estimated_mass_g
+from mbcdm_cad.configurations.loader import load_text, new_design_text
 from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.checks.envelope import estimated_mass_g
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.configurations.siso_bevel.support.volume import VOLUMES as SISO_VOLUMES
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts import volume
 from mbcdm_cad.parts.bill import Bill
@@ -54,7 +56,7 @@ def drawn_mass_g(drive: BevelDrive) -> float:
 
 
 def _close(drive: BevelDrive, what: str) -> None:
-    drawn, estimated = drawn_mass_g(drive), estimated_mass_g(BevelUnderTest(drive))
+    drawn, estimated = drawn_mass_g(drive), estimated_mass_g(bill(layout(drive)), VOLUMES)
     assert estimated == pytest.approx(drawn, rel=MASS_SHARE), f"{what}: {estimated:.1f} g, drawn {drawn:.1f} g"
 
 
@@ -75,3 +77,12 @@ def test_mass_with_grooves_setback_and_four_screws(drive: Drive) -> None:
         replace(design, input_pulleys=pulleys, gearhead=gearhead, helix_lead_mm=0.9, input_setback_mm=1.5),
         "grooves, setback, four screws",
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["frame", "motor_head", "drum", "input_pulley_motor"])
+def test_parts_of_siso_bevel_within_a_hundredth(name: str) -> None:
+    kind = configuration("siso_bevel")
+    spec = kind.bill(kind.layout(load_text(new_design_text("single", "siso_bevel")).drive)).parts[name]
+    drawn = make(spec.maker, spec.args).Volume()
+    assert estimated_mm3(spec, SISO_VOLUMES) == pytest.approx(drawn, rel=0.01)

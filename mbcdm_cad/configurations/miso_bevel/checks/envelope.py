@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from mbcdm_cad.checks.box import box_checks
-from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.drum_outline import rim_points
+from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
-from mbcdm_cad.parts.volume import estimated_mm3
 
 
 def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
@@ -56,31 +54,6 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     return right - left, top - bottom, max(ys) - min(ys)
 
 
-def estimated_mass_g(s: BevelUnderTest) -> float:
-    """Mass of all items: bought parts as in the catalogue, made ones by closed forms of their volume; g."""
-    found = bill(s.layout)
-    volumes: dict[str, float] = {}
-    for item in found.items:
-        if item.mass_g is None and item.part not in volumes:
-            volumes[item.part] = estimated_mm3(found.parts[item.part], VOLUMES)
-    return sum(
-        volumes[item.part] * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
-        for item in found.items
-    )
-
-
-def mass_estimate(s: BevelUnderTest) -> Comparison:
-    """Mass of all parts from their dimensions, within 1 % of that of the solids; these the build weighs."""
-    try:
-        mass, targets = estimated_mass_g(s), s.drive.targets
-    except (ValueError, ZeroDivisionError) as error:
-        raise NoFigureError(f"a part of this design has no volume: {error}") from None
-    if targets.mass_g is None:
-        return noted("estimated mass", mass, "g", "the design asks for none")
-    what = f"estimated mass {mass:.1f} g: from the target of {targets.mass_g:g} g"
-    return at_most(what, abs(mass - targets.mass_g), targets.mass_tolerance_g, "g")
-
-
 _SOURCE = "targets.envelope_mm; paper section 4.1"
 _X: tuple[Adjustment, ...] = (
     down("drum.sector_half_angle_deg"),
@@ -96,12 +69,5 @@ _Z: tuple[Adjustment, ...] = (
 _Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
 CHECKS = (
     *box_checks(box_mm, _SOURCE, (_X, _Z, _Y)),
-    Check(
-        "mass_estimate",
-        "Estimated mass",
-        "targets.mass_g; volumes in closed form",
-        mass_estimate,
-        "warn",
-        advice="set targets.mass_g to what is wanted, or change walls of the frame where their limits allow",
-    ),
+    mass_check(bill, VOLUMES),
 )

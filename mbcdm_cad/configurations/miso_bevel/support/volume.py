@@ -5,14 +5,7 @@ from __future__ import annotations
 from math import pi, sqrt
 
 from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims, TopPlateDims
-from mbcdm_cad.parts.volume import CORNER, Volume, ring_mm3, segment_mm2
-
-
-def _pocket_mm3(x: float, y: float, z: float, radius: float, corners: int = 4) -> float:
-    """Box milled along y, some of its edges rounded; nothing where it has no extent."""
-    if min(x, y, z) <= 0.0:
-        return 0.0
-    return (x * z - corners * CORNER * min(radius, 0.49 * min(x, z)) ** 2) * y
+from mbcdm_cad.parts.volume import CORNER, Volume, pocket_mm3, ring_mm3, segment_mm2
 
 
 def frame_mm3(d: FrameDims) -> float:
@@ -40,9 +33,9 @@ def _pockets_mm3(d: FrameDims) -> float:
     coupling = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
     inner = d.boss_radius - d.rib_thickness
     return (
-        _pocket_mm3(2 * side, v.front_y - d.upper_floor_y, v.top_plate_bottom_z - v.bearing_shelf_top_z, r, 2)
-        + 2 * _pocket_mm3(side - d.web_half_width, depth, coupling, r)
-        + _pocket_mm3(2 * inner, depth, v.motor_shelf_bottom_z - d.column_pocket_bottom_z, r)
+        pocket_mm3(2 * side, v.front_y - d.upper_floor_y, v.top_plate_bottom_z - v.bearing_shelf_top_z, r, 2)
+        + 2 * pocket_mm3(side - d.web_half_width, depth, coupling, r)
+        + pocket_mm3(2 * inner, depth, v.motor_shelf_bottom_z - d.column_pocket_bottom_z, r)
     )
 
 

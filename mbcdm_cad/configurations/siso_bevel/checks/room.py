@@ -9,8 +9,11 @@ from mbcdm_cad.checks.cable_gaps import cables_apart
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.drum_outline import drum_zones, rim_points
+from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.configurations.siso_bevel.bill import bill
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.configurations.siso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
@@ -81,4 +84,5 @@ CHECKS = (
         adjust=(up("all radii of transmission"), down("rope diameter_mm")),
     ),
     *box_checks(box_mm, "targets.envelope_mm", (_X, _Z, _Y)),
+    mass_check(bill, VOLUMES),
 )

@@ -1,0 +1,53 @@
+"""Mass of all parts against its target, from a layout before anything is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.parts.volume import Volume, estimated_mm3
+
+BillOf = Callable[[Any], Bill]
+
+
+def estimated_mass_g(bill: Bill, own: Mapping[str, Volume]) -> float:
+    """Mass of all items, g: bought parts as in the catalogue, made ones by closed forms of their volume.
+
+    ``own``: volumes of a configuration's parts, by maker.
+    """
+    volumes: dict[str, float] = {}
+    for item in bill.items:
+        if item.mass_g is None and item.part not in volumes:
+            volumes[item.part] = estimated_mm3(bill.parts[item.part], own)
+    return sum(
+        volumes[item.part] * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
+        for item in bill.items
+    )
+
+
+def _mass(bill_of: BillOf, own: Mapping[str, Volume], s: Any) -> Comparison:
+    """Mass of all parts from their dimensions, within 1 % of that of the solids; these the build weighs."""
+    try:
+        mass, targets = estimated_mass_g(bill_of(s.layout), own), s.drive.targets
+    except (ValueError, ZeroDivisionError) as error:
+        raise NoFigureError(f"a part of this design has no volume: {error}") from None
+    if targets.mass_g is None:
+        return noted("estimated mass", mass, "g", "the design asks for none")
+    what = f"estimated mass {mass:.1f} g: from the target of {targets.mass_g:g} g"
+    return at_most(what, abs(mass - targets.mass_g), targets.mass_tolerance_g, "g")
+
+
+def mass_check(bill_of: BillOf, own: Mapping[str, Volume]) -> Check:
+    """A warning at most: what counts is the mass of the solids."""
+    return Check(
+        "mass_estimate",
+        "Estimated mass",
+        "targets.mass_g; volumes in closed form",
+        partial(_mass, bill_of, own),
+        "warn",
+        advice="set targets.mass_g to what is wanted, or change walls of the frame where their limits allow",
+    )
