@@ -18,8 +18,9 @@ from confusion import judge
 AS_GOOD_AS_KNOWING = 1.05
 NEAR = 0.03
 
-FAST = [("null", 1, "none"), ("stiffness_shaft", 1, "exact")]
+FAST = [("null", 1, "none")]
 SLOW = [
+    ("stiffness_shaft", 1, "exact"),
     ("null_texture", 0, "none"),
     ("null_bare", 0, "none"),
     ("pulley_guide", 0, "exact"),

@@ -231,9 +231,8 @@ def test_every_instance_has_its_place_and_a_name_of_its_own(
 
 
 @pytest.mark.slow
-def test_the_assembly_and_the_build(design: mc.DriveDesign, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_assembly_and_the_build(design: mc.DriveDesign, tmp_path: Path) -> None:
     """Every instance in its place; the build by the API is that of the command."""
-    monkeypatch.setenv("MBCDM_CACHE_DIR", str(tmp_path / "cache"))
     box = design.assembly(20.0).toCompound().BoundingBox()
     assert 100.0 < box.xlen < 150.0, f"{box.xlen:.1f} mm long"
     with pytest.raises(MbcdmError, match="beyond the travel"):
