@@ -126,9 +126,10 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 def compare(
     designs: tuple[Path, ...], as_json: bool, markdown: bool, out: Path, no_cache: bool, jobs: int | None
 ) -> int:
-    """Compare built designs: torque, mass, box, backlash, stiffness, modes, parts, margins.
+    """Compare designs side by side, as built.
 
-    Builds those that are not built yet; a design that fails a check is not compared.
+    Torque both ways, mass, box, backlash, stiffness, lowest mode, parts, tightest margin. Builds those that are not
+    built yet; a design that fails a check is not compared.
     """
     if as_json and markdown:
         raise click.UsageError("--json and --markdown exclude each other; give one of them")

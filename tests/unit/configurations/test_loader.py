@@ -11,7 +11,7 @@ import yaml
 
 from mbcdm_cad.configurations import registry
 from mbcdm_cad.configurations.loader import design_file, load_text, new_design_text, reference_data
-from mbcdm_cad.design.blocks import Cable, Design, Input
+from mbcdm_cad.design.blocks import Cable, Design, Input, SpanLimits, WoundRope
 from mbcdm_cad.design.describe import Given
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.editor import editor_schema
@@ -58,6 +58,8 @@ class BeltDesign(Design):
     cables: tuple[Cable, ...] = choice(
         "two cables", reference=[{"name": "a", "input": "motor"}, {"name": "b", "input": "motor"}]
     )
+    rope: WoundRope
+    limits: SpanLimits
     belt: Belt
 
 
@@ -85,7 +87,8 @@ def drive(design: BeltDesign, _catalogue: Any, sigmas: Mapping[Any, float]) -> A
 def belt(monkeypatch: pytest.MonkeyPatch) -> DesignFile:
     """The design file of a configuration that a program adds to the registry."""
     monkeypatch.setattr(registry, "_added", dict(registry._added))
-    shared = {place: given for place, given in BEVEL.reference.items() if not place.startswith(("inputs", "cables"))}
+    own = ("inputs", "cables", "clearances", "drum", "input_pulleys")
+    shared = {place: given for place, given in BEVEL.reference.items() if place.partition(".")[0] not in own}
     file = DesignFile(BeltDesign, {**shared, "travel.half_angle_deg": Given(20.0, "a test")}, broken, named, drive)
     registry.add(cast(Any, SimpleNamespace(CONFIGURATION=SimpleNamespace(name="belt", design_file=lambda: file))))
     return file
