@@ -62,7 +62,6 @@ class Outcome:
     rejected: str
     figures: dict[str, float]
     failures: tuple[Failure, ...]
-    rounds: int = 0
 
 
 def figures(found: Passing) -> dict[str, float]:
@@ -81,9 +80,7 @@ def figures(found: Passing) -> dict[str, float]:
         "lead over diameter": d.helix_lead_mm / d.cable.diameter_mm,
         "sector half angle, deg": d.drum.sector_half_angle_deg,
         "preload, N": first.preload_N,
-        "box X, mm": d.targets.envelope_mm[0],
-        "box Z, mm": d.targets.envelope_mm[1],
-        "box Y, mm": d.targets.envelope_mm[2],
+        **{f"box {axis}, mm": side for axis, side in zip("XZY", box_mm(BevelUnderTest(d)), strict=True)},
     }
 
 
@@ -135,7 +132,7 @@ def attempt(task: tuple[int, int]) -> Outcome:
     found = passing(seed)
     if isinstance(found, str):
         return Outcome(seed, found, {}, ())
-    return Outcome(seed, "", figures(found), tuple(exercise(found, poses)), found.rounds)
+    return Outcome(seed, "", figures(found), tuple(exercise(found, poses)))
 
 
 def attempts(first: int, wanted: int, poses: int, jobs: int) -> Iterator[Outcome]:
@@ -163,12 +160,9 @@ def attempts(first: int, wanted: int, poses: int, jobs: int) -> Iterator[Outcome
 def report(outcomes: list[Outcome]) -> str:
     """Spread, rejections and failures by stage."""
     built = [o for o in outcomes if not o.rejected]
-    lines = [
-        f"{len(built)} designs pass the checks, of {len(outcomes)} drawn; "
-        f"{sum(o.rounds > 0 for o in built)} of them by following the advice of the checks."
-    ]
+    lines = [f"{len(built)} designs pass the checks, of {len(outcomes)} drawn"]
     lines.append(
-        "Not mended: "
+        "Fail: "
         + (
             ", ".join(f"{name} {n}" for name, n in Counter(o.rejected for o in outcomes if o.rejected).most_common())
             or "none"

@@ -10,6 +10,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.parts.collar.dims import CollarDims
 
 # Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
 SCREW_YIELD_MPA = 640.0
@@ -32,6 +33,12 @@ def clamp_force_N(screw: Screw) -> float:
     return TIGHTENED_SHARE * SCREW_YIELD_MPA * area
 
 
+def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
+    """Torque that a clamp collar holds on a shaft: F (1 + a/h) pressed on, mu N d; see :func:`collar_grip`."""
+    hinge = (collar.bore_radius + collar.radius) / 2
+    return FRICTION * clamp_force_N(screw) * (1 + collar.screw_offset / hinge) * shaft_mm
+
+
 def collar_grip(s: SectorUnderTest) -> Comparison:
     """Clamp collar holds the largest torque of an input.
 
@@ -40,9 +47,7 @@ def collar_grip(s: SectorUnderTest) -> Comparison:
     force is left to the safety.
     """
     drive, collar = s.drive, s.layout.collar
-    hinge = (collar.bore_radius + collar.radius) / 2
-    pressed = clamp_force_N(drive.screw(collar.screw)) * (1 + collar.screw_offset / hinge)
-    holds = FRICTION * pressed * drive.gearhead.shaft_diameter_mm
+    holds = grip_Nmm(collar, drive.screw(collar.screw), drive.gearhead.shaft_diameter_mm)
     needed = s.loads.highest_input_Nm * 1e3
     return at_least(
         f"clamp collar holds {holds:.4g} N mm over the input's {needed:.4g} N mm",

@@ -168,7 +168,9 @@ def coupling_height(s: SectorUnderTest) -> Comparison:
             ),
             at_least(
                 "coupling space for the clamp collar on its way over the end of the gearhead's shaft",
-                v.bearing_shelf_bottom_z - max(shaft_end, v.motor_shelf_top_z) - collar_width_mm(drive),
+                v.bearing_shelf_bottom_z
+                - max(shaft_end, v.motor_shelf_top_z)
+                - collar_width_mm(drive, drive.input_pulleys.collar_screw),
                 PASSAGE_MM,
                 "mm",
             ),

@@ -39,6 +39,9 @@ class SectorDrum(Block):
     shaft_bore_mm: Number = quantity("bore of the drum shaft, 0 for a solid one", unit="mm", ge=0.0, le=100.0)
     shaft_material: EntryName = choice("material of the drum shaft")
     tensioner: EntryName = choice("tensioner of each cable")
+    stop_pin_mm: Number = quantity(
+        "pin in the frame that stops the drum at both ends of its travel", unit="mm", default=3.0, ge=1.0, le=20.0
+    )
 
 
 class SteppedPulleys(Block):
@@ -47,3 +50,6 @@ class SteppedPulleys(Block):
     material: EntryName = choice("material of the pulleys")
     lower_bearing: EntryName = choice("bearing towards the gearhead")
     upper_bearing: EntryName = choice("bearing towards the encoder")
+    collar_screw: EntryName = choice(
+        "screw of the clamp collar that couples a pulley to its gearhead", default="M1.6x6"
+    )

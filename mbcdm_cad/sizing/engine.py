@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from mbcdm_cad.design.sized import SizedValue, Sizing
-from mbcdm_cad.sizing.given import KnownFields
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import SizedValue, Sizing, SizingError
+from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule
 
 
@@ -16,7 +17,11 @@ def fill(given: KnownFields, rules: Iterable[Rule]) -> Sizing:
         if given.has(rule.field) or not rule.applies(given):
             continue
         given.start()
-        found = rule.value(given)
+        try:
+            found = rule.value(given)
+        except (ValueError, ArithmeticError) as error:
+            path, why = tuple(rule.field.split(".")), f"no rule can fill it here ({error})"
+            raise SizingError(Broken(path, why, "", "", f"give it: {rule.text}")) from None
         if not isinstance(found, Found):
             found = Found(found)
         rests_on = given.read

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
-from mbcdm_cad.sizing.given import KnownFields
+from mbcdm_cad.sizing.known import KnownFields
 
 # Rounding must not lift a figure that is already on its step.
 _ON_STEP = 1e-9
@@ -27,8 +27,8 @@ class Rule:
     """How one field is filled.
 
     ``text`` is one sentence for people; ``driver`` the check or requirement that the value serves, where ``value`` does
-    not say which of several it was. ``value`` gets the configuration's :class:`~mbcdm_cad.sizing.given.KnownFields`
-    and returns the value, or a :class:`Found`. ``applies``: whether the field belongs to this design at all.
+    not say which of several it was. ``value`` gets the configuration's :class:`~mbcdm_cad.sizing.known.KnownFields` and
+    returns the value, or a :class:`Found`. ``applies``: whether the field belongs to this design at all.
     """
 
     field: str

@@ -13,7 +13,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests are no package: this is how they find the generator
 
 import random_designs
-from random_generator import Passing, draw, passing
+from random_generator import Passing, passing, requirements
 
 from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
@@ -47,7 +47,7 @@ def test_a_design_that_passes_the_checks_builds(number: int) -> None:
 
 
 def test_a_seed_is_a_design() -> None:
-    assert draw(7) == draw(7) and draw(7) != draw(8)
+    assert requirements(7) == requirements(7) and requirements(7) != requirements(8)
     (found,) = found_first(1)
     again = passing(found.seed)
     assert isinstance(again, Passing) and again.loaded.sha256 == found.loaded.sha256

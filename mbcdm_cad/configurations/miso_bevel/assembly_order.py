@@ -6,7 +6,7 @@ from math import pi
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import winding
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, PLATE_SCREW
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, plate_screw_of
 from mbcdm_cad.configurations.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.terminal.instructions import tensioning_words
@@ -83,7 +83,7 @@ def _drives(layout: Layout) -> tuple[AssemblyStep, ...]:
 
 def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive, bearings, collar_screw = layout.drive, layout.drive.bearings, layout.collar.screw
-    encoder = drive.encoder
+    encoder, screw = drive.encoder, plate_screw_of(drive).name
     names = tuple(c.name for c in drive.cables)
     behind = " and ".join(_behind_the_guide(layout))
     loop = f"Lay the free ends of {behind} behind the axle. " if behind else ""
@@ -106,7 +106,7 @@ def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
             "Press the two dowels into the side walls. On the bench, press the upper bearings "
             f"({bearings.input_upper.name}) into the top plate from below and screw the encoders to it from below "
             f"({encoder.screw_count} x {encoder.screw} each, {_key(layout, encoder.screw)}). Lower the "
-            f"plate over journals, axle and dowels, tighten four {PLATE_SCREW} ({_key(layout, PLATE_SCREW)}), then "
+            f"plate over journals, axle and dowels, tighten four {screw} ({_key(layout, screw)}), then "
             "the encoders' own clamps.",
             (
                 *_numbered("dowel", 2),

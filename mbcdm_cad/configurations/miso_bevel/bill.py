@@ -10,7 +10,7 @@ from math import radians
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, dowel_length_mm, plate_screw_of
 from mbcdm_cad.design.bought import Bearing, Screw
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.dims import screw_places
@@ -101,12 +101,12 @@ def _support(b: _Builder) -> None:
         b.add(
             f"dowel_{n}",
             "mbcdm_cad.parts.ring:create_pin",
-            (lay.frame.dowel_radius, DOWEL_LENGTH_MM),
+            (lay.frame.dowel_radius, dowel_length_mm(drive)),
             part="dowel",
             material=drive.material("steel"),
-            place=_at(x, y, v.top_plate_top_z - DOWEL_LENGTH_MM),
+            place=_at(x, y, v.top_plate_top_z - dowel_length_mm(drive)),
         )
-    plate_screw = drive.screw(PLATE_SCREW)
+    plate_screw = plate_screw_of(drive)
     for n, (x, y) in enumerate(lay.frame.plate_screws, 1):
         b.steel_screw(f"plate_screw_{n}", plate_screw, _at(x, y, v.top_plate_top_z - lay.top_plate.screw_head_depth))
     shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2

@@ -131,9 +131,9 @@ class BevelDrive(SectorDrive):
         return limits.fleet_angle_grooved_max_deg if self.input_pulleys.grooved else limits.fleet_angle_max_deg
 
     @property
-    def collar_seat_mm(self) -> tuple[float, float]:
-        """Bore of the clamp collar, which the pulley's lower journal has, and its thinnest wall."""
-        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm
+    def collar_seat(self) -> tuple[float, float, str]:
+        """Bore of the clamp collar in mm, which the pulley's lower journal has, its thinnest wall in mm, its screw."""
+        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm, self.input_pulleys.collar_screw
 
 
 def bevel(drive: Drive) -> BevelDrive:

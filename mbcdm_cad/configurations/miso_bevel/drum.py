@@ -11,11 +11,11 @@ from mbcdm_cad.parts.drum_sector.dims import DrumDims
 STOP_PIN_WALL_MM = 1.5
 
 
-def stop_pin_z(levels: Stack) -> float:
+def stop_pin_z(drive: BevelDrive, levels: Stack) -> float:
     """Height of the stop pin: low in the web between the shelves, with metal below it."""
-    return levels.motor_shelf_bottom_z + sizes.STOP_PIN_MM / 2 + STOP_PIN_WALL_MM
+    return levels.motor_shelf_bottom_z + drive.drum.stop_pin_mm / 2 + STOP_PIN_WALL_MM
 
 
 def drum(drive: BevelDrive, levels: Stack) -> DrumDims:
     """Dimensions of the drum."""
-    return sizes.drum(drive, levels, stop_pin_z(levels), terminal_way(drive))
+    return sizes.drum(drive, levels, stop_pin_z(drive, levels), terminal_way(drive))

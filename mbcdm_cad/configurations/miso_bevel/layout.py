@@ -53,7 +53,7 @@ def layout(drive: BevelDrive) -> Layout:
         drum=drum(drive, levels),
         drum_shaft=drum_shaft(drive, levels),
         inputs=tuple(input_pulley(drive, levels, name) for name in drive.input_names),
-        collar=collar(drive, *drive.collar_seat_mm, levels.motor_shelf_top_z),
+        collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
         guide=guide(drive, levels),
         axle=axle(drive, levels),
         frame=frame(drive, levels),

@@ -126,7 +126,7 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
         bore_radius=gear.shaft_diameter_mm / 2,
         bore_top_z=shaft_end + 0.5,
         slit_width=JOURNAL_SLIT_MM,
-        slit_top_z=journal_bottom + collar_width_mm(drive) + 1.0,
+        slit_top_z=journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
         slots=slots,
         grooves=grooves,
     )

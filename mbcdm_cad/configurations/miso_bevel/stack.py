@@ -12,7 +12,7 @@ the drives follow the shelves. All mm.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import radians
+from math import radians, sqrt
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
@@ -25,6 +25,8 @@ BAND_MARGIN_MM = 0.8
 SHOULDER_MM = 0.6
 # Axial play of an input pulley between its two bearings.
 END_PLAY_MM = 0.1
+# Longest sensible reach of an end mill, in diameters.
+TOOL_SLENDERNESS = 4.0
 # Land of the guide beyond the flank of the outermost cable at its widest walk.
 GUIDE_MARGIN_MM = 0.8
 
@@ -89,6 +91,19 @@ def outward_of(drive: BevelDrive, cable: BevelRun) -> int:
     return 1 if cable.step == max(steps) else -1
 
 
+def milled_corner_mm(drive: BevelDrive, depth_mm: float) -> float:
+    """Corner radius of a pocket of the frame: an end mill no longer than four diameters reaches its floor."""
+    return max(drive.support.material.min_internal_radius_mm, depth_mm / TOOL_SLENDERNESS / 2)
+
+
+def _beside_corner_mm(corner_mm: float, above_mm: float, gap_mm: float) -> float:
+    """How far from a wall an edge must stay to keep a gap to the corner that the wall makes with the floor below."""
+    if above_mm >= corner_mm:
+        return gap_mm
+    inner = (corner_mm - gap_mm) ** 2 - (corner_mm - above_mm) ** 2
+    return max(gap_mm, corner_mm - sqrt(max(inner, 0.0)))
+
+
 def stack(drive: BevelDrive) -> Stack:
     """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
     bands = {c.name: band(drive, c, outward_of(drive, c)) for c in drive.cables}
@@ -115,9 +130,15 @@ def stack(drive: BevelDrive) -> Stack:
         drive.gearhead.diameter_mm / 2,
         drive.motor.diameter_mm / 2,
         max(c.input_radius_mm for c in drive.cables) + flank,
-        collar_sweep_mm(drive, *drive.collar_seat_mm),
+        collar_sweep_mm(drive, *drive.collar_seat),
     )
-    side_inner = drive.input_x_mm + widest + drive.clearances.running_mm
+    corner = milled_corner_mm(drive, front - s.back_y_mm - s.back_plate_mm)
+    # Of what turns just above the shelf: the lower land of each pulley, and the cable on it.
+    low_steps = [c for c in drive.cables if outward_of(drive, c) < 0]
+    turning = [(c.input_radius_mm - flank, pulleys_low) for c in low_steps]
+    turning += [(c.input_radius_mm + flank, bands[c.name].low_mm) for c in low_steps]
+    beside = max(r + _beside_corner_mm(corner, z - bearing_top, drive.clearances.running_mm) for r, z in turning)
+    side_inner = drive.input_x_mm + max(widest + drive.clearances.running_mm, beside)
     return Stack(
         motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
         gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,

@@ -70,9 +70,9 @@ class DirectDrive(SectorDrive):
     support: ColumnSpec
 
     @property
-    def collar_seat_mm(self) -> tuple[float, float]:
-        """Bore of the clamp collar, which the pulley's journal at the gearhead has, and its thinnest wall."""
-        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm
+    def collar_seat(self) -> tuple[float, float, str]:
+        """Bore of the clamp collar in mm, that of the journal at the gearhead; its thinnest wall in mm, its screw."""
+        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm, self.input_pulleys.collar_screw
 
     @property
     def total_ratio(self) -> float:

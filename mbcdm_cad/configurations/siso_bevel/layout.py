@@ -52,7 +52,7 @@ def layout(drive: DirectDrive) -> DirectLayout:
         drum=drum(drive, levels, frame.stop_pin_z, way),
         drum_shaft=drum_shaft(drive, levels),
         inputs=(input_pulley(drive, levels),),
-        collar=collar(drive, *drive.collar_seat_mm, levels.motor_shelf_top_z),
+        collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
         frame=frame,
         head=head(drive, levels),
     )

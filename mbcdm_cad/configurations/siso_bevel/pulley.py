@@ -65,6 +65,6 @@ def input_pulley(drive: DirectDrive, levels: DirectStack) -> InputPulleyDims:
         bore_radius=gear.shaft_diameter_mm / 2,
         bore_top_z=levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
         slit_width=JOURNAL_SLIT_MM,
-        slit_top_z=journal_bottom + collar_width_mm(drive) + 1.0,
+        slit_top_z=journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
         slots=(_slot(drive, large, levels.land_bottom_z), _slot(drive, small, levels.land_top_z)),
     )

@@ -76,7 +76,7 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
     # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
     heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
     corner = max(s.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
-    head_inner = max(collar_sweep_mm(drive, *drive.collar_seat_mm) + running, heads + corner)
+    head_inner = max(collar_sweep_mm(drive, *drive.collar_seat) + running, heads + corner)
     return DirectStack(
         motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
         gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,

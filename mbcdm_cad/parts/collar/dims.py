@@ -11,6 +11,7 @@ from typing import Protocol
 
 from mbcdm_cad.design.bought import Gearhead, Screw
 
+# Where none is named: it holds what gearheads of 16 mm give.
 COLLAR_SCREW = "M1.6x6"
 COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1
@@ -43,9 +44,9 @@ class CollarDims:
     head_seat: float  # along the screw, from the slit's middle to the head's seat
 
 
-def _section(drive: Coupled, bore_mm: float, min_wall_mm: float) -> tuple[float, float, float]:
+def _section(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str) -> tuple[float, float, float]:
     """Outer radius, screw's distance from the axis, and its seat's distance from the slit's middle."""
-    screw = drive.screw(COLLAR_SCREW)
+    screw = drive.screw(screw_name)
     bore, wall = bore_mm / 2, min_wall_mm
     offset = bore + wall + screw.clearance_mm / 2
     inner_edge = offset - screw.head_diameter_mm / 2 - HEAD_PLAY_MM
@@ -55,34 +56,34 @@ def _section(drive: Coupled, bore_mm: float, min_wall_mm: float) -> tuple[float,
     return hypot(offset + screw.thread_mm / 2 + wall, screw.length_mm - seat), offset, seat
 
 
-def collar_width_mm(drive: Coupled) -> float:
+def collar_width_mm(drive: Coupled, screw_name: str = COLLAR_SCREW) -> float:
     """Width: what the screw's head and a grip of the shaft's diameter ask for, no more.
 
     In the coupling space the collar must pass over the end of the gearhead's shaft.
     """
-    head, shaft = drive.screw(COLLAR_SCREW).head_diameter_mm, drive.gearhead.shaft_diameter_mm
+    head, shaft = drive.screw(screw_name).head_diameter_mm, drive.gearhead.shaft_diameter_mm
     return max(head + 2 * HEAD_EDGE_MM, shaft + HEAD_EDGE_MM)
 
 
-def collar_sweep_mm(drive: Coupled, bore_mm: float, min_wall_mm: float) -> float:
+def collar_sweep_mm(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str = COLLAR_SCREW) -> float:
     """Radius that collar and screw sweep about the pulley's axis; ``bore_mm`` fits the journal that it clamps."""
-    radius, offset, seat = _section(drive, bore_mm, min_wall_mm)
-    screw = drive.screw(COLLAR_SCREW)
+    radius, offset, seat = _section(drive, bore_mm, min_wall_mm, screw_name)
+    screw = drive.screw(screw_name)
     return max(radius, hypot(offset + screw.head_diameter_mm / 2, seat + screw.head_height_mm))
 
 
-def collar(drive: Coupled, bore_mm: float, min_wall_mm: float, motor_shelf_top_z: float) -> CollarDims:
+def collar(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str, motor_shelf_top_z: float) -> CollarDims:
     """Collar about its own axis, heights as in the assembly: just above the gearhead's screws, whose heads lie on the
     motor shelf."""
-    radius, offset, seat = _section(drive, bore_mm, min_wall_mm)
+    radius, offset, seat = _section(drive, bore_mm, min_wall_mm, screw_name)
     bottom = motor_shelf_top_z + drive.screw(drive.gearhead.screw).head_height_mm + 0.8
     return CollarDims(
         bore_radius=bore_mm / 2,
         radius=radius,
         bottom_z=bottom,
-        top_z=bottom + collar_width_mm(drive),
+        top_z=bottom + collar_width_mm(drive, screw_name),
         slit_width=COLLAR_SLIT_MM,
-        screw=COLLAR_SCREW,
+        screw=screw_name,
         screw_offset=offset,
         head_seat=seat,
     )

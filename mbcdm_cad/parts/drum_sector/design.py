@@ -49,13 +49,15 @@ class DrumSpec:
     hub_face_y_mm: float
     shaft_bore_mm: float
     shaft_material: Material
+    stop_pin_mm: float
 
 
 @dataclass(frozen=True)
 class InputPulleySpec:
-    """Input pulleys, alike but for their radii."""
+    """Input pulleys, alike but for their radii. ``collar_screw``: of the clamp collar that couples one."""
 
     material: Material
+    collar_screw: str
 
 
 class SectorBearings(Protocol):

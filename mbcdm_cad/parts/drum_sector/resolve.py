@@ -39,7 +39,9 @@ def sector_values(design: SectorBlocks, catalogue: Catalogue) -> dict[str, Any]:
             material=catalogue.material(drum.material),
             shaft_material=catalogue.material(drum.shaft_material),
         ),
-        "input_pulleys": InputPulleySpec(material=catalogue.material(design.input_pulleys.material)),
+        "input_pulleys": InputPulleySpec(
+            material=catalogue.material(design.input_pulleys.material), collar_screw=design.input_pulleys.collar_screw
+        ),
     }
 
 
@@ -53,3 +55,4 @@ def sector_entries(design: SectorBlocks) -> Iterator[NamedEntry]:
     yield NamedEntry(("input_pulleys", "material"), "materials", pulleys.material)
     yield NamedEntry(("input_pulleys", "lower_bearing"), "bearings", pulleys.lower_bearing)
     yield NamedEntry(("input_pulleys", "upper_bearing"), "bearings", pulleys.upper_bearing)
+    yield NamedEntry(("input_pulleys", "collar_screw"), "screws", pulleys.collar_screw)

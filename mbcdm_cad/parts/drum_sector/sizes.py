@@ -36,7 +36,6 @@ OPEN_MM = 0.05
 # A wall behind a terminal, towards the sector's end, thinner than this is cut away.
 MIN_GUARD_MM = 2.0
 BEYOND_MM = 30.0
-STOP_PIN_MM = 3.0
 STOP_SLOT_PLAY_MM = 0.3
 
 
@@ -121,6 +120,12 @@ def _pocket_top(drive: SectorDrive, cable: SectorRun, anchor_rad: float, pocket_
     return top if top < surfaces[-1] - r else BEYOND_MM
 
 
+def _opens(drive: SectorDrive, inner: Tensioner, outer_radius: float) -> bool:
+    """Whether the pockets of an inner terminal reach the cable of an outer one, so that it cannot pass over them."""
+    reach = hypot(inner.radius_mm + inner.pocket_top, inner.last_tip)
+    return reach > outer_radius - drive.cable.diameter_mm / 2 - MIN_FLOOR_MM
+
+
 def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
     """Place the terminals as far out as the sector allows; neighbours on one side are staggered.
 
@@ -145,7 +150,9 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
         for cable in sorted((c for c in drive.cables if c.drum_side == side), key=lambda c: c.drum_radius_mm):
             limit = _anchor_limit(drive, cable, tip, nuts_end)
             near = max(2 * nut + 2.0, reach + (tip + 1.0) ** 2 / (2 * cable.drum_radius_mm))
-            if inner is not None and cable.drum_radius_mm - inner.radius_mm < near:
+            if inner is not None and (
+                cable.drum_radius_mm - inner.radius_mm < near or _opens(drive, inner, cable.drum_radius_mm)
+            ):
                 pocket = inner.anchor_rad - radians(0.3)
                 limit = min(limit, pocket - atan2(lug_end, cable.drum_radius_mm))
             floor = drive.drum.outer_face_y_mm - cable.land_y_mm - nut - drive.clearances.running_mm
@@ -205,13 +212,13 @@ def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall:
 
 
 def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:
-    d = drive.drum
+    d, pin = drive.drum, drive.drum.stop_pin_mm
     inner = d.hub_diameter_mm / 2 + 3.0
     outer = d.rim_inner_radius_mm - 2.5
-    below = stop_radius - STOP_PIN_MM / 2 - 2.4
-    above = stop_radius + STOP_PIN_MM / 2 + 2.4
+    below = stop_radius - pin / 2 - 2.4
+    above = stop_radius + pin / 2 + 2.4
     spoke = degrees(asin(min(0.9, 1.5 / inner)))
-    side_start = slot_end_deg + degrees(asin(min(0.9, (STOP_PIN_MM / 2 + 2.6) / stop_radius)))
+    side_start = slot_end_deg + degrees(asin(min(0.9, (pin / 2 + 2.6) / stop_radius)))
     side_end = d.sector_half_angle_deg - degrees(3.5 / inner)
     candidates = [
         Window(inner, below, spoke, min(slot_end_deg + spoke, side_start - 2 * spoke)),
@@ -230,7 +237,7 @@ def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tup
 def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: TerminalWay) -> DrumDims:
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
-    slot_width = STOP_PIN_MM + STOP_SLOT_PLAY_MM
+    slot_width = d.stop_pin_mm + STOP_SLOT_PLAY_MM
     # Contact comes when the pin has used up its play at the slot's end.
     play_deg = degrees(STOP_SLOT_PLAY_MM / 2 / max(stop_radius, 1.0))
     slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg

@@ -48,8 +48,8 @@ def edited(old: str, new: str) -> tuple[str, int]:
         ("bearing: 618/8", "bearing: 623", 'put it in quotes: "623"'),
         (
             "bearing: 618/8",
-            "bearing: 618/9",
-            "drum.bearing: not in the catalogue of bearings (value '618/9'); did you mean 618/8?",
+            "bearing: 618/88",
+            "drum.bearing: not in the catalogue of bearings (value '618/88'); did you mean 618/8?",
         ),
         ("gearhead: gearhead-76-16", "gearhead: gearhed-76-16", "did you mean gearhead-76-16?"),
         ("material: aluminium-7075", "material: wood", "drum.material: not in the catalogue of materials"),

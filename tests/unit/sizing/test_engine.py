@@ -6,7 +6,7 @@ import pytest
 
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.sizing.engine import fill
-from mbcdm_cad.sizing.given import KnownFields
+from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule, constant, largest, rounded_down, rounded_up, smallest
 
 RULES = (

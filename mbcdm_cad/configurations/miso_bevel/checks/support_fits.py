@@ -10,7 +10,7 @@ from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTH_MM, PLATE_SCREW
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, dowel_length_mm, plate_screw_of
 
 # A screw's head may bear on the pocket's rounded corner by its own broken edge (ISO 4762: under-head edge).
 HEAD_EDGE_MM = 0.02
@@ -27,7 +27,8 @@ def engagement(s: BevelUnderTest) -> Comparison:
     """Every screw is engaged over its own diameter at least."""
     drive, lay, support = s.drive, s.layout, s.drive.support
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
-    plate, axle, hub, collar = (drive.screw(n) for n in (PLATE_SCREW, AXLE_SCREW, lay.drum.set_screw, lay.collar.screw))
+    plate = plate_screw_of(drive)
+    axle, hub, collar = (drive.screw(n) for n in (AXLE_SCREW, lay.drum.set_screw, lay.collar.screw))
     c, v = lay.collar, s.levels
     engaged = (
         ("gearhead screw", gear, gear.length_mm - support.motor_shelf_mm),
@@ -47,7 +48,10 @@ def engagement(s: BevelUnderTest) -> Comparison:
 def dowel_engagement(s: BevelUnderTest) -> Comparison:
     """Dowels reach into the frame by their diameter."""
     return at_least(
-        "dowel in the frame", DOWEL_LENGTH_MM - s.drive.support.top_plate_mm, 2 * s.layout.frame.dowel_radius, "mm"
+        "dowel in the frame",
+        dowel_length_mm(s.drive) - s.drive.support.top_plate_mm,
+        2 * s.layout.frame.dowel_radius,
+        "mm",
     )
 
 
@@ -163,7 +167,7 @@ def drives_apart(s: BevelUnderTest) -> Comparison:
 def screwdriver(s: BevelUnderTest) -> Comparison:
     """Plate screws can be reached beside the encoders on top of the plate."""
     p, drive = s.layout.top_plate, s.drive
-    reach = drive.encoder.diameter_mm / 2 + drive.screw(PLATE_SCREW).key_mm / 3**0.5
+    reach = drive.encoder.diameter_mm / 2 + plate_screw_of(drive).key_mm / 3**0.5
     return worst(
         at_least(
             "plate screw's socket from the encoder above the plate",

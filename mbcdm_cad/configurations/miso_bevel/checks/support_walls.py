@@ -6,7 +6,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import inside_rounded_rectangle, web_between
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, EAR_WALL_MM, PLATE_SCREW
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, EAR_WALL_MM, plate_screw_of
 
 # Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
 HOLE_WEB_MM = 0.5
@@ -65,7 +65,7 @@ def top_plate(s: BevelUnderTest) -> Comparison:
                 limit,
                 "mm",
             ),
-            at_least("plate under its screws' heads", plate - drive.screw(PLATE_SCREW).head_height_mm, limit, "mm"),
+            at_least("plate under its screws' heads", plate - plate_screw_of(drive).head_height_mm, limit, "mm"),
         )
     )
 
@@ -94,7 +94,9 @@ def side_wall(s: BevelUnderTest) -> Comparison:
     sunk = 2 * s.layout.top_plate.screw_head_radius
     wall = s.drive.support.material.min_wall_mm
     width = s.drive.support.side_wall_mm
-    return at_least(f"side wall under the {PLATE_SCREW} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall, "mm")
+    return at_least(
+        f"side wall under the {plate_screw_of(s.drive).name} heads, sunk in {sunk:g} mm", width, sunk + 2 * wall, "mm"
+    )
 
 
 def hole_webs(s: BevelUnderTest) -> Comparison:

@@ -37,7 +37,7 @@ class Upright(NamedTuple):
 
 
 def _collar_reach_mm(s: BevelUnderTest) -> float:
-    return collar_sweep_mm(s.drive, *s.drive.collar_seat_mm)
+    return collar_sweep_mm(s.drive, *s.drive.collar_seat)
 
 
 def uprights(s: BevelUnderTest) -> list[Upright]:
@@ -52,7 +52,7 @@ def uprights(s: BevelUnderTest) -> list[Upright]:
             "clamp collars",
             x,
             y,
-            collar_sweep_mm(s.drive, *s.drive.collar_seat_mm),
+            collar_sweep_mm(s.drive, *s.drive.collar_seat),
             lay.collar.bottom_z,
             lay.collar.top_z,
             True,

@@ -22,7 +22,9 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         | sector_values(design, catalogue)
         | {
             "limits": copied(d.SpanLimitValues, design.limits),
-            "input_pulleys": d.WoundPulleySpec(material=catalogue.material(pulleys.material), surface=pulleys.surface),
+            "input_pulleys": d.WoundPulleySpec(
+                catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
+            ),
         },
         helix_lead_mm=design.rope.helix_lead_mm,
         dead_turns=design.rope.dead_turns,

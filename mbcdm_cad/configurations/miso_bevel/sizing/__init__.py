@@ -6,10 +6,10 @@ from typing import Any
 
 from mbcdm_cad.configurations.miso_bevel.sizing.basis import CLEARANCES, FRICTION, LIMITS, METALS, NAMES
 from mbcdm_cad.configurations.miso_bevel.sizing.drum import DRUM, HUB_FACE
-from mbcdm_cad.configurations.miso_bevel.sizing.frame import FRAME
-from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
+from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.parts import DRIVES, PARTS
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, RADII, RATIOS
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.configurations.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Sizing, SizingError
@@ -29,24 +29,28 @@ RULES: tuple[Rule, ...] = (
     *CLEARANCES,
     *RADII,
     *RATIOS,
+    *SURFACE,
     *LEAD,
     *DISTANCE,
-    *DRUM,
     *FRAME,
+    *DRUM,
+    *STOP_PIN,
+    *SETBACK,
+    *BACK,
     *HUB_FACE,
 )
 
 
 def size(data: dict[str, Any]) -> Sizing:
     """The data with its gaps filled. Raises ``SizingError`` where a requirement is missing."""
-    given = BevelGiven(data)
+    given = BevelKnown(data)
     missing = list(_missing(given))
     if missing:
         raise SizingError(*missing)
     return fill(given, RULES)
 
 
-def _missing(given: BevelGiven) -> Any:
+def _missing(given: BevelKnown) -> Any:
     for field, meaning, example in (
         ("travel.half_angle_deg", "travel each way from the centred drum, deg", "35.0"),
         ("loads.peak_torque_Nm", "torque to hold both ways, N m", "3.15"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, INPUTS
-from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down
 
 # D/d below which no life is promised: rope makers' tables of wire rope end there.
@@ -14,26 +14,26 @@ LEAST_WIRE_RATIO = 10.0
 TEST_SHARE = 0.3
 
 
-def _is_braid(given: BevelGiven) -> bool:
+def _is_braid(given: BevelKnown) -> bool:
     known = given.has("rope.type") or given.has("rope.inline")
     return known and given.rope["construction"] == "braid"
 
 
-def _bend_ratio(given: BevelGiven) -> Found:
+def _bend_ratio(given: BevelKnown) -> Found:
     if _is_braid(given):
         return Found(given.rope["bend_ratio_minimum"], "the rope's own minimum")
     return Found(LEAST_WIRE_RATIO, "rope makers' tables of wire rope begin at 10")
 
 
-def _friction(given: BevelGiven) -> float:
+def _friction(given: BevelKnown) -> float:
     return 0.1 if _is_braid(given) else 0.15
 
 
-def _test_torque(given: BevelGiven) -> float:
+def _test_torque(given: BevelKnown) -> float:
     return float(f"{TEST_SHARE * given['loads.peak_torque_Nm']:.2g}")
 
 
-def _land_edge(given: BevelGiven) -> Found:
+def _land_edge(given: BevelKnown) -> Found:
     """A broken edge and the run-out beyond it; a thin rope leaves less, since bodies must clear each other."""
     limit = given.d_mm / 2 - RUN_OUT_MM
     wanted = EDGE_BREAK_MM + RUN_OUT_MM
@@ -44,11 +44,11 @@ def _land_edge(given: BevelGiven) -> Found:
     return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), driver)
 
 
-def _guide_is_known(given: BevelGiven) -> bool:
+def _guide_is_known(given: BevelKnown) -> bool:
     return given.has("transmission.guide_radii_mm") or given.has("transmission.ratios.guide_to_drum")
 
 
-def _transfer_gap(given: BevelGiven) -> Found:
+def _transfer_gap(given: BevelKnown) -> Found:
     """What is left of half a rope behind the land's edge and a broken edge, but never less than the run-out."""
     wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
     return Found(round(max(wide, RUN_OUT_MM), 4), "transfer_gap" if wide > RUN_OUT_MM else "bodies_clear")

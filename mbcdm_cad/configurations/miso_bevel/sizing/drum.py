@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from math import asin, atan2, degrees, hypot
 
+from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.drum_sector import (
     HUB_DIAMETERS,
     RIM_WALLS,
     SLOT_WALLS,
     SPIGOT_MM,
 )
-from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG
+from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
 from mbcdm_cad.checks.terminals import LUG_SAFETY
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
-from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.checks.wraps import terminal_clears_guide
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.drum import STOP_PIN_WALL_MM
+from mbcdm_cad.configurations.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM
 from mbcdm_cad.parts.drum_sector.sizes import (
     FLAT_PLAY_MM,
+    MIN_FLOOR_MM,
     SECTOR_MARGIN_DEG,
-    STOP_PIN_MM,
     STOP_SLOT_PLAY_MM,
     SWAGE_START_MM,
 )
@@ -36,45 +40,70 @@ RIM_SHARE = 0.08
 WRAP_SPARE_DEG = 6.0
 # Terminal beside the guide, over the running clearance.
 GUIDE_SPARE_MM = 0.3
+THINNEST_STOP_PIN_MM = 3.0
+WIDEST_DEG = 170.0
+# Lug over what the check asks of it.
+LUG_SPARE = 1.1
 
 
-def _web(given: BevelGiven) -> Found:
+def _web(given: BevelKnown) -> Found:
     needs = {"web_in_rim": WEB_WALLS * given.wall_mm("drum"), "stiffness": WEB_SHARE * max(given.drum_mm)}
     return largest(needs, 0.1)
 
 
-def _web_end(given: BevelGiven) -> float:
+def _web_end(given: BevelKnown) -> float:
     start = given.drum_inner_mm + 3 * given["clearances.running_mm"]
     return float(start + given["drum.web_thickness_mm"])
 
 
-def _outer_face(given: BevelGiven) -> Found:
+def _floor_under_pockets(given: BevelKnown) -> float:
+    """Outer face at which no pocket that an outer cable passes over goes through the whole rim."""
+    guide, drum = given.guide_mm, given.drum_mm
+    floor = given.nut_mm + given["clearances.running_mm"] + MIN_FLOOR_MM
+    reach = given.nut_pocket_mm + given.d_mm / 2 + MIN_FLOOR_MM
+    tip = given.entry("tensioners", "drum.tensioner")["stud_length_mm"] + take_up_mm(given) + 1.5
+    # Steps 1 and 4 run to one side, 2 and 3 to the other; those too close are staggered instead.
+    passed = [guide[k] for k, other in ((0, 3), (1, 2)) if drum[other] - drum[k] > reach + tip**2 / (2 * drum[k])]
+    return float(max(passed, default=0.0) + floor)
+
+
+def _outer_face(given: BevelKnown) -> Found:
     spec = given.entry("tensioners", "drum.tensioner")
     strength = given.entry("materials", "drum.material")["yield_MPa"]
     last = max(given.guide_mm)
     hole = spec["clearance_mm"] / 2
     root = spec["swage_flats_mm"] / 2 + FLAT_PLAY_MM + LUG_ROOT_MM
-    lug = LUG_SAFETY * 6 * given.highest_tension_N * root / (strength * spec["lug_thickness_mm"] ** 2)
+    lug = LUG_SPARE * LUG_SAFETY * 6 * given.highest_tension_N * root / (strength * spec["lug_thickness_mm"] ** 2)
     needs = {
         "outermost_land": last + given.d_mm / 2 + EDGE_BREAK_MM,
         "outer_face": last + max(given.nut_mm, hole + given.wall_mm("drum")),
         "web_in_rim": _web_end(given),
         "lug_stress": last + hole + lug,
+        "lands_intact": _floor_under_pockets(given),
     }
     return largest(needs, 0.5)
 
 
-def _rim_inner(given: BevelGiven) -> Found:
-    first = min(given.drum_mm)
-    spare = max(RIM_SHARE * first, RIM_WALLS * given.wall_mm("drum"))
-    return Found(rounded_down(first - given.nut_pocket_mm - spare, 0.5), "rim_height", "down to 0.5")
+def _rim_inner(given: BevelKnown) -> Found:
+    first, wall = min(given.drum_mm), given.wall_mm("drum")
+    most = first - max(given.nut_pocket_mm, given.d_mm / 2) - RIM_WALLS * wall
+    wanted = rounded_down(min(first - given.nut_pocket_mm - RIM_SHARE * first, most), 0.5)
+    slot = given.motor_shelf_bottom_mm + STOP_PIN_WALL_MM + _stop_slot_mm(given) + SLOT_WALLS * wall
+    if slot <= wanted:
+        return Found(wanted, "rim_height", "down to 0.5")
+    return Found(min(rounded_up(slot, 0.1), rounded_down(most, 0.1)), "stop_slot", "up to 0.1")
 
 
-def _shaft_radius(given: BevelGiven) -> float:
+def _stop_slot_mm(given: BevelKnown) -> float:
+    """From the foot of the stop pin to the far edge of its slot: the pin and its play."""
+    return float(given.get("drum.stop_pin_mm", THINNEST_STOP_PIN_MM)) + STOP_SLOT_PLAY_MM / 2
+
+
+def _shaft_radius(given: BevelKnown) -> float:
     return float(given.entry("bearings", "drum.bearing")["bore_mm"] / 2)
 
 
-def _hub_diameter(given: BevelGiven) -> Found:
+def _hub_diameter(given: BevelKnown) -> Found:
     shaft = _shaft_radius(given)
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
     needs = {
@@ -85,7 +114,7 @@ def _hub_diameter(given: BevelGiven) -> Found:
     return largest(needs, 0.5)
 
 
-def _hub_face(given: BevelGiven) -> Found:
+def _hub_face(given: BevelKnown) -> Found:
     start = given.drum_inner_mm - 3 * given["clearances.running_mm"] + 0.5
     screw = given.screw(SET_SCREW).thread_mm
     end = _web_end(given)
@@ -101,11 +130,11 @@ def _hub_face(given: BevelGiven) -> Found:
     return largest(needs, 0.1)
 
 
-def _shaft_bore(given: BevelGiven) -> float:
+def _shaft_bore(given: BevelKnown) -> float:
     return _shaft_radius(given)
 
 
-def terminal_mm(given: BevelGiven) -> tuple[float, float]:
+def terminal_mm(given: BevelKnown) -> tuple[float, float]:
     """(end of the nuts, tip) of a terminal drawn in all the way, from where its cable leaves the land."""
     spec = given.entry("tensioners", "drum.tensioner")
     travel = take_up_mm(given)
@@ -113,14 +142,14 @@ def terminal_mm(given: BevelGiven) -> tuple[float, float]:
     return lug_end + 2 * spec["nut_height_mm"], SWAGE_START_MM + spec["stud_length_mm"] + travel
 
 
-def _wrap_clear_of_guide_deg(given: BevelGiven) -> float:
+def _wrap_clear_of_guide_deg(given: BevelKnown) -> float:
     """Wrap left at which a terminal still stands beside the guide: across sin w + along cos w = reach."""
     reach = max(given.guide_mm) + given.d_mm / 2 + given["clearances.running_mm"] + GUIDE_SPARE_MM
     across = given.drum_mm[0] - given.nut_pocket_mm
     return degrees(asin(min(reach / hypot(across, SWAGE_START_MM), 1.0)) - atan2(SWAGE_START_MM, across))
 
 
-def _sector(given: BevelGiven) -> Found:
+def _sector(given: BevelKnown) -> Found:
     """Anchors far enough out for the travel, the terminal behind them, neighbours one behind the other."""
     box = given.get("targets.envelope_mm")
     outer = max(given.drum_mm) - given.d_mm / 2
@@ -135,17 +164,35 @@ def _sector(given: BevelGiven) -> Found:
     staggered = half + wrap + 0.3 + degrees(atan2(lug_end, radii[2])) + degrees(atan2(tip, radii[1]))
     single = half + wrap + degrees(atan2(tip, radii[0]))
     slot = half + float(given["travel.stop_clearance_deg"])
-    stop = degrees(((STOP_PIN_MM + STOP_SLOT_PLAY_MM) / 2 + SLOT_WALLS * given.wall_mm("drum")) / (0.25 * radii[0]))
+    stop = degrees(
+        (
+            (float(given.get("drum.stop_pin_mm", THINNEST_STOP_PIN_MM)) + STOP_SLOT_PLAY_MM) / 2
+            + SLOT_WALLS * given.wall_mm("drum")
+        )
+        / (0.25 * radii[0])
+    )
     needs = {
         driver: max(staggered, single) + SECTOR_MARGIN_DEG,
         "stop_slot": slot + stop,
     }
     if box is not None and box[0] < 2 * outer:
-        needs["targets.envelope_mm"] = degrees(asin(box[0] / 2 / outer))
         # A sector wider than the box asks would break it: the box wins, and the checks say what that costs.
-        return Found(round(needs["targets.envelope_mm"], 1), "targets.envelope_mm", "to 0.1")
+        return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
     driver = max(needs, key=lambda name: needs[name])
-    return Found(min(rounded_up(needs[driver], 0.5), 175.0), driver, "up to 0.5")
+    angle = min(rounded_up(needs[driver], 0.5), WIDEST_DEG)
+    if not _travels(given, angle):
+        # The outermost two of a side stand one behind the other too.
+        angle = min(angle + rounded_up(degrees(atan2(tip, radii[0])), 0.5), WIDEST_DEG)
+    return Found(angle, driver, "up to 0.5")
+
+
+def _travels(given: BevelKnown, angle_deg: float) -> bool:
+    """Whether a sector of this half angle leaves wrap at both ends of travel, its terminals clear of the guide."""
+    try:
+        trial = BevelUnderTest(given.trial(**{**LATER, "drum__sector_half_angle_deg": angle_deg}))
+        return wrap_left(trial).holds and terminal_clears_guide(trial).holds
+    except NoFigureError:
+        return True
 
 
 DRUM = (

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import sqrt
 
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.checks.fixings import stop_pin
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_fits import HEAD_ROOM_MM, MOUNT_SCREW_HEAD_HEIGHT_MM
-from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.sizing.known import LATER, BevelKnown
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import drive_radius_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import (
     AXLE_SCREW,
     MOUNT_GRIP_MM,
+    MOUNT_ROOM_MM,
     MOUNT_SCREW_HEAD_MM,
-    PLATE_SCREW,
+    PLATE_SCREWS,
     STOP_PIN_DEPTH_MM,
 )
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm, collar_width_mm
@@ -24,9 +30,11 @@ SHELF_SPARE_MM, PLATE_SPARE_MM = 0.2, 0.3
 # Collar above the heads of the gearhead's screws, and journal above them.
 COLLAR_LIFT_MM, SLIT_ABOVE_MM, JOURNAL_LIFT_MM = 0.8, 1.0, 0.5
 SPACE_SPARE_MM = 0.1
+# Diameters of pins, from the one that small drives have.
+STOP_PINS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 
 
-def _motor_shelf(given: BevelGiven) -> Found:
+def _motor_shelf(given: BevelKnown) -> Found:
     head = given.entry("gearheads", "drive.gearhead")
     screw = given.screw(head["screw"])
     limits = {
@@ -39,7 +47,7 @@ def _motor_shelf(given: BevelGiven) -> Found:
     return smallest(limits, 0.1)
 
 
-def _bearing_shelf(given: BevelGiven) -> Found:
+def _bearing_shelf(given: BevelKnown) -> Found:
     wall = given.wall_mm("support")
     needs = {
         "bearing_shelf": given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"] + wall + SHELF_SPARE_MM,
@@ -48,25 +56,25 @@ def _bearing_shelf(given: BevelGiven) -> Found:
     return largest(needs, 0.1)
 
 
-def _top_plate(given: BevelGiven) -> Found:
+def _top_plate(given: BevelKnown) -> Found:
     wall = given.wall_mm("support")
     encoder = given.screw(given.entry("encoders", "drive.encoder")["screw"])
     needs = {
         "top_plate": given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"] + wall + PLATE_SPARE_MM,
         "encoders' screws": encoder.head_height_mm + 0.2 + wall,
-        "plate's screws": given.screw(PLATE_SCREW).head_height_mm + wall,
+        "plate's screws": given.screw(PLATE_SCREWS[0]).head_height_mm + wall,
     }
     return largest(needs, 0.1)
 
 
-def _side_wall(given: BevelGiven) -> Found:
-    sunk = given.screw(PLATE_SCREW).head_diameter_mm + 0.4
+def _side_wall(given: BevelKnown) -> Found:
+    sunk = given.screw(PLATE_SCREWS[0]).head_diameter_mm + 0.4
     return largest({"side_wall": sunk + 2 * given.wall_mm("support")}, 0.1)
 
 
-def _coupling_space(given: BevelGiven) -> Found:
+def _coupling_space(given: BevelKnown) -> Found:
     head = given.entry("gearheads", "drive.gearhead")
-    screw, collar = given.screw(head["screw"]), collar_width_mm(given)
+    screw, collar = given.screw(head["screw"]), collar_width_mm(given, given["input_pulleys.collar_screw"])
     running, shelf = given["clearances.running_mm"], given["support.bearing_shelf_mm"]
     lower = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
     above = screw.head_height_mm
@@ -82,21 +90,35 @@ def _coupling_space(given: BevelGiven) -> Found:
     return largest(needs, 0.1)
 
 
-def _back_plate(given: BevelGiven) -> Found:
+def _stop_pin(given: BevelKnown) -> Found:
+    """The thinnest pin of the usual sizes that holds both motors stalled."""
+    for size in STOP_PINS_MM:
+        with suppress(NoFigureError):
+            trial = given.trial(**LATER, drum__stop_pin_mm=size)
+            if stop_pin(BevelUnderTest(trial)).margin >= 0.0:
+                return Found(size, "stop_pin", "to a usual size")
+    return Found(STOP_PINS_MM[-1], "stop_pin", "the thickest of the usual sizes")
+
+
+def _back_plate(given: BevelKnown) -> Found:
     needs = {"frame_windup": BACK_SHARE * max(given.drum_mm), "walls": 2 * given.wall_mm("support")}
     return largest(needs, 0.1)
 
 
-def _rib(given: BevelGiven) -> Found:
+def _rib(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")["outer_diameter_mm"] / 2
-    # The column's pocket must still take a mounting screw's head.
-    most = bearing + 3.0 - MOUNT_SCREW_HEAD_MM / 2 - 0.2 - HEAD_ROOM_MM
+    ring = given.entry("encoders", "drive.drum_encoder")["diameter_mm"]
+    head = MOUNT_SCREW_HEAD_MM / 2 + 0.2
+    # The column's pocket must still take a mounting screw's head, across and along.
+    boss = max(bearing + 3.0, ring / 2 + given["clearances.running_mm"])
+    along = given.motor_shelf_bottom_mm - boss - 2 * head - HEAD_ROOM_MM - MOUNT_ROOM_MM + 0.2
+    most = min(bearing + 3.0 - head - HEAD_ROOM_MM, along)
     wanted = max(RIB_SHARE * max(given.drum_mm), given.wall_mm("support"))
     driver = "frame_windup" if wanted <= most else "mounts"
-    return Found(rounded_down(min(wanted, most), 0.1), driver, "down to 0.1")
+    return Found(max(rounded_down(min(wanted, most), 0.1), given.wall_mm("support")), driver, "down to 0.1")
 
 
-def _back(given: BevelGiven) -> Found:
+def _back(given: BevelKnown) -> Found:
     """Outer face of the back plate: as far back as drum bearings, pulleys, collars and the stop pin need."""
     running, wall, plate = given["clearances.running_mm"], given.wall_mm("support"), given["support.back_plate_mm"]
     setback = float(given.get("transmission.input_setback_mm", 0.0))
@@ -105,12 +127,13 @@ def _back(given: BevelGiven) -> Found:
     boss = given.drum_inner_mm - 3 * running
     front = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm) - running
     journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
-    collar = collar_sweep_mm(given, journal, given.wall_mm("support")) + setback
+    collar = collar_sweep_mm(given, journal, given.wall_mm("support"), given["input_pulleys.collar_screw"]) + setback
     pulley = max(given.input_mm) + given.d_mm / 2 + setback
     needs = {
         "drum_bearing_spacing": 3 * bearing + encoder["length_mm"] + 1.0 - boss,
         "walls": max(given.guide_mm) + given.d_mm / 2 + running + wall,
-        "pocket_depth": pulley + running + wall,
+        "drives_apart": drive_radius_mm(given) + setback + running,
+        "pocket_depth": pulley + running + plate,
         "collar_space": collar + running + plate,
         "mounting screws": collar + running + MOUNT_GRIP_MM + MOUNT_SCREW_HEAD_HEIGHT_MM,
         "boss": STOP_PIN_DEPTH_MM + wall - front,
@@ -120,7 +143,7 @@ def _back(given: BevelGiven) -> Found:
     return Found(-found.value, found.driver, found.rounding)
 
 
-def _windup(given: BevelGiven) -> float:
+def _windup(given: BevelKnown) -> float:
     """As much as the cables themselves yield at the test torque, spans alone: a frame that is no weaker than they."""
     stiffness = 0.0
     for drum, guide, pulley in zip(given.drum_mm, given.guide_mm, given.input_mm, strict=True):
@@ -153,6 +176,10 @@ FRAME = (
         "frame_windup",
         _rib,
     ),
+)
+STOP_PIN = (Rule("drum.stop_pin_mm", "the thinnest pin that holds both motors stalled", "stop_pin", _stop_pin),)
+# Behind what the inputs' setback leaves.
+BACK = (
     Rule("support.back_y_mm", "behind drum bearings, encoder, pulleys, collars and stop pin", "collar_space", _back),
     Rule(
         "limits.frame_windup_max_mrad",

@@ -6,14 +6,16 @@ from collections.abc import Iterable, Mapping
 from math import sqrt
 from typing import Any
 
+from mbcdm_cad.checks.fixings import CLAMP_SAFETY, grip_Nmm
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
 from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
-from mbcdm_cad.configurations.miso_bevel.sizing.given import BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_input_mm, take_up_mm
-from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTH_MM, DOWEL_MM
+from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, DOWEL_MM
+from mbcdm_cad.parts.collar.dims import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -27,8 +29,9 @@ INPUT_PRELOADS = 1.4
 GUIDE_TENSIONS = 1.6
 # Of a drum's bearing.
 DRUM_TENSIONS = 1.2
+COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 # Stud over what the check asks of it: it is also bent a little by its nut.
-STUD_SPARE = 1.25
+STUD_SPARE = 1.2
 
 # Swage to lug with the terminal drawn in: the round corner of the pocket, and a little.
 END_ROOM_MM = 0.5
@@ -51,21 +54,21 @@ def _first(candidates: Iterable[tuple[float, str, Mapping[str, float]]]) -> Foun
     return Found(name, min(margins, key=lambda check: margins[check]), "nothing in the catalogue does: the nearest")
 
 
-def _share_N(given: BevelGiven) -> float:
+def _share_N(given: BevelKnown) -> float:
     return float(given["loads.peak_torque_Nm"] * 1e3 / (4.4 * given.first_drum_mm))
 
 
-def _tension_N(given: BevelGiven) -> float:
+def _tension_N(given: BevelKnown) -> float:
     return float(given["rope.preload_N"] + _share_N(given))
 
 
-def _input_torque_Nm(given: BevelGiven) -> float:
+def _input_torque_Nm(given: BevelKnown) -> float:
     radius = given.first_drum_mm / given.total_ratio
     bias = BIAS_SHARE * given["rope.preload_N"] * radius * 1e-3
     return float(TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias)
 
 
-def _motor_margins(given: BevelGiven, motor: Entry, gearhead: Entry) -> dict[str, float]:
+def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> dict[str, float]:
     needed = _input_torque_Nm(given) * 1e3
     return {
         "motor_torque_back": motor["rated_torque_mNm"] * gearhead["ratio"] / needed - 1.0,
@@ -75,7 +78,7 @@ def _motor_margins(given: BevelGiven, motor: Entry, gearhead: Entry) -> dict[str
     }
 
 
-def _motor(given: BevelGiven) -> Found:
+def _motor(given: BevelKnown) -> Found:
     heads = given.entries("gearheads")
     if given.has("drive.gearhead"):
         heads = {given["drive.gearhead"]: given.entry("gearheads", "drive.gearhead")}
@@ -87,20 +90,20 @@ def _motor(given: BevelGiven) -> Found:
     return Found(best.value.split(" ")[0], best.driver, best.rounding)
 
 
-def _gearhead(given: BevelGiven) -> Found:
+def _gearhead(given: BevelKnown) -> Found:
     motor = given.entry("motors", "drive.motor")
     return _first(
         (head["mass_g"], name, _motor_margins(given, motor, head)) for name, head in given.entries("gearheads").items()
     )
 
 
-def _stud_needed_mm(given: BevelGiven, entry: Entry) -> float:
+def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
     """Stud that stands out of both nuts from the start, and still holds the sleeve with the terminal drawn in."""
     fixed = entry["swage_length_mm"] + entry["lug_thickness_mm"] + 2 * entry["nut_height_mm"]
     return float(fixed + take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
 
 
-def _tensioner(given: BevelGiven) -> Found:
+def _tensioner(given: BevelKnown) -> Found:
     tension, d, ends = _tension_N(given), given.d_mm, given.termination
     steels = given.entries("materials")
     return _first(
@@ -123,18 +126,18 @@ def _tensioner(given: BevelGiven) -> Found:
     )
 
 
-def _smallest_input_mm(given: BevelGiven) -> float:
+def _smallest_input_mm(given: BevelKnown) -> float:
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.input_to_guide"):
         return min(given.input_mm)
     return given.first_drum_mm / given.total_ratio
 
 
-def _journal_margin(given: BevelGiven, bearing: Entry) -> float:
+def _journal_margin(given: BevelKnown, bearing: Entry) -> float:
     least = least_input_mm(given, bearing["bore_mm"] / 2, SHOULDER_MM)
     return _smallest_input_mm(given) / least - 1.0
 
 
-def _lower(given: BevelGiven) -> Found:
+def _lower(given: BevelKnown) -> Found:
     head = given.entry("gearheads", "drive.gearhead")
     wall, screw = given.wall_mm("input_pulleys"), given.screw(head["screw"])
     key = screw.key_mm / sqrt(3.0) + 0.15
@@ -153,10 +156,10 @@ def _lower(given: BevelGiven) -> Found:
     return _first((entry["mass_g"], name, margins(entry)) for name, entry in given.entries("bearings").items())
 
 
-def _upper_margins(given: BevelGiven, bearing: Entry, encoder: Entry) -> dict[str, float]:
+def _upper_margins(given: BevelKnown, bearing: Entry, encoder: Entry) -> dict[str, float]:
     head = given.screw(encoder["screw"]).head_diameter_mm / 2 + 0.1
     web = (encoder["bolt_circle_mm"] - bearing["outer_diameter_mm"]) / 2 - head
-    thickest = DOWEL_LENGTH_MM - DOWEL_MM - given.wall_mm("support")
+    thickest = max(DOWEL_LENGTHS_MM) - DOWEL_MM - given.wall_mm("support")
     return {
         "encoder_fit": -abs(encoder["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
         "hole_webs": web / HOLE_WEB_MM - 1.0,
@@ -166,7 +169,7 @@ def _upper_margins(given: BevelGiven, bearing: Entry, encoder: Entry) -> dict[st
     }
 
 
-def _upper(given: BevelGiven) -> Found:
+def _upper(given: BevelKnown) -> Found:
     encoders = given.entries("encoders")
     if given.has("drive.encoder"):
         encoders = {given["drive.encoder"]: given.entry("encoders", "drive.encoder")}
@@ -178,7 +181,7 @@ def _upper(given: BevelGiven) -> Found:
     return Found(best.value.split(" ")[0], best.driver, best.rounding)
 
 
-def _encoder(given: BevelGiven) -> Found:
+def _encoder(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "input_pulleys.upper_bearing")
     return _first(
         (entry["mass_g"], name, _upper_margins(given, bearing, entry))
@@ -186,7 +189,18 @@ def _encoder(given: BevelGiven) -> Found:
     )
 
 
-def _drum_margins(given: BevelGiven, bearing: Entry, ring: Entry) -> dict[str, float]:
+def _collar_screw(given: BevelKnown) -> Found:
+    """The smallest screw whose clamp holds the input's torque on the gearhead's shaft."""
+    needed = _input_torque_Nm(given) * 1e3
+    journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
+    wall, shaft = given.wall_mm("support"), given.gearhead.shaft_diameter_mm
+    for name in COLLAR_SCREWS:
+        if grip_Nmm(collar(given, journal, wall, name, 0.0), given.screw(name), shaft) >= CLAMP_SAFETY * needed:
+            return Found(name, "collar_grip", "next screw of the catalogue")
+    return Found(COLLAR_SCREWS[-1], "collar_grip", "the largest screw")
+
+
+def _drum_margins(given: BevelKnown, bearing: Entry, ring: Entry) -> dict[str, float]:
     thread = given.screw(ring["screw"]).thread_mm / 2
     seat = bearing["outer_diameter_mm"] / 2
     return {
@@ -198,7 +212,7 @@ def _drum_margins(given: BevelGiven, bearing: Entry, ring: Entry) -> dict[str, f
     }
 
 
-def _drum_bearing(given: BevelGiven) -> Found:
+def _drum_bearing(given: BevelKnown) -> Found:
     rings = given.entries("encoders")
     if given.has("drive.drum_encoder"):
         rings = {given["drive.drum_encoder"]: given.entry("encoders", "drive.drum_encoder")}
@@ -210,7 +224,7 @@ def _drum_bearing(given: BevelGiven) -> Found:
     return Found(best.value.split(" ")[0], best.driver, best.rounding)
 
 
-def _drum_encoder(given: BevelGiven) -> Found:
+def _drum_encoder(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")
     return _first(
         (entry["mass_g"], name, _drum_margins(given, bearing, entry))
@@ -218,7 +232,7 @@ def _drum_encoder(given: BevelGiven) -> Found:
     )
 
 
-def _guide_bearing(given: BevelGiven) -> Found:
+def _guide_bearing(given: BevelKnown) -> Found:
     tension = GUIDE_TENSIONS * _tension_N(given)
     room = None
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.guide_to_drum"):
@@ -259,6 +273,12 @@ PARTS = (
         "the lightest that fits an encoder and carries the cables' pull",
         "input_bearings",
         _upper,
+    ),
+    Rule(
+        "input_pulleys.collar_screw",
+        "the smallest whose clamp holds the input's torque on the gearhead's shaft",
+        "collar_grip",
+        _collar_screw,
     ),
     Rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit", _encoder),
     Rule(

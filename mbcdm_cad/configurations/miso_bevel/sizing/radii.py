@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from math import hypot, pi
+from math import hypot, pi, sqrt
 
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
     BLEND_DIAMETERS,
     STOP_WALL_MM,
 )
-from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM
-from mbcdm_cad.configurations.miso_bevel.sizing.given import STEPS, BevelGiven, reach_mm, span_for_fleet_mm
+from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM, drum_sweep
+from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.sizing.known import (
+    LATER,
+    STEPS,
+    BevelKnown,
+    fleet_deg,
+    reach_mm,
+    span_for_fleet_mm,
+)
 from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down
 
 STEP_MM = 0.1
@@ -22,15 +32,17 @@ FLANK_GAP_MM = 0.045
 # travel, and way round the guide, both in drum radii.
 USUAL_OUTER, USUAL_DISTANCE = 1.25, 0.8
 ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.5, 0.6
+# Neighbouring terminals stand at different angles: what that takes of the gap between them.
+SLANT_MM = 0.4
 # The free span is this much longer than the fleet angle asks, so that rounding never costs it.
 SPAN_SPARE = 1.01
 
 
-def _wide_enough(given: BevelGiven) -> bool:
+def _wide_enough(given: BevelKnown) -> bool:
     return not given.has("transmission.guide_radii_mm")
 
 
-def _drive_radius_mm(given: BevelGiven) -> float:
+def drive_radius_mm(given: BevelKnown) -> float:
     """Half the larger of gearhead and motor."""
     sizes = [float(given.entry(kind, f"drive.{name}")["diameter_mm"]) for kind, name in _DRIVES]
     return max(sizes) / 2
@@ -39,18 +51,23 @@ def _drive_radius_mm(given: BevelGiven) -> float:
 _DRIVES = (("gearheads", "gearhead"), ("motors", "motor"))
 
 
-def _steps_ratio(given: BevelGiven, step_mm: float) -> float:
+def _steps_ratio(given: BevelKnown, step_mm: float) -> float:
     """Outermost drum radius over that of step 1."""
     return 1.0 + (STEPS - 1) * step_mm / given.first_drum_mm
 
 
-def _step_needs(given: BevelGiven, step_mm: float) -> dict[str, float]:
+def _swage_mm(given: BevelKnown) -> float:
+    return float(given.entry("tensioners", "drum.tensioner")["swage_diameter_mm"] / 2)
+
+
+def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
     """What each check asks of the step from one drum radius to the next, mm."""
     d = given.d_mm
     lead = given.clearing_lead_mm(given.first_drum_mm * _steps_ratio(given, step_mm) / given.total_ratio)
     needs = {
         "input_walk": d + 2 * given.walk_mm(lead) + 2 * CABLE_GAP_MM,
         "lands_intact": given.nut_pocket_mm - d / 2 + TERMINAL_GAP_MM,
+        "terminals_apart": given.nut_mm + _swage_mm(given) + TERMINAL_GAP_MM + SLANT_MM,
     }
     if given.has("transmission.ratios.guide_to_drum"):
         per_mm = float(given["transmission.ratios.guide_to_drum"])
@@ -60,7 +77,7 @@ def _step_needs(given: BevelGiven, step_mm: float) -> dict[str, float]:
     return needs
 
 
-def _drum_radii(given: BevelGiven) -> Found:
+def _drum_radii(given: BevelKnown) -> Found:
     """Equal steps; the lead rests on the radii and the step on the lead, so a few passes settle both."""
     step = 3.0
     needs: dict[str, float] = {}
@@ -72,7 +89,7 @@ def _drum_radii(given: BevelGiven) -> Found:
     return Found([round(first + k * found.value, 6) for k in range(STEPS)], found.driver, f"steps {found.rounding}")
 
 
-def _guide_wanted(given: BevelGiven, step_mm: float) -> tuple[str, float]:
+def _guide_wanted(given: BevelKnown, step_mm: float) -> tuple[str, float]:
     """(check, least guide radius of step 1) where only the total ratio is given."""
     d, running = given.d_mm, given["clearances.running_mm"]
     nut, gap = given.nut_mm, given["clearances.transfer_gap_mm"]
@@ -88,7 +105,7 @@ def _guide_wanted(given: BevelGiven, step_mm: float) -> tuple[str, float]:
     return driver, float(needs[driver])
 
 
-def _guide_to_drum(given: BevelGiven) -> Found:
+def _guide_to_drum(given: BevelKnown) -> Found:
     if given.has("transmission.ratios.input_to_guide"):
         return Found(given["transmission.ratio"] / given["transmission.ratios.input_to_guide"], "transmission.ratio")
     step = given.drum_mm[1] - given.drum_mm[0] if given.has("transmission.drum_radii_mm") else 3.6
@@ -96,13 +113,13 @@ def _guide_to_drum(given: BevelGiven) -> Found:
     return Found(rounded_down(given.first_drum_mm / radius, 0.05), driver, "down to 0.05")
 
 
-def _input_to_guide(given: BevelGiven) -> float:
+def _input_to_guide(given: BevelKnown) -> float:
     return float(round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9))
 
 
-def _centre_distance(given: BevelGiven) -> Found:
+def _centre_distance(given: BevelKnown) -> Found:
     d, running = given.d_mm, given["clearances.running_mm"]
-    fleet = given["limits.fleet_angle_max_deg"]
+    fleet = given.fleet_limit_deg
     guide, pulley = max(given.guide_mm), max(given.input_mm)
     span = span_for_fleet_mm(given.walk_mm(given["rope.helix_lead_mm"]), fleet) * SPAN_SPARE
     drum_bearing = given.entry("bearings", "drum.bearing")
@@ -113,21 +130,51 @@ def _centre_distance(given: BevelGiven) -> Found:
         "fleet_angle": reach_mm(span, guide + pulley),
         "pulley_gap": guide + pulley + d + running,
         "centre_distance": hypot(guide + pulley, 2 * BLEND_DIAMETERS * d),
-        "drives_apart": max(_drive_radius_mm(given) + column, input_encoder["diameter_mm"] / 2) + running,
+        "drives_apart": max(drive_radius_mm(given) + column, input_encoder["diameter_mm"] / 2) + running,
     }
     return largest(needs, STEP_MM)
 
 
-def _setback(given: BevelGiven) -> Found:
-    """How far drives and pulleys must stand back so that the drum's terminals pass in front of them."""
+def _surface(given: BevelKnown) -> Found:
+    """Smooth, unless the centre distance that is asked leaves a fleet angle that only grooves allow."""
+    if not given.has("transmission.centre_distance_mm"):
+        return Found("smooth", "centre distance follows")
+    across = max(given.guide_mm) + max(given.input_mm)
+    span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - across**2, 1e-6))
+    angle = fleet_deg(given.walk_mm(given.clearing_lead_mm(max(given.input_mm))), span)
+    return Found("smooth" if angle <= given["limits.fleet_angle_max_deg"] else "grooved", "fleet_angle")
+
+
+def _setback(given: BevelKnown) -> Found:
+    """Nothing where the drum passes as it is; else until its terminals pass in front of drives and pulleys."""
     d, running = given.d_mm, given["clearances.running_mm"]
     lowest = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm)
-    pulleys = max(given.input_mm) + d / 2 + MOVING_GAP_MM - min(lowest, given.guide_mm[0] - d / 2)
-    needs = {"drum_sweep": max(_drive_radius_mm(given) + running - lowest, pulleys), "nothing in the way": 0.0}
+    lower, upper = (given.entry("bearings", f"input_pulleys.{end}_bearing") for end in ("lower", "upper"))
+    seat = max(lower["outer_diameter_mm"], upper["outer_diameter_mm"], given.gearhead.pilot_diameter_mm) / 2
+    needs = {"drum_sweep": 0.0, "front_wall": seat + given.wall_mm("support") - (lowest - running)}
+    if not _drum_passes(given):
+        needs |= {
+            "drum_sweep": drive_radius_mm(given) + running - lowest,
+            "collars": _collar_mm(given) + MOVING_GAP_MM - lowest,
+            "input pulleys": max(given.input_mm) + d / 2 + MOVING_GAP_MM - min(lowest, given.guide_mm[0] - d / 2),
+        }
     return largest(needs, STEP_MM)
 
 
-def take_up_mm(given: BevelGiven) -> float:
+def _drum_passes(given: BevelKnown) -> bool:
+    """Whether drum, terminals and cables pass drives and pulleys that are not set back."""
+    try:
+        return drum_sweep(BevelUnderTest(given.trial(**LATER))).holds
+    except NoFigureError:
+        return True
+
+
+def _collar_mm(given: BevelKnown) -> float:
+    journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
+    return collar_sweep_mm(given, journal, given.wall_mm("support"), given["input_pulleys.collar_screw"])
+
+
+def take_up_mm(given: BevelKnown) -> float:
     """Stretch, bedding-in and cut length of the longest cable, a little on the safe side.
 
     As long as steps and centre distance are open, those of a drive in usual proportions stand for them.
@@ -143,7 +190,7 @@ def take_up_mm(given: BevelGiven) -> float:
     return float(length * (stretch + rope["bedding_in_share"]) + cut)
 
 
-def least_input_mm(given: BevelGiven, journal_mm: float, shoulder_mm: float) -> float:
+def least_input_mm(given: BevelKnown, journal_mm: float, shoulder_mm: float) -> float:
     """Input radius at which the stop's bend leaves a neck that carries a journal of this radius and its shoulder."""
     stop = given.termination.stop_radius_ratio * given.d_mm
     return given.d_mm / 2 + 2 * stop + STOP_WALL_MM + 0.1 + journal_mm + shoulder_mm
@@ -180,5 +227,21 @@ DISTANCE = (
         "the shortest free span that keeps the fleet angle, with room for pulleys, drives and encoders",
         "fleet_angle",
         _centre_distance,
+    ),
+)
+SURFACE = (
+    Rule(
+        "input_pulleys.surface",
+        "smooth, unless the centre distance asked for leaves a fleet angle that only grooves allow",
+        "fleet_angle",
+        _surface,
+    ),
+)
+SETBACK = (
+    Rule(
+        "transmission.input_setback_mm",
+        "none where drum and terminals pass the drives as they stand; else until they pass in front of them",
+        "drum_sweep",
+        _setback,
     ),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.configurations.miso_bevel.sizing.given import LEAD_STEP_MM, STEPS, BevelGiven
+from mbcdm_cad.configurations.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Preload over the least at which no cable goes slack at peak torque, wraps taken as even.
@@ -15,14 +15,14 @@ CONSTRUCTION = "7x7"
 MEAN_OVER_FIRST = 1.1
 
 
-def _share_N(given: BevelGiven) -> float:
+def _share_N(given: BevelKnown) -> float:
     """What the peak torque adds to a cable, four of them sharing it."""
     return float(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
 
 
-def _rope(given: BevelGiven) -> Found:
+def _rope(given: BevelKnown) -> Found:
     """The thinnest rope of the construction that holds preload and peak torque."""
-    needed = (1.0 + PRELOAD_FACTOR) * _share_N(given) * given["limits.tension_safety_factor"] / SWAGED_SHARE
+    needed = (UNEVEN + PRELOAD_FACTOR) * _share_N(given) * given["limits.tension_safety_factor"] / SWAGED_SHARE
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
@@ -32,17 +32,17 @@ def _rope(given: BevelGiven) -> Found:
     return Found(strong[0] if strong else ropes[-1][1], "tension", "next size of the catalogue")
 
 
-def _preload(given: BevelGiven) -> Found:
+def _preload(given: BevelKnown) -> Found:
     share = _share_N(given)
     most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
     ends = given.rope["breaking_load_N"] * given.termination.strength_share
-    held = ends / given["limits.tension_safety_factor"] - share
+    held = ends / given["limits.tension_safety_factor"] - UNEVEN * share
     wanted = PRELOAD_FACTOR * share
     driver = "no_slack" if wanted <= min(most, held) else "tension"
     return Found(float(f"{max(min(wanted, most, held), 0.5 * wanted):.2g}"), driver, "two digits")
 
 
-def _lead(given: BevelGiven) -> Found:
+def _lead(given: BevelKnown) -> Found:
     largest_input = max(given.input_mm)
     return Found(
         rounded_up(given.clearing_lead_mm(largest_input), LEAD_STEP_MM), "self_clearance", f"up to {LEAD_STEP_MM:g}"

@@ -17,14 +17,18 @@ from dataclasses import dataclass
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.drum import stop_pin_z
-from mbcdm_cad.configurations.miso_bevel.stack import Stack
+from mbcdm_cad.configurations.miso_bevel.stack import Stack, milled_corner_mm
+from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.drum_sector.sizes import STOP_PIN_MM, drum_shaft
+from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
+# Of the top plate's screws from its front and back edges.
+PLATE_SCREW_INSET_MM = 3.5
 STOP_WEB_MM = 7.0
-PLATE_SCREW = "M2x6"
+# Screws and dowels of the top plate, of which the shortest that engage over one diameter are taken.
+PLATE_SCREWS = ("M2x6", "M2x8", "M2x10", "M2x12")
 AXLE_SCREW = "M2x3-set"
 # The frame's own fixing to what carries the drive (ISO 4762).
 MOUNT_SCREW = "M3"
@@ -36,10 +40,8 @@ MOUNT_ROOM_MM = 1.0
 MOUNT_GRIP_MM = 2.6
 COLUMN_WALL_MM = 1.2
 STOP_PIN_DEPTH_MM = 12.0
-# Longest sensible reach of an end mill, in diameters.
-TOOL_SLENDERNESS = 4.0
 DOWEL_MM = 2.0
-DOWEL_LENGTH_MM = 6.0
+DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 14.0)
 
 
 @dataclass(frozen=True)
@@ -128,11 +130,29 @@ class TopPlateDims:
     encoder_screw_count: int
 
 
-def plate_screws(levels: Stack) -> tuple[tuple[float, float], ...]:
-    """(x, y) of the screws that hold the top plate: in the side walls, front and back."""
+def plate_screw_of(drive: BevelDrive) -> Screw:
+    """The top plate's screw: the shortest that engages over its diameter, else the longest."""
+    screws = [drive.screw(name) for name in PLATE_SCREWS]
+    sunk = [
+        screw
+        for screw in screws
+        if screw.length_mm - drive.support.top_plate_mm + screw.head_height_mm >= screw.thread_mm
+    ]
+    return sunk[0] if sunk else screws[-1]
+
+
+def dowel_length_mm(drive: BevelDrive) -> float:
+    """The shortest dowel that reaches into the frame by its diameter, else the longest."""
+    reaching = (length for length in DOWEL_LENGTHS_MM if length - drive.support.top_plate_mm >= DOWEL_MM)
+    return next(reaching, DOWEL_LENGTHS_MM[-1])
+
+
+def plate_screws(drive: BevelDrive, levels: Stack) -> tuple[tuple[float, float], ...]:
+    """(x, y) of the screws that hold the top plate: in the side walls, front and back, clear of the rounded corners."""
     x = (levels.side_inner_x + levels.side_outer_x) / 2
-    front = levels.front_y - 3.5
-    back = levels.back_y + 3.5
+    inset = max(PLATE_SCREW_INSET_MM, pocket_corner_radius_mm(drive, levels))
+    front = levels.front_y - inset
+    back = levels.back_y + inset
     return ((-x, front), (x, front), (-x, back), (x, back))
 
 
@@ -145,8 +165,7 @@ def dowels(levels: Stack) -> tuple[tuple[float, float], ...]:
 
 def pocket_corner_radius_mm(drive: BevelDrive, levels: Stack) -> float:
     """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
-    depth = levels.front_y - levels.pocket_floor_y
-    return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
+    return milled_corner_mm(drive, levels.front_y - levels.pocket_floor_y)
 
 
 def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
@@ -155,7 +174,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     drum_bearing, lower = drive.bearings.drum, drive.bearings.input_lower
     gear, encoder = drive.gearhead, drive.drum_encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
-    plate_screw = drive.screw(PLATE_SCREW)
+    plate_screw = plate_screw_of(drive)
     boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
     encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
     coupling_z = (levels.motor_shelf_top_z + levels.bearing_shelf_bottom_z) / 2
@@ -201,15 +220,15 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         seat_shoulder_radius=lower.outer_shoulder_mm / 2,
         axle_radius=drive.bearings.guide.bore_mm / 2,
         axle_screw_radius=drive.screw(AXLE_SCREW).thread_mm / 2,
-        stop_pin_radius=STOP_PIN_MM / 2,
-        stop_pin_z=stop_pin_z(levels),
+        stop_pin_radius=drive.drum.stop_pin_mm / 2,
+        stop_pin_z=stop_pin_z(drive, levels),
         stop_pin_start_y=levels.front_y - STOP_PIN_DEPTH_MM,
         plate_screw_radius=plate_screw.thread_mm / 2,
         plate_screw_depth=plate_screw.length_mm - (drive.support.top_plate_mm - plate_screw.head_height_mm) + 0.5,
-        plate_screws=plate_screws(levels),
+        plate_screws=plate_screws(drive, levels),
         dowels=dowels(levels),
         dowel_radius=DOWEL_MM / 2,
-        dowel_depth=DOWEL_LENGTH_MM - drive.support.top_plate_mm + 0.5,
+        dowel_depth=dowel_length_mm(drive) - drive.support.top_plate_mm + 0.5,
         mounts=(
             (-mount_x, coupling_z),
             (mount_x, coupling_z),
@@ -226,7 +245,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
 def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
     """Dimensions of the top plate."""
     upper = drive.bearings.input_upper
-    screw = drive.screw(PLATE_SCREW)
+    screw = plate_screw_of(drive)
     encoder_screw = drive.screw(drive.encoder.screw)
     return TopPlateDims(
         levels=levels,
@@ -240,7 +259,7 @@ def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
         screw_clearance=screw.clearance_mm / 2,
         screw_head_radius=screw.head_diameter_mm / 2 + 0.2,
         screw_head_depth=screw.head_height_mm,
-        screws=plate_screws(levels),
+        screws=plate_screws(drive, levels),
         dowels=dowels(levels),
         dowel_radius=DOWEL_MM / 2,
         encoder_screw_clearance=encoder_screw.clearance_mm / 2,

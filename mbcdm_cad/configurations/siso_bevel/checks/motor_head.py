@@ -52,7 +52,7 @@ def key_access(s: DirectUnderTest) -> Comparison:
 def collar_space(s: DirectUnderTest) -> Comparison:
     """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
     v, h, c, drive = s.levels, s.layout.head, s.layout.collar, s.drive
-    reach = collar_sweep_mm(drive, *drive.collar_seat_mm)
+    reach = collar_sweep_mm(drive, *drive.collar_seat)
     head = h.gear_bolt_circle + drive.screw(drive.gearhead.screw).head_diameter_mm / 2
     corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
     low = corner_gap(reach, c.bottom_z, v.head_inner_x, v.motor_shelf_top_z, corner)

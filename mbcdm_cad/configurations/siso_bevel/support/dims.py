@@ -23,7 +23,7 @@ from math import sqrt
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.stack import TOOL_SLENDERNESS, DirectStack
 from mbcdm_cad.parts.boss.dims import BossDims, boss
-from mbcdm_cad.parts.drum_sector.sizes import STOP_PIN_MM, drum_shaft
+from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 
 FLANGE_SCREW = "M2x6"
 DOWEL_MM = 2.0
@@ -161,7 +161,7 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
         - encoder_screw.length_mm
         + ENCODER_GRIP * encoder_screw.thread_mm,
         encoder_circle_radius=encoder.bolt_circle_mm / 2,
-        stop_pin_radius=STOP_PIN_MM / 2,
+        stop_pin_radius=drive.drum.stop_pin_mm / 2,
         stop_pin_z=(stop_top + stop_bottom) / 2,
         stop_pin_start_y=levels.front_y - STOP_PIN_DEPTH_MM,
         flange_screw_radius=flange_screw.thread_mm / 2,

@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import PLATE_SCREW
+from mbcdm_cad.configurations.miso_bevel.support.dims import plate_screw_of
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 
 
@@ -70,7 +70,7 @@ def test_collar_screw_passes_between_bore_and_rim(drive: BevelDrive, dims: Layou
     assert sqrt(c.radius**2 - tip**2) - c.screw_offset - screw.thread_mm / 2 == pytest.approx(wall), "wall at the tip"
     inner_edge = c.screw_offset - screw.head_diameter_mm / 2 - 0.1
     assert hypot(inner_edge, c.head_seat) >= c.bore_radius + wall - 1e-12, "the head's flat cuts into the bore's wall"
-    assert collar_sweep_mm(drive, *drive.collar_seat_mm) >= hypot(
+    assert collar_sweep_mm(drive, *drive.collar_seat) >= hypot(
         c.screw_offset + screw.head_diameter_mm / 2, c.head_seat + screw.head_height_mm
     )
 
@@ -106,7 +106,7 @@ def test_a_larger_journal_makes_a_larger_collar_and_wider_walls(drive: BevelDriv
     other = layout(replace(drive, bearings=replace(drive.bearings, input_lower=big)))
     assert other.collar.radius > layout(drive).collar.radius + 1.0
     room = other.levels.side_inner_x - drive.centre_distance_mm
-    assert room >= collar_sweep_mm(other.drive, *other.drive.collar_seat_mm) + drive.clearances.running_mm - 1e-12
+    assert room >= collar_sweep_mm(other.drive, *other.drive.collar_seat) + drive.clearances.running_mm - 1e-12
 
 
 def test_support_seats_fit_their_bearings(drive: BevelDrive, dims: Layout) -> None:
@@ -125,7 +125,7 @@ def test_support_seats_fit_their_bearings(drive: BevelDrive, dims: Layout) -> No
 
 def test_top_plate_and_frame_share_their_screws_and_dowels(drive: BevelDrive, dims: Layout) -> None:
     assert dims.frame.plate_screws == dims.top_plate.screws and dims.frame.dowels == dims.top_plate.dowels
-    screw = drive.screw(PLATE_SCREW)
+    screw = plate_screw_of(drive)
     below = drive.support.top_plate_mm - dims.top_plate.screw_head_depth
     engaged = screw.length_mm - below
     assert engaged >= 1.5 * screw.thread_mm, f"{engaged:.2f} mm of thread engaged"

@@ -2,22 +2,49 @@
 
 from __future__ import annotations
 
+import copy
 from functools import partial
 from math import atan, hypot, pi, radians, sqrt, tan
 from typing import Any
 
+from pydantic import ValidationError
+
+from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_distance_mm
+from mbcdm_cad.configurations.miso_bevel.design_file.resolve import drive
+from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
+from mbcdm_cad.configurations.miso_bevel.stack import stack
 from mbcdm_cad.design.bought import CableSpec, Gearhead, Screw, TerminationSpec
+from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import termination
-from mbcdm_cad.sizing.given import KnownFields
+from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
+from mbcdm_cad.sizing.known import KnownFields
 
 STEPS = 4
+# Largest share of a cable in the torque over an even one: inner steps are shorter, hence stiffer.
+UNEVEN = 1.25
+# Fields that are filled last: figures for drives tried before, on which these do not bear.
+LATER = {
+    "drum__hub_face_y_mm": 100.0,
+    "drum__outer_face_y_mm": 50.0,
+    "drum__web_thickness_mm": 2.0,
+    "drum__rim_inner_radius_mm": 20.0,
+    "drum__hub_diameter_mm": 20.0,
+    "drum__shaft_bore_mm": 1.0,
+    "drum__sector_half_angle_deg": 90.0,
+    "support__rib_mm": 1.0,
+    "support__back_y_mm": -100.0,
+    "limits__frame_windup_max_mrad": 1.0,
+}
+# Largest fleet angle on grooves where the file names none: the schema's own.
+GROOVED_FLEET_DEG = 2.0
 # A lead that just clears the turn before it is raised by this share of the rope's diameter: stacked tolerances.
 LEAD_SPARE = 0.008
 LEAD_STEP_MM = 0.01
 
 
-class BevelGiven(KnownFields):
+class BevelKnown(KnownFields):
     """Adds the figures that follow from a few fields each; reading one notes these fields."""
 
     @property
@@ -125,16 +152,51 @@ class BevelGiven(KnownFields):
 
     @property
     def highest_tension_N(self) -> float:
-        """Largest cable tension, even wraps: preload and the share of the peak torque."""
-        return float(self["rope.preload_N"] + self["loads.peak_torque_Nm"] * 1e3 / sum(self.drum_mm))
+        """Largest cable tension: preload and the share of the peak torque."""
+        share = self["loads.peak_torque_Nm"] * 1e3 / sum(self.drum_mm)
+        return float(self["rope.preload_N"] + UNEVEN * share)
 
     def walk_mm(self, lead_mm: float) -> float:
         """How far a cable walks along its input pulley from the centred drum to the end of travel."""
         return lead_mm * self.total_ratio * self.half_travel_rad / (2 * pi)
 
+    @property
+    def fleet_limit_deg(self) -> float:
+        """Largest fleet angle that the input pulleys' surface allows; smooth ones as long as none is chosen."""
+        if self.get("input_pulleys.surface", "smooth") == "grooved":
+            return float(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
+        return float(self["limits.fleet_angle_max_deg"])
+
     def clearing_lead_mm(self, input_radius_mm: float) -> float:
         """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed."""
-        return clearing_lead_mm(self.d_mm, input_radius_mm, self["limits.fleet_angle_max_deg"])
+        lead = clearing_lead_mm(self.d_mm, input_radius_mm, self.fleet_limit_deg)
+        if self.get("input_pulleys.surface", "smooth") == "grooved":
+            lead = max(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
+        return lead
+
+    @property
+    def motor_shelf_bottom_mm(self) -> float:
+        """z of the gearheads' faces. Raises ``ValueError`` where the pulleys have no place."""
+        try:
+            return stack(self.trial(**LATER)).motor_shelf_bottom_z
+        except NoFigureError as error:
+            raise ValueError(str(error)) from None
+
+    def trial(self, **open_fields: float) -> BevelDrive:
+        """The drive that the fields known so far make, with figures for those that are still open.
+
+        Of the open fields, ``block__name``, only such may be left to a figure that the asking rule does not depend on.
+        Raises ``NoFigureError`` where what is known makes no drive.
+        """
+        data = copy.deepcopy(self.data)
+        for field, value in open_fields.items():
+            block, name = field.split("__")
+            data.setdefault(block, {}).setdefault(name, value)
+        try:
+            design = BevelDesign.model_validate(data)
+        except ValidationError as error:
+            raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
+        return drive(design, Catalogue(design), {})
 
 
 def clearing_lead_mm(d_mm: float, radius_mm: float, fleet_deg: float) -> float:

@@ -30,7 +30,7 @@ class KnownFields:
         return value
 
     def get(self, field: str, otherwise: Any = None) -> Any:
-        """As ``given[field]``, but ``otherwise`` where the field is open."""
+        """As ``known[field]``, but ``otherwise`` where the field is open."""
         return otherwise if self.peek(field) is None else self[field]
 
     def has(self, field: str) -> bool:

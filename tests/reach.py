@@ -1,0 +1,163 @@
+"""How far a short file reaches: random requirements, sized, and what comes of them.
+
+    python tests/reach.py --count 300 --seed 1
+    python tests/reach.py --only 17 --save DIR
+
+Each seed is one file of about ten lines, drawn over the whole space (:data:`WHOLE`). Printed are the share that
+passes every check, the failures by the first check that fails, and where in the space they lie. ``--build`` also
+builds what passes and counts clashes and bad solids. Exit 1 where a file that passes does not build.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it is run
+
+from random_generator import WHOLE, failing, load, requirements
+
+from mbcdm_cad.errors import InputError
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What came of one file: the checks that fail, in order, with their margins as shares of their limits."""
+
+    seed: int
+    data: dict[str, Any]
+    failed: tuple[tuple[str, str], ...]
+    refused: str = ""
+    seconds: float = 0.0
+
+    @property
+    def passes(self) -> bool:
+        """Whether every check passes."""
+        return not self.failed and not self.refused
+
+
+def reach(seed: int) -> Reached:
+    """One seed, sized and checked."""
+    return judged(seed, requirements(seed, WHOLE))
+
+
+def judged(seed: int, data: dict[str, Any]) -> Reached:
+    """One file, sized and checked."""
+    start = time.perf_counter()
+    try:
+        loaded = load(data)
+    except InputError as error:
+        return Reached(seed, data, (), str(error.problems[0]))
+    seconds = time.perf_counter() - start
+    return Reached(seed, data, failing(loaded), seconds=seconds)
+
+
+def built(reached: Reached) -> Iterator[str]:
+    """What goes wrong when a file that passes is built."""
+    from random_designs import exercise  # draws solids: only where it is asked for
+    from random_generator import Passing
+
+    found = Passing(reached.seed, reached.data, load(reached.data))
+    yield from (f"{fault.stage}: {fault.what}" for fault in exercise(found, 3))
+
+
+def described(data: dict[str, Any]) -> str:
+    """The requirements on one line."""
+    t = data["transmission"]
+    words = [
+        f"ratio {t['ratio']:g}",
+        f"r {t['drum_radius_mm']:g}",
+        f"travel {data['travel']['half_angle_deg']:g}",
+        f"torque {data['loads']['peak_torque_Nm']:g}",
+        f"rope {data.get('rope', {}).get('type', 'free')}",
+        f"L {t.get('centre_distance_mm', 'free')}",
+        "printed" if "drum" in data else "milled",
+    ]
+    return ", ".join(words)
+
+
+def table(found: Sequence[Reached]) -> Iterator[str]:
+    """Shares passing, by each requirement in halves or thirds of its range."""
+
+    def share(rows: list[Reached]) -> str:
+        return f"{sum(r.passes for r in rows)}/{len(rows)}"
+
+    cuts: dict[str, Any] = {
+        "ratio": lambda r: ("3-6", "6-10", "10-20")[int(np.searchsorted([6, 10], r.data["transmission"]["ratio"]))],
+        "drum radius": lambda r: ("30-60", "60-100", "100-190")[
+            int(np.searchsorted([60, 100], r.data["transmission"]["drum_radius_mm"]))
+        ],
+        "travel": lambda r: ("10-25", "25-40", "40-60")[
+            int(np.searchsorted([25, 40], r.data["travel"]["half_angle_deg"]))
+        ],
+        "torque": lambda r: ("0.3-2", "2-10", "10-50")[
+            int(np.searchsorted([2, 10], r.data["loads"]["peak_torque_Nm"]))
+        ],
+        "rope": lambda r: "given" if "rope" in r.data else "free",
+        "L": lambda r: "given" if "centre_distance_mm" in r.data["transmission"] else "free",
+        "made": lambda r: "printed" if "drum" in r.data else "milled",
+    }
+    for name, cut in cuts.items():
+        groups: dict[str, list[Reached]] = {}
+        for r in found:
+            groups.setdefault(cut(r), []).append(r)
+        yield f"  {name:<12} " + "   ".join(f"{key} {share(rows)}" for key, rows in sorted(groups.items()))
+
+
+def report(found: Sequence[Reached]) -> str:
+    """What is printed."""
+    passing = [r for r in found if r.passes]
+    lines = [f"{len(passing)} of {len(found)} pass every check ({len(passing) / len(found):.0%})", ""]
+    first = Counter(r.failed[0][0] if r.failed else "refused" for r in found if not r.passes)
+    every = Counter(check for r in found for check, _ in r.failed)
+    alone = Counter(r.failed[0][0] for r in found if len(r.failed) == 1)
+    lines.append(f"{'check':<26}{'first':>6}{'alone':>6}{'any':>6}")
+    lines += [f"{name:<26}{first[name]:>6}{alone[name]:>6}{count:>6}" for name, count in every.most_common(30)]
+    lines += ["", *table(found)]
+    times = sorted(r.seconds for r in found)
+    lines.append(f"\nreading and sizing: median {times[len(times) // 2] * 1e3:.0f} ms")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, help="one seed: its requirements and what fails")
+    parser.add_argument("--of", help="list the seeds that fail this check first")
+    parser.add_argument("--save", type=Path, help="write the files there")
+    parser.add_argument("--build", type=int, default=0, metavar="N", help="build the first N that pass")
+    args = parser.parse_args()
+    seeds = [args.only] if args.only is not None else range(args.seed, args.seed + args.count)
+    found = [reach(seed) for seed in seeds]
+    if args.save:
+        args.save.mkdir(parents=True, exist_ok=True)
+        for r in found:
+            (args.save / f"{r.data['name']}.yaml").write_text(yaml.safe_dump(r.data, sort_keys=False))
+    if args.only is not None or args.of:
+        for r in found:
+            if not args.of or (r.failed and r.failed[0][0] == args.of):
+                print(f"{r.seed}: {described(r.data)}{'  ' + r.refused if r.refused else ''}")
+                print("\n".join(f"    {check}: {message}" for check, message in r.failed))
+        return 0
+    print(report(found))
+    faults = 0
+    for r in [r for r in found if r.passes][: args.build]:
+        wrong = list(built(r))
+        faults += bool(wrong)
+        print(f"seed {r.seed}: {'builds' if not wrong else '; '.join(wrong)}", flush=True)
+    return int(bool(faults))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
