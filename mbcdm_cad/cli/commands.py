@@ -80,6 +80,20 @@ def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json:
     return check_command(designs, as_json=as_json, show="failed" if only_failed else "all" if show_all else "findings")
 
 
+@mbcdm.command(epilog=_examples("mbcdm explain my_drive.yaml", "mbcdm explain my_drive.yaml drum.outer_face_y_mm"))
+@_DESIGN
+@click.argument("field", required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def explain(design: Path, field: str | None, as_json: bool) -> int:
+    """Say why a field has its value.
+
+    Without FIELD all fields that sizing filled; with it the rule, what it rests on, and what drives it.
+    """
+    from mbcdm_cad.cli.explaining import explain_command
+
+    return explain_command(design, field, as_json=as_json)
+
+
 @mbcdm.command(epilog=_examples("mbcdm build my_drive.yaml", "mbcdm build my_drive.yaml --angle 20 --out /tmp/drives"))
 @_DESIGN
 @_ANGLE
@@ -379,17 +393,19 @@ _CONFIGURATION = click.option(
 )
 
 
-@mbcdm.command(epilog=_examples("mbcdm init my_drive.yaml"))
+@mbcdm.command(epilog=_examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --short"))
 @click.argument("new", type=_FILE)
 @_CONFIGURATION
-def init(new: Path, configuration: str | None) -> int:
+@click.option("--short", is_flag=True, help="Only the requirements: all else follows from them by rules.")
+@click.option("--derived", is_flag=True, help="The requirements, and every value that follows as a comment.")
+def init(new: Path, configuration: str | None, short: bool, derived: bool) -> int:
     """Write a new design file with the reference values.
 
     Each value has its unit, meaning and source beside it. Never overwrites a file.
     """
     from mbcdm_cad.cli.files import init_command
 
-    return init_command(new, configuration)
+    return init_command(new, configuration, "derived" if derived else "short" if short else "whole")
 
 
 @mbcdm.command("measurement-init", epilog=_examples("mbcdm measurement-init run.csv my_drive.yaml"))

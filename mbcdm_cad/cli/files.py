@@ -12,7 +12,7 @@ from typing import Any
 
 import click
 
-from mbcdm_cad.configurations.loader import DEFAULT, design_file, load_design, new_design_text
+from mbcdm_cad.configurations.loader import DEFAULT, design_file, load_design, new_design_text, short_design_text
 from mbcdm_cad.design.editor import editor_schema
 from mbcdm_cad.design.reference import reference_page
 from mbcdm_cad.design.template import slug
@@ -20,12 +20,16 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder
 
 
-def init_command(new: Path, configuration: str | None) -> int:
-    """Write the new design file. Raises ``InputError`` where there is one already or none can be written."""
+def init_command(new: Path, configuration: str | None, form: str = "whole") -> int:
+    """Write the new design file: ``whole``, ``short``, or ``derived``, the short one with what follows as comments.
+
+    Raises ``InputError`` where there is one already or none can be written.
+    """
     refuse_missing_folder(new)
 
     name = slug(new.stem)
-    text = new_design_text(name, configuration or DEFAULT)
+    of = configuration or DEFAULT
+    text = new_design_text(name, of) if form == "whole" else short_design_text(name, of, derived=form == "derived")
     try:
         with open(new, "x", encoding="utf-8", newline="\n") as file:
             file.write(text)

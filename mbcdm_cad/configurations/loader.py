@@ -12,7 +12,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.loader import loaded, resolved
 from mbcdm_cad.design.source import read_text
-from mbcdm_cad.design.template import new_text, reference_values
+from mbcdm_cad.design.template import derived_text, new_text, reference_values
 from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, did_you_mean, shortened
 
@@ -25,6 +25,7 @@ __all__ = [
     "new_design_text",
     "reference_data",
     "resolve_tree",
+    "short_design_text",
 ]
 
 
@@ -52,6 +53,18 @@ def resolve_tree(tree: Tree, path: str | Path) -> Drive:
 def new_design_text(name: str, of: str = DEFAULT) -> str:
     """Text of a design file called ``name`` (a slug): the reference design of the configuration ``of``, commented."""
     return new_text(design_file(of).nodes, name)
+
+
+def short_design_text(name: str, of: str = DEFAULT, *, derived: bool = False) -> str:
+    """Text of a short design file called ``name`` (a slug): the requirements of a drive of configuration ``of``.
+
+    ``derived``: with every value that follows, as a comment. Raises ``MbcdmError`` for a configuration without rules.
+    """
+    file = design_file(of)
+    if not file.starting:
+        raise MbcdmError(f"{of}: no sizing rules yet; leave the option out for a file with all values")
+    text = file.starting.format(name=name)
+    return text + derived_text(load_text(text, f"{name}.yaml").sized) if derived else text
 
 
 def reference_data(of: str = DEFAULT) -> dict[str, Any]:

@@ -35,6 +35,8 @@ class DesignFile:
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
     # The file's data, which it may change, with its gaps filled by the configuration's sizing rules.
     size: Callable[[dict[str, Any]], Sizing] | None = None
+    # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
+    starting: str = ""
 
     @cached_property
     def nodes(self) -> SchemaNodes:

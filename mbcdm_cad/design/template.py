@@ -5,11 +5,12 @@ from __future__ import annotations
 import copy
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from mbcdm_cad.design.describe import Node, SchemaNodes, flow
 from mbcdm_cad.design.entries import OwnEntries
+from mbcdm_cad.design.sized import SizedValue
 
 WIDTH = 120
 _MAX_COLUMN = 44  # comments stand no further right than this, so that long values do not push the others away
@@ -28,6 +29,24 @@ def new_text(nodes: SchemaNodes, name: str) -> str:
     """Text of a design file called ``name`` (a slug) that loads and equals the reference design but for the name."""
     lines = list(_block(nodes, nodes.solid(nodes.root), indent=0, given={"name": name}))
     return _HEADER + "\n".join(lines) + "\n"
+
+
+def derived_text(values: Iterable[SizedValue]) -> str:
+    """What sizing filled, block by block as comments: uncommented, a line pins its field."""
+    blocks: dict[str, list[str]] = {}
+    for value in values:
+        *path, last = value.field.split(".")
+        pad = "  " * len(path)
+        if len(path) == 2:
+            last = f"{path[1]}.{last}"
+            pad = "  "
+        blocks.setdefault(path[0] if path else "", []).append(
+            f"# {pad}{last}: {flow(value.value)}  # {value.driver}: {value.text}"
+        )
+    lines = ["", "# What follows from these; uncomment a line to hold its value."]
+    for block, rows in blocks.items():
+        lines += ([f"# {block}:"] if block else []) + rows
+    return "\n".join(lines) + "\n"
 
 
 def slug(text: str) -> str:

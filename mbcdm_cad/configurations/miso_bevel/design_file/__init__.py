@@ -8,6 +8,7 @@ from mbcdm_cad.configurations.miso_bevel.design_file.reference import SHARED
 from mbcdm_cad.configurations.miso_bevel.design_file.resolve import drive
 from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
+from mbcdm_cad.configurations.miso_bevel.design_file.starting import STARTING
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.sized import Sizing
 
@@ -18,4 +19,4 @@ def _size(data: dict[str, Any]) -> Sizing:
     return size(data)
 
 
-DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size)
+DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size, STARTING)

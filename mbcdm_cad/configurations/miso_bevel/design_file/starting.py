@@ -1,0 +1,20 @@
+"""A short design file to start from: requirements only, everything else follows from them by the sizing rules."""
+
+from __future__ import annotations
+
+STARTING = """\
+# Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
+# Lengths in mm, angles in degrees. Any field of docs/design-file.md may be given too: it then stays as it is.
+name: {name}
+configuration: miso_bevel
+travel:
+  half_angle_deg: 35.0      # deg: travel each way from the centred drum
+transmission:
+  ratio: 9.0                # drum radius over input radius
+  drum_radius_mm: 54.0      # mm: drum pitch radius of step 1; three more steps follow
+  # centre_distance_mm: 34.6  # mm: input pulley axis to guide axis; left out: as short as the fleet angle allows
+loads:
+  peak_torque_Nm: 3.15      # N m: torque to hold both ways
+# rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
+# drum: {{material: pa12}}    # left out: aluminium; so for guide and support
+"""

@@ -1,0 +1,66 @@
+"""Short files: written by init, explained field by field."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+from mbcdm_cad import cli
+from mbcdm_cad.configurations.loader import load_design
+
+
+@pytest.fixture
+def short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    path = tmp_path / "drive.yaml"
+    assert cli.run(["init", str(path), "--short"]) == 0
+    capsys.readouterr()
+    return path
+
+
+def test_a_short_file_is_a_whole_design(short: Path) -> None:
+    lines = [line for line in short.read_text().splitlines() if line.strip() and not line.strip().startswith("#")]
+    assert len(lines) <= 10, lines
+    assert len(load_design(short).sized) > 45
+
+
+def test_derived_values_stand_as_comments_and_give_the_same_design(short: Path, tmp_path: Path) -> None:
+    path = tmp_path / "more" / "drive.yaml"
+    path.parent.mkdir()
+    assert cli.run(["init", str(path), "--derived"]) == 0
+    assert load_design(path).sha256 == load_design(short).sha256
+    for value in load_design(short).sized:
+        assert f"{value.field.split('.')[-1]}: " in path.read_text(), value.field
+
+
+def test_every_sized_field_is_listed_with_its_driver(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(short)]) == 0
+    out = capsys.readouterr().out
+    for value in load_design(short).sized:
+        assert any(line.startswith(value.field) and value.driver in line for line in out.splitlines()), value.field
+
+
+def test_one_field_is_told_down_to_what_the_file_gives(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(short), "support.back_y_mm"]) == 0
+    out = capsys.readouterr().out
+    assert "set by: " in out and "loads.peak_torque_Nm = 3.15  (given)" in out, out
+    assert cli.run(["explain", str(short), "support.back_y_mm", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["value"] == load_design(short).design.model_dump()["support"]["back_y_mm"], found
+    assert found["given"] is False and "drive.gearhead" in found["rests_on"], found
+
+
+def test_a_pin_is_told_beside_what_its_rule_gives(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = yaml.safe_load(short.read_text())
+    data["drum"] = {"outer_face_y_mm": 30.0}
+    short.write_text(yaml.safe_dump(data))
+    assert cli.run(["explain", str(short), "drum.outer_face_y_mm"]) == 0
+    out = capsys.readouterr().out
+    assert "drum.outer_face_y_mm = 30.0" in out and "given in the file" in out and "its rule gives 1" in out, out
+
+
+def test_an_unknown_field_is_one_sentence(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(short), "drum.outer_face"]) == 2
+    assert "no such field; did you mean drum.outer_face_y_mm?" in capsys.readouterr().err
