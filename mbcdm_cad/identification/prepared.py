@@ -31,6 +31,8 @@ LONGEST_LOAD_S = 1.3
 LEAST_POWER = 1.6
 SPECTRUM_SHARE, SPECTRUM_LEAST = 0.1, 6
 PAD_S = 5.0
+# Servos do not stray apart faster than this, Hz: a faster difference of the inputs is what their encoders add.
+FASTEST_HZ = 4.0
 # An angle is smoothed over this to count its steps once more, s.
 COUNTING_WINDOW_S = 0.2
 # The speed is told over the shortest window that leaves noise of this share of its RMS, between these limits in s.
@@ -199,7 +201,7 @@ def told_from_noise(
     ``noise`` is the least standard deviation that the white noise can have; what it has is taken from the upper half of
     the spectrum. ``counting`` (n,) is an error that the counting of steps would make of such a motion: noise too, and
     not white. Each frequency is weighted with the share of its power that is not noise (Wiener's filter); a frequency
-    whose power is not ``LEAST_POWER`` times the noise's goes.
+    whose power is not ``LEAST_POWER`` times the noise's goes, and so does what is faster than ``FASTEST_HZ``.
     """
     n = values.size
     spectrum, power, inside = _spectrum(values, step_s)
@@ -211,6 +213,7 @@ def told_from_noise(
     mean = _near_mean(power)
     weight = np.where(mean > LEAST_POWER * floor, 1.0 - floor / np.maximum(mean, floor.max() * 1e-9 or 1.0), 0.0)
     size = 2 * (power.size - 1)
+    weight[np.arange(power.size) > FASTEST_HZ * size * step_s] = 0.0
     kept = irfft(spectrum * weight, size)[inside : inside + n] + float(values.mean())
     highest = np.flatnonzero(weight > 0.0)
     period = size * step_s / max(int(highest[-1]) if highest.size else 1, 1)

@@ -40,7 +40,7 @@ MOST_LEFT = 0.1
 # An effect takes noise away, and does not only fit it, if it leaves this share of it at most.
 QUIETER = 0.9
 # Held-out RMS, over the floor, by which an effect that leans on one place must fall to be believed for leaving nothing.
-MUCH = 1.5
+MUCH = 1.25
 MOST_THREADS = 4
 
 
@@ -216,7 +216,9 @@ class Search:
         """
         for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
             # One effect that alone leaves nothing above the noise, and does much: what else could it be?
-            much = self.held_rms(now) ** 2 - self.held_rms(one) ** 2 > (MUCH * self.floor_rad) ** 2
+            # What it does may not repeat and stand in the floor, so the noise that it leaves counts where that is less.
+            floor = min(self.floor_rad, self.noise_left(one).total_rad)
+            much = self.held_rms(now) ** 2 - self.held_rms(one) ** 2 > (MUCH * floor) ** 2
             if much and not self.too_much(one):
                 self._note("leaves nothing beside it", one.effects[-1], now, one)
                 return self.backward(one)
