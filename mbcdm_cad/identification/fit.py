@@ -30,6 +30,8 @@ APART_COUNTS = 1.5
 SETTLED = 1e-6
 # Share of a parameter's size that a finite difference steps.
 DIFFERENCE = 0.1
+# What strains the cables in a setup.
+_STRAINS = ("d", "load_Nm", "path_m", "shift_rad", "play_rad")
 # Bytes of changed runs that are remembered.
 REMEMBERED_BYTES = 2**27
 
@@ -134,7 +136,7 @@ class Fitter:
         if effect not in self._kinds:
             before = self.base[0]
             after = effect.apply(before, np.array([p.size for p in effect.parameters]), self.simulate[0])
-            strain = any(getattr(before, n) is not getattr(after, n) for n in ("d", "load_Nm", "path_m", "shift_rad"))
+            strain = any(getattr(before, n) is not getattr(after, n) for n in _STRAINS)
             self._kinds[effect] = 0 if strain else 1 if after.winding != before.winding else 2
         return self._kinds[effect]
 

@@ -14,6 +14,8 @@ from mbcdm_cad.routes import Floats
 
 # Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
 REMEMBERED = 24
+# Rounds in which a floating pulley finds its place; slipping cables are softer, so each leaves under half of the way.
+ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +25,7 @@ class Setup:
     ``d`` is None for a drive of which only the ratio is known; ``load_Nm`` None without a torque column.
     ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
     stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
-    history is at work, 0 to 1.
+    history is at work, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none.
     """
 
     d: DriveSI | None
@@ -34,6 +36,7 @@ class Setup:
     shift_rad: Floats | None
     added_rad: Floats
     winding: float = 0.0
+    play_rad: tuple[float, ...] = ()
 
     @property
     def drive(self) -> DriveSI:
@@ -53,9 +56,19 @@ class Setup:
 
     def with_shift(self, index: int, shift_rad: Floats) -> Setup:
         """Move one input pulley from where its encoder says."""
-        shift = np.zeros_like(self.p.angle_rad) if self.shift_rad is None else self.shift_rad.copy()
+        shift = np.zeros_like(self.p.angle_rad)
         shift[index] += shift_rad
-        return replace(self, shift_rad=shift)
+        return self.with_shifts(shift)
+
+    def with_shifts(self, shift_rad: Floats) -> Setup:
+        """Move all input pulleys, (n_inputs, n)."""
+        return replace(self, shift_rad=shift_rad if self.shift_rad is None else self.shift_rad + shift_rad)
+
+    def with_play(self, index: int, play_rad: float) -> Setup:
+        """Put play between encoder and pulley of one input, beside what it has."""
+        play = list(self.play_rad or [0.0] * self.drive.n_inputs)
+        play[index] += play_rad
+        return replace(self, play_rad=tuple(play))
 
     def with_added(self, added_rad: Floats) -> Setup:
         """Add to the reading."""
@@ -117,15 +130,59 @@ def respond(s: Setup, winding: bool = False) -> Floats:
     The elastic part changes slowly and is interpolated; the common motion of the inputs carries the drum along on every
     sample, and the noise kept from the cables is added back linearly.
     """
-    p = s.p
+    p, s = s.p, taken_up(s)
     elastic = _simulated(s, winding).drum_angle_rad - p.common_rad[p.coarse] / s.ratio
     noise = input_shares(s.drive) @ (p.angle_rad - p.mean_rad - p.apart_rad)
     return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
 
 
+def taken_up(s: Setup) -> Setup:
+    """The setup with each pulley that has play put where it lies in it.
+
+    A pulley lags by half its play on the face that carries, and floats between where neither face is pressed: there it
+    stands where its cables leave no torque. That is found by rounds over the whole run, one input after the other, as
+    each moves what the others carry: the torque left, over the stiffness that the pulley sees while its cables stick,
+    is how far it has yet to move. A single input turns with the drum and sees none: it never floats, and the sign of
+    its torque decides.
+    """
+    if not any(s.play_rad):
+        return s if s.play_rad == () else replace(s, play_rad=())
+    d, bare = s.drive, replace(s, play_rad=())
+    start, lag = np.zeros(d.n_inputs), np.zeros(s.p.angle_rad.shape)
+    with_play = [index for index in range(d.n_inputs) if s.play_rad[index] != 0.0]
+    for index in with_play:
+        bias = float(np.sum(d.sigma * d.input_radius_m * d.preload_N * d.of_input(index)))
+        start[index] = 0.5 * s.play_rad[index] * (1.0 if bias >= 0.0 else -1.0)
+    lag += start[:, None]
+    for _ in range(ROUNDS):
+        for index in with_play:
+            half = 0.5 * s.play_rad[index]
+            carried = input_torque_Nm(bare.with_shifts(start[:, None] - lag), index)
+            stiffness = _input_stiffness_Nm_rad(d, index)
+            if stiffness == 0.0:
+                lag[index] = np.where(carried == 0.0, lag[index], half * np.sign(carried))
+            else:
+                lag[index] = np.clip(lag[index] + carried / stiffness, -half, half)
+    return bare.with_shifts(start[:, None] - lag)
+
+
+def _input_stiffness_Nm_rad(d: DriveSI, index: int) -> float:
+    """Torque at one input per angle of it, the other inputs held and the drum under a constant load, N m/rad.
+
+    Zero for a single input.
+    """
+    if d.n_inputs == 1:
+        return 0.0
+    each = d.axial_stiffness_N / d.free_span_m
+    own = d.of_input(index)
+    direct = float(np.sum(own * each * d.input_radius_m**2))
+    crossed = float(np.sum(own * each * d.input_radius_m * d.drum_radius_m))
+    return direct - crossed**2 / float(np.sum(each * d.drum_radius_m**2))
+
+
 def input_torque_Nm(s: Setup, index: int) -> Floats:
-    """What one input carries, on all samples, N m (n,)."""
-    return _between(s.p, _simulated(s, False).input_torque_Nm(s.drive)[index])
+    """What one input carries, on all samples, N m (n,); play is taken up before."""
+    return _between(s.p, _simulated(taken_up(s), False).input_torque_Nm(s.drive)[index])
 
 
 class Simulator:
@@ -144,7 +201,8 @@ class Simulator:
     def _drum(self, s: Setup, winding: bool) -> Floats:
         for known, flag, drum in self._known:
             same = known.d is s.d and known.p is s.p and known.load_Nm is s.load_Nm
-            if same and known.path_m is s.path_m and known.shift_rad is s.shift_rad and flag == winding:
+            same = same and known.path_m is s.path_m and known.shift_rad is s.shift_rad
+            if same and known.play_rad == s.play_rad and flag == winding:
                 return drum
         rigid = s.d is None or s.load_Nm is None
         drum = rigid_drum_rad(s) if rigid else respond(s, winding)

@@ -8,7 +8,7 @@ import numpy as np
 
 from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
-from mbcdm_cad.identification.setup import Setup, Simulator, input_torque_Nm
+from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
@@ -16,8 +16,6 @@ from mbcdm_cad.storage.compiled import compiled
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
 # Torque at the drum over which the contact changes sides: a few times the sensor's noise.
 DRUM_CHANGE_NM = 0.01
-# Rounds in which a floating pulley finds its place; slipping cables are softer, so each leaves under half of the way.
-ROUNDS = 3
 
 
 def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -25,38 +23,7 @@ def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
-    """The pulley lags by half the play on the face that carries, and floats between where neither face is pressed.
-
-    In the gap it stands where its cables leave no torque. That is found by rounds over the whole run: the torque left,
-    over the stiffness that the pulley sees while its cables stick, is how far it has yet to move. A single input turns
-    with the drum and sees none: it never floats, and the sign of its torque decides.
-    """
-    d, half = setup.drive, 0.5 * float(values[0])
-    bias = float(np.sum(d.sigma * d.input_radius_m * d.preload_N * d.of_input(index)))
-    start = half if bias >= 0.0 else -half
-    stiffness = _stiffness_Nm_rad(d, index)
-    lag = np.full(setup.p.time_s.size, start)
-    for _round in range(ROUNDS):
-        carried = input_torque_Nm(setup.with_shift(index, start - lag), index)
-        if stiffness == 0.0:
-            lag = np.where(carried == 0.0, lag, half * np.sign(carried))
-        else:
-            lag = np.clip(lag + carried / stiffness, -half, half)
-    return setup.with_shift(index, start - lag)
-
-
-def _stiffness_Nm_rad(d: DriveSI, index: int) -> float:
-    """Torque at one input per angle of it, the other inputs held and the drum under a constant load, N m/rad.
-
-    Zero for a single input.
-    """
-    if d.n_inputs == 1:
-        return 0.0
-    each = d.axial_stiffness_N / d.free_span_m
-    own = d.of_input(index)
-    direct = float(np.sum(own * each * d.input_radius_m**2))
-    crossed = float(np.sum(own * each * d.input_radius_m * d.drum_radius_m))
-    return direct - crossed**2 / float(np.sum(each * d.drum_radius_m**2))
+    return setup.with_play(index, float(values[0]))
 
 
 @compiled

@@ -11,7 +11,7 @@ from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects.lash import offer
 from mbcdm_cad.identification.prepared import Prepared, prepare
-from mbcdm_cad.identification.setup import Setup, Simulator, declared, input_torque_Nm
+from mbcdm_cad.identification.setup import Setup, Simulator, declared, input_torque_Nm, taken_up
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import DriveSI, to_si
 
@@ -32,8 +32,9 @@ def at_input(name: str, p: Prepared) -> Effect:
 
 
 def lag_of(setup: Setup, changed: Setup, index: int) -> np.ndarray:
-    assert changed.shift_rad is not None
-    return -changed.shift_rad[index]
+    shift = taken_up(changed).shift_rad
+    assert shift is not None
+    return -shift[index]
 
 
 @pytest.mark.parametrize("index", [0, 1])
