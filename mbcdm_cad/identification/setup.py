@@ -14,7 +14,8 @@ from mbcdm_cad.routes import Floats
 
 # Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
 REMEMBERED = 24
-# Rounds in which a floating pulley finds its place; slipping cables are softer, so each leaves under half of the way.
+# Rounds for each input with play, in which a floating pulley finds its place; slipping cables are softer, so each round
+# leaves under half of the way.
 ROUNDS = 3
 
 
@@ -154,7 +155,7 @@ def taken_up(s: Setup) -> Setup:
         bias = float(np.sum(d.sigma * d.input_radius_m * d.preload_N * d.of_input(index)))
         start[index] = 0.5 * s.play_rad[index] * (1.0 if bias >= 0.0 else -1.0)
     lag += start[:, None]
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS * len(with_play)):
         for index in with_play:
             half = 0.5 * s.play_rad[index]
             carried = input_torque_Nm(bare.with_shifts(start[:, None] - lag), index)

@@ -61,3 +61,20 @@ def test_bias_holds_one_face_under_a_small_load() -> None:
         changed = at_input(name, p).apply(setup, np.array([PLAY]), Simulator())
         lag = lag_of(setup, changed, D.input_names.index(name))
         assert np.abs(lag).max() < 1e-9, (name, np.abs(lag).max())
+
+
+def test_with_play_at_both_inputs_both_pulleys_are_on_a_face_or_without_torque() -> None:
+    p = run(0.9)
+    setup = declared(D, 9.0, p)
+    changed = setup
+    for name in D.input_names:
+        changed = at_input(name, p).apply(changed, np.array([PLAY]), Simulator())
+    for index in range(D.n_inputs):
+        torque = input_torque_Nm(changed, index)
+        bias = float(np.sum(D.sigma * D.input_radius_m * D.preload_N * D.of_input(index)))
+        lag = lag_of(setup, changed, index) + 0.5 * PLAY * np.sign(bias)
+        inside = np.abs(lag) < 0.49 * PLAY
+        left = 1e3 * np.abs(torque[inside]).max(initial=0.0)
+        print(f"input {index}: floats in {inside.mean():.0%}, torque there at most {left:.2f} mN m")
+        assert left < 0.05e3 * np.abs(torque).max()
+        assert (torque[lag > 0.499 * PLAY] > -1e-3).all() and (torque[lag < -0.499 * PLAY] < 1e-3).all()
