@@ -40,8 +40,9 @@ from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 
 STAGES = ("draw", "sound", "mesh", "interference", "box")
-# How far the box worked out before anything is drawn may be from that of the solids.
-BOX_MM = 0.1
+# How far the box worked out before anything is drawn may be from that of the solids: it has the corners of the
+# terminals' nuts where they reach furthest, and on each side they may stand otherwise by a few hundredths.
+BOX_MM = 0.2
 MESH_MM = 0.05
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.configurations.interface import Layout
 from mbcdm_cad.configurations.registry import configuration
@@ -34,7 +35,18 @@ def run_checks(design: Drive | LoadedDesign | Layout) -> tuple[CheckResult, ...]
     drive: Drive = design if isinstance(design, Drive) else design.drive
     given: Any = None if isinstance(design, Drive | LoadedDesign) else design
     refuse_unknown_waivers(drive, design if isinstance(design, LoadedDesign) else None)
-    return run_all(checks_of(drive), configuration(drive.configuration).design_under_test(drive, given))
+    checks = checks_of(drive)
+    results = run_all(checks, configuration(drive.configuration).design_under_test(drive, given))
+    if not isinstance(design, LoadedDesign) or not failed(results):
+        return results
+    from mbcdm_cad.configurations.pins import pin_advice  # only where something fails
+
+    ids = {result.id for result in failed(results)}
+    advice = pin_advice(design, [check for check in checks if check.id in ids])
+    return tuple(
+        replace(r, remedy=f"{advice[r.id]}; or {r.remedy}" if r.remedy else advice[r.id]) if r.id in advice else r
+        for r in results
+    )
 
 
 def refuse_unknown_waivers(drive: Drive, loaded: LoadedDesign | None = None) -> None:

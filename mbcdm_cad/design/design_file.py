@@ -35,6 +35,8 @@ class DesignFile:
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
     # The file's data, which it may change, with its gaps filled by the configuration's sizing rules.
     size: Callable[[dict[str, Any]], Sizing] | None = None
+    # Fields that are neither requirement nor choice: given in a file, they are pins.
+    derived: Callable[[], tuple[str, ...]] = tuple
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
 

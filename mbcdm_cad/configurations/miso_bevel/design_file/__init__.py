@@ -19,4 +19,10 @@ def _size(data: dict[str, Any]) -> Sizing:
     return size(data)
 
 
-DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size, STARTING)
+def _derived() -> tuple[str, ...]:
+    from mbcdm_cad.configurations.miso_bevel.sizing import DERIVED
+
+    return DERIVED
+
+
+DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, STARTING)

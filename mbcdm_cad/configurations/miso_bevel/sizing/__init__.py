@@ -40,6 +40,13 @@ RULES: tuple[Rule, ...] = (
     *HUB_FACE,
 )
 
+# Dimensions: what is neither asked of the drive nor a choice of part, material or arrangement.
+DERIVED = tuple(
+    rule.field
+    for rule in (*LEAD, *CLEARANCES, *FRAME, *DRUM, *STOP_PIN, *SETBACK, *BACK, *HUB_FACE)
+    if not rule.field.startswith("limits.")
+)
+
 
 def size(data: dict[str, Any]) -> Sizing:
     """The data with its gaps filled. Raises ``SizingError`` where a requirement is missing."""
