@@ -8,8 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE
+
+# A busy machine makes any example slow: time is measured in benchmarks/, not here.
+settings.register_profile("without a clock", deadline=None)
+settings.load_profile("without a clock")
 
 
 @pytest.fixture(autouse=True)
