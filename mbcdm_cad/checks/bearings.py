@@ -74,8 +74,10 @@ def input_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
 
 
 def drum_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
+    axial = s.layout.preload_spring.force_N
     return [
-        safety(s.drive.bearings.drum, f"{end} drum bearing", load, limit)
+        # Static equivalent load of a deep-groove bearing, ISO 76.
+        safety(s.drive.bearings.drum, f"{end} drum bearing", max(load, 0.6 * load + 0.5 * axial), limit)
         for end, load in zip(("rear", "front"), s.once("drum_reactions", drum_reactions_N), strict=True)
     ]
 
@@ -91,10 +93,10 @@ def drum_bearings(s: SectorUnderTest) -> Comparison:
 
 
 def drum_bearing_spacing(s: SectorUnderTest) -> Comparison:
-    """Drum bearings stand apart by their own width."""
+    """Drum bearings stand apart by their own width, the spring between them not counted."""
     shaft = s.layout.drum_shaft
     width = s.drive.bearings.drum.width_mm
-    between = shaft.front_bearing_y - shaft.rear_bearing_y - width
+    between = shaft.front_bearing_y - shaft.rear_bearing_y - width - s.layout.preload_spring.height
     return at_least("space between the drum's bearings", between, width, "mm")
 
 

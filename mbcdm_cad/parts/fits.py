@@ -148,7 +148,7 @@ FITS = {
         "h5", "inner ring turns under a light load, but the front ring is pushed on", _BEARING_MAKERS
     ),
     "drum_seat": RoleFit(
-        "J7", "outer ring stands still; next to no play, since play here is backlash", _BEARING_MAKERS
+        "H6", "outer rings stand still, the rear one slides under its spring with the least play", _BEARING_MAKERS
     ),
     "drum_bore": RoleFit(
         "H7", "hub slides on the shaft h5 and is held by its set screws", "ISO 286 hole-basis practice"

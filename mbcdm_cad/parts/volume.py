@@ -72,7 +72,7 @@ def pin_mm3(radius: float, length: float) -> float:
 def axle_mm3(d: AxleDims) -> float:
     """Axle of an idler with its collar."""
     collar = ring_mm3(d.collar_radius, d.radius, d.collar_top_z - d.collar_bottom_z)
-    return ring_mm3(d.radius, 0.0, d.top_z - d.bottom_z) + collar
+    return pin_mm3(d.radius, d.top_z - d.bottom_z) + collar
 
 
 def spacer_mm3(d: AxleDims) -> float:
@@ -91,7 +91,8 @@ def idler_mm3(d: IdlerDims) -> float:
 def drum_shaft_mm3(d: DrumShaftDims) -> float:
     """Hollow shaft with its flange."""
     flange = ring_mm3(d.flange_radius, d.radius, d.flange_end_y - d.flange_start_y)
-    return ring_mm3(d.radius, d.bore_radius, d.y_end - d.y_start) + flange
+    flats = 2 * segment_mm2(d.radius, d.flat) * d.flat_length
+    return ring_mm3(d.radius, d.bore_radius, d.y_end - d.y_start) + flange - flats
 
 
 def terminal_mm3(d: TerminalDims) -> float:

@@ -38,7 +38,7 @@ def _behind_the_guide(layout: Layout) -> tuple[str, ...]:
 
 def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
-    rope, ring = drive.cable, drive.drum_encoder
+    rope, ring, spring = drive.cable, drive.drum_encoder, layout.preload_spring
     return (
         AssemblyStep(
             f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
@@ -46,12 +46,20 @@ def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
             "materials."
         ),
         AssemblyStep(
-            f"Press the drum bearings ({drive.bearings.drum.name}) into the frame's boss from both sides, push the "
-            "drum shaft in from behind until its flange rests on the rear bearing, and screw the ring encoder on "
-            f"behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}). "
+            f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
+            f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
+            "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
+            f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}). "
             "The base closes this side in the next step.",
             (
-                *("frame", "drum_bearing_front", "drum_bearing_rear", "drum_shaft", "drum_encoder"),
+                *(
+                    "frame",
+                    "drum_bearing_front",
+                    "drum_preload_spring",
+                    "drum_bearing_rear",
+                    "drum_shaft",
+                    "drum_encoder",
+                ),
                 *_numbered("drum_encoder_screw", 2),
             ),
         ),
@@ -127,9 +135,12 @@ def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
     return (
         AssemblyStep(
             "Lead each cable round the guide on its own step and out to its side, and hold it taut there: between "
-            "guide and drum there will be no room to lay it in. Push the drum onto the shaft until its spigot touches "
-            "the front bearing, then press the stop pin through the slot into the web between the shelves. Tighten the "
-            f"hub's two set screws ({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the web).",
+            "guide and drum there will be no room to lay it in. Push the drum onto the shaft, its set screws over the "
+            "shaft's flats, until its spigot touches the front bearing, then press the stop pin through the slot into "
+            "the web between the shelves. To preload the bearings, draw shaft and hub together until the shaft's end "
+            f"is flush with the hub's face, which presses the spring with {layout.preload_spring.force_N:g} N, and "
+            f"tighten the hub's two set screws ({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the "
+            "web). The drum then has no play along its axis.",
             ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
         ),
         AssemblyStep(

@@ -14,7 +14,7 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, dowel_l
 from mbcdm_cad.design.bought import Bearing, Screw
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder
+from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.placement import Placement
@@ -120,6 +120,7 @@ def _bearings(b: _Builder) -> None:
     lay, v, bearings = b.layout, b.layout.levels, b.drive.bearings
     shaft = lay.drum_shaft
     b.steel_bearing("drum_bearing_rear", bearings.drum, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
+    add_preload_spring(b, b.drive, lay.preload_spring)
     b.steel_bearing("drum_bearing_front", bearings.drum, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
     b.steel_bearing("guide_bearing_lower", bearings.guide, _at(0.0, 0.0, v.guide_bottom_z), "guide")
     b.steel_bearing(

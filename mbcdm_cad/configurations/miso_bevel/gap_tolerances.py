@@ -3,7 +3,7 @@
 Each function gives the contributions; with the nominal margin they make a
 :class:`~mbcdm_cad.model.stack_up.StackUp`. Lengths in mm. Parts are taken as made to the fits of
 :mod:`mbcdm_cad.parts.fits` and to the design's block ``making``; run-out counts half its reading on each radius, play
-half its size to either side.
+half its size to either side; the drum's bearings have none, a spring presses them apart.
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ def _guide_to_drum(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ..
         Contribution("place of the drum's bearings in the frame", making.position_mm),
         Contribution("place of the land's wall on the drum", making.position_mm),
         Contribution("run-out of the drum's faces", making.run_out_mm, 0.5),
-        Contribution("axial play of the drum's bearings", axial_play_mm(drive), 0.5),
     )
 
 
@@ -60,7 +59,6 @@ def guide_wall_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contri
     return (
         Contribution("radius of the drum's land", land_band_mm(drive, cable.drum_radius_mm)),
         Contribution("run-out of the drum", making.run_out_mm, 0.5),
-        Contribution("play of the drum's bearings", making.bearing_play_mm, 0.5),
         Contribution("place of the guide's shelf over the drum's axis", making.position_mm),
         Contribution("place of the walls on the guide", making.position_mm),
         Contribution("axial play of the guide's bearings", axial_play_mm(drive), 0.5),

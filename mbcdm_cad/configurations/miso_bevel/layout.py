@@ -13,8 +13,8 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims, TopPlate
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.routes.cable_path import CablePath
@@ -28,6 +28,7 @@ class Layout:
     levels: Stack
     drum: DrumDims
     drum_shaft: DrumShaftDims
+    preload_spring: PreloadSpringDims
     inputs: tuple[InputPulleyDims, ...]
     collar: CollarDims
     guide: IdlerDims
@@ -47,11 +48,13 @@ class Layout:
 def layout(drive: BevelDrive) -> Layout:
     """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
     levels = stack(drive)
+    shaft = drum_shaft(drive, levels)
     return Layout(
         drive=drive,
         levels=levels,
         drum=drum(drive, levels),
-        drum_shaft=drum_shaft(drive, levels),
+        drum_shaft=shaft,
+        preload_spring=preload_spring(drive, shaft),
         inputs=tuple(input_pulley(drive, levels, name) for name in drive.input_names),
         collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
         guide=guide(drive, levels),

@@ -24,18 +24,22 @@ def _numbered(stem: str, count: int) -> tuple[str, ...]:
 
 def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
+    spring = layout.preload_spring
     rope, ring, encoder, name = drive.cable, drive.drum_encoder, drive.encoder, drive.input_names[0]
     return (
         AssemblyStep(
-            f"Swage the stop on one end of each cable ({rope.name}, {rope.diameter_mm:g} mm) and the threaded terminal "
-            f"({drive.tensioner.name}) on the other, to the cut lengths of the bill of materials."
+            f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
+            f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
+            "materials."
         ),
         AssemblyStep(
-            f"Press the drum bearings ({drive.bearings.drum.name}) into the frame's boss from both sides, push the "
-            "drum shaft in from behind until its flange rests on the rear bearing, and screw the ring encoder on "
-            f"behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}).",
+            f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
+            f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
+            "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
+            f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}).",
             (
-                *("frame", "drum_bearing_front", "drum_bearing_rear", "drum_shaft", "drum_encoder"),
+                *("frame", "drum_bearing_front", "drum_preload_spring"),
+                *("drum_bearing_rear", "drum_shaft", "drum_encoder"),
                 *_numbered("drum_encoder_screw", 2),
             ),
         ),
@@ -102,8 +106,10 @@ def _drum(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
     return (
         AssemblyStep(
             "Take off the tape and lead each cable out to its side, held taut: between input and drum there will be no "
-            "room to lay it in. Push the drum onto the shaft until its spigot touches the front bearing, then press "
-            "the stop pin through the slot of its web into the stop shelf. Tighten the hub's two set screws "
+            "room to lay it in. Push the drum onto the shaft, its set screws over the shaft's flats, until its spigot "
+            "touches the front bearing, then press the stop pin through the slot of its web into the stop shelf. To "
+            "preload the bearings, draw shaft and hub together until the shaft's end is flush with the hub's face, "
+            f"which presses the spring with {layout.preload_spring.force_N:g} N, and tighten the hub's two set screws "
             f"({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the web).",
             ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
         ),

@@ -9,7 +9,7 @@ from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
 from mbcdm_cad.configurations.siso_bevel.support.dims import DOWEL_LENGTH_MM, FLANGE_SCREW
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
-from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder
+from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.placement import Placement
@@ -67,6 +67,7 @@ def _bearings(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
     ring, bearings, shaft = drive.material("bearing-steel"), drive.bearings, lay.drum_shaft
     name = drive.input_names[0]
     b.bearing("drum_bearing_rear", bearings.drum, ring, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
+    add_preload_spring(b, drive, lay.preload_spring)
     b.bearing("drum_bearing_front", bearings.drum, ring, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
     b.bearing(f"input_bearing_lower_{name}", bearings.input_lower, ring, _at(0.0, 0.0, lay.head.bottom_z))
     seat = lay.frame.encoder_shelf_top_z - bearings.input_upper.width_mm

@@ -11,8 +11,8 @@ from mbcdm_cad.configurations.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.configurations.siso_bevel.support.dims import ColumnDims, HeadDims, column, head
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import drum, drum_shaft, furthest_anchor_rad
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_sector.sizes import drum, drum_shaft, furthest_anchor_rad, preload_spring
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
@@ -26,6 +26,7 @@ class DirectLayout:
     levels: DirectStack
     drum: DrumDims
     drum_shaft: DrumShaftDims
+    preload_spring: PreloadSpringDims
     inputs: tuple[InputPulleyDims, ...]
     collar: CollarDims
     frame: ColumnDims
@@ -43,14 +44,15 @@ class DirectLayout:
 def layout(drive: DirectDrive) -> DirectLayout:
     """Solve all dimensions. Raises ValueError only where no geometry exists at all (a pulley too small for a stop)."""
     levels = direct_stack(drive)
-    frame = column(drive, levels)
+    frame, shaft = column(drive, levels), drum_shaft(drive, levels)
     furthest = furthest_anchor_rad(drive)
     way = terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
     return DirectLayout(
         drive=drive,
         levels=levels,
         drum=drum(drive, levels, frame.stop_pin_z, way),
-        drum_shaft=drum_shaft(drive, levels),
+        drum_shaft=shaft,
+        preload_spring=preload_spring(drive, shaft),
         inputs=(input_pulley(drive, levels),),
         collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
         frame=frame,

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+# At 45 degrees, on both ends of the axle.
+CHAMFER_MM = 0.3
+
 
 @dataclass(frozen=True)
 class AxleDims:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.parts.axle.dims import AxleDims
+from mbcdm_cad.parts.axle.dims import CHAMFER_MM, AxleDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import FitLine, Sheet
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
@@ -17,11 +17,12 @@ def axle_sheet(part: str, dims: AxleDims) -> Sheet:
         title="Guide axle",
         views=(ALONG_Z.view(low, high, section=False),),
         dimensions=(
-            ALONG_Z.diameter(r, low, "left", fit=fit, count=2),
+            ALONG_Z.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2),
             ALONG_Z.diameter(collar, dims.collar_top_z, "right"),
-            ALONG_Z.length(low, dims.collar_bottom_z, "below", (r, collar)),
+            ALONG_Z.length(low, dims.collar_bottom_z, "below", (r - CHAMFER_MM, collar)),
             ALONG_Z.length(dims.collar_bottom_z, dims.collar_top_z, "below", (collar, collar), decimals=3),
-            ALONG_Z.length(low, high, "below", (r, r), decimals=3),
+            ALONG_Z.length(low, high, "below", (r - CHAMFER_MM, r - CHAMFER_MM), decimals=3),
+            ALONG_Z.chamfer(CHAMFER_MM, r, high, -1.0, "above", count=2),
         ),
         fits=(FitLine(2 * r, fit, "bearings, shelf, top plate"),),
         notes=("Bearing journals Ra 0.8; shoulders square to the axis within 0.01.",),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
+from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
 
 BEARING_WALL_MM = 3.0
@@ -45,7 +46,7 @@ def boss(drive: SectorDrive, shaft: DrumShaftDims, back_y: float, front_y: float
         encoder_pocket_radius=encoder.diameter_mm / 2 + drive.clearances.running_mm,
         encoder_pocket_floor_y=back_y + encoder.length_mm,
         seat_radius=bearing.outer_diameter_mm / 2,
-        rear_seat_end_y=shaft.rear_bearing_y + bearing.width_mm,
+        rear_seat_end_y=shaft.rear_bearing_y + bearing.width_mm + SPRING_HEIGHT_MM,
         front_seat_start_y=shaft.front_bearing_y,
         shoulder_radius=bearing.outer_shoulder_mm / 2,
         screw_radius=screw.thread_mm / 2,

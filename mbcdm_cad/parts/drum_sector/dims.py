@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from mbcdm_cad.parts.terminal.dims import Tensioner
 
+# Directions of the hub's two set screws, from +Z towards +X.
+SET_SCREW_ANGLES_DEG = (45.0, 135.0)
 # Pocket before the swage.
 POCKET_LEAD_MM = 0.2
 # A lug reaches this far below the pocket's inner wall, to grow from the rim.

@@ -6,7 +6,7 @@ from math import cos, radians, sin
 
 import cadquery as cq
 
-from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.shapes import (
     annular_sector,
     cut,
@@ -141,7 +141,7 @@ def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
         tools.append(
             cylinder_y(dims.payload_screw_thread / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1)
         )
-    for deg in (45.0, 135.0):
+    for deg in SET_SCREW_ANGLES_DEG:
         direction = (sin(radians(deg)), 0.0, cos(radians(deg)))
         tools.append(cylinder(set_screw_thread / 2, (0.0, dims.set_screw_y, 0.0), direction, dims.hub_radius + 1.0))
     return tools

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from math import atan2, cos, degrees, radians, sin
+from math import atan2, cos, degrees, pi, radians, sin
 from typing import Any
 
 from mbcdm_cad.parts.bill import BillBuilder, cable_item
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
-from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.terminal.dims import TerminalDims
 from mbcdm_cad.routes.cable_path import CablePath
 
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 _AGAINST_Y = Placement.about((1.0, 0.0, 0.0), 90.0)
+_ALONG_Y = Placement.about((1.0, 0.0, 0.0), -90.0)
 RING_ENCODER_GRIP_MM = 2.0
+# A wave spring is a strip about a third as thick as it stands high (estimate, for its mass).
+SPRING_SHARE = 1.0 / 3.0
 # Colours (linear RGB) that tell bought bodies and cables from machined metal.
 ENCODER_COLOUR = (0.01, 0.12, 0.06)
 _CABLE_COLOUR = (0.85, 0.3, 0.02)
@@ -41,7 +44,7 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
         material=drive.drum.shaft_material,
         group="drum",
     )
-    for n, deg in enumerate((45.0, 135.0), 1):
+    for n, deg in enumerate(SET_SCREW_ANGLES_DEG, 1):
         out = d.set_screw_radius + set_screw.length_mm
         place = Placement.translation(
             out * sin(radians(deg)), d.set_screw_y, out * cos(radians(deg))
@@ -86,6 +89,21 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
                 group="drum",
                 place=along(p.lug_end + n * t.nut_height_mm),
             )
+
+
+def add_preload_spring(b: BillBuilder, drive: SectorDrive, spring: PreloadSpringDims) -> None:
+    """Wave spring in the boss, under the rear bearing's outer ring."""
+    steel = drive.material("steel")
+    volume = pi * (spring.outer_radius**2 - spring.inner_radius**2) * spring.height
+    b.add(
+        "drum_preload_spring",
+        "mbcdm_cad.parts.drum_shaft.draw:create_preload_spring",
+        (spring,),
+        part="wave_spring",
+        material=steel,
+        place=Placement.translation(0.0, spring.start_y, 0.0) @ _ALONG_Y,
+        mass_g=SPRING_SHARE * volume * steel.density_g_cm3 / 1e3,
+    )
 
 
 def add_drum_encoder(b: BillBuilder, drive: SectorDrive, floor_y: float, screw_circle: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import cos, degrees, radians, sin
 
-from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import (
     Angle,
@@ -110,7 +110,7 @@ def _shape(d: DrumDims) -> Table:
 
 def _holes(d: DrumDims, set_screw_thread: float) -> tuple[Holes, ...]:
     payload = tuple(_polar(d.payload_circle_radius, 90.0 * k, d.hub_face_y) for k in range(4))
-    radial = tuple(_polar(d.hub_radius, deg, d.set_screw_y) for deg in (45.0, 135.0))
+    radial = tuple(_polar(d.hub_radius, deg, d.set_screw_y) for deg in SET_SCREW_ANGLES_DEG)
     return (
         Holes("P", d.payload_screw_thread, d.payload_depth, payload, "hub face", "payload", threaded=True),
         Holes("Q", set_screw_thread, "to bore", radial, "hub, radial", "set screws", threaded=True),

@@ -11,10 +11,17 @@ from __future__ import annotations
 from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
-from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims, Land, Window
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
+from mbcdm_cad.parts.drum_shaft.dims import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.terminal.dims import Tensioner
 
+# Clamps the hub on the shaft, twice.
+HUB_SCREW = "M3x5-set"
+# Wave spring under the rear bearing's outer ring: height when it presses as it should, play in the seat's bore, and
+# force by the bearing's bore (SKF: 5 to 10 N per mm keeps small bearings free of play and quiet).
+SPRING_HEIGHT_MM = 0.6
+SPRING_PLAY_MM = 0.15
+SPRING_N_MM = 5.0
 # Cable left straight between the land's end and the swage.
 SWAGE_START_MM = 0.5
 # Solid end of the swage behind the cable's bore.
@@ -242,9 +249,9 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     play_deg = degrees(STOP_SLOT_PLAY_MM / 2 / max(stop_radius, 1.0))
     slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg
     shaft_radius = drive.bearings.drum.bore_mm / 2
-    screw = drive.screw("M3x5-set")
+    screw = drive.screw(HUB_SCREW)
     hub_radius = d.hub_diameter_mm / 2
-    web_start = levels.drum_inner_y + 3 * drive.clearances.running_mm
+    web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
@@ -271,13 +278,22 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         nut_pocket=nut_pocket_mm(drive),
         pocket_radius=_pocket_radius(drive, placed, flat_wall),
         set_screw=screw.name,
-        set_screw_y=(web_start + d.web_thickness_mm + d.hub_face_y_mm) / 2,
-        set_screw_radius=shaft_radius,
+        set_screw_y=_set_screw_y(drive, levels),
+        set_screw_radius=shaft_radius - FLAT_DEPTH_MM,
         payload_screw_thread=2.5,
         payload_circle_radius=(hub_radius + shaft_radius) / 2,
         payload_depth=6.0,
         corner_radius=2 * d.material.min_internal_radius_mm,
     )
+
+
+def _web_start_y(drive: SectorDrive, levels: SectorLevels) -> float:
+    return levels.drum_inner_y + 3 * drive.clearances.running_mm
+
+
+def _set_screw_y(drive: SectorDrive, levels: SectorLevels) -> float:
+    """Half way along the hub in front of the web."""
+    return (_web_start_y(drive, levels) + drive.drum.web_thickness_mm + drive.drum.hub_face_y_mm) / 2
 
 
 def drum_shaft(drive: SectorDrive, levels: SectorLevels) -> DrumShaftDims:
@@ -295,4 +311,21 @@ def drum_shaft(drive: SectorDrive, levels: SectorLevels) -> DrumShaftDims:
         flange_end_y=rear,
         rear_bearing_y=rear,
         front_bearing_y=levels.boss_front_y - bearing.width_mm,
+        flat_y=_set_screw_y(drive, levels),
+        flat_length=drive.screw(HUB_SCREW).thread_mm + 1.0,
+        flat_angles_deg=SET_SCREW_ANGLES_DEG,
+    )
+
+
+def preload_spring(drive: SectorDrive, shaft: DrumShaftDims) -> PreloadSpringDims:
+    """Wave spring between the boss's shoulder and the outer ring of the rear bearing, which it presses back."""
+    bearing = drive.bearings.drum
+    outer, inner = bearing.outer_diameter_mm / 2 - SPRING_PLAY_MM, bearing.outer_shoulder_mm / 2
+    return PreloadSpringDims(
+        inner_radius=inner,
+        outer_radius=max(outer, inner + SPRING_PLAY_MM),
+        height=SPRING_HEIGHT_MM,
+        start_y=shaft.rear_bearing_y + bearing.width_mm,
+        force_N=SPRING_N_MM * bearing.bore_mm,
+        source="Wave spring for the bearing's outside diameter; force: bearing makers; sizes and mass: estimate.",
     )

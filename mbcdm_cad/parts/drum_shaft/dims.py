@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+# Depth of the flats that the hub's set screws press on: they keep the burr of a screw from jamming the hub (estimate).
+FLAT_DEPTH_MM = 0.3
 # At 45 degrees, on every outer edge that is chamfered.
 CHAMFER_MM = 0.3
 
@@ -21,3 +23,23 @@ class DrumShaftDims:
     flange_end_y: float
     rear_bearing_y: float
     front_bearing_y: float
+    flat_y: float  # middle of the two flats
+    flat_length: float
+    flat_angles_deg: tuple[float, float]  # directions in which the flats face, from +Z towards +X
+
+    @property
+    def flat(self) -> float:
+        """From the axis to each flat."""
+        return self.radius - FLAT_DEPTH_MM
+
+
+@dataclass(frozen=True)
+class PreloadSpringDims:
+    """Wave spring that presses the two bearings apart, so that neither has play; bought, drawn as the ring it fills."""
+
+    inner_radius: float
+    outer_radius: float
+    height: float  # pressed to its force
+    start_y: float
+    force_N: float
+    source: str

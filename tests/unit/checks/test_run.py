@@ -44,7 +44,6 @@ def test_reference_design_fails_nothing() -> None:
         "gearhead_continuous",
         "quiet_running",
         "self_clearance_stack",
-        "land_edge_stack",
         "flank_stack",
     }
     assert warned == expected, warned ^ expected

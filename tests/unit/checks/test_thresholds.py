@@ -62,7 +62,7 @@ WAYS: dict[str, Way] = {
     "dead_turns": Way(to("dead_turns"), 1.0, 0.0),
     "self_clearance_stack": Way(to("making.rope_diameter_share"), 0.0, 0.1),
     "transfer_gap_stack": Way(to("making.position_mm"), 0.02, 0.3),
-    "bodies_clear_stack": Way(to("making.bearing_play_mm"), 0.008, 0.1),
+    "bodies_clear_stack": Way(to("making.run_out_mm"), 0.02, 0.5),
     "land_edge_stack": Way(to("making.position_mm"), 0.0, 0.1),
     "flank_stack": Way(to("cable.diameter_mm"), 0.6, 0.81),
     "guide_walk_stack": Way(to("making.position_mm"), 0.02, 2.0),

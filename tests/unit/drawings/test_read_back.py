@@ -50,6 +50,18 @@ def _terminal(doc: Drawing, dims: list[ReadDimension]) -> float:
     return _turned(doc, dims) - 2 * float(segments.mean()) * lengths[1]
 
 
+def _shaft(doc: Drawing, dims: list[ReadDimension]) -> float:
+    """Turned body less the two segments of its flats; where they stand along the shaft must be said too."""
+    over = one(dims, "flats", suffix="over flat")
+    lengths = sorted((d for d in dims if d.view == "flats" and d.across), key=lambda d: d.count)
+    if [d.count for d in lengths] != [1, 2] or over.count != 2:
+        raise MissingDimensionError("length and place of two flats")
+    radius = next(d.value for d in dims if d.view == "main" and d.prefix == "Ø" and d.count == 2) / 2
+    flat = over.value - radius
+    segment = radius**2 * np.arccos(flat / radius) - flat * np.sqrt(radius**2 - flat**2)
+    return _turned(doc, dims) - 2 * float(segment) * lengths[1].value
+
+
 def _nut(doc: Drawing, dims: list[ReadDimension]) -> float:
     flats, height, thread = one(dims, "end", "AF"), one(dims, "main", "", "across"), one(dims, "main", "M")
     return (sqrt(3) / 2 * flats.value**2 - pi / 4 * thread.value**2) * height.value
@@ -120,7 +132,8 @@ def _middle(main: list[ReadDimension]) -> float:
 
 
 REBUILD: dict[str, Rebuild] = {
-    **dict.fromkeys(("guide_axle", "guide_spacer", "drum_shaft", "stop_pin", "dowel", "stop"), _turned),
+    **dict.fromkeys(("guide_axle", "guide_spacer", "stop_pin", "dowel", "stop"), _turned),
+    "drum_shaft": _shaft,
     "terminal": _terminal,
     "nut": _nut,
     "guide": _idler,

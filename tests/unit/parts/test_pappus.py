@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi, radians, sqrt
+from math import acos, pi, radians, sqrt
 
 import cadquery as cq
 import numpy as np
@@ -46,7 +46,9 @@ def test_guide(dims: Layout, solids: dict[str, cq.Solid]) -> None:
 def test_guide_axle_and_spacer(dims: Layout, solids: dict[str, cq.Solid]) -> None:
     a = dims.axle
     collar = ring(a.collar_radius, a.radius, a.collar_top_z - a.collar_bottom_z)
-    close(solids["guide_axle"], ring(a.radius, 0.0, a.top_z - a.bottom_z) + collar, "guide axle")
+    c = 0.3
+    rod = ring(a.radius, 0.0, a.top_z - a.bottom_z - 2 * c) + 2 * cone(a.radius, a.radius - c, c)
+    close(solids["guide_axle"], rod + collar, "guide axle")
     close(solids["guide_spacer"], ring(a.collar_radius, a.radius, a.spacer_top_z - a.spacer_bottom_z), "spacer")
 
 
@@ -54,7 +56,12 @@ def test_drum_shaft(dims: Layout, solids: dict[str, cq.Solid]) -> None:
     s, c = dims.drum_shaft, 0.3
     body = ring(s.radius, 0.0, s.y_end - s.y_start - 2 * c) + 2 * cone(s.radius, s.radius - c, c)
     flange = ring(s.flange_radius, s.radius, s.flange_end_y - s.flange_start_y)
-    close(solids["drum_shaft"], body + flange - ring(s.bore_radius, 0.0, s.y_end - s.y_start), "drum shaft")
+    # Two circular segments, where the hub's set screws press.
+    segment = s.radius**2 * acos(s.flat / s.radius) - s.flat * sqrt(s.radius**2 - s.flat**2)
+    solid = body + flange - ring(s.bore_radius, 0.0, s.y_end - s.y_start) - 2 * segment * s.flat_length
+    close(solids["drum_shaft"], solid, "drum shaft")
+    spring = dims.preload_spring
+    close(solids["wave_spring"], ring(spring.outer_radius, spring.inner_radius, spring.height), "wave spring")
 
 
 def test_terminal_stop_and_pins(drive: Drive, dims: Layout, solids: dict[str, cq.Solid]) -> None:

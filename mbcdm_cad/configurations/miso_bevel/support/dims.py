@@ -20,7 +20,7 @@ from mbcdm_cad.configurations.miso_bevel.drum import stop_pin_z
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, milled_corner_mm
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
+from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
@@ -200,7 +200,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         encoder_pocket_radius=encoder_pocket,
         encoder_pocket_floor_y=levels.back_y + encoder.length_mm,
         drum_seat_radius=drum_bearing.outer_diameter_mm / 2,
-        rear_seat_end_y=shaft.rear_bearing_y + drum_bearing.width_mm,
+        rear_seat_end_y=shaft.rear_bearing_y + drum_bearing.width_mm + SPRING_HEIGHT_MM,
         front_seat_start_y=shaft.front_bearing_y,
         drum_shoulder_radius=drum_bearing.outer_shoulder_mm / 2,
         encoder_screw_radius=encoder_screw.thread_mm / 2,

@@ -104,7 +104,7 @@ def test_play_and_run_out_shrink_the_transfer_gap_as_a_displaced_guide_does() ->
     cable, making = drive.cables[0], drive.making
     rng = np.random.default_rng(1)
     n = 100_000
-    guide = rng.uniform(-1, 1, (6, n))
+    guide = rng.uniform(-1, 1, (4, n))
     surface = (
         cable.guide_radius_mm
         + guide[0] * radius_band_mm(cable.guide_radius_mm - drive.cable.diameter_mm / 2, "land")
@@ -112,14 +112,8 @@ def test_play_and_run_out_shrink_the_transfer_gap_as_a_displaced_guide_does() ->
         + guide[2] * making.bearing_play_mm / 2
         + guide[3] * making.position_mm
     )
-    drum = rng.uniform(-1, 1, (4, n))
-    face = (
-        cable.guide_radius_mm
-        + 1.0
-        + (drum[0] + drum[1]) * making.position_mm
-        + drum[2] * making.run_out_mm / 2
-        + drum[3] * 10.0 * making.bearing_play_mm / 2
-    )
+    drum = rng.uniform(-1, 1, (3, n))
+    face = cable.guide_radius_mm + 1.0 + (drum[0] + drum[1]) * making.position_mm + drum[2] * making.run_out_mm / 2
     stack = gaps.bodies_contributions(drive, cable)
     assert np.std(face - surface) * np.sqrt(3.0) == pytest.approx(np.sqrt(sum(c.shift**2 for c in stack)), rel=0.01)
 
