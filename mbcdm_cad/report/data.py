@@ -16,6 +16,7 @@ from mbcdm_cad.configurations.interface import Conventions, FrameCompliance, Lay
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model import analyse, measured
+from mbcdm_cad.model.preload_table import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
@@ -164,6 +165,8 @@ def report_data(
             for name, made in sorted(parts.items())
         },
         "tolerance_stacks": [stack_data(stack) for stack in kind.tolerance_stacks(layout)],
+        "asked_torque_Nm": drive.loads.peak_torque_Nm,
+        "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
         "tensioning": _tensioning(kind.tensioning(layout)),
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
         "assembly_order": [step.text for step in order],
