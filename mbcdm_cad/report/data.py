@@ -20,6 +20,7 @@ from mbcdm_cad.model.preload_table import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.parts.sheets.lookup import holes_of
 from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
 from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.torsion import torsion_data
@@ -165,6 +166,7 @@ def report_data(
             for name, made in sorted(parts.items())
         },
         "tolerance_stacks": [stack_data(stack) for stack in kind.tolerance_stacks(layout)],
+        "holes": holes_of(centred),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,
         "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
         "tensioning": _tensioning(kind.tensioning(layout)),

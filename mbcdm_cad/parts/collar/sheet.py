@@ -72,6 +72,7 @@ def collar_sheet(part: str, d: CollarDims, screw_thread: float, screw_clearance:
         ),
         labels=hole_labels((above,), "top"),
         tables=(hole_table((above, below)),),
+        holes=(above, below),
         fits=(FitLine(2 * d.bore_radius, fit, "bore"),),
         notes=(
             "Both holes on one axis, half way up the width.",

@@ -229,6 +229,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
             _shape(d),
             _terminals(d),
         ),
+        holes=holes,
         fits=(
             FitLine(2 * d.bore_radius, bore, "bore"),
             *(FitLine(round(2 * x.surface_radius_mm, 6), land, f"step {x.step}") for x in d.lands),

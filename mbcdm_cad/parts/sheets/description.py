@@ -9,7 +9,10 @@ engine refuses a sheet in which the two disagree.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from mbcdm_cad.parts.sheets.holes import Holes
 
 Vector = tuple[float, float, float]
 Side = Literal["above", "below", "left", "right"]
@@ -153,7 +156,7 @@ class Sheet:
     """All that one drawing shows.
 
     ``simplified``: arguments to draw the views from in place of the part's own, for a feature that a drawing leaves to
-    its tables, as it does with threads.
+    its tables, as it does with threads. ``holes``: those of its table, for the report.
     """
 
     part: str
@@ -163,6 +166,7 @@ class Sheet:
     labels: tuple[Label, ...] = ()
     cutting_lines: tuple[CuttingLine, ...] = ()
     tables: tuple[Table, ...] = ()
+    holes: tuple[Holes, ...] = ()
     fits: tuple[FitLine, ...] = ()
     notes: tuple[str, ...] = ()
     paper: Literal["A4", "A3", "A2"] = "A4"

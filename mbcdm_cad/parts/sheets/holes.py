@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from mbcdm_cad.parts.sheets.description import FitLine, Label, Table, Vector
 from mbcdm_cad.parts.sheets.words import mm
@@ -53,6 +54,24 @@ class Holes:
             deeper = f"%%c{mm(diameter)}{' ' + fit if fit else ''} x {mm(depth)}"
         depth_text = self.depth if isinstance(self.depth, str) else mm(self.depth)
         return (self.letter, str(len(self.places)), mm(drill, 3), name, depth_text, self.fit, deeper, self.from_face)
+
+    def data(self) -> dict[str, Any]:
+        """The same as plain data, with the places; lengths in mm."""
+        screw = thread(self.diameter) if self.threaded else None
+        bore = self.counterbore
+        return {
+            "hole": self.letter,
+            "count": len(self.places),
+            "diameter_mm": self.diameter,
+            "thread": screw.name if screw else None,
+            "tap_drill_mm": screw.tap_drill_mm if screw else None,
+            "depth": self.depth,
+            "fit": self.fit or None,
+            "counterbore": None if bore is None else {"diameter_mm": bore[0], "depth_mm": bore[1], "fit": bore[2]},
+            "from": self.from_face,
+            "for": self.what,
+            "places_mm": [list(place) for place in self.places],
+        }
 
     def fit_lines(self) -> tuple[FitLine, ...]:
         """Its toleranced diameters."""

@@ -8,6 +8,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
+from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.sheets.description import Sheet
 
 
@@ -35,3 +36,15 @@ def sheet_of(part: str, maker: str, args: tuple[Any, ...]) -> Sheet:
     sheet = describe(part, *args)
     assert isinstance(sheet, Sheet)
     return sheet
+
+
+def holes_of(bill: Bill) -> dict[str, list[dict[str, Any]]]:
+    """The holes of each made part that has some, as its sheet's table gives them, by the part's name."""
+    found = {}
+    for name in dict.fromkeys(item.part for item in bill.items if item.kind == "made"):
+        spec = bill.parts[name]
+        if has_sheet(spec.maker):
+            groups = sheet_of(name, spec.maker, spec.args).holes
+            if groups:
+                found[name] = [group.data() for group in groups]
+    return found

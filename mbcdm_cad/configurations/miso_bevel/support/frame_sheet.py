@@ -301,6 +301,7 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
             position_table(above, (0, 1), "Positions from A and the drum axis, along Z"),
             position_table(behind, (0, 2), "Positions from A and the drum axis, along Y"),
         ),
+        holes=(*above, *behind),
         fits=(
             FitLine(2 * d.drum_seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
             *(line for group in (*above, *behind) for line in group.fit_lines()),

@@ -97,6 +97,7 @@ def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, enco
             hole_table(holes),
             position_table(holes, (0, 1), "Positions from the axis of hole A"),
         ),
+        holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
         notes=(
             "Holes B, E to the axis of A within 0.01; all other positions within 0.1.",
