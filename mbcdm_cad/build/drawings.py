@@ -13,8 +13,8 @@ from typing import Any
 import mbcdm_cad
 from mbcdm_cad.build.assembly_sheet import assembly_sheet
 from mbcdm_cad.build.mass import assembly_mass
-from mbcdm_cad.build.run import drawn
-from mbcdm_cad.build.store import MadePart, Progress
+from mbcdm_cad.build.run import drawn, exported_parts
+from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
@@ -169,4 +169,5 @@ def prints_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None
     from mbcdm_cad.build.export.threemf import threemf_bytes
 
     _, parts = drawn(drive, 0.0, cache, progress)
-    return {f"{name}.3mf": threemf_bytes(name, parts[name].files.mesh) for name in drawn_parts(drive)}
+    files = exported_parts(Store(cache, progress), _centred(drive), parts, drive, os.cpu_count() or 1)
+    return {f"{name}.3mf": threemf_bytes(name, files[name].files.mesh) for name in drawn_parts(drive)}

@@ -23,7 +23,7 @@ from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.folders import output_folder
@@ -105,7 +105,8 @@ def build(
         return Outcome(None, checks, data, tuple(store.made))
     data |= checks_data(checks)
     manifest = Manifest(loaded.sha256, inputs, forced=bool(failed), failed_checks=tuple(c.id for c in failed))
-    _write(target, manifest, dims, posed.items, parts, store, data)
+    files = exported_parts(store, posed, parts, drive, processes)
+    _write(target, manifest, dims, posed.items, parts, files, store, data)
     return Outcome(target, checks, data, tuple(store.made))
 
 
@@ -122,6 +123,19 @@ def drawn(
 def _parts(store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int) -> dict[str, MadePart]:
     materials = {item.part: item.material for item in posed.items}
     return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs)
+
+
+def exported_parts(
+    store: Store, posed: Bill, parts: dict[str, MadePart], drive: Drive, jobs: int
+) -> dict[str, MadePart]:
+    """The parts as their single files show them: tapped holes as ``export.threads`` asks."""
+    if drive.export.threads == "major":
+        return parts
+    materials = {item.part: item.material for item in posed.items}
+    drilled = {
+        name: PartSpec(name, spec.maker, spec.drilled) for name, spec in posed.parts.items() if spec.drilled is not None
+    }
+    return parts | store.parts(drilled, materials, drive.export.mesh_tolerance_mm, jobs)
 
 
 def _refuse_angle(drive: Drive, angle_deg: float) -> None:
@@ -164,6 +178,7 @@ def _write(
     dims: Layout,
     items: tuple[Item, ...],
     parts: dict[str, MadePart],
+    files: dict[str, MadePart],
     store: Store,
     data: dict[str, Any],
 ) -> None:
@@ -173,7 +188,7 @@ def _write(
     note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""
     assembly = store.assembly(items, parts, name, note)
     with output_folder(target, manifest) as folder:
-        for part, made in parts.items():
+        for part, made in files.items():
             step, stl = made.files.step, made.files.stl
             if note:
                 step, stl = with_description(step.decode(), note).encode(), with_note(stl, part, note)

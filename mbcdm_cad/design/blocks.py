@@ -195,6 +195,10 @@ class Export(Block):
     """Settings of the files written."""
 
     mesh_tolerance_mm: Number = quantity("largest distance of a mesh from its surface", unit="mm", ge=0.001, le=1.0)
+    threads: Literal["major", "tap_drill"] = choice(
+        "tapped holes in the files of single parts: at the thread's major diameter, or as drilled for tapping",
+        default="major",
+    )
 
 
 class Waiver(Block):

@@ -67,6 +67,7 @@ class ExportSettings:
     """Settings of the files written."""
 
     mesh_tolerance_mm: float
+    threads: str  # "major" or "tap_drill"
 
 
 @dataclass(frozen=True, kw_only=True)

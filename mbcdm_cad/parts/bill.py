@@ -6,7 +6,7 @@ No kernel here: with all parts in the cache, a build never draws.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from mbcdm_cad.design.bought import Bearing, Material, Screw
@@ -19,11 +19,15 @@ FIXED = "fixed"
 
 @dataclass(frozen=True)
 class PartSpec:
-    """How one part is drawn: ``module:function`` and its arguments (plain data only)."""
+    """How one part is drawn: ``module:function`` and its arguments (plain data only).
+
+    ``drilled``: the arguments that draw it with tapped holes at their tap drills; None where it has none.
+    """
 
     name: str
     maker: str
     args: tuple[Any, ...]
+    drilled: tuple[Any, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,10 @@ class BillBuilder:
         self.parts.setdefault(stem, PartSpec(stem, maker, args))
         location = self.motions[group] @ (place or Placement.identity())
         self.items.append(Item(name, stem, material, "made" if mass_g is None else "bought", location, group, mass_g))
+
+    def drilled(self, part: str, *args: Any) -> None:
+        """The arguments that draw ``part``, which was added, with its tapped holes at their tap drills."""
+        self.parts[part] = replace(self.parts[part], drilled=args)
 
     def screw(self, name: str, screw: Screw, material: Material, place: Placement, group: str = FIXED) -> None:
         """A screw of the catalogue."""

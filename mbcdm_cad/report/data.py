@@ -29,7 +29,8 @@ REPORT_FORMAT = 1
 _SWEPT_POSES = 29
 
 
-def _conventions(own: Conventions) -> list[str]:
+def _conventions(own: Conventions, threads: str) -> list[str]:
+    drilled = ["In the files of single parts tapped holes have the diameter of their tap drill."]
     return [
         own.frame,
         "Radii of the design file are pitch radii, to the cable's centre line; surfaces are cut at r - d/2.",
@@ -38,6 +39,7 @@ def _conventions(own: Conventions) -> list[str]:
         own.cables,
         "The box is taken over all solids with the drum centred, without leads; the swept box over the whole travel.",
         "Bought parts have their catalogue mass spread evenly over their simplified solid.",
+        *(drilled if threads == "tap_drill" else []),
     ]
 
 
@@ -173,7 +175,7 @@ def report_data(
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
         "assembly_order": [step.text for step in order],
         "assembly_items": [list(step.items) for step in order],
-        "conventions": _conventions(kind.conventions),
+        "conventions": _conventions(kind.conventions, drive.export.threads),
     }
     plain = _rounded(data)
     assert isinstance(plain, dict)

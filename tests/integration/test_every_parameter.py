@@ -24,12 +24,13 @@ NODES = design_file().nodes
 
 # Not numbers of the mechanism: the file's version, its free names and the only configuration there is so far.
 FREE = {("schema_version",), ("name",), ("configuration",), ("waivers",), ("as_built",), ("catalogue",)}
-# Seen in the report alone, each with its own test below.
+# Seen in the report or in files alone, each with its own test below, threads in unit/build/test_threads_in_files.py.
 REPORTED = {
     ("targets", "prototype_mass_g"),
     ("targets", "mass_g"),
     ("targets", "mass_tolerance_g"),
     ("export", "mesh_tolerance_mm"),
+    ("export", "threads"),
     ("limits", "frame_windup_max_mrad"),
 }
 KIND_OF = {
@@ -79,6 +80,7 @@ COUPLED: dict[str, dict[Path, Any]] = {
         ],
     },
     "a cable's own preload": {("cables", 1, "preload_N"): 66.0},
+    "another termination": {("rope", "termination"): "soldered"},
     "a rope written out": {
         ("rope", "type"): None,
         ("rope", "modulus_GPa"): None,

@@ -80,6 +80,13 @@ def _support(b: _Builder) -> None:
     metal = drive.support.material
     head = drive.screw(drive.encoder.screw)
     b.add("frame", "mbcdm_cad.configurations.miso_bevel.support.frame:create_frame", (lay.frame,), material=metal)
+    tapped = replace(
+        lay.frame,
+        axle_screw_radius=drive.screw(AXLE_SCREW).tap_drill_mm / 2,
+        plate_screw_radius=drive.screw(PLATE_SCREW).tap_drill_mm / 2,
+        encoder_screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2,
+    )
+    b.drilled("frame", tapped)
     b.add(
         "top_plate",
         "mbcdm_cad.configurations.miso_bevel.support.top_plate:create_top_plate",

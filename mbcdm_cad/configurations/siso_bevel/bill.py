@@ -41,6 +41,12 @@ def _at(x: float, y: float, z: float) -> Placement:
 def _support(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
     steel, metal, frame = drive.material("steel"), drive.support.material, lay.frame
     b.add("frame", f"{_SUPPORT}.frame:create_column", (frame,), material=metal)
+    tapped = replace(
+        frame,
+        flange_screw_radius=drive.screw(FLANGE_SCREW).tap_drill_mm / 2,
+        boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
+    )
+    b.drilled("frame", tapped)
     b.add("motor_head", f"{_SUPPORT}.head:create_head", (lay.head,), material=metal)
     b.add(
         "stop_pin",

@@ -13,6 +13,7 @@ from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.terminal.dims import TerminalDims
+from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.routes.cable_path import CablePath
 
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -36,6 +37,9 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
         (d, set_screw.thread_mm),
         material=drive.drum.material,
         group="drum",
+    )
+    b.drilled(
+        "drum", replace(d, payload_screw_thread=thread(d.payload_screw_thread).tap_drill_mm), set_screw.tap_drill_mm
     )
     b.add(
         "drum_shaft",

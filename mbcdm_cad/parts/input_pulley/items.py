@@ -56,6 +56,7 @@ def add_input_pulley(
         group=group,
         place=stand,
     )
+    b.drilled("collar", collar, screw.tap_drill_mm, screw.clearance_mm, screw.head_diameter_mm)
     middle = Placement.translation(collar.screw_offset, collar.head_seat, (collar.bottom_z + collar.top_z) / 2)
     b.screw(f"collar_screw_{pulley.name}", screw, drive.material("steel"), stand @ middle @ _ALONG_Y, group)
     for slot in pulley.slots:

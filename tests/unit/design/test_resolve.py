@@ -132,6 +132,8 @@ def changed(path: tuple[str | int, ...]) -> Any:
         value = value[part]
     if path[-1] == "modulus_area":
         return "nominal"
+    if path[-1] == "threads":
+        return "tap_drill"
     if isinstance(value, str):
         kind = KIND_OF.get(str(path[-1]))
         return next(name for name in package_entries(kind) if name != value) if kind else value + "-2"

@@ -12,6 +12,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.GeomAbs import GeomAbs_Cylinder
 
 from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import holes_of
 
 PARTS = ("collar", "drum", "frame", "top_plate")
@@ -73,3 +74,21 @@ def test_each_tapped_hole_has_its_drill(centred: Bill) -> None:
         for group in groups:
             if group["thread"]:
                 assert 0.6 < group["tap_drill_mm"] / group["diameter_mm"] < 0.9, (part, group)
+
+
+@pytest.mark.parametrize("part", ["collar", "drum", "frame"])
+def test_drilled_for_tapping_the_holes_have_the_drill_s_diameter(part: str, centred: Bill) -> None:
+    spec = centred.parts[part]
+    assert spec.drilled is not None
+    bores = _bores(make(spec.maker, spec.drilled))
+    for group in holes_of(centred)[part]:
+        if group["thread"]:
+            for place in group["places_mm"]:
+                drill, major = group["tap_drill_mm"] / 2, group["diameter_mm"] / 2
+                assert any(_passes(bore, drill, np.array(place)) for bore in bores), (part, group["hole"])
+                assert not any(_passes(bore, major, np.array(place)) for bore in bores), (part, group["hole"])
+
+
+def test_every_part_with_a_tapped_hole_can_be_drilled(centred: Bill) -> None:
+    tapped = {part for part, groups in holes_of(centred).items() if any(group["thread"] for group in groups)}
+    assert tapped == {name for name, spec in centred.parts.items() if spec.drilled is not None}

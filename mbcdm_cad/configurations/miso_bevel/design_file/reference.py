@@ -77,4 +77,5 @@ SHARED = {
     "targets.envelope_mm": Given([126.0, 97.0, 34.8], "section 4.1"),
     "targets.envelope_tolerance_mm": Given(0.5, "project goal"),
     "export.mesh_tolerance_mm": Given(0.01, "project goal"),
+    "export.threads": Given("major", "a choice: the assembly then shows screws that fit"),
 }
