@@ -99,3 +99,29 @@ def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool
     write_whole({target / name: data for name, data in files.items()})
     click.echo(f"{target}: {len(files)} files, {len(files) // 3} sheets as DXF, PDF and SVG")
     return 0
+
+
+def pictures_command(path: Path, out: Path, *, use_cache: bool) -> int:
+    """Write the builder's pictures into a folder of their own."""
+    loaded = load_design(path)
+    from mbcdm_cad.build.pictures import pictures_of
+
+    with progress() as note:
+        files = pictures_of(loaded.drive, Cache(cache_folder() if use_cache else None), note)
+    target = out / f"{loaded.drive.name}-pictures"
+    write_whole({target / name: data for name, data in files.items()})
+    click.echo(f"{target}: {', '.join(files)}")
+    return 0
+
+
+def prints_command(path: Path, out: Path, *, use_cache: bool) -> int:
+    """Write the made parts for a 3D printer into a folder of their own."""
+    loaded = load_design(path)
+    from mbcdm_cad.build.drawings import prints_of
+
+    with progress() as note:
+        files = prints_of(loaded.drive, Cache(cache_folder() if use_cache else None), note)
+    target = out / f"{loaded.drive.name}-prints"
+    write_whole({target / name: data for name, data in files.items()})
+    click.echo(f"{target}: {len(files)} parts as 3MF, each on its largest flat face")
+    return 0

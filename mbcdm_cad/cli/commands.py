@@ -465,6 +465,48 @@ def doctor(as_json: bool) -> int:
     return doctor_command(as_json=as_json)
 
 
+@mbcdm.command(epilog=_examples("mbcdm pictures my_drive.yaml"))
+@_DESIGN
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the pictures' folder, NAME-pictures, is written into.",
+)
+@_NO_CACHE
+def pictures(design: Path, out: Path, no_cache: bool) -> int:
+    """Draw the pictures that a builder uses.
+
+    One for each step of the order of assembly, an exploded view, a section through the transfer to the drum.
+    """
+    from mbcdm_cad.cli.building import pictures_command
+
+    return pictures_command(design, out, use_cache=not no_cache)
+
+
+@mbcdm.command(epilog=_examples("mbcdm prints my_drive.yaml"))
+@_DESIGN
+@click.option(
+    "--out",
+    type=_FILE,
+    default=Path("out"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder that the folder of 3MF files, NAME-prints, is written into.",
+)
+@_NO_CACHE
+def prints(design: Path, out: Path, no_cache: bool) -> int:
+    """Write the made parts for a 3D printer.
+
+    One 3MF file for each part, in millimetres, with its name, lying on its largest flat face.
+    """
+    from mbcdm_cad.cli.building import prints_command
+
+    return prints_command(design, out, use_cache=not no_cache)
+
+
 @mbcdm.command(
     epilog=_examples("mbcdm drawings my_drive.yaml", "mbcdm drawings my_drive.yaml --part input_pulley_left")
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers how everything el
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkDataArray, vtkLogger, vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPlane, vtkPolyData
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkRenderingCore import (
@@ -21,6 +22,7 @@ from vtkmodules.vtkRenderingCore import (
     vtkCamera,
     vtkLightKit,
     vtkPolyDataMapper,
+    vtkProperty,
     vtkRenderer,
     vtkRenderWindow,
     vtkTextActor,
@@ -44,12 +46,26 @@ VIEWS: dict[str, Vector] = {
     "top": (0.0, 0.0, 1.0),
     "bottom": (0.0, 0.0, -1.0),
 }
+# Cut faces are the inner sides of the surfaces behind the cut, without light: flat, and darker than the outside.
+_CUT_SHADE = 0.55
 _LARGEST_PIXELS = 8192
 _MARGIN = 1.06
 _SAMPLES = 8
 _EDGE_COLOUR = (0.08, 0.09, 0.1)
 _BACKGROUND = (1.0, 1.0, 1.0)
 _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A section: what lies on the side of ``normal`` is taken away, and the camera looks square on the plane.
+
+    ``half_height_mm`` of the plane above and below ``centre`` fill the picture.
+    """
+
+    centre: Vector
+    normal: Vector
+    half_height_mm: float
 
 
 def picture_png(
@@ -59,11 +75,12 @@ def picture_png(
     size: tuple[int, int] = (1600, 1200),
     note: str = "",
     colour_of: Callable[[Item], Vector] = lambda item: item.material.colour,
+    cut: Cut | None = None,
 ) -> bytes:
     """A PNG of the assembly, ``size`` (width, height) in pixels, from one of ``VIEWS``; ``note`` is written below.
 
     ``meshes`` maps each part to its mesh in the part's own frame; ``colour_of`` gives an item's linear RGB, its
-    material's if left out. Raises ``ValueError`` for an unknown view or a
+    material's if left out. ``cut`` takes the place of the view. Raises ``ValueError`` for an unknown view or a
     senseless size, ``OutputError`` where the machine has no way to draw without a display.
     """
     if view not in VIEWS:
@@ -75,16 +92,39 @@ def picture_png(
     bodies = {part: (_surface(meshes[part]), _lines(meshes[part])) for part in {item.part for item in items}}
     for item in items:
         surface, lines = bodies[item.part]
-        renderer.AddActor(_body(surface, item.location, colour_of(item)))
-        renderer.AddActor(_edges(lines, item.location))
+        pieces = (_body(surface, item.location, colour_of(item)), _edges(lines, item.location))
+        for actor in pieces if cut is None else _cut(pieces, cut, colour_of(item)):
+            renderer.AddActor(actor)
     renderer.AutomaticLightCreationOff()
     _lights().AddLightsToRenderer(renderer)
     renderer.SetBackground(*_BACKGROUND)
-    renderer.SetActiveCamera(_camera(_placed_points(items, meshes), VIEWS[view], size))
+    camera = _camera(_placed_points(items, meshes), VIEWS[view] if cut is None else cut.normal, size)
+    if cut is not None:
+        aside = np.array(camera.GetPosition()) - np.array(camera.GetFocalPoint())
+        camera.SetFocalPoint(*cut.centre)
+        camera.SetPosition(*(np.array(cut.centre) + aside))
+        camera.SetParallelScale(cut.half_height_mm)
+    renderer.SetActiveCamera(camera)
     renderer.ResetCameraClippingRange()
     if note:
         renderer.AddViewProp(_text(note, size))
     return _drawn(renderer, size)
+
+
+def _cut(actors: tuple[vtkActor, vtkActor], cut: Cut, colour: Vector) -> tuple[vtkActor, vtkActor]:
+    """Surface and edges behind the plane; the surface's inner side stands for the cut face."""
+    plane = vtkPlane()
+    plane.SetOrigin(*cut.centre)
+    plane.SetNormal(*(-value for value in cut.normal))
+    for actor in actors:
+        actor.GetMapper().AddClippingPlane(plane)
+    face = vtkProperty()
+    face.SetColor(*(_CUT_SHADE * _display(channel) for channel in colour))
+    face.SetAmbient(1.0)
+    face.SetDiffuse(0.0)
+    face.SetSpecular(0.0)
+    actors[0].SetBackfaceProperty(face)
+    return actors
 
 
 def _placed_points(items: Iterable[Item], meshes: Mapping[str, TriangleMesh]) -> FloatArray:

@@ -24,7 +24,8 @@ RING_ENCODER_GRIP_MM = 2.0
 SPRING_SHARE = 1.0 / 3.0
 # Colours (linear RGB) that tell bought bodies and cables from machined metal.
 ENCODER_COLOUR = (0.01, 0.12, 0.06)
-_CABLE_COLOUR = (0.85, 0.3, 0.02)
+# One for each cable, so that its way can be followed; told apart by most colour-blind people too.
+_CABLE_COLOURS = ((0.85, 0.3, 0.02), (0.05, 0.25, 0.8), (0.02, 0.45, 0.25), (0.6, 0.08, 0.4))
 
 
 def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDims) -> None:
@@ -129,12 +130,12 @@ def add_drum_encoder(b: BillBuilder, drive: SectorDrive, floor_y: float, screw_c
 
 def add_cables(b: BillBuilder, drive: SectorDrive, paths: Iterable[CablePath]) -> None:
     """All cables, as rods along their centre lines."""
-    rope = replace(drive.material(drive.cable.material), colour=_CABLE_COLOUR)
-    for path in paths:
+    wire = drive.material(drive.cable.material)
+    for k, path in enumerate(paths):
         b.add(
             cable_item(path.cable.name),
             "mbcdm_cad.parts.cable:create_cable",
             (path.line, drive.cable.diameter_mm / 2),
-            material=rope,
+            material=replace(wire, colour=_CABLE_COLOURS[k % len(_CABLE_COLOURS)]),
             mass_g=drive.cable.mass_g_m * path.length_mm / 1e3,
         )

@@ -142,3 +142,17 @@ sys.stdout.buffer.write(t.picture_png(items, meshes, "iso", t.SIZE))
     there = image.imread(io.BytesIO(done.stdout), format="png")
     worst = float(np.abs(here - there).max())
     assert worst <= 2 / 255, f"pictures differ by {worst:.3f}"
+
+
+def test_a_cut_takes_away_what_stands_before_it_and_shows_the_face(
+    pair: list[Item], meshes: dict[str, TriangleMesh]
+) -> None:
+    """The cut through the red cube's middle, seen along x: a flat square 10 mm high, the blue one gone."""
+    pixels = draw(pair, meshes, "iso", cut=picture.Cut((-20.0, 0.0, 0.0), (1.0, 0.0, 0.0), 10.0))
+    middle = pixels[SIZE[1] // 2, SIZE[0] // 2]
+    assert middle[0] > 0.3 and max(middle[1:]) < 0.1, f"the cut face is red, not {middle}"
+    inner = pixels[SIZE[1] // 2 - 40 : SIZE[1] // 2 + 40, SIZE[0] // 2 - 40 : SIZE[0] // 2 + 40]
+    assert np.ptp(inner, axis=(0, 1)).max() < 0.02, "the face is flat"
+    assert not ((pixels[..., 2] > 0.5) & (pixels[..., 0] < 0.3)).any(), "blue stands before the cut"
+    rows = np.flatnonzero((pixels[..., 1] < 0.2).any(axis=1))
+    assert (rows[-1] - rows[0]) / SIZE[1] == pytest.approx(0.5, abs=0.03)

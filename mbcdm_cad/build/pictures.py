@@ -1,0 +1,130 @@
+"""Pictures for the builder: each step of the order of assembly, exploded view, section through the transfer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.build.run import drawn
+from mbcdm_cad.build.store import MadePart, Progress
+from mbcdm_cad.build.trianglemesh import FloatArray, TriangleMesh
+from mbcdm_cad.configurations.interface import Layout
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.parts.bill import CABLE
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.keys import content_key, source_hash
+from mbcdm_cad.storage.manifest import versions
+
+# How much further from the middle each part stands in the exploded view.
+EXPLODED = 1.1
+# What stood before is drawn in the one colour (linear RGB), what joins in the other; cables keep their own.
+BEFORE: Vector = (0.5, 0.5, 0.5)
+NEW: Vector = (0.1, 0.4, 0.9)
+VIEW = "output"
+# Rope diameters around the transfer points that a section shows.
+_AROUND_DIAMETERS = 12.0
+_SMALLEST_RADIUS_MM = 1e-6
+
+
+def pictures_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None) -> dict[str, bytes]:
+    """PNG files by name: ``step_01.png`` for each step that adds parts, ``exploded.png``, ``section.png``.
+
+    Those whose parts, places and code are as they were come from the cache. Raises ``OutputError`` where the machine
+    has no way to draw.
+    """
+    kind = configuration(drive.configuration)
+    layout = kind.layout(drive)
+    items, parts = drawn(drive, 0.0, cache, progress)
+    by_name = {item.name: item for item in items}
+    there: list[Item] = []
+    wanted: dict[str, tuple[Sequence[Item], dict[str, Any]]] = {}
+    for number, step in enumerate(kind.assembly_order(layout), 1):
+        if step.items:
+            new = [by_name[name] for name in step.items]
+            there = there + new
+            wanted[f"step_{number:02d}"] = (tuple(there), {"new": frozenset(step.items)})
+    wanted["exploded"] = (exploded(items, {name: part.files.mesh for name, part in parts.items()}), {})
+    section = transfer_section(layout)
+    if section is not None:
+        wanted["section"] = (items, {"section": section})
+    code = source_hash("mbcdm_cad.build.export.picture", __name__)
+    found = {}
+    for name, (shown, how) in wanted.items():
+        keys = {item.part: parts[item.part].key for item in shown}
+        plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in how.items()}
+        key = content_key("picture for the builder", (shown, keys, plain), code, versions())
+        blobs = cache.get_or_make(key, _maker(name, shown, parts, how, progress))
+        found[f"{name}.png"] = blobs["png"]
+    return found
+
+
+def _maker(
+    name: str, shown: Sequence[Item], parts: Mapping[str, MadePart], how: dict[str, Any], progress: Progress
+) -> Callable[[], dict[str, bytes]]:
+    def make() -> dict[str, bytes]:
+        from mbcdm_cad.build.export.picture import Cut, picture_png
+
+        progress(f"picture {name}")
+        meshes = {item.part: parts[item.part].files.mesh for item in shown}
+        new = how.get("new")
+        cut = Cut(*how["section"]) if "section" in how else None
+
+        def colour(item: Item) -> Vector:
+            if new is None or (item.name in new and item.name.startswith(CABLE)):
+                return item.material.colour
+            return NEW if item.name in new else BEFORE
+
+        return {"png": picture_png(shown, meshes, VIEW, colour_of=colour, cut=cut)}
+
+    return make
+
+
+def exploded(items: Sequence[Item], meshes: Mapping[str, TriangleMesh]) -> tuple[Item, ...]:
+    """The items moved away from the middle of them all, each by a multiple of its own distance from it."""
+    middles = [_middle(item, meshes[item.part]) for item in items]
+    low, high = np.min(middles, axis=0), np.max(middles, axis=0)
+    apart = EXPLODED * (np.array(middles) - (low + high) / 2.0)
+    return tuple(
+        replace(item, location=Placement.translation(*(float(v) for v in shift)) @ item.location)
+        for item, shift in zip(items, apart, strict=True)
+    )
+
+
+def _middle(item: Item, mesh: TriangleMesh) -> FloatArray:
+    points = item.location.apply(mesh.points_mm)
+    return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2.0)
+
+
+def transfer_section(layout: Layout) -> tuple[Vector, Vector, float] | None:
+    """Centre, normal and half height of the plane through the drum's axis and the points where cables reach the drum.
+
+    None where a configuration does not say which stretch of a cable lies on the drum.
+    """
+    drum = next(body for body in configuration(layout.drive.configuration).moving_bodies(layout) if body.kind == "drum")
+    reached = []
+    for path in layout.cable_paths(0.0):
+        on_drum = [stretch for stretch in path.stretches if stretch.body == drum.name]
+        if on_drum and on_drum[0].pieces:
+            reached.append(path.piece(on_drum[0].pieces[0]).points(np.array([0.0]))[0])
+    if not reached:
+        return None
+    points = np.array(reached)
+    axis, origin = np.array(drum.axis), np.array(drum.origin_mm)
+    normal = np.cross(axis, points[0] - origin)
+    length = float(np.linalg.norm(normal))
+    if length < _SMALLEST_RADIUS_MM:
+        return None
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = float(np.linalg.norm(high - low)) / 2.0 + _AROUND_DIAMETERS * layout.drive.cable.diameter_mm
+    centre, unit = (low + high) / 2.0, normal / length
+    return _triple(centre), _triple(unit), half
+
+
+def _triple(v: FloatArray) -> Vector:
+    return (float(v[0]), float(v[1]), float(v[2]))

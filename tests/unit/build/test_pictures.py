@@ -1,0 +1,51 @@
+"""Pictures for the builder: the section stands where cables reach the drum, the exploded view parts what is together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cadquery as cq
+import numpy as np
+import pytest
+
+from mbcdm_cad.build.meshing import mesh_solid
+from mbcdm_cad.build.pictures import EXPLODED, exploded, transfer_section
+from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.bought import Material
+from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.placement import Placement
+
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+METAL = Material("metal", 1.0, 70.0, 0.3, 100.0, "milled", 0.5, 0.5, (0.5, 0.5, 0.5), "test")
+
+
+def test_the_section_shows_the_plane_through_the_drum_s_axis_and_the_transfer_points() -> None:
+    """Of miso_bevel: the plane x = 0, the points at (0, r_g, r_o)."""
+    found = transfer_section(configuration(DRIVE.configuration).layout(DRIVE))
+    assert found is not None
+    centre, normal, half = found
+    guide = [c.guide_radius_mm for c in DRIVE.cables]  # type: ignore[attr-defined]
+    drum = [c.drum_radius_mm for c in DRIVE.cables]
+    assert np.abs(normal) == pytest.approx([1.0, 0.0, 0.0], abs=1e-9)
+    assert centre == pytest.approx([0.0, (min(guide) + max(guide)) / 2, (min(drum) + max(drum)) / 2], abs=1e-6)
+    assert half > (max(drum) - min(drum)) / 2
+
+
+def test_the_exploded_view_keeps_directions_and_multiplies_distances() -> None:
+    cube = mesh_solid("cube", cq.Solid.makeBox(2, 2, 2, cq.Vector(-1, -1, -1)), 0.1)
+    places = np.array([[-4.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 1.0, 3.0]])
+    items = [
+        Item(f"cube_{n}", "cube", METAL, "made", Placement.translation(*place), "fixed")
+        for n, place in enumerate(places.tolist())
+    ]
+    moved = np.array([item.location.apply(np.zeros((1, 3)))[0] for item in exploded(items, {"cube": cube})])
+    middle = (places.min(axis=0) + places.max(axis=0)) / 2
+    assert moved - middle == pytest.approx((1.0 + EXPLODED) * (places - middle))
+
+
+def test_each_cable_has_a_colour_of_its_own() -> None:
+    of = configuration(DRIVE.configuration)
+    items = of.bill(of.layout(DRIVE)).items
+    colours = [item.material.colour for item in items if item.name.startswith("cable_")]
+    assert len(set(colours)) == len(colours) == 4
