@@ -1,4 +1,4 @@
-"""Pictures for the builder: the section stands where cables reach the drum, the exploded view parts what is together."""
+"""Pictures for the builder: the section stands where cables reach the drum, the exploded view parts the parts."""
 
 from __future__ import annotations
 
