@@ -68,12 +68,12 @@ def _maker(
     name: str, shown: Sequence[Item], parts: Mapping[str, MadePart], how: dict[str, Any], progress: Progress
 ) -> Callable[[], dict[str, bytes]]:
     def make() -> dict[str, bytes]:
-        from mbcdm_cad.build.export.picture import Cut, picture_png
+        from mbcdm_cad.build.export.picture import CutPlane, picture_png
 
         progress(f"picture {name}")
         meshes = {item.part: parts[item.part].files.mesh for item in shown}
         new = how.get("new")
-        cut = Cut(*how["section"]) if "section" in how else None
+        cut = CutPlane(*how["section"]) if "section" in how else None
 
         def colour(item: Item) -> Vector:
             if new is None or (item.name in new and item.name.startswith(CABLE)):

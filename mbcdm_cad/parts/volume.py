@@ -16,7 +16,7 @@ from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.bill import PartSpec
 from mbcdm_cad.parts.collar.dims import HEAD_PLAY_MM, CollarDims
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.terminal.dims import Tensioner, TerminalDims
@@ -93,6 +93,11 @@ def drum_shaft_mm3(d: DrumShaftDims) -> float:
     flange = ring_mm3(d.flange_radius, d.radius, d.flange_end_y - d.flange_start_y)
     flats = 2 * segment_mm2(d.radius, d.flat) * d.flat_length
     return ring_mm3(d.radius, d.bore_radius, d.y_end - d.y_start) + flange - flats
+
+
+def preload_spring_mm3(d: PreloadSpringDims) -> float:
+    """Ring that the wave spring fills."""
+    return ring_mm3(d.outer_radius, d.inner_radius, d.height)
 
 
 def terminal_mm3(d: TerminalDims) -> float:
@@ -216,6 +221,7 @@ VOLUMES: dict[str, Volume] = {
     "mbcdm_cad.parts.axle.draw:create_spacer": spacer_mm3,
     "mbcdm_cad.parts.idler_pulley.draw:create_idler_pulley": idler_mm3,
     "mbcdm_cad.parts.drum_shaft.draw:create_drum_shaft": drum_shaft_mm3,
+    "mbcdm_cad.parts.drum_shaft.draw:create_preload_spring": preload_spring_mm3,
     "mbcdm_cad.parts.terminal.draw:create_terminal": terminal_mm3,
     "mbcdm_cad.parts.collar.draw:create_collar": collar_mm3,
     "mbcdm_cad.parts.input_pulley.draw:create_input_pulley": input_pulley_mm3,

@@ -57,7 +57,7 @@ _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 
 @dataclass(frozen=True)
-class Cut:
+class CutPlane:
     """A section: what lies on the side of ``normal`` is taken away, and the camera looks square on the plane.
 
     ``half_height_mm`` of the plane above and below ``centre`` fill the picture.
@@ -75,7 +75,7 @@ def picture_png(
     size: tuple[int, int] = (1600, 1200),
     note: str = "",
     colour_of: Callable[[Item], Vector] = lambda item: item.material.colour,
-    cut: Cut | None = None,
+    cut: CutPlane | None = None,
 ) -> bytes:
     """A PNG of the assembly, ``size`` (width, height) in pixels, from one of ``VIEWS``; ``note`` is written below.
 
@@ -111,7 +111,7 @@ def picture_png(
     return _drawn(renderer, size)
 
 
-def _cut(actors: tuple[vtkActor, vtkActor], cut: Cut, colour: Vector) -> tuple[vtkActor, vtkActor]:
+def _cut(actors: tuple[vtkActor, vtkActor], cut: CutPlane, colour: Vector) -> tuple[vtkActor, vtkActor]:
     """Surface and edges behind the plane; the surface's inner side stands for the cut face."""
     plane = vtkPlane()
     plane.SetOrigin(*cut.centre)

@@ -148,7 +148,7 @@ def test_a_cut_takes_away_what_stands_before_it_and_shows_the_face(
     pair: list[Item], meshes: dict[str, TriangleMesh]
 ) -> None:
     """The cut through the red cube's middle, seen along x: a flat square 10 mm high, the blue one gone."""
-    pixels = draw(pair, meshes, "iso", cut=picture.Cut((-20.0, 0.0, 0.0), (1.0, 0.0, 0.0), 10.0))
+    pixels = draw(pair, meshes, "iso", cut=picture.CutPlane((-20.0, 0.0, 0.0), (1.0, 0.0, 0.0), 10.0))
     middle = pixels[SIZE[1] // 2, SIZE[0] // 2]
     assert middle[0] > 0.3 and max(middle[1:]) < 0.1, f"the cut face is red, not {middle}"
     inner = pixels[SIZE[1] // 2 - 40 : SIZE[1] // 2 + 40, SIZE[0] // 2 - 40 : SIZE[0] // 2 + 40]
