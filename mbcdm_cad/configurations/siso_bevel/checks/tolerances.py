@@ -12,7 +12,7 @@ from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
-from mbcdm_cad.parts.making import axial_play_mm, land_band_mm, model_tolerances, rope_band_mm
+from mbcdm_cad.parts.making import land_band_mm, model_tolerances, rope_band_mm
 
 Stacks = Callable[[DirectUnderTest], list[StackUp]]
 # Standard deviations on either side that hold 95 % of all drives.
@@ -30,7 +30,6 @@ def _input_to_drum(drive: DirectDrive, cable: DirectRun) -> tuple[Contribution, 
         Contribution("place of the drum's bearings in the frame", making.position_mm),
         Contribution("place of the land's wall on the drum", making.position_mm),
         Contribution("run-out of the drum's faces", making.run_out_mm, 0.5),
-        Contribution("axial play of the drum's bearings", axial_play_mm(drive), 0.5),
     )
 
 

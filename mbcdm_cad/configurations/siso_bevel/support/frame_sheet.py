@@ -111,6 +111,7 @@ def column_sheet(part: str, d: ColumnDims) -> Sheet:
         dimensions=(*_in_front(d), *_in_section(d), corner),
         labels=(*hole_labels(front, "front"), *hole_labels(above, "top")),
         cutting_lines=(CuttingLine("front", (0.0, y, -b.radius - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
+        holes=(*above, *behind),
         tables=(
             hole_table((*above, *behind)),
             position_table(above, (0, 1), "Positions from A, along Z"),

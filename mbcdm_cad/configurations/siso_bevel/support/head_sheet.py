@@ -109,6 +109,7 @@ def head_sheet(part: str, d: HeadDims) -> Sheet:
         labels=hole_labels(seen, "top"),
         cutting_lines=(CuttingLine("top", (-x - 4.0, 0.0, low), (x + 4.0, 0.0, low), "A", Y),),
         tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of A")),
+        holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
         notes=(
             "A, B and F to one datum within 0.01; all other positions within 0.1.",
