@@ -83,7 +83,7 @@ def _support(b: _Builder) -> None:
     tapped = replace(
         lay.frame,
         axle_screw_radius=drive.screw(AXLE_SCREW).tap_drill_mm / 2,
-        plate_screw_radius=drive.screw(PLATE_SCREW).tap_drill_mm / 2,
+        plate_screw_radius=plate_screw_of(drive).tap_drill_mm / 2,
         encoder_screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2,
     )
     b.drilled("frame", tapped)
