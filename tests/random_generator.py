@@ -95,9 +95,9 @@ def failing(loaded: LoadedDesign) -> tuple[tuple[str, str], ...]:
     return tuple((check.id, check.message) for check in found if check.status == "fail")
 
 
-def passing(seed: int) -> Passing | str:
+def passing(seed: int, space: Space = USUAL) -> Passing | str:
     """The design of a seed if it passes all checks, else the first that fails or the message that refuses it."""
-    data = requirements(seed)
+    data = requirements(seed, space)
     try:
         loaded = load(data)
     except InputError as error:

@@ -23,12 +23,12 @@ SEEDS = range(1, 25)
 BUILT = 5
 
 
-mended = cache(passing)
+sized = cache(passing)
 
 
 def found_first(count: int) -> list[Passing]:
     """The first designs that pass, by seed."""
-    drawn = (mended(seed) for seed in SEEDS)
+    drawn = (sized(seed) for seed in SEEDS)
     found = list(islice((p for p in drawn if isinstance(p, Passing)), count))
     assert len(found) == count, f"only {len(found)} of {len(SEEDS)} seeds pass the checks"
     return found
@@ -54,12 +54,10 @@ def test_a_seed_is_a_design() -> None:
 
 
 @pytest.mark.slow
-def test_many_seeds_pass_and_vary_widely() -> None:
-    """Three of nine since the terminals must take up the rope from slack: sizing rules are to replace this generator,
-    which has no rule for the terminals and leaves them to the advice of the checks."""
-    drawn = [mended(seed) for seed in range(9)]
+def test_most_seeds_pass_and_vary_widely() -> None:
+    drawn = [sized(seed) for seed in range(1, 13)]
     found = [p for p in drawn if isinstance(p, Passing)]
-    assert len(found) >= 3, f"{len(found)} of 9 pass: {[p for p in drawn if isinstance(p, str)]}"
+    assert len(found) >= 11, f"{len(found)} of 12 pass: {[p for p in drawn if isinstance(p, str)]}"
     values = [random_designs.figures(p) for p in found]
     for name, ratio in {
         "rope diameter, mm": 2.0,

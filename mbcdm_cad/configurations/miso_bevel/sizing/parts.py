@@ -26,7 +26,7 @@ BIAS_SHARE = 0.067
 # Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end takes most of it.
 INPUT_PRELOADS = 1.4
 # Of the guide: four cables in one state turn it over rather than push it aside, so that the largest tension counts.
-GUIDE_TENSIONS = 1.6
+GUIDE_TENSIONS = 1.85
 # Of a drum's bearing.
 DRUM_TENSIONS = 1.2
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")

@@ -30,8 +30,8 @@ STEP_MM = 0.1
 FLANK_GAP_MM = 0.045
 # Outermost over first drum radius and centre distance over it, before they are known; wrap on the drum beyond the
 # travel, and way round the guide, both in drum radii.
-USUAL_OUTER, USUAL_DISTANCE = 1.25, 0.8
-ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.5, 0.6
+USUAL_OUTER, USUAL_DISTANCE = 1.4, 0.9
+ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.6, 0.7
 # Neighbouring terminals stand at different angles: what that takes of the gap between them.
 SLANT_MM = 0.4
 # The free span is this much longer than the fleet angle asks, so that rounding never costs it.
