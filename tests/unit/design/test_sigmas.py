@@ -119,7 +119,7 @@ def test_a_catalogue_entry_may_be_called_sigma() -> None:
 def test_editor_schema_offers_both_forms_and_nothing_of_ours() -> None:
     text = json.dumps(editor_schema(design_file().nodes))
     assert '"uncertain"' not in text
-    rope = editor_schema(design_file().nodes)["$defs"]["Rope"]["properties"]
+    rope = editor_schema(design_file().nodes)["$defs"]["WoundRope"]["properties"]
     kinds = [branch["type"] for branch in rope["preload_N"]["anyOf"]]
     assert kinds == ["number", "object"], kinds
     kinds = [branch["type"] for branch in rope["modulus_GPa"]["anyOf"]]
