@@ -54,6 +54,7 @@ def moves(dims: Layout) -> tuple[Move, ...]:
     return (
         Move(("frame",)),
         Move(("drum_bearing_front",), front),
+        Move(("drum_preload_spring",), back),
         Move(("drum_bearing_rear", "drum_shaft", "drum_encoder"), back),
         Move(("drum_encoder_screw_*",), axis=True),
         Move(("gearhead_left", "gearhead_right", "motor_*"), down),
