@@ -116,8 +116,8 @@ def test_one_parameter_edited_redraws_only_what_depends_on_it(built: Path, cache
     done = mbcdm("build", design, "--out", tmp_path, cache=cache)
     assert done.returncode == 0, done.stdout + done.stderr
     made = done.stdout.splitlines()[0].partition("made: ")[2].split(", ")
-    # The stop pin reaches through the web, so it follows it.
-    assert sorted(made) == ["assembly", "drum", "interference at 9 poses", "stop_pin"], done.stdout
+    # The stop pin reaches through the web and the shaft's flats lie before it, so both follow.
+    assert sorted(made) == ["assembly", "drum", "drum_shaft", "interference at 9 poses", "stop_pin"], done.stdout
 
 
 def test_failing_design_is_refused_and_forced_output_says_so(cache: Path, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import aiohttp
@@ -29,7 +30,9 @@ def served(folder: Path, ask: Ask) -> None:
         finally:
             await server.stop()
 
-    asyncio.run(main())
+    # In a thread of its own: the browser's driver, which other tests start, keeps a loop running in this one.
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, main()).result()
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.configurations.miso_bevel.design_file.resolve import drive
+from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.stack import stack
@@ -196,6 +197,9 @@ class BevelKnown(KnownFields):
             design = BevelDesign.model_validate(data)
         except ValidationError as error:
             raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
+        broken = next(broken_rules(design), None)
+        if broken is not None:  # told in its own words when the whole design is read
+            raise NoFigureError(f"what is known so far breaks a rule of the design file: {broken.what}")
         return drive(design, Catalogue(design), {})
 
 

@@ -157,7 +157,8 @@ def test_windows_leave_spokes_round_the_slot_and_a_rim(drive: BevelDrive, dims: 
 
 def test_shaft_stack_fills_the_boss(drive: BevelDrive, dims: Layout) -> None:
     s, f, width = dims.drum_shaft, dims.frame, drive.bearings.drum.width_mm
-    assert s.rear_bearing_y == s.flange_end_y and f.rear_seat_end_y == pytest.approx(s.rear_bearing_y + width)
+    spring = dims.preload_spring.height
+    assert s.rear_bearing_y == s.flange_end_y and f.rear_seat_end_y == pytest.approx(s.rear_bearing_y + width + spring)
     assert f.front_seat_start_y == s.front_bearing_y
     assert s.front_bearing_y + width == pytest.approx(dims.levels.boss_front_y)
     assert s.front_bearing_y - f.rear_seat_end_y > width, "bearings closer than their own width"
