@@ -20,7 +20,7 @@ def fill(given: KnownFields, rules: Iterable[Rule]) -> Sizing:
         given.start()
         try:
             found = rule.value(given)
-        except (ValueError, ArithmeticError, LookupError, NoFigureError) as error:
+        except (ValueError, ArithmeticError, IndexError, NoFigureError) as error:
             path, why = tuple(rule.field.split(".")), f"no rule can fill it here ({error})"
             raise SizingError(Broken(path, why, "", "", f"give it: {rule.text}")) from None
         if not isinstance(found, Found):

@@ -67,6 +67,9 @@ def _missing(given: BevelKnown) -> Any:
     radii = ("transmission.drum_radii_mm", "transmission.drum_radius_mm")
     if not any(given.has(field) for field in radii):
         yield _needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")
+    explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
+    if explicit and not given.has("transmission.drum_radii_mm"):
+        yield _needed("transmission.drum_radii_mm", "add the drum's radii, as other pulleys' are given")
     ratios = ("transmission.ratios.guide_to_drum", "transmission.ratios.input_to_guide")
     known = given.has("transmission.ratio") or given.has("transmission.input_radii_mm")
     if not known and not all(given.has(field) for field in ratios):

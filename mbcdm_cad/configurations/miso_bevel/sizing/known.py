@@ -19,6 +19,7 @@ from mbcdm_cad.configurations.miso_bevel.stack import stack
 from mbcdm_cad.design.bought import CableSpec, Gearhead, Screw, TerminationSpec
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import termination
+from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 from mbcdm_cad.sizing.known import KnownFields
 
@@ -187,7 +188,7 @@ class BevelKnown(KnownFields):
         """The drive that the fields known so far make, with figures for those that are still open.
 
         Of the open fields, ``block__name``, only such may be left to a figure that the asking rule does not depend on.
-        Raises ``NoFigureError`` where what is known makes no drive.
+        Raises ``NoFigureError`` where what is known makes no drive, ``SizingError`` where the file breaks a rule.
         """
         data = copy.deepcopy(self.data)
         for field, value in open_fields.items():
@@ -198,8 +199,8 @@ class BevelKnown(KnownFields):
         except ValidationError as error:
             raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
         broken = next(broken_rules(design), None)
-        if broken is not None:  # told in its own words when the whole design is read
-            raise NoFigureError(f"what is known so far breaks a rule of the design file: {broken.what}")
+        if broken is not None:
+            raise SizingError(broken)
         return drive(design, Catalogue(design), {})
 
 
