@@ -168,4 +168,6 @@ def _rating_needed(measure: Callable[[Any], Comparison], s: SectorUnderTest) -> 
     finding, rated = measure(s), s.drive.bearings.all()
     name = finding.subject.split(",")[0].split(": ")[1]
     rating = next(b.static_rating_N for b in rated if b.name == name)
+    if finding.actual <= 0.0:
+        return "lower the load on it: no bearing carries one that has no bound"
     return f"choose a bearing of static rating {rating / finding.actual * QUIET_SAFETY:.4g} N or more in its place"

@@ -249,6 +249,8 @@ class Fitter:
 
         A promise of less than half of the fall by which a fit has ``settled`` is not worth a simulation.
         """
+        if now.square == 0.0:  # the prediction is exact already, as on a drum that nothing turned
+            return None, damping
         columns = self.centred(jacobian, mask)[mask]
         size = np.linalg.norm(columns, axis=0)
         size[size == 0.0] = 1.0

@@ -54,8 +54,8 @@ FEWEST_SWEEPS = 3
 FLANK_ERRORS = 5.0
 # Between samples on which the cables are simulated, load and difference of the inputs may leave a straight line by this
 # share of their range, the load by this share of its sensor's noise.
-BENT_SHARE = 0.002
-BENT_NOISE = 0.1
+BENT_SHARE = 0.001
+BENT_NOISE = 0.05
 
 
 @dataclass(frozen=True)

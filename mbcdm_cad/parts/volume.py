@@ -221,7 +221,7 @@ VOLUMES: dict[str, Volume] = {
     "mbcdm_cad.parts.axle.draw:create_spacer": spacer_mm3,
     "mbcdm_cad.parts.idler_pulley.draw:create_idler_pulley": idler_mm3,
     "mbcdm_cad.parts.drum_shaft.draw:create_drum_shaft": drum_shaft_mm3,
-    "mbcdm_cad.parts.drum_shaft.draw:create_preload_spring": preload_spring_mm3,
+    "mbcdm_cad.parts.bought.draw:create_preload_spring": preload_spring_mm3,
     "mbcdm_cad.parts.terminal.draw:create_terminal": terminal_mm3,
     "mbcdm_cad.parts.collar.draw:create_collar": collar_mm3,
     "mbcdm_cad.parts.input_pulley.draw:create_input_pulley": input_pulley_mm3,

@@ -12,6 +12,7 @@ import cadquery as cq
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, Motor, Screw
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS, first_screw_rad
+from mbcdm_cad.parts.drum_shaft.dims import PreloadSpringDims
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
 
 _EDGE = 0.3
@@ -116,3 +117,9 @@ def create_screw(screw: Screw) -> cq.Solid:
     head = cylinder_z(screw.head_diameter_mm / 2, 0, 0, 0.0, screw.head_height_mm)
     socket = hexagon_z(screw.key_mm, screw.head_height_mm / 2, screw.head_height_mm + 1.0)
     return cut(fuse([head, thread], screw.name), [socket], screw.name)
+
+
+def create_preload_spring(dims: PreloadSpringDims) -> cq.Solid:
+    """Ring that the pressed wave spring fills, axis Z from z = 0."""
+    inner, outer, height = dims.inner_radius, dims.outer_radius, dims.height
+    return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")

@@ -102,7 +102,7 @@ def add_preload_spring(b: BillBuilder, drive: SectorDrive, spring: PreloadSpring
     volume = pi * (spring.outer_radius**2 - spring.inner_radius**2) * spring.height
     b.add(
         "drum_preload_spring",
-        "mbcdm_cad.parts.drum_shaft.draw:create_preload_spring",
+        "mbcdm_cad.parts.bought.draw:create_preload_spring",
         (spring,),
         part="wave_spring",
         material=steel,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import cadquery as cq
 
-from mbcdm_cad.parts.drum_shaft.dims import CHAMFER_MM, DrumShaftDims, PreloadSpringDims
-from mbcdm_cad.parts.shapes import cut, turned, turned_about_y
+from mbcdm_cad.parts.drum_shaft.dims import CHAMFER_MM, DrumShaftDims
+from mbcdm_cad.parts.shapes import cut, turned_about_y
 
 
 def create_drum_shaft(dims: DrumShaftDims) -> cq.Solid:
@@ -31,9 +31,3 @@ def create_drum_shaft(dims: DrumShaftDims) -> cq.Solid:
     box = cq.Solid.makeBox(2 * r, dims.flat_length, r, cq.Vector(-r, dims.flat_y - dims.flat_length / 2, dims.flat))
     origin, y = cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
     return cut(body, [box.rotate(origin, y, deg) for deg in dims.flat_angles_deg], "drum shaft")
-
-
-def create_preload_spring(dims: PreloadSpringDims) -> cq.Solid:
-    """Ring that the pressed wave spring fills, axis Z from z = 0."""
-    inner, outer, height = dims.inner_radius, dims.outer_radius, dims.height
-    return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")

@@ -80,7 +80,7 @@ def test_mass_with_grooves_setback_and_four_screws(drive: Drive) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["frame", "motor_head", "drum", "input_pulley_motor"])
+@pytest.mark.parametrize("name", ["frame", "motor_head", "drum", "input_pulley_main"])
 def test_parts_of_siso_bevel_within_a_hundredth(name: str) -> None:
     kind = configuration("siso_bevel")
     spec = kind.bill(kind.layout(load_text(new_design_text("single", "siso_bevel")).drive)).parts[name]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from functools import partial
+from itertools import chain
 from math import atan, hypot, pi, radians, sqrt, tan
 from typing import Any
 
@@ -12,13 +13,14 @@ from pydantic import ValidationError
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.configurations.miso_bevel.design_file.resolve import drive
-from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules
+from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.stack import stack
 from mbcdm_cad.design.bought import CableSpec, Gearhead, Screw, TerminationSpec
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import termination
+from mbcdm_cad.design.rules import broken_names, broken_shared_rules, named_by_shared_blocks
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 from mbcdm_cad.sizing.known import KnownFields
@@ -198,10 +200,13 @@ class BevelKnown(KnownFields):
             design = BevelDesign.model_validate(data)
         except ValidationError as error:
             raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
-        broken = next(broken_rules(design), None)
+        catalogue = Catalogue(design)
+        named = chain(named_by_shared_blocks(design), named_entries(design))
+        rules = chain(broken_rules(design), broken_shared_rules(design), broken_names(catalogue, named))
+        broken = next(rules, None)
         if broken is not None:
             raise SizingError(broken)
-        return drive(design, Catalogue(design), {})
+        return drive(design, catalogue, {})
 
 
 def clearing_lead_mm(d_mm: float, radius_mm: float, fleet_deg: float) -> float:
