@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizedValue, Sizing, SizingError
 from mbcdm_cad.sizing.known import KnownFields
@@ -20,7 +19,7 @@ def fill(given: KnownFields, rules: Iterable[Rule]) -> Sizing:
         given.start()
         try:
             found = rule.value(given)
-        except (ValueError, ArithmeticError, IndexError, NoFigureError) as error:
+        except (ValueError, ArithmeticError, IndexError) as error:
             path, why = tuple(rule.field.split(".")), f"no rule can fill it here ({error})"
             raise SizingError(Broken(path, why, "", "", f"give it: {rule.text}")) from None
         if not isinstance(found, Found):
