@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from math import sqrt
 from typing import Any
 
@@ -54,6 +55,27 @@ def _first(candidates: Iterable[tuple[float, str, Mapping[str, float]]]) -> Foun
     return Found(name, min(margins, key=lambda check: margins[check]), "nothing in the catalogue does: the nearest")
 
 
+def _with_partner(
+    given: BevelKnown, kind: str, partner: tuple[str, str], margins: Callable[[Entry, Entry], dict[str, float]]
+) -> Found:
+    """The entry of a kind that is lightest with some partner (its kind, its field); a chosen partner stays."""
+    other_kind, field = partner
+    others = given.entries(other_kind)
+    if given.has(field):
+        others = {given[field]: given.entry(other_kind, field)}
+    best = _first(
+        (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", margins(entry, other))
+        for name, entry in given.entries(kind).items()
+        for other_name, other in others.items()
+    )
+    return Found(best.value.split(" ")[0], best.driver, best.rounding)
+
+
+def _lightest(given: BevelKnown, kind: str, margins: Callable[[Entry], dict[str, float]]) -> Found:
+    """The lightest entry of a kind whose margins are all kept."""
+    return _first((entry["mass_g"], name, margins(entry)) for name, entry in given.entries(kind).items())
+
+
 def _share_N(given: BevelKnown) -> float:
     return float(given["loads.peak_torque_Nm"] * 1e3 / (4.4 * given.first_drum_mm))
 
@@ -79,22 +101,12 @@ def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> dict[str
 
 
 def _motor(given: BevelKnown) -> Found:
-    heads = given.entries("gearheads")
-    if given.has("drive.gearhead"):
-        heads = {given["drive.gearhead"]: given.entry("gearheads", "drive.gearhead")}
-    best = _first(
-        (motor["mass_g"] + head["mass_g"], f"{name} {other}", _motor_margins(given, motor, head))
-        for name, motor in given.entries("motors").items()
-        for other, head in heads.items()
-    )
-    return Found(best.value.split(" ")[0], best.driver, best.rounding)
+    return _with_partner(given, "motors", ("gearheads", "drive.gearhead"), partial(_motor_margins, given))
 
 
 def _gearhead(given: BevelKnown) -> Found:
     motor = given.entry("motors", "drive.motor")
-    return _first(
-        (head["mass_g"], name, _motor_margins(given, motor, head)) for name, head in given.entries("gearheads").items()
-    )
+    return _lightest(given, "gearheads", lambda head: _motor_margins(given, motor, head))
 
 
 def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
@@ -153,7 +165,7 @@ def _lower(given: BevelKnown) -> Found:
             "input_bearings": bearing["static_rating_N"] / load - 1.0,
         }
 
-    return _first((entry["mass_g"], name, margins(entry)) for name, entry in given.entries("bearings").items())
+    return _lightest(given, "bearings", margins)
 
 
 def _upper_margins(given: BevelKnown, bearing: Entry, encoder: Entry) -> dict[str, float]:
@@ -170,23 +182,12 @@ def _upper_margins(given: BevelKnown, bearing: Entry, encoder: Entry) -> dict[st
 
 
 def _upper(given: BevelKnown) -> Found:
-    encoders = given.entries("encoders")
-    if given.has("drive.encoder"):
-        encoders = {given["drive.encoder"]: given.entry("encoders", "drive.encoder")}
-    best = _first(
-        (bearing["mass_g"] + encoder["mass_g"], f"{name} {other}", _upper_margins(given, bearing, encoder))
-        for name, bearing in given.entries("bearings").items()
-        for other, encoder in encoders.items()
-    )
-    return Found(best.value.split(" ")[0], best.driver, best.rounding)
+    return _with_partner(given, "bearings", ("encoders", "drive.encoder"), partial(_upper_margins, given))
 
 
 def _encoder(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "input_pulleys.upper_bearing")
-    return _first(
-        (entry["mass_g"], name, _upper_margins(given, bearing, entry))
-        for name, entry in given.entries("encoders").items()
-    )
+    return _lightest(given, "encoders", lambda entry: _upper_margins(given, bearing, entry))
 
 
 def _collar_screw(given: BevelKnown) -> Found:
@@ -213,23 +214,12 @@ def _drum_margins(given: BevelKnown, bearing: Entry, ring: Entry) -> dict[str, f
 
 
 def _drum_bearing(given: BevelKnown) -> Found:
-    rings = given.entries("encoders")
-    if given.has("drive.drum_encoder"):
-        rings = {given["drive.drum_encoder"]: given.entry("encoders", "drive.drum_encoder")}
-    best = _first(
-        (bearing["mass_g"] + ring["mass_g"], f"{name} {other}", _drum_margins(given, bearing, ring))
-        for name, bearing in given.entries("bearings").items()
-        for other, ring in rings.items()
-    )
-    return Found(best.value.split(" ")[0], best.driver, best.rounding)
+    return _with_partner(given, "bearings", ("encoders", "drive.drum_encoder"), partial(_drum_margins, given))
 
 
 def _drum_encoder(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")
-    return _first(
-        (entry["mass_g"], name, _drum_margins(given, bearing, entry))
-        for name, entry in given.entries("encoders").items()
-    )
+    return _lightest(given, "encoders", lambda entry: _drum_margins(given, bearing, entry))
 
 
 def _guide_bearing(given: BevelKnown) -> Found:
@@ -247,7 +237,7 @@ def _guide_bearing(given: BevelKnown) -> Found:
             found["guide_wall"] = room / bearing["outer_diameter_mm"] - 1.0
         return found
 
-    return _first((entry["mass_g"], name, margins(entry)) for name, entry in given.entries("bearings").items())
+    return _lightest(given, "bearings", margins)
 
 
 DRIVES = (
