@@ -26,7 +26,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.problems import schema_problems
 from mbcdm_cad.design.resolve import as_built
-from mbcdm_cad.design.rules import Broken, broken_names, broken_shared_rules, named_by_shared_blocks
+from mbcdm_cad.design.rules import Broken, every_broken_rule
 from mbcdm_cad.design.sigmas import split_sigmas
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.design.template import slug
@@ -58,7 +58,8 @@ def resolved(tree: Tree, path: Path, file: DesignFile) -> Resolved:
     tree, sized = _sized(tree, str(path), file)
     design = _validated(tree, str(path), file)
     catalogue = Catalogue(design)
-    _refuse_broken_rules(_broken(design, catalogue, file), tree, str(path))
+    broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
+    _refuse_broken_rules(broken, tree, str(path))
     return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), sized)
 
 
@@ -119,13 +120,6 @@ def _validated(tree: Tree, path: str, file: DesignFile) -> Design:
         return file.schema.model_validate(tree.data)
     except ValidationError as error:
         raise InputError(schema_problems(error, tree, path, file.nodes.at)) from None
-
-
-def _broken(design: Design, catalogue: Catalogue, file: DesignFile) -> Iterator[Broken]:
-    yield from file.rules(design)
-    yield from broken_shared_rules(design)
-    yield from broken_names(catalogue, named_by_shared_blocks(design))
-    yield from broken_names(catalogue, file.named(design))
 
 
 def _refuse_broken_rules(broken: Iterator[Broken], tree: Tree, path: str) -> None:

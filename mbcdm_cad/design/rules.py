@@ -36,6 +36,16 @@ class NamedEntry(NamedTuple):
     name: str | None
 
 
+def every_broken_rule(
+    design: Design, catalogue: Catalogue, own: Iterable[Broken], named: Iterable[NamedEntry]
+) -> Iterator[Broken]:
+    """What does not hold of a design: its configuration's ``own`` rules, the shared ones, then names nothing has."""
+    yield from own
+    yield from broken_shared_rules(design)
+    yield from broken_names(catalogue, named_by_shared_blocks(design))
+    yield from broken_names(catalogue, named)
+
+
 def broken_shared_rules(design: Design) -> Iterator[Broken]:
     """The rules that the design breaks, whatever its configuration, without those on names of the catalogue."""
     for rule in (_cables, _rope, _waivers, _as_built, _own_entries):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from functools import partial
-from itertools import chain
 from math import atan, hypot, pi, radians, sqrt, tan
 from typing import Any
 
@@ -20,7 +19,7 @@ from mbcdm_cad.configurations.miso_bevel.stack import stack
 from mbcdm_cad.design.bought import CableSpec, Gearhead, Screw, TerminationSpec
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import termination
-from mbcdm_cad.design.rules import broken_names, broken_shared_rules, named_by_shared_blocks
+from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 from mbcdm_cad.sizing.known import KnownFields
@@ -201,9 +200,7 @@ class BevelKnown(KnownFields):
         except ValidationError as error:
             raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
         catalogue = Catalogue(design)
-        named = chain(named_by_shared_blocks(design), named_entries(design))
-        rules = chain(broken_rules(design), broken_shared_rules(design), broken_names(catalogue, named))
-        broken = next(rules, None)
+        broken = next(every_broken_rule(design, catalogue, broken_rules(design), named_entries(design)), None)
         if broken is not None:
             raise SizingError(broken)
         return drive(design, catalogue, {})
