@@ -9,7 +9,7 @@ from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, plate_screw_of
 from mbcdm_cad.configurations.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
-from mbcdm_cad.parts.terminal.instructions import tensioning_words
+from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
 def assembly_order(layout: Layout) -> tuple[AssemblyStep, ...]:
@@ -130,8 +130,6 @@ def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
 
 def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive, hub_screw = layout.drive, layout.drum.set_screw
-    names = tuple(c.name for c in drive.cables)
-    preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
     return (
         AssemblyStep(
             "Lead each cable round the guide on its own step and out to its side, and hold it taut there: between "
@@ -143,15 +141,5 @@ def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
             "web). The drum then has no play along its axis.",
             ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
         ),
-        AssemblyStep(
-            "Lay each cable onto its land. With nut and lock nut run on to the stud's end, drop its terminal sideways "
-            "into the slotted lug from the drum's inner side.",
-            tuple(item for name in names for item in (f"terminal_{name}", f"nut_{name}_1", f"nut_{name}_2")),
-        ),
-        AssemblyStep(
-            f"Set the preloads, {preloads} N, with the drum centred, turning each nut with a "
-            f"{drive.tensioner.nut_across_flats_mm:g} mm spanner: the flat of the sleeve lies against its pocket and "
-            "keeps the rope from twisting."
-        ),
-        *(AssemblyStep(words) for words in tensioning_words(plan(layout))),
+        *terminal_steps(drive, plan(layout)),
     )

@@ -3,9 +3,30 @@
 from __future__ import annotations
 
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
+from mbcdm_cad.parts.bill import AssemblyStep
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
 
 # Times the drum is swung over its travel to let the tension even out along a cable (estimate).
 SWINGS = 10
+
+
+def terminal_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblyStep, ...]:
+    """The last steps of an order of assembly: terminals into their lugs, then the preloads."""
+    names = tuple(c.name for c in drive.cables)
+    preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
+    return (
+        AssemblyStep(
+            "Lay each cable onto its land. With nut and lock nut run on to the stud's end, drop its terminal sideways "
+            "into the slotted lug from the drum's inner side.",
+            tuple(item for name in names for item in (f"terminal_{name}", f"nut_{name}_1", f"nut_{name}_2")),
+        ),
+        AssemblyStep(
+            f"Set the preloads, {preloads} N, with the drum centred, turning each nut with a "
+            f"{drive.tensioner.nut_across_flats_mm:g} mm spanner: the flat of the sleeve lies against its pocket and "
+            "keeps the rope from twisting."
+        ),
+        *(AssemblyStep(words) for words in tensioning_words(plan)),
+    )
 
 
 def tensioning_words(plan: TensioningPlan) -> tuple[str, ...]:
