@@ -144,9 +144,13 @@ def _smallest_input_mm(given: BevelKnown) -> float:
     return given.first_drum_mm / given.total_ratio
 
 
-def _journal_margin(given: BevelKnown, bearing: Entry) -> float:
-    least = least_input_mm(given, bearing["bore_mm"] / 2, SHOULDER_MM)
-    return _smallest_input_mm(given) / least - 1.0
+def _journal_margin(given: BevelKnown) -> Callable[[Entry], float]:
+    """Margin of the smallest input pulley round its stop's bend, by the bearing that its journal carries.
+
+    The least radius grows by as much as the journal's, so that it is worked out once for all bearings.
+    """
+    smallest, least = _smallest_input_mm(given), least_input_mm(given, 0.0, SHOULDER_MM)
+    return lambda bearing: smallest / (least + bearing["bore_mm"] / 2) - 1.0
 
 
 def _lower(given: BevelKnown) -> Found:
@@ -155,39 +159,46 @@ def _lower(given: BevelKnown) -> Found:
     key = screw.key_mm / sqrt(3.0) + 0.15
     circle = head["bolt_circle_mm"] / 2
     load = INPUT_PRELOADS * given["rope.preload_N"]
+    journal = _journal_margin(given)
 
     def margins(bearing: Entry) -> dict[str, float]:
         seat = bearing["outer_diameter_mm"] / 2
         return {
             "bore_wall": (bearing["bore_mm"] - head["shaft_diameter_mm"]) / (2 * wall) - 1.0,
             "key_access": max(seat - circle - key, circle - key - seat - HOLE_WEB_MM) / seat,
-            "bearing_shoulders": _journal_margin(given, bearing),
+            "bearing_shoulders": journal(bearing),
             "input_bearings": bearing["static_rating_N"] / load - 1.0,
         }
 
     return _lightest(given, "bearings", margins)
 
 
-def _upper_margins(given: BevelKnown, bearing: Entry, encoder: Entry) -> dict[str, float]:
-    head = given.screw(encoder["screw"]).head_diameter_mm / 2 + 0.1
-    web = (encoder["bolt_circle_mm"] - bearing["outer_diameter_mm"]) / 2 - head
+def _upper_margins(given: BevelKnown) -> Callable[[Entry, Entry], dict[str, float]]:
+    screws, journal = given.entries("screws"), _journal_margin(given)
+    load = INPUT_PRELOADS * given["rope.preload_N"]
     thickest = max(DOWEL_LENGTHS_MM) - DOWEL_MM - given.wall_mm("support")
-    return {
-        "encoder_fit": -abs(encoder["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
-        "hole_webs": web / HOLE_WEB_MM - 1.0,
-        "top_plate": 1.0 - bearing["width_mm"] / thickest,
-        "bearing_shoulders": _journal_margin(given, bearing),
-        "input_bearings": bearing["static_rating_N"] / (INPUT_PRELOADS * given["rope.preload_N"]) - 1.0,
-    }
+
+    def margins(bearing: Entry, encoder: Entry) -> dict[str, float]:
+        head = screws[encoder["screw"]]["head_diameter_mm"] / 2 + 0.1
+        web = (encoder["bolt_circle_mm"] - bearing["outer_diameter_mm"]) / 2 - head
+        return {
+            "encoder_fit": -abs(encoder["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
+            "hole_webs": web / HOLE_WEB_MM - 1.0,
+            "top_plate": 1.0 - bearing["width_mm"] / thickest,
+            "bearing_shoulders": journal(bearing),
+            "input_bearings": bearing["static_rating_N"] / load - 1.0,
+        }
+
+    return margins
 
 
 def _upper(given: BevelKnown) -> Found:
-    return _with_partner(given, "bearings", ("encoders", "drive.encoder"), partial(_upper_margins, given))
+    return _with_partner(given, "bearings", ("encoders", "drive.encoder"), _upper_margins(given))
 
 
 def _encoder(given: BevelKnown) -> Found:
-    bearing = given.entry("bearings", "input_pulleys.upper_bearing")
-    return _lightest(given, "encoders", lambda entry: _upper_margins(given, bearing, entry))
+    bearing, margins = given.entry("bearings", "input_pulleys.upper_bearing"), _upper_margins(given)
+    return _lightest(given, "encoders", lambda entry: margins(bearing, entry))
 
 
 def _collar_screw(given: BevelKnown) -> Found:
