@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import mbcdm_cad
@@ -33,6 +34,11 @@ _LIBRARIES = ("ezdxf", "matplotlib")
 # The name of the sheet of the whole drive.
 ASSEMBLY = "assembly"
 _CABLES = "mbcdm_cad.parts.cable:"
+
+
+def drawings_folder(out: Path, name: str) -> Path:
+    """Where the drawings of a design go, beside the folder of its build."""
+    return out / f"{name}-drawings"
 
 
 def _shown(spec: PartSpec, made: MadePart) -> Any:

@@ -89,6 +89,7 @@ def build(
         raise GeometryError(f"{error}; {_why_not_drawn(_failed(checks))}") from error
 
     from mbcdm_cad.report.data import checks_data, report_data
+    from mbcdm_cad.report.explain import fields_data
 
     data = report_data(
         dims, centred, parts, clashes, poses, frame, drum_angle_deg=angle_deg, design_sha256=loaded.sha256
@@ -103,7 +104,7 @@ def build(
     failed = _failed(checks)
     if failed and not force:
         return Outcome(None, checks, data, tuple(store.made))
-    data |= checks_data(checks)
+    data |= checks_data(checks) | fields_data(loaded)
     manifest = Manifest(loaded.sha256, inputs, forced=bool(failed), failed_checks=tuple(c.id for c in failed))
     files = exported_parts(store, posed, parts, drive, processes)
     _write(target, manifest, dims, posed.items, parts, files, store, data)

@@ -89,13 +89,13 @@ def moving_picture_command(path: Path, gif: Path, *, view: str, use_cache: bool)
 def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool, jobs: int | None) -> int:
     """Write the workshop drawings into a folder of their own."""
     loaded = load_design(path)
-    from mbcdm_cad.build.drawings import drawings_of
+    from mbcdm_cad.build.drawings import drawings_folder, drawings_of
 
     with progress() as note:
         files = drawings_of(
             loaded.drive, Cache(cache_folder() if use_cache else None), part=part, jobs=jobs, progress=note
         )
-    target = out / f"{loaded.drive.name}-drawings"
+    target = drawings_folder(out, loaded.drive.name)
     write_whole({target / name: data for name, data in files.items()})
     click.echo(f"{target}: {len(files)} files, {len(files) // 3} sheets as DXF, PDF and SVG")
     return 0

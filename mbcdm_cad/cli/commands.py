@@ -80,18 +80,27 @@ def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json:
     return check_command(designs, as_json=as_json, show="failed" if only_failed else "all" if show_all else "findings")
 
 
-@mbcdm.command(epilog=_examples("mbcdm explain my_drive.yaml", "mbcdm explain my_drive.yaml drum.outer_face_y_mm"))
+@mbcdm.command(
+    epilog=_examples(
+        "mbcdm explain my_drive.yaml",
+        "mbcdm explain my_drive.yaml drum.outer_face_y_mm",
+        "mbcdm explain my_drive.yaml --graph why.svg",
+    )
+)
 @_DESIGN
 @click.argument("field", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
-def explain(design: Path, field: str | None, as_json: bool) -> int:
+@click.option("--graph", type=_FILE, metavar="FILE.svg", help="Draw what follows from what into this file.")
+def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) -> int:
     """Say why a field has its value.
 
-    Without FIELD all fields that sizing filled; with it the rule, what it rests on, and what drives it.
+    Without FIELD all fields that have a rule; with it the rule, what it rests on, and what drives it.
     """
+    if graph is not None and (field or as_json):
+        raise click.UsageError("--graph draws all fields; leave out FIELD and --json")
     from mbcdm_cad.cli.explaining import explain_command
 
-    return explain_command(design, field, as_json=as_json)
+    return explain_command(design, field, as_json=as_json, graph=graph)
 
 
 @mbcdm.command(epilog=_examples("mbcdm build my_drive.yaml", "mbcdm build my_drive.yaml --angle 20 --out /tmp/drives"))

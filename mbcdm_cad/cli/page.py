@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.build.drawings import drawings_folder
 from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.configurations.loader import load_design
@@ -28,7 +29,7 @@ def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
             return 1
         _, parts = drawn(loaded.drive, 0.0, cache, tell)
         tell("page")
-        page = page_of(loaded.drive, outcome.data, parts, cache)
+        page = page_of(loaded.drive, outcome.data, parts, cache, drawings_folder(out, loaded.drive.name))
     target = outcome.folder / PAGE
     write_whole({target: page})
     click.echo(f"{target}: {len(page) / 1e6:.1f} MB, opens in any browser, needs no network")

@@ -13,6 +13,7 @@ from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.report.data import checks_data, report_data
+from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.report.page.stage import PAGE, page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import write_whole
@@ -51,7 +52,8 @@ class Previewer:
             mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
             envelope_check(drive, data["envelope"]["size_mm"]),
         )
-        return Preview(page_of(drive, data | checks_data(checks), parts, self._cache), written)
+        data |= checks_data(checks) | fields_data(loaded)
+        return Preview(page_of(drive, data, parts, self._cache), written)
 
     def complete(self, loaded: LoadedDesign, built: Path, progress: Progress) -> bytes:
         """The page of a whole build in the folder ``built``, written there."""

@@ -1,4 +1,7 @@
-"""Why a design's fields have the values they have: rule, what it rests on, what drives it; for one field the chain."""
+"""Why a design's fields have the values they have: rule, what it rests on, what drives it; for one field the chain.
+
+The report, the page and the graph of what follows from what show the same records.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from mbcdm_cad.configurations.loader import load_tree
-from mbcdm_cad.design import yamltree
+from mbcdm_cad.configurations.loader import design_file
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.sized import SizedValue
-from mbcdm_cad.errors import InputError, MbcdmError, did_you_mean
+from mbcdm_cad.design.sized import SizedValue, SizingError
+from mbcdm_cad.errors import MbcdmError, did_you_mean
+
+# Blocks whose entries bear names of the user's own.
+_WITHOUT_RULES = ("catalogue", "as_built", "waivers")
 
 
 @dataclass(frozen=True)
@@ -43,8 +48,41 @@ class Explained:
 
 
 def explain_all(loaded: LoadedDesign) -> tuple[Explained, ...]:
-    """Every field that a rule filled, in the order of the rules."""
-    return tuple(Explained(value.field, value.value, False, value) for value in loaded.sized)
+    """Every field that has a rule: those it filled in the order of the rules, then those that the file states."""
+    filled = (Explained(value.field, value.value, False, value) for value in loaded.sized)
+    return (*filled, *_stated(loaded))
+
+
+def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
+    """The fields that the file states although a rule would fill them, in the order of the file."""
+    data = loaded.design.model_dump(mode="json", exclude_unset=True)
+    filled = {value.field for value in loaded.sized}
+    for field in _fields({name: block for name, block in data.items() if name not in _WITHOUT_RULES}):
+        record = None if field in filled else _without(loaded, data, field)
+        if record is not None:
+            yield Explained(field, _value(data, field), True, record)
+
+
+def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedValue | None:
+    """What the rule gives where the file, read as ``data``, states the field; None where none does."""
+    size = design_file(loaded.drive.configuration).size
+    if size is None:
+        return None
+    freed = copy.deepcopy(data)
+    *blocks, last = field.split(".")
+    at = freed
+    for block in blocks:
+        at = at[block]
+    del at[last]
+    try:
+        return size(freed).of(field)
+    except SizingError:
+        return None
+
+
+def fields_data(loaded: LoadedDesign) -> dict[str, Any]:
+    """What the report says of the fields: a record for each that has a rule, as plain data."""
+    return {"fields": [entry.to_dict() for entry in explain_all(loaded)]}
 
 
 def explain_field(loaded: LoadedDesign, field: str) -> Explained:
@@ -52,31 +90,22 @@ def explain_field(loaded: LoadedDesign, field: str) -> Explained:
     record = next((value for value in loaded.sized if value.field == field), None)
     if record is not None:
         return Explained(field, record.value, False, record)
-    value: Any = loaded.design.model_dump(mode="json")
+    value = _value(loaded.design.model_dump(mode="json"), field)
+    if value is None:
+        known = [*(sized.field for sized in loaded.sized), *_fields(loaded.design.model_dump(mode="json"))]
+        raise MbcdmError(f"{loaded.path}: {field}: no such field; {did_you_mean(field, known)}")
+    data = loaded.design.model_dump(mode="json", exclude_unset=True)
+    given = field.partition(".")[0] not in _WITHOUT_RULES and _value(data, field) is not None
+    return Explained(field, value, True, _without(loaded, data, field) if given else None)
+
+
+def _value(data: Any, field: str) -> Any:
+    """The value of a field; None where the data has no such field."""
     for part in field.split("."):
-        if not isinstance(value, dict) or part not in value:
-            known = [*(sized.field for sized in loaded.sized), *_fields(loaded.design.model_dump(mode="json"))]
-            raise MbcdmError(f"{loaded.path}: {field}: no such field; {did_you_mean(field, known)}")
-        value = value[part]
-    return Explained(field, value, True, without(loaded, field))
-
-
-def without(loaded: LoadedDesign, field: str) -> SizedValue | None:
-    """What the rule gives where the file states the field; None where none does."""
-    tree = yamltree.parse(loaded.text, str(loaded.path))
-    data = copy.deepcopy(tree.data)
-    *blocks, last = field.split(".")
-    at = data
-    for block in blocks:
-        at = at.get(block) if isinstance(at, dict) else None
-    if not isinstance(at, dict) or last not in at:
-        return None
-    del at[last]
-    try:
-        freed = load_tree(yamltree.Tree(data, tree.lines), loaded.text, loaded.path)
-    except InputError:
-        return None
-    return next((value for value in freed.sized if value.field == field), None)
+        if not isinstance(data, dict) or part not in data:
+            return None
+        data = data[part]
+    return data
 
 
 def _fields(data: dict[str, Any], prefix: str = "") -> Iterator[str]:
@@ -88,17 +117,22 @@ def _fields(data: dict[str, Any], prefix: str = "") -> Iterator[str]:
 
 
 def table_lines(loaded: LoadedDesign) -> Iterator[str]:
-    """All sized fields: name, value, what drives it."""
-    rows = [(entry.field, _short(entry.value), entry.record) for entry in explain_all(loaded)]
-    if not rows:
-        yield f"{loaded.path}: every field is given; leave fields out to have them follow from rules"
+    """All fields that have a rule: name, value, what drives it; for a stated value also what the rule gives."""
+    entries = explain_all(loaded)
+    if not entries:
+        yield f"{loaded.path}: every field is given, and {loaded.drive.configuration} has no sizing rules"
         return
-    wide = max(len(field) for field, _, _ in rows)
-    value_wide = max(len(value) for _, value, _ in rows)
-    for field, value, record in rows:
-        assert record is not None
-        rounding = f", rounded {record.rounding}" if record.rounding.startswith(("up", "down", "to ")) else ""
-        yield f"{field:<{wide}}  {value:<{value_wide}}  {record.driver}: {record.text}{rounding}"
+    wide = max(len(entry.field) for entry in entries)
+    value_wide = max(len(_short(entry.value)) for entry in entries)
+    for entry in entries:
+        assert entry.record is not None
+        yield f"{entry.field:<{wide}}  {_short(entry.value):<{value_wide}}  {_reason(entry, entry.record)}"
+
+
+def _reason(entry: Explained, rule: SizedValue) -> str:
+    rounding = f", rounded {rule.rounding}" if rule.rounding.startswith(("up", "down", "to ")) else ""
+    reason = f"{rule.driver}: {rule.text}{rounding}"
+    return f"given; its rule gives {_short(rule.value)} ({reason})" if entry.given else reason
 
 
 def chain_lines(loaded: LoadedDesign, field: str) -> Iterator[str]:

@@ -7,6 +7,7 @@ from typing import Any
 import jinja2
 
 from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.describe import flow
 
 _AT_DRUM = "_at_drum"
 
@@ -29,6 +30,7 @@ def report_markdown(data: dict[str, Any]) -> str:
     )
     environment.filters["figure"] = _figure
     environment.filters["figures"] = _figure
+    environment.filters["flow"] = flow
     kind = configuration(data["configuration"])
     paths = environment.from_string(kind.paths_template).render(r=data)
     moving = data["inertia_moving_g_mm2"]

@@ -70,6 +70,15 @@ def test_reference_design_meets_mass_box_and_has_no_clash(built: Path) -> None:
     assert faults(report, files_of(built)) == []
 
 
+def test_report_says_what_sets_each_field(built: Path) -> None:
+    report = json.loads((built / "report.json").read_text("utf-8"))
+    entry = next(one for one in report["fields"] if one["field"] == "transmission.centre_distance_mm")
+    assert entry["driver"] == "fleet_angle" and entry["value"] == 34.6 and entry["rule_value"] == 34.5, entry
+    assert "| transmission.centre_distance_mm | 34.6 | the file; the rule gives 34.5 (fleet_angle) |" in (
+        built / "report.md"
+    ).read_text("utf-8")
+
+
 @pytest.mark.skipif(
     freecad_program() is None, reason="FreeCAD is not installed (Debian: apt-get install freecad-python3)"
 )

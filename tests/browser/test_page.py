@@ -139,6 +139,39 @@ def test_hiding_by_list_and_steps_of_assembly(opened: Open, report: dict[str, An
     assert set(one.value("v.entries.filter(e => e.shown).map(e => e.name)")) == set(report["assembly_items"][first])
 
 
+def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, Any]) -> None:
+    one = shared
+    field = "transmission.centre_distance_mm"
+    one.page.click(f"[data-field-pick='{field}']")
+    near = set(one.page.eval_on_selector_all("#graph g.near", "nodes => nodes.map(n => n.dataset.field)"))
+    entry = next(entry for entry in report["fields"] if entry["field"] == field)
+    assert {field, *entry["rests_on"]} <= near, set(entry["rests_on"]) - near
+    rests_on_it = {other["field"] for other in report["fields"] if field in other["rests_on"]}
+    assert rests_on_it and rests_on_it <= near, rests_on_it - near
+    assert one.page.text_content("#graph-shown").startswith(f"{field} rests on ")
+    one.page.focus("[data-field-pick='rope.type']")
+    one.page.keyboard.press("Enter")
+    assert one.page.get_attribute("#graph g.picked", "data-field") == "rope.type"
+    one.page.click("[data-field-pick='rope.type']")
+    assert one.page.query_selector("#graph.some") is None
+
+
+def test_steps_of_assembly_get_their_pictures(opened: Open, report: dict[str, Any], artefacts: Path) -> None:
+    one = opened()
+    one.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
+    one.page.wait_for_function("document.documentElement.dataset.pictured === 'yes'", timeout=60_000)
+    joined = [items for items in report["assembly_items"] if items]
+    pictures = one.page.locator("#assembly li img")
+    assert pictures.count() == len(joined)
+    addresses = pictures.evaluate_all("all => all.map(image => image.src)")
+    assert len(set(addresses)) == len(joined), "two steps look the same"
+    assert min(len(address) for address in addresses) > 4000, "a step shows nothing"
+    assert joined[0][0].replace("_", " ") in pictures.first.get_attribute("alt")
+    assert one.value("v.entries.every(e => e.shown)") is True
+    one.page.locator("#assembly").screenshot(path=artefacts / "page-steps.png")
+    assert one.problems == []
+
+
 def test_checks_are_sorted_and_filtered(opened: Open, report: dict[str, Any]) -> None:
     one = opened()
     rank = {"fail": 0, "warn": 1, "pass": 2}

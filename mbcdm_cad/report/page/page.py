@@ -12,12 +12,14 @@ from typing import Any
 import jinja2
 import markupsafe
 
+from mbcdm_cad.design.describe import flow
+from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
 from mbcdm_cad.report.page import content
 from mbcdm_cad.report.page.scene import Scene
 
 # Scripts in the order in which they run; the tables' own come first, so that they work before the 3D part has loaded.
-_TABLE_SCRIPTS = ("charts.js", "tables.js")
-_VIEW_SCRIPTS = ("decode.js", "tube.js", "section.js", "explode.js", "viewer.js", "main.js")
+_TABLE_SCRIPTS = ("charts.js", "graph.js", "tables.js")
+_VIEW_SCRIPTS = ("decode.js", "tube.js", "section.js", "explode.js", "viewer.js", "pictures.js", "main.js")
 THREE = "vendor/three.min.js"
 THREE_SHA256 = "983d954c5638a41e1513090773dd87ebf75c63e539c2f46b6856feee58d4479a"  # printed by vendor/make.sh
 LICENCE = "vendor/three-LICENSE.txt"
@@ -32,37 +34,59 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
     ``links`` maps a part to (label, address) of its files, addresses relative to the page; the key "" holds those of
     the whole. The same input gives the same bytes.
     """
+    text = (
+        page_environment()
+        .get_template("page.html.j2")
+        .render(
+            r=report,
+            a=report["analysis"],
+            scene=view.data,
+            binary=base64.b64encode(view.binary).decode(),
+            groups=content.groups(view.data),
+            checks=content.sorted_checks(report["checks"]),
+            counts=content.check_counts(report["checks"]),
+            tightest=content.tightest(report["checks"]),
+            capability=content.capability(report),
+            derived=content.derived(report, view.data["bodies"]),
+            cables=content.cable_rows(report),
+            limits=content.travel_limits(report),
+            studies=figures,
+            graph=_graph(report),
+            check_ids={check["id"] for check in report["checks"]},
+            links=links,
+            table_scripts=_TABLE_SCRIPTS,
+            view_scripts=_VIEW_SCRIPTS,
+            three=THREE,
+            licence=LICENCE,
+        )
+    )
+    return text.encode()
+
+
+def page_environment(*more: tuple[str, str]) -> jinja2.Environment:
+    """Templates of all pages: those of this package, and of ``more`` (package, folder in it).
+
+    They share ``parts.html.j2`` and the function ``asset``, which gives a script or the styles as they are.
+    """
+    folders = (("mbcdm_cad.report.page", "assets"), *more)
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("mbcdm_cad.report.page", "assets"),
+        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(*folder) for folder in folders]),
         undefined=jinja2.StrictUndefined,
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"figure": _figure, "json": _json, "words": lambda text: text.replace("_", " ")}
-    text = environment.get_template("page.html.j2").render(
-        r=report,
-        a=report["analysis"],
-        scene=view.data,
-        binary=base64.b64encode(view.binary).decode(),
-        groups=content.groups(view.data),
-        checks=content.sorted_checks(report["checks"]),
-        counts=content.check_counts(report["checks"]),
-        tightest=content.tightest(report["checks"]),
-        capability=content.capability(report),
-        derived=content.derived(report, view.data["bodies"]),
-        cables=content.cable_rows(report),
-        limits=content.travel_limits(report),
-        studies=figures,
-        table_of=content.legend_table,
-        links=links,
-        asset=_asset,
-        table_scripts=_TABLE_SCRIPTS,
-        view_scripts=_VIEW_SCRIPTS,
-        three=THREE,
-        licence=LICENCE,
-    )
-    return text.encode()
+    words = {"words": lambda text: text.replace("_", " "), "flow": flow}
+    environment.filters |= {"figure": _figure, "json": _json, **words}
+    environment.globals |= {"asset": _asset, "table_of": content.legend_table}
+    return environment
+
+
+def _graph(report: Mapping[str, Any]) -> Any:
+    """The graph of the fields as SVG; empty where no field has a rule."""
+    graph = dependency_graph(report["fields"])
+    title = f"{report['design']}: what follows from what"
+    return markupsafe.Markup(dependency_svg(graph, title)) if graph.nodes else ""
 
 
 @cache

@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mbcdm_cad.build.drawings import ASSEMBLY
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.report.page.page import report_page
 from mbcdm_cad.report.page.scene import design_scene
 from mbcdm_cad.report.page.studies import studies
-from mbcdm_cad.storage.keys import content_key, source_hash
+from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import versions
 
 if TYPE_CHECKING:
@@ -23,18 +25,33 @@ if TYPE_CHECKING:
 PAGE = "report.html"
 
 
-def page_of(drive: Drive, report: Mapping[str, Any], parts: Mapping[str, MadePart], cache: Cache) -> bytes:
-    """``report.html`` of a design with the content of its report.json and its drawn parts."""
+def page_of(
+    drive: Drive,
+    report: Mapping[str, Any],
+    parts: Mapping[str, MadePart],
+    cache: Cache,
+    drawings: Path | None = None,
+) -> bytes:
+    """``report.html`` of a design with the content of its report.json and its drawn parts.
+
+    ``drawings``: the folder beside the page's where `mbcdm drawings` writes; what stands there is linked.
+    """
     view = design_scene(drive, {name: part.files for name, part in parts.items()})
-    return report_page(report, view, _studies(drive, cache), file_links(drive.name, parts))
+    links = file_links(drive.name, parts)
+    for sheet in sorted(drawings.glob("*.pdf")) if drawings else ():
+        of = "" if sheet.stem == ASSEMBLY else sheet.stem
+        if of in links:
+            links[of].append(("drawing", f"../{sheet.parent.name}/{sheet.name}"))
+    return report_page(report, view, _studies(drive, cache), links)
 
 
 def _studies(drive: Drive, cache: Cache) -> dict[str, Any]:
     """The curves of the model take seconds and change only with what the model reads, so they are kept."""
+    # The hash of the whole package is at hand; that of the modules read takes a second to find.
     # As text, since limits that a drive does not have stand as infinity, which content_key refuses.
     read = [asdict(to_si(drive)), asdict(requirements(drive)), asdict(drive.loads)]
     inputs = json.dumps(read, sort_keys=True, default=lambda array: array.tolist())
-    key = content_key("studies", inputs, source_hash("mbcdm_cad.report.page.studies"), versions())
+    key = content_key("studies", inputs, package_hash(), versions())
     kept = cache.get_or_make(key, lambda: {"studies": json.dumps(studies(drive)).encode()})
     found: dict[str, Any] = json.loads(kept["studies"])
     return found

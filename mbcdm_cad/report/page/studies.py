@@ -110,7 +110,7 @@ def _tolerance(stack: ToleranceStack) -> dict[str, Any]:
     return _chart(
         "Transmission error from tolerances, zeroed at the centre",
         ("drum angle", "deg"),
-        ("standard deviation", "urad"),
+        ("standard deviation", "µrad"),
         np.degrees(stack.pose_rad),
         [("linear theory", stack.linear_rad * 1e6)],
     )

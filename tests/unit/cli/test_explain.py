@@ -64,3 +64,11 @@ def test_a_pin_is_told_beside_what_its_rule_gives(short: Path, capsys: pytest.Ca
 def test_an_unknown_field_is_one_sentence(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["explain", str(short), "drum.outer_face"]) == 2
     assert "no such field; did you mean drum.outer_face_y_mm?" in capsys.readouterr().err
+
+
+def test_a_complete_file_is_told_beside_what_the_rules_give(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["explain", str(Path(__file__).parents[3] / "params" / "mbcdm.yaml")]) == 0
+    lines = {line.split()[0]: line for line in capsys.readouterr().out.splitlines()}
+    assert len(lines) > 45
+    assert "34.6" in lines["transmission.centre_distance_mm"]
+    assert "given; its rule gives 34.5 (fleet_angle" in lines["transmission.centre_distance_mm"]

@@ -24,7 +24,9 @@
     apart(viewer);
     views(viewer);
     const list = parts(viewer, data);
-    steps(viewer, data, list);
+    const rows = [...document.querySelectorAll("#assembly li[data-step]")];
+    steps(viewer, rows, list);
+    page.stepPictures(viewer, rows);
     keys(viewer);
     document.documentElement.dataset.ready = "yes";
   }
@@ -185,8 +187,7 @@
     return { sync, pick };
   }
 
-  function steps(viewer, data, list) {
-    const all = [...document.querySelectorAll("#assembly li[data-step]")];
+  function steps(viewer, all, list) {
     const joined = all.map((row) => JSON.parse(row.dataset.items));
     const show = (index) => {
       const present = joined.slice(0, index + 1).flat();

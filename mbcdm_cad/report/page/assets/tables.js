@@ -41,6 +41,8 @@
   }
 
   theme();
-  checks();
+  if (document.getElementById("checks")) checks();
+  const graph = document.getElementById("graph");
+  if (graph) page.graph(graph);
   for (const figure of document.querySelectorAll("figure.chart")) page.chart(figure);
 })(window.drivePage);

@@ -181,12 +181,15 @@
 
     select(names) {
       this.selected = new Set(names || []);
-      for (const entry of this.entries) {
-        const chosen = this.selected.has(entry.name);
-        entry.mesh.material.color.copy(entry.colour);
-        if (chosen) entry.mesh.material.color.lerp(SELECTED, 0.8);
-      }
+      this.mark(this.selected);
       this.draw();
+    }
+
+    mark(names) {
+      for (const entry of this.entries) {
+        entry.mesh.material.color.copy(entry.colour);
+        if (names.has(entry.name)) entry.mesh.material.color.lerp(SELECTED, 0.8);
+      }
     }
 
     // The entry seen at a place of the canvas (-1 to 1 each way), or null.
@@ -246,23 +249,14 @@
       this.camera.lookAt(this.controls.target);
       this.camera.updateMatrixWorld();
       const half = this.data.half_travel_deg;
-      const box = new THREE.Box3(), corner = new THREE.Vector3(), toCamera = new THREE.Matrix4();
+      const box = new THREE.Box3();
       for (const angle of wanted ? [this.angle] : [-half, 0, half]) {
         this.turnBodies(angle);
-        this.scene.updateMatrixWorld();
-        for (const { mesh } of seen) {
-          if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
-          const { min, max } = mesh.geometry.boundingBox;
-          toCamera.multiplyMatrices(this.camera.matrixWorldInverse, mesh.matrixWorld);
-          for (let k = 0; k < 8; k += 1) {
-            corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z);
-            box.expandByPoint(corner.applyMatrix4(toCamera));
-          }
-        }
+        this.extent(seen, this.camera, box);
       }
       this.turnBodies(this.angle);
       this.half = { across: (box.max.x - box.min.x) / 2, up: (box.max.y - box.min.y) / 2 };
-      const centre = box.getCenter(corner).applyMatrix4(this.camera.matrixWorld);
+      const centre = box.getCenter(new THREE.Vector3()).applyMatrix4(this.camera.matrixWorld);
       const way = this.camera.position.clone().sub(this.controls.target).normalize();
       this.controls.target.copy(centre);
       this.camera.position.copy(centre).addScaledVector(way, 1000);
@@ -283,6 +277,52 @@
       });
       this.camera.updateProjectionMatrix();
       this.draw();
+    }
+
+    // A picture of the items `present` as they stand, those of `joining` marked, as the address of a PNG. It is drawn
+    // by a renderer of its own, so what is on show stays; sections are left out, since that renderer knows none.
+    picture(present, joining, width, height) {
+      if (!this.small) {
+        this.small = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+        this.small.setSize(width, height, false);
+      }
+      const there = new Set(present);
+      const visible = this.entries.map((entry) => entry.node.visible);
+      for (const entry of this.entries) entry.node.visible = there.has(entry.name);
+      this.section.group.visible = false;
+      this.mark(new Set(joining));
+      const camera = this.camera.clone();
+      camera.position.set(...VIEWS.output).normalize().multiplyScalar(1000);
+      camera.lookAt(0, 0, 0);
+      camera.updateMatrixWorld();
+      const box = this.extent(this.entries.filter((entry) => entry.node.visible), camera);
+      const middle = box.getCenter(new THREE.Vector3()), size = box.getSize(new THREE.Vector3());
+      const half = 0.52 * Math.max(size.y, (size.x * height) / width), across = (half * width) / height;
+      Object.assign(camera, { zoom: 1, near: -4000, far: 4000 });
+      Object.assign(camera, { left: middle.x - across, right: middle.x + across, top: middle.y + half, bottom: middle.y - half });
+      camera.updateProjectionMatrix();
+      this.small.render(this.scene, camera);
+      const address = this.small.domElement.toDataURL("image/png");
+      this.entries.forEach((entry, k) => (entry.node.visible = visible[k]));
+      this.section.group.visible = this.section.on;
+      this.mark(this.selected || new Set());
+      return address;
+    }
+
+    // Box of the entries as a camera sees them, in its own frame.
+    extent(entries, camera, box = new THREE.Box3()) {
+      const corner = new THREE.Vector3(), toCamera = new THREE.Matrix4();
+      this.scene.updateMatrixWorld();
+      for (const { mesh } of entries) {
+        if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
+        const { min, max } = mesh.geometry.boundingBox;
+        toCamera.multiplyMatrices(camera.matrixWorldInverse, mesh.matrixWorld);
+        for (let k = 0; k < 8; k += 1) {
+          corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z);
+          box.expandByPoint(corner.applyMatrix4(toCamera));
+        }
+      }
+      return box;
     }
 
     lineColour(css) {
