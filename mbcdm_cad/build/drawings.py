@@ -9,13 +9,13 @@ import os
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import mbcdm_cad
 from mbcdm_cad.build.assembly_sheet import assembly_sheet
 from mbcdm_cad.build.mass import assembly_mass
-from mbcdm_cad.build.run import drawn, exported_parts
-from mbcdm_cad.build.store import MadePart, Progress, Store
+from mbcdm_cad.build.run import drawn
+from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
@@ -27,6 +27,9 @@ from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
 from mbcdm_cad.storage.parallel import fork_map
+
+if TYPE_CHECKING:
+    from mbcdm_cad.drawings.draw import PartFacts
 
 FORMATS = ("dxf", "pdf", "svg")
 # Libraries whose version decides what a drawing's bytes are.
@@ -52,6 +55,17 @@ def _shown(spec: PartSpec, made: MadePart) -> Any:
     return made.solid()
 
 
+def _stated(drive: Drive) -> tuple[str, float]:
+    """What every sheet says of the design as a whole."""
+    return drive.name, drive.making.position_mm
+
+
+def _facts(drive: Drive, material: str, mass_g: float) -> PartFacts:
+    from mbcdm_cad.drawings.draw import PartFacts
+
+    return PartFacts(drive.name, material, mass_g, mbcdm_cad.__version__, drive.making.position_mm)
+
+
 @dataclass(frozen=True)
 class _Job:
     """One sheet to make."""
@@ -59,21 +73,26 @@ class _Job:
     spec: PartSpec
     material: Material
     made: MadePart
-    design: str
+    drive: Drive
 
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
         source = source_hash(sheet_module(self.spec.maker), "mbcdm_cad.drawings.draw")
         with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
-        return content_key("drawing", (self.spec, self.material, self.made.key, self.design), source, with_libraries)
+        return content_key(
+            "drawing",
+            (self.spec, self.material, self.made.key, *_stated(self.drive)),
+            source,
+            with_libraries,
+        )
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
-        from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
+        from mbcdm_cad.drawings.draw import draw_sheet
 
         mass = self.material.density_g_cm3 * self.made.files.shape.volume_mm3 / 1e3
-        facts = PartFacts(self.design, self.material.name, mass, mbcdm_cad.__version__)
+        facts = _facts(self.drive, self.material.name, mass)
         sheet = sheet_of(self.spec.name, self.spec.maker, self.spec.args)
         return draw_sheet(sheet, _shown(self.spec, self.made), facts)
 
@@ -84,7 +103,7 @@ class _Assembly:
 
     posed: Bill
     parts: dict[str, MadePart]
-    design: str
+    drive: Drive
 
     @property
     def items(self) -> tuple[Item, ...]:
@@ -97,14 +116,19 @@ class _Assembly:
         source = source_hash("mbcdm_cad.build.assembly_sheet", "mbcdm_cad.drawings.draw")
         with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
         keys = {item.part: self.parts[item.part].key for item in self.posed.items}
-        return content_key("assembly drawing", (self.posed.items, keys, self.design), source, with_libraries)
+        return content_key(
+            "assembly drawing",
+            (self.posed.items, keys, *_stated(self.drive)),
+            source,
+            with_libraries,
+        )
 
     def make(self) -> dict[str, bytes]:
         """The sheet's files by extension."""
         import cadquery as cq
 
         from mbcdm_cad.build.kernel import location
-        from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
+        from mbcdm_cad.drawings.draw import draw_sheet
 
         shapes = {name: made.files.shape for name, made in self.parts.items()}
         boxes = {name: (shape.low_mm, shape.high_mm) for name, shape in shapes.items()}
@@ -117,7 +141,7 @@ class _Assembly:
         envelope = ((box.xmin, box.ymin, box.zmin), (box.xmax, box.ymax, box.zmax))
         sheet = assembly_sheet(ASSEMBLY, self.items, boxes, envelope)
         mass = assembly_mass(self.posed.items, shapes).mass_g
-        return draw_sheet(sheet, whole, PartFacts(self.design, "see list of parts", mass, mbcdm_cad.__version__))
+        return draw_sheet(sheet, whole, _facts(self.drive, "see list of parts", mass))
 
 
 def _centred(drive: Drive) -> Bill:
@@ -154,9 +178,9 @@ def drawings_of(
     posed = _centred(drive)
     materials = {item.part: item.material for item in posed.items}
     wanted: dict[str, _Job | _Assembly] = {
-        name: _Assembly(posed, parts, drive.name)
+        name: _Assembly(posed, parts, drive)
         if name == ASSEMBLY
-        else _Job(posed.parts[name], materials[name], parts[name], drive.name)
+        else _Job(posed.parts[name], materials[name], parts[name], drive)
         for name in ((part,) if part else names)
     }
     sheets = {name: cache.get(job.key) for name, job in wanted.items()}
@@ -168,12 +192,3 @@ def drawings_of(
             cache.put(wanted[name].key, files)
             sheets[name] = files
     return {f"{name}.{kind}": found[kind] for name, found in sheets.items() if found is not None for kind in FORMATS}
-
-
-def prints_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None) -> dict[str, bytes]:
-    """All made parts for printing, by file name (``NAME.3mf``)."""
-    from mbcdm_cad.build.export.threemf import threemf_bytes
-
-    _, parts = drawn(drive, 0.0, cache, progress)
-    files = exported_parts(Store(cache, progress), _centred(drive), parts, drive, os.cpu_count() or 1)
-    return {f"{name}.3mf": threemf_bytes(name, files[name].files.mesh) for name in drawn_parts(drive)}

@@ -76,7 +76,7 @@ def _maker(
         cut = CutPlane(*how["section"]) if "section" in how else None
 
         def colour(item: Item) -> Vector:
-            if new is None or (item.name in new and item.name.startswith(CABLE)):
+            if new is None or item.name.startswith(CABLE):
                 return item.material.colour
             return NEW if item.name in new else BEFORE
 

@@ -13,9 +13,17 @@ from typing import Any
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step_text import with_description
 from mbcdm_cad.build.export.stl import with_note
+from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.build.store import MadePart, Progress, Store
-from mbcdm_cad.checks.built import envelope_check, frame_windup_check, interference_check, mass_check
+from mbcdm_cad.checks.built import (
+    envelope_check,
+    frame_windup_check,
+    interference_check,
+    mass_check,
+    overhang_check,
+    printed_walls_check,
+)
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.interface import FrameCompliance, FrameStudy, Layout
@@ -100,6 +108,7 @@ def build(
         envelope_check(drive, data["envelope"]["size_mm"]),
         interference_check(drive, clashes),
         *_frame_checks(drive, kind.frame_study(dims), frame),
+        *_printing_checks(drive, centred.items, parts),
     )
     failed = _failed(checks)
     if failed and not force:
@@ -151,6 +160,24 @@ def _frame_checks(drive: Drive, study: FrameStudy | None, found: FrameCompliance
     if study is None or found is None:
         return []
     return [frame_windup_check(drive, found.windup_mrad(drive.loads.test_torque_Nm), study.advice)]
+
+
+def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, MadePart]) -> list[CheckResult]:
+    """On the meshes of the printed parts; none where nothing is printed."""
+    printed = {item.part: item.material for item in items if item.kind == "made" and item.material.printed}
+    walls = []
+    for name, material in printed.items():
+        wall = thinnest_wall(parts[name].files.mesh)
+        if wall is not None:
+            where = ", ".join(f"{v:.1f}" for v in wall.at_mm)
+            walls.append((name, wall.thickness_mm, material.min_wall_mm, f"({where})"))
+    filament = {
+        name: overhang_mm2(parts[name].files.mesh) for name, metal in printed.items() if metal.process == "printed"
+    }
+    return [
+        *([printed_walls_check(drive, walls)] if walls else []),
+        *([overhang_check(drive, filament)] if filament else []),
+    ]
 
 
 def _why_not_drawn(failed: Sequence[CheckResult]) -> str:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import judged
 from mbcdm_cad.design.drive import Drive
 
 # Checks that need the drawn solids, or seconds; the build adds them to those of the configuration.
-BUILD_IDS = ("mass", "envelope", "interference", "frame_windup")
+BUILD_IDS = ("mass", "envelope", "interference", "frame_windup", "printed_walls", "overhang")
 _AXES = ("X", "Z", "Y")
 
 
@@ -96,3 +96,33 @@ def interference_check(drive: Drive, clashes: Sequence[object]) -> CheckResult:
         advice="give the parts named more room: centre distance, steps, or smaller bought parts",
     )
     return _result(check, drive, "clashes over the travel", float(len(clashes)), 0.0, "clashes", listed)
+
+
+def printed_walls_check(drive: Drive, found: Sequence[tuple[str, float, float, str]]) -> CheckResult:
+    """Thinnest wall of each printed part against its material's; ``found``: part, wall (mm), limit (mm), where."""
+    check = Check(
+        "printed_walls",
+        "Walls of printed parts as drawn",
+        "material: min_wall_mm; filament: two lines of printing.nozzle_mm",
+        _measured_by_the_build,
+        severity="warn",
+        advice="look at the wall at that place: print it finer (printing.nozzle_mm), or choose another material",
+    )
+    return _judged(
+        check, drive, worst(at_least(f"wall of {part} at {where}", wall, low, "mm") for part, wall, low, where in found)
+    )
+
+
+def overhang_check(drive: Drive, areas_mm2: dict[str, float]) -> CheckResult:
+    """Area of parts of filament that hangs over by more than 45 degrees from upright, by part."""
+    check = Check(
+        "overhang",
+        "Overhangs of parts of filament",
+        "45 degrees: usual rule for filament",
+        _measured_by_the_build,
+        severity="warn",
+        advice="print these parts with supports under such faces, or of a sintered material, which needs none",
+    )
+    each = ", ".join(f"{part} {area:.0f}" for part, area in areas_mm2.items() if area)
+    what = "faces that hang over by more than 45 degrees, as the parts lie in their 3MF files"
+    return _result(check, drive, what, sum(areas_mm2.values()), 0.0, "mm2", each)

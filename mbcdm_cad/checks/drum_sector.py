@@ -57,13 +57,13 @@ def hub_walls(s: SectorUnderTest) -> Comparison:
     """Hub takes the payload's threads between shaft and outside, and its set screws' threads."""
     d = s.layout.drum
     screw = s.drive.screw(d.set_screw)
-    wall = s.drive.drum.material.min_wall_mm
+    insert = d.payload_insert
     return worst(
         (
             at_least(
-                "wall beside the payload's threads",
-                (d.hub_radius - d.bore_radius - d.payload_screw_thread) / 2,
-                wall,
+                f"wall beside the payload's {'inserts' if insert else 'threads'}",
+                (d.hub_radius - d.bore_radius - d.payload_hole) / 2,
+                insert.wall_mm if insert else s.drive.drum.material.min_wall_mm,
                 "mm",
             ),
             at_least("hub outside the set screws", d.hub_radius - d.set_screw_radius - screw.length_mm, 0.0, "mm"),

@@ -117,11 +117,13 @@ def pictures_command(path: Path, out: Path, *, use_cache: bool) -> int:
 def prints_command(path: Path, out: Path, *, use_cache: bool) -> int:
     """Write the made parts for a 3D printer into a folder of their own."""
     loaded = load_design(path)
-    from mbcdm_cad.build.drawings import prints_of
+    from mbcdm_cad.build.prints import prints_of
 
     with progress() as note:
         files = prints_of(loaded.drive, Cache(cache_folder() if use_cache else None), note)
     target = out / f"{loaded.drive.name}-prints"
     write_whole({target / name: data for name, data in files.items()})
-    click.echo(f"{target}: {len(files)} parts as 3MF, each on its largest flat face")
+    wider = loaded.drive.printing.hole_allowance_mm
+    holes = f", round holes of printed materials {wider:g} mm wider than drawn" if wider else ""
+    click.echo(f"{target}: {len(files)} parts as 3MF, each on its largest flat face{holes}")
     return 0

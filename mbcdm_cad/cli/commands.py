@@ -20,6 +20,7 @@ CATALOGUE_KINDS = (
     "encoders",
     "bearings",
     "screws",
+    "inserts",
     "tensioners",
     "materials",
 )

@@ -155,6 +155,26 @@ class Making(Block):
     )
 
 
+class Printing(Block):
+    """How parts of printed materials are made; parts of other materials ignore it."""
+
+    hole_allowance_mm: Number = quantity(
+        "how much wider than drawn round holes are in the 3MF files, on the diameter",
+        unit="mm",
+        default=0.2,
+        ge=0.0,
+        le=1.0,
+    )
+    nozzle_mm: Number = quantity(
+        "width of a line of filament; no wall is thinner than two lines", unit="mm", default=0.4, ge=0.1, le=2.0
+    )
+    threads: Literal["cut", "inserts"] = choice(
+        "threads of the payload and of the screws that close the frame: cut in the plastic, or brass inserts set in "
+        "with heat",
+        default="cut",
+    )
+
+
 class SpanLimits(Limits):
     """Limits of this design that the checks hold it against."""
 
@@ -253,6 +273,7 @@ class Design(Block):
     loads: Loads
     limits: Limits
     making: Making = Field(default_factory=Making.model_construct)
+    printing: Printing = Field(default_factory=Printing.model_construct)
     targets: Targets
     export: Export
     waivers: tuple[Waiver, ...] = choice(

@@ -6,6 +6,7 @@ those of the files: mm, N, grams, GPa.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -18,11 +19,25 @@ class Material:
     youngs_modulus_GPa: float
     poisson_ratio: float
     yield_MPa: float
-    process: str  # "milled", "turned", "printed" or "bought"
+    process: str  # "milled", "turned", "printed" (filament), "sintered" (powder) or "bought"
     min_wall_mm: float
     min_internal_radius_mm: float
     colour: tuple[float, float, float]
     source: str
+
+    @property
+    def printed(self) -> bool:
+        """Whether parts of it are built up in layers, of filament or of powder."""
+        return self.process in ("printed", "sintered")
+
+
+# A wall of filament is closed from two lines on.
+WALL_LINES = 2
+
+
+def least_wall_mm(process: str, min_wall_mm: float, nozzle_mm: float) -> float:
+    """Thinnest wall of a material: its own limit, and of filament two lines of the nozzle."""
+    return max(min_wall_mm, WALL_LINES * nozzle_mm) if process == "printed" else min_wall_mm
 
 
 @dataclass(frozen=True)
@@ -157,6 +172,31 @@ class Screw:
     key_mm: float
     mass_g: float
     source: str
+
+
+@dataclass(frozen=True)
+class InsertSpec:
+    """Knurled brass bush with an inside thread, set with heat into a hole of a printed part."""
+
+    name: str
+    thread_mm: float
+    hole_mm: float
+    outside_mm: float
+    length_mm: float
+    wall_mm: float  # of plastic round the hole
+    mass_g: float
+    source: str
+
+    @property
+    def depth_mm(self) -> float:
+        """Least depth of its hole: the plastic that it pushes before it goes below it."""
+        return self.length_mm + 1.0
+
+
+def shortest_insert(inserts: Iterable[InsertSpec], thread_mm: float) -> InsertSpec | None:
+    """The shortest insert that holds a screw of this thread over its diameter; None where there is none."""
+    fitting = [insert for insert in inserts if insert.length_mm >= thread_mm == insert.thread_mm]
+    return min(fitting, key=lambda insert: insert.length_mm, default=None)
 
 
 @dataclass(frozen=True)

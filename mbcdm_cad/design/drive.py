@@ -9,7 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from mbcdm_cad.design.bought import CableSpec, Encoder, Gearhead, Material, Motor, Screw, TerminationSpec
+from mbcdm_cad.design.bought import (
+    CableSpec,
+    Encoder,
+    Gearhead,
+    InsertSpec,
+    Material,
+    Motor,
+    Screw,
+    TerminationSpec,
+    shortest_insert,
+)
 
 
 @dataclass(frozen=True)
@@ -49,6 +59,15 @@ class Making:
     run_out_mm: float
     bearing_play_mm: float
     position_mm: float
+
+
+@dataclass(frozen=True)
+class Printing:
+    """How parts of printed materials are made."""
+
+    hole_allowance_mm: float  # on the diameter, in the files for the printer
+    nozzle_mm: float
+    threads: str  # "cut" or "inserts"
 
 
 @dataclass(frozen=True)
@@ -122,8 +141,8 @@ class Drive:
     ``as_built`` holds what was found on the built drive and is not among its values; a modulus, preload or friction
     that was found is (:mod:`mbcdm_cad.design.as_built`).
 
-    ``screws``, ``materials`` and ``terminations`` hold the whole catalogue with the design's own entries: parts choose
-    screws by name, bought parts name their material, and a remedy names the terminations that fit.
+    ``screws``, ``materials``, ``inserts`` and ``terminations`` hold the whole catalogue with the design's own entries:
+    parts choose screws by name, bought parts name their material, and a remedy names the terminations that fit.
     """
 
     name: str
@@ -146,11 +165,13 @@ class Drive:
     loads: Loads
     limits: Limits
     making: Making
+    printing: Printing
     targets: Targets
     export: ExportSettings
     waivers: tuple[Waiver, ...]
     screws: tuple[Screw, ...]
     materials: tuple[Material, ...]
+    inserts: tuple[InsertSpec, ...]
     sigmas: Sigmas
     as_built: tuple[AsBuilt, ...]
 
@@ -161,6 +182,15 @@ class Drive:
     def material(self, name: str) -> Material:
         """The material of the catalogue called ``name``; KeyError if there is none."""
         return _named(self.materials, name, "material")
+
+    def insert(self, material: Material, thread_mm: float) -> InsertSpec | None:
+        """The insert that a thread gets in a part of ``material``.
+
+        None where the thread is cut in the part itself: not a printed one, no inserts asked, or none of this size.
+        """
+        if self.printing.threads != "inserts" or not material.printed:
+            return None
+        return shortest_insert(self.inserts, thread_mm)
 
     def waiver(self, check: str) -> Waiver | None:
         """The waiver for the check with this id, if the design holds one."""

@@ -128,6 +128,17 @@ class ScrewEntry(Entry):
     mass_g: Number = _field("mass", "g", gt=0.0, le=200.0)
 
 
+class InsertEntry(Entry):
+    """A knurled brass bush with an inside thread, set with heat into a hole of a printed part."""
+
+    thread_mm: Number = _field("nominal thread diameter", "mm", ge=1.0, le=12.0)
+    hole_mm: Number = _field("diameter of the hole that it is set into", "mm", ge=1.0, le=20.0)
+    outside_mm: Number = _field("diameter over the knurls", "mm", ge=1.0, le=20.0)
+    length_mm: Number = _field("length", "mm", ge=1.0, le=40.0)
+    wall_mm: Number = _field("least wall of plastic round the hole", "mm", ge=0.2, le=20.0)
+    mass_g: Number = _field("mass", "g", gt=0.0, le=100.0)
+
+
 class TensionerEntry(Entry):
     """A threaded terminal swaged on the cable, with nut and lock nut."""
 
@@ -159,7 +170,9 @@ class MaterialEntry(Entry):
     youngs_modulus_GPa: Number = _field("Young's modulus", "GPa", ge=0.01, le=1000.0)
     poisson_ratio: Number = _field("Poisson's ratio", "-", ge=0.0, lt=0.5)
     yield_MPa: Number = _field("yield strength", "MPa", ge=1.0, le=5000.0)
-    process: Literal["milled", "turned", "printed", "bought"] = _field("how parts of it are made", "-")
+    process: Literal["milled", "turned", "printed", "sintered", "bought"] = _field(
+        "how parts of it are made; printed is of filament, sintered of powder", "-"
+    )
     min_wall_mm: Number = _field("thinnest wall that can be made", "mm", ge=0.0, le=10.0)
     min_internal_radius_mm: Number = _field("smallest internal corner radius", "mm", ge=0.0, le=10.0)
     colour: tuple[Fraction, Fraction, Fraction] = _field("linear red, green, blue", "-")
@@ -173,6 +186,7 @@ KINDS: dict[str, type[Entry]] = {
     "encoders": EncoderEntry,
     "bearings": BearingEntry,
     "screws": ScrewEntry,
+    "inserts": InsertEntry,
     "tensioners": TensionerEntry,
     "materials": MaterialEntry,
 }
@@ -190,5 +204,6 @@ class OwnEntries(Block):
     encoders: dict[EntryName, EncoderEntry] = Field(default={}, max_length=64, description="encoders by name")
     bearings: dict[EntryName, BearingEntry] = Field(default={}, max_length=64, description="bearings by name")
     screws: dict[EntryName, ScrewEntry] = Field(default={}, max_length=64, description="screws by name")
+    inserts: dict[EntryName, InsertEntry] = Field(default={}, max_length=64, description="heat-set inserts by name")
     tensioners: dict[EntryName, TensionerEntry] = Field(default={}, max_length=64, description="tensioners by name")
     materials: dict[EntryName, MaterialEntry] = Field(default={}, max_length=64, description="materials by name")

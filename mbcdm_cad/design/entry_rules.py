@@ -10,6 +10,7 @@ from mbcdm_cad.design.entries import (
     EncoderEntry,
     Entry,
     GearheadEntry,
+    InsertEntry,
     RopeEntry,
     ScrewEntry,
     TensionerEntry,
@@ -26,6 +27,7 @@ _ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
     EncoderEntry: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
     BearingEntry: (("bore_mm", "inner_shoulder_mm", "outer_shoulder_mm", "outer_diameter_mm"),),
     ScrewEntry: (("tap_drill_mm", "thread_mm", "clearance_mm"),),
+    InsertEntry: (("thread_mm", "hole_mm", "outside_mm"),),
     TensionerEntry: (("thread_mm", "clearance_mm", "nut_across_flats_mm"),),
 }
 

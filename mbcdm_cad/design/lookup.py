@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
@@ -13,11 +13,13 @@ from mbcdm_cad.design.bought import (
     CableSpec,
     Encoder,
     Gearhead,
+    InsertSpec,
     Material,
     Motor,
     Screw,
     TensionerSpec,
     TerminationSpec,
+    least_wall_mm,
 )
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
@@ -32,6 +34,7 @@ BOUGHT: dict[str, type[Any]] = {
     "encoders": Encoder,
     "bearings": Bearing,
     "screws": Screw,
+    "inserts": InsertSpec,
     "tensioners": TensionerSpec,
     "materials": Material,
 }
@@ -41,6 +44,7 @@ class Catalogue:
     """Entries by kind and name, of the package and of a design."""
 
     def __init__(self, design: Design) -> None:
+        self._nozzle_mm = design.printing.nozzle_mm
         self._own: dict[str, dict[str, BaseModel]] = {kind: getattr(design.catalogue, kind) for kind in KINDS}
 
     def names(self, kind: str) -> list[str]:
@@ -63,9 +67,9 @@ class Catalogue:
         return BOUGHT[kind](name=name, **{**values, **changed})
 
     def material(self, name: str) -> Material:
-        """The material called ``name``."""
+        """The material called ``name``, its thinnest wall that of the design's nozzle where it is printed."""
         found: Material = self.get("materials", name)
-        return found
+        return replace(found, min_wall_mm=least_wall_mm(found.process, found.min_wall_mm, self._nozzle_mm))
 
     def bearing(self, name: str) -> Bearing:
         """The bearing called ``name``."""

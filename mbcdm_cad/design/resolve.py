@@ -45,11 +45,13 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "loads": copied(d.Loads, design.loads),
         "limits": copied(d.Limits, design.limits),
         "making": copied(d.Making, design.making),
+        "printing": copied(d.Printing, design.printing),
         "targets": copied(d.Targets, design.targets),
         "export": copied(d.ExportSettings, design.export),
         "waivers": tuple(copied(d.Waiver, waiver) for waiver in design.waivers),
         "screws": catalogue.all("screws"),
-        "materials": catalogue.all("materials"),
+        "inserts": catalogue.all("inserts"),
+        "materials": tuple(catalogue.material(name) for name in catalogue.names("materials")),
         "as_built": (),
     }
 

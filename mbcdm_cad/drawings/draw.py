@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cadquery as cq
@@ -33,19 +33,20 @@ from mbcdm_cad.drawings.titleblock import (
     tables_size_mm,
     wrapped,
 )
-from mbcdm_cad.parts.sheets.description import Sheet
+from mbcdm_cad.parts.sheets.description import POSITION, Sheet, Table
 
 _NOTES_LEFT_OVER_MM = 8.0
 
 
 @dataclass(frozen=True)
 class PartFacts:
-    """What the title block needs beside the sheet."""
+    """What the drawing needs beside the sheet. ``position_mm``: place of a hole with a fit, plus or minus."""
 
     design: str
     material: str
     mass_g: float
     version: str
+    position_mm: float
 
 
 def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
@@ -56,7 +57,7 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
     shape = cq.Shape.cast(getattr(solid, "wrapped", solid))
     pictures = {view.name: picture(shape, view) for view in sheet.views}
     limits = fits_table(sheet.fits)
-    tables = (*sheet.tables, *((limits,) if limits else ()))
+    tables = (*(_with_positions(table, facts) for table in sheet.tables), *((limits,) if limits else ()))
     size = tables_size_mm(tables)
     paper_width = PAPERS[sheet.paper][0]
     beside = paper_width - FRAME_LEFT_MM - FRAME_MM - TITLE_BLOCK[0] - _NOTES_LEFT_OVER_MM
@@ -83,6 +84,12 @@ def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
         "svg": svg_bytes(shapes, width, height),
         "pdf": pdf_bytes(shapes, width, height, f"{facts.design} {sheet.part}"),
     }
+
+
+def _with_positions(table: Table, facts: PartFacts) -> Table:
+    places = f"{facts.position_mm:g}"
+    rows = tuple(tuple(places if cell == POSITION else cell for cell in row) for row in table.rows)
+    return replace(table, rows=rows)
 
 
 def _fields(sheet: Sheet, facts: PartFacts, arrangement: Arrangement) -> TitleFields:

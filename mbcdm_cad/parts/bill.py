@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from mbcdm_cad.design.bought import Bearing, Material, Screw
+from mbcdm_cad.design.bought import Bearing, InsertSpec, Material, Screw
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 
@@ -125,6 +125,19 @@ class BillBuilder:
             group=group,
             place=place,
             mass_g=screw.mass_g,
+        )
+
+    def insert(self, name: str, insert: InsertSpec, brass: Material, place: Placement, group: str = FIXED) -> None:
+        """A heat-set insert of the catalogue, below z = 0 of its place."""
+        self.add(
+            name,
+            "mbcdm_cad.parts.bought.draw:create_insert",
+            (insert,),
+            part=f"insert_{insert.name}",
+            material=brass,
+            group=group,
+            place=place,
+            mass_g=insert.mass_g,
         )
 
     def bearing(self, name: str, bearing: Bearing, material: Material, place: Placement, group: str = FIXED) -> None:

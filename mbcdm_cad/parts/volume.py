@@ -169,7 +169,7 @@ def drum_mm3(d: DrumDims, set_screw_thread: float) -> float:
         for w in d.windows
     )
     slot = 2 * radians(d.stop_slot_end_deg) * d.stop_radius * d.stop_slot_width + pi / 4 * d.stop_slot_width**2
-    holes = ring_mm3(d.payload_screw_thread / 2, 0.0, 4 * d.payload_depth)
+    holes = ring_mm3(d.payload_hole / 2, 0.0, 4 * d.payload_depth)
     holes += ring_mm3(set_screw_thread / 2, 0.0, 2 * (d.hub_radius - d.bore_radius))
     lugs = sum(_lug_mm3(d, t) for t in d.tensioners)
     return rim + web + hub - (windows + slot) * thickness - holes - _pockets_mm3(d) + lugs

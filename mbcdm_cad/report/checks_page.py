@@ -33,6 +33,8 @@ _BUILD = {
     "envelope": "box of all solids, drum centred, against `targets.envelope_mm`",
     "interference": "no two bodies overlap at nine poses over the travel",
     "frame_windup": "what the support's deflection adds to the drum's turn, against `limits.frame_windup_max_mrad`",
+    "printed_walls": "*(warn)* thinnest wall of each printed part, by rays through its mesh, against its material's",
+    "overhang": "*(warn)* faces of parts of filament that lean out by more than 45 degrees, as they lie in their 3MF",
 }
 
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
+from itertools import combinations
 
 import ezdxf
 from ezdxf.document import Drawing
+
+from mbcdm_cad.drawings.style import text_width_mm
 
 _TEXT = re.compile(r"(?:(\d+)x )?(Ø|M|AF |R)?(\d+(?:\.\d+)?)(.*)")
 
@@ -110,3 +113,39 @@ def view(doc: Drawing, name: str) -> ReadView:
         if e.dxf.layer == "VISIBLE"
     ]
     return ReadView(tuple(lines))
+
+
+def text_boxes(doc: Drawing) -> list[tuple[str, tuple[float, float, float, float]]]:
+    """Every text on the paper with its box: labels, titles, and what stands at dimensions."""
+    boxes = []
+    for text in doc.modelspace().query("TEXT"):
+        width = text_width_mm(text.dxf.text, text.dxf.height)
+        x, y, _ = text.dxf.align_point if text.dxf.hasattr("align_point") else text.dxf.insert
+        left, low = (x, y) if text.dxf.halign == 0 else (x - width / 2, y - text.dxf.height / 2)
+        boxes.append((text.dxf.text, (left, low, left + width, low + text.dxf.height)))
+    for dimension in doc.modelspace().query("DIMENSION"):
+        for text in doc.blocks.get(dimension.dxf.geometry).query("MTEXT"):
+            width, height = text_width_mm(text.plain_text()), text.dxf.char_height
+            turned = abs(text.get_rotation() % 180.0 - 90.0) < 45.0
+            half = (height / 2, width / 2) if turned else (width / 2, height / 2)
+            x, y, _ = text.dxf.insert
+            boxes.append((text.plain_text(), (x - half[0], y - half[1], x + half[0], y + half[1])))
+    return boxes
+
+
+def texts_on_texts(doc: Drawing) -> list[tuple[str, str]]:
+    return [
+        (one, other)
+        for (one, a), (other, b) in combinations(text_boxes(doc), 2)
+        if a[0] < b[2] - 0.1 and b[0] < a[2] - 0.1 and a[1] < b[3] - 0.1 and b[1] < a[3] - 0.1
+    ]
+
+
+def texts_outside(doc: Drawing) -> list[str]:
+    frame = next(p for p in doc.modelspace().query("LWPOLYLINE") if p.dxf.layer == "BORDER")
+    xs, ys = zip(*((p[0], p[1]) for p in frame.get_points()), strict=True)
+    return [
+        text
+        for text, (left, low, right, top) in text_boxes(doc)
+        if left < min(xs) or right > max(xs) or low < min(ys) or top > max(ys)
+    ]

@@ -75,12 +75,16 @@ def _profile(seen: ReadView) -> list[tuple[tuple[float, float], tuple[float, flo
 def turned_volume(dims: list[ReadDimension], seen: ReadView) -> float:
     """Volume in mm^3; raises ``MissingDimensionError`` or ``DoubledDimensionError``."""
     radii: dict[float, float] = {}
+    fits: dict[float, list[str]] = {}
     for d in dims:
         if not d.across and d.prefix in ("Ø", "M"):
             level = abs(d.start[1])
-            if any(abs(level - other) < _PAPER for other in radii):
-                raise DoubledDimensionError(f"diameter {d.value:g}")
-            radii[level] = d.value / 2
+            same = next((other for other in radii if abs(level - other) < _PAPER), level)
+            # A bore and a journal may be alike but for their fits.
+            if d.suffix in fits.setdefault(same, []):
+                raise DoubledDimensionError(f"diameter {d.value:g}{d.suffix}")
+            fits[same].append(d.suffix)
+            radii[same] = d.value / 2
     lengths = [d for d in dims if d.across and "45" not in d.suffix]
     chamfers = [d for d in dims if "45" in d.suffix]
     lines = _profile(seen)

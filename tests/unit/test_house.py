@@ -20,6 +20,7 @@ SHARED_NAMES: dict[str, str] = {
     "Limits": _BLOCK,
     "Loads": _BLOCK,
     "Making": _BLOCK,
+    "Printing": _BLOCK,
     "Targets": _BLOCK,
     "Waiver": _BLOCK,
     "Layout": _FACE,

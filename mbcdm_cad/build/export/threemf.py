@@ -62,8 +62,8 @@ def lying(mesh: TriangleMesh) -> FloatArray:
     return chosen
 
 
-def threemf_bytes(name: str, mesh: TriangleMesh) -> bytes:
-    """The 3MF file of one part: on the bed at z = 0, its middle above the origin."""
+def threemf_bytes(name: str, mesh: TriangleMesh, note: str = "") -> bytes:
+    """The 3MF file of one part: on the bed at z = 0, its middle above the origin. ``note`` is its description."""
     points = mesh.points_mm @ lying(mesh).T
     low, high = points.min(axis=0), points.max(axis=0)
     points = points - np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
@@ -76,6 +76,8 @@ def threemf_bytes(name: str, mesh: TriangleMesh) -> bytes:
     text.write(
         f' <metadata name="Title">{_escaped(name)}</metadata>\n <metadata name="Application">mbcdm_cad</metadata>\n'
     )
+    if note:
+        text.write(f' <metadata name="Description">{_escaped(note)}</metadata>\n')
     text.write(f' <resources>\n  <object id="1" type="model" name={quoteattr(name)}>\n   <mesh>\n    <vertices>\n')
     text.writelines(f'     <vertex x="{_number(x)}" y="{_number(y)}" z="{_number(z)}"/>\n' for x, y, z in vertices)
     text.write("    </vertices>\n    <triangles>\n")

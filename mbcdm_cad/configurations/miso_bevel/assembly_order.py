@@ -9,6 +9,7 @@ from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, plate_screw_of
 from mbcdm_cad.configurations.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
@@ -39,6 +40,7 @@ def _behind_the_guide(layout: Layout) -> tuple[str, ...]:
 def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
     rope, ring, spring = drive.cable, drive.drum_encoder, layout.preload_spring
+    insert = layout.frame.plate_insert
     return (
         AssemblyStep(
             f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
@@ -46,7 +48,8 @@ def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
             "materials."
         ),
         AssemblyStep(
-            f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
+            insert_words(insert, len(layout.frame.plate_screws), "the top of the frame's side walls")
+            + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
             f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
             "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
             f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}). "
@@ -61,6 +64,7 @@ def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
                     "drum_encoder",
                 ),
                 *_numbered("drum_encoder_screw", 2),
+                *insert_items("plate_insert", insert, len(layout.frame.plate_screws)),
             ),
         ),
         AssemblyStep(
@@ -129,17 +133,19 @@ def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
 
 
 def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
-    drive, hub_screw = layout.drive, layout.drum.set_screw
+    drive, hub_screw, insert = layout.drive, layout.drum.set_screw, layout.drum.payload_insert
+    places = len(layout.drum.payload_places)
     return (
         AssemblyStep(
-            "Lead each cable round the guide on its own step and out to its side, and hold it taut there: between "
+            insert_words(insert, places, "the holes in the hub's face")
+            + "Lead each cable round the guide on its own step and out to its side, and hold it taut there: between "
             "guide and drum there will be no room to lay it in. Push the drum onto the shaft, its set screws over the "
             "shaft's flats, until its spigot touches the front bearing, then press the stop pin through the slot into "
             "the web between the shelves. To preload the bearings, draw shaft and hub together until the shaft's end "
             f"is flush with the hub's face, which presses the spring with {layout.preload_spring.force_N:g} N, and "
             f"tighten the hub's two set screws ({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the "
             "web). The drum then has no play along its axis.",
-            ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
+            ("drum", "stop_pin", *_numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
         ),
         *terminal_steps(drive, plan(layout)),
     )

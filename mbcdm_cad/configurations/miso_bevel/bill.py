@@ -80,10 +80,11 @@ def _support(b: _Builder) -> None:
     metal = drive.support.material
     head = drive.screw(drive.encoder.screw)
     b.add("frame", "mbcdm_cad.configurations.miso_bevel.support.frame:create_frame", (lay.frame,), material=metal)
+    insert = lay.frame.plate_insert
     tapped = replace(
         lay.frame,
         axle_screw_radius=drive.screw(AXLE_SCREW).tap_drill_mm / 2,
-        plate_screw_radius=plate_screw_of(drive).tap_drill_mm / 2,
+        plate_screw_radius=lay.frame.plate_screw_radius if insert else plate_screw_of(drive).tap_drill_mm / 2,
         encoder_screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2,
     )
     b.drilled("frame", tapped)
@@ -116,6 +117,8 @@ def _support(b: _Builder) -> None:
     plate_screw = plate_screw_of(drive)
     for n, (x, y) in enumerate(lay.frame.plate_screws, 1):
         b.steel_screw(f"plate_screw_{n}", plate_screw, _at(x, y, v.top_plate_top_z - lay.top_plate.screw_head_depth))
+        if insert is not None:
+            b.insert(f"plate_insert_{n}", insert, drive.material("brass"), _at(x, y, v.top_plate_bottom_z))
     shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
     axle_screw = drive.screw(AXLE_SCREW)
     b.steel_screw(

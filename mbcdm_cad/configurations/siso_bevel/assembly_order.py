@@ -6,6 +6,7 @@ from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
 from mbcdm_cad.configurations.siso_bevel.support.dims import FLANGE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.configurations.siso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.inserts import insert_items, insert_words
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
@@ -24,7 +25,7 @@ def _numbered(stem: str, count: int) -> tuple[str, ...]:
 
 def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
-    spring = layout.preload_spring
+    spring, insert = layout.preload_spring, layout.frame.flange_insert
     rope, ring, encoder, name = drive.cable, drive.drum_encoder, drive.encoder, drive.input_names[0]
     return (
         AssemblyStep(
@@ -33,7 +34,8 @@ def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
             "materials."
         ),
         AssemblyStep(
-            f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
+            insert_words(insert, len(layout.frame.flange_screws), "the top of the frame's side walls")
+            + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
             f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
             "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
             f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}).",
@@ -41,6 +43,7 @@ def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
                 *("frame", "drum_bearing_front", "drum_preload_spring"),
                 *("drum_bearing_rear", "drum_shaft", "drum_encoder"),
                 *_numbered("drum_encoder_screw", 2),
+                *insert_items("flange_insert", insert, len(layout.frame.flange_screws)),
             ),
         ),
         AssemblyStep(
@@ -100,16 +103,18 @@ def _head(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
 
 
 def _drum(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
-    drive, hub_screw = layout.drive, layout.drum.set_screw
+    drive, hub_screw, insert = layout.drive, layout.drum.set_screw, layout.drum.payload_insert
+    places = len(layout.drum.payload_places)
     return (
         AssemblyStep(
-            "Take off the tape and lead each cable out to its side, held taut: between input and drum there will be no "
-            "room to lay it in. Push the drum onto the shaft, its set screws over the shaft's flats, until its spigot "
-            "touches the front bearing, then press the stop pin through the slot of its web into the stop shelf. To "
-            "preload the bearings, draw shaft and hub together until the shaft's end is flush with the hub's face, "
-            f"which presses the spring with {layout.preload_spring.force_N:g} N, and tighten the hub's two set screws "
-            f"({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the web).",
-            ("drum", "stop_pin", *_numbered("hub_set_screw", 2)),
+            insert_words(insert, places, "the holes in the hub's face")
+            + "Take off the tape and lead each cable out to its side, held taut: between input and drum there will be "
+            "no room to lay it in. Push the drum onto the shaft, its set screws over the shaft's flats, until its "
+            "spigot touches the front bearing, then press the stop pin through the slot of its web into the stop "
+            "shelf. To preload the bearings, draw shaft and hub together until the shaft's end is flush with the hub's "
+            f"face, which presses the spring with {layout.preload_spring.force_N:g} N, and tighten the hub's two set "
+            f"screws ({hub_screw}, {_key(layout, hub_screw)}, radially, in front of the web).",
+            ("drum", "stop_pin", *_numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
         ),
         *terminal_steps(drive, plan(layout)),
     )

@@ -41,9 +41,10 @@ def _at(x: float, y: float, z: float) -> Placement:
 def _support(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
     steel, metal, frame = drive.material("steel"), drive.support.material, lay.frame
     b.add("frame", f"{_SUPPORT}.frame:create_column", (frame,), material=metal)
+    insert = frame.flange_insert
     tapped = replace(
         frame,
-        flange_screw_radius=drive.screw(FLANGE_SCREW).tap_drill_mm / 2,
+        flange_screw_radius=frame.flange_screw_radius if insert else drive.screw(FLANGE_SCREW).tap_drill_mm / 2,
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
     b.drilled("frame", tapped)
@@ -67,6 +68,8 @@ def _support(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
         )
     for n, (x, y) in enumerate(frame.flange_screws, 1):
         b.screw(f"flange_screw_{n}", drive.screw(FLANGE_SCREW), steel, _at(x, y, top))
+        if insert is not None:
+            b.insert(f"flange_insert_{n}", insert, drive.material("brass"), _at(x, y, frame.top_z))
 
 
 def _bearings(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:

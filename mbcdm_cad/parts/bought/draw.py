@@ -10,7 +10,7 @@ from math import cos, pi, sin
 
 import cadquery as cq
 
-from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, Motor, Screw
+from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS, first_screw_rad
 from mbcdm_cad.parts.drum_shaft.dims import PreloadSpringDims
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
@@ -40,6 +40,12 @@ def create_bearing(bearing: Bearing) -> cq.Solid:
         ],
         f"bearing {bearing.name}",
     )
+
+
+def create_insert(insert: InsertSpec) -> cq.Solid:
+    """Bush from z = -length to 0, as it is once set: as wide as its hole, the thread a plain bore at its diameter."""
+    thread, hole, length = insert.thread_mm / 2, insert.hole_mm / 2, insert.length_mm
+    return turned([(thread, -length), (hole, -length), (hole, 0.0), (thread, 0.0)], f"insert {insert.name}")
 
 
 def create_motor(motor: Motor) -> cq.Solid:

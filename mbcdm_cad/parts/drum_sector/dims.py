@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, radians, sin
 
+from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.terminal.dims import Tensioner
 
 # Directions of the hub's two set screws, from +Z towards +X.
@@ -69,7 +71,19 @@ class DrumDims:
     payload_screw_thread: float
     payload_circle_radius: float
     payload_depth: float
+    payload_insert: InsertSpec | None
     corner_radius: float
+
+    @property
+    def payload_hole(self) -> float:
+        """Diameter of the payload's holes: of their thread, or of the holes for inserts."""
+        return self.payload_insert.hole_mm if self.payload_insert else self.payload_screw_thread
+
+    @property
+    def payload_places(self) -> tuple[tuple[float, float], ...]:
+        """(x, z) of the payload's holes."""
+        quarters = [radians(90.0 * quarter) for quarter in range(4)]
+        return tuple((self.payload_circle_radius * sin(a), self.payload_circle_radius * cos(a)) for a in quarters)
 
     @property
     def lug_root(self) -> float:

@@ -135,12 +135,8 @@ def _stop_slot(dims: DrumDims) -> cq.Solid:
 
 def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
     tools: list[cq.Shape] = []
-    for quarter in range(4):
-        a = radians(90.0 * quarter)
-        x, z = dims.payload_circle_radius * sin(a), dims.payload_circle_radius * cos(a)
-        tools.append(
-            cylinder_y(dims.payload_screw_thread / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1)
-        )
+    for x, z in dims.payload_places:
+        tools.append(cylinder_y(dims.payload_hole / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1))
     for deg in SET_SCREW_ANGLES_DEG:
         direction = (sin(radians(deg)), 0.0, cos(radians(deg)))
         tools.append(cylinder(set_screw_thread / 2, (0.0, dims.set_screw_y, 0.0), direction, dims.hub_radius + 1.0))

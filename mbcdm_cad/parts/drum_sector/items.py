@@ -42,6 +42,10 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
     b.drilled(
         "drum", replace(d, payload_screw_thread=thread(d.payload_screw_thread).tap_drill_mm), set_screw.tap_drill_mm
     )
+    if d.payload_insert is not None:
+        for n, (x, z) in enumerate(d.payload_places, 1):
+            place = Placement.translation(x, d.hub_face_y, z) @ _ALONG_Y
+            b.insert(f"payload_insert_{n}", d.payload_insert, drive.material("brass"), place, "drum")
     b.add(
         "drum_shaft",
         "mbcdm_cad.parts.drum_shaft.draw:create_drum_shaft",

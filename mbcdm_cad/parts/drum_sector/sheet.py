@@ -105,14 +105,23 @@ def _shape(d: DrumDims) -> Table:
         ("stop slot: width, round ends", mm3(d.stop_slot_width)),
         ("stop slot: ends at +- deg", mm(d.stop_slot_end_deg, 3)),
     )
-    return Table("Terminals and stop slot", ("", "all"), rows)
+    return Table("Pockets, lugs and stop slot", ("", "all"), rows)
 
 
 def _holes(d: DrumDims, set_screw_thread: float) -> tuple[Holes, ...]:
     payload = tuple(_polar(d.payload_circle_radius, 90.0 * k, d.hub_face_y) for k in range(4))
     radial = tuple(_polar(d.hub_radius, deg, d.set_screw_y) for deg in SET_SCREW_ANGLES_DEG)
     return (
-        Holes("P", d.payload_screw_thread, d.payload_depth, payload, "hub face", "payload", threaded=True),
+        Holes(
+            "P",
+            d.payload_hole,
+            d.payload_depth,
+            payload,
+            "hub face",
+            "payload",
+            threaded=d.payload_insert is None,
+            insert=d.payload_insert,
+        ),
         Holes("Q", set_screw_thread, "to bore", radial, "hub, radial", "set screws", threaded=True),
     )
 

@@ -17,6 +17,8 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 
 # Clamps the hub on the shaft, twice.
 HUB_SCREW = "M3x5-set"
+# Threads in the hub's face that hold the payload.
+PAYLOAD_THREAD_MM, PAYLOAD_DEPTH_MM = 2.5, 6.0
 # Wave spring under the rear bearing's outer ring: height when it presses as it should, play in the seat's bore, and
 # force by the bearing's bore (SKF: 5 to 10 N per mm keeps small bearings free of play and quiet).
 SPRING_HEIGHT_MM = 0.6
@@ -253,6 +255,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     hub_radius = d.hub_diameter_mm / 2
     web_start = _web_start_y(drive, levels)
     placed = tensioners(drive, way)
+    payload_insert = drive.insert(d.material, PAYLOAD_THREAD_MM)
     flat_wall = drive.tensioner.swage_flats_mm / 2 + FLAT_PLAY_MM
     return DrumDims(
         half_angle_deg=d.sector_half_angle_deg,
@@ -280,9 +283,10 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
         set_screw=screw.name,
         set_screw_y=_set_screw_y(drive, levels),
         set_screw_radius=shaft_radius - FLAT_DEPTH_MM,
-        payload_screw_thread=2.5,
+        payload_screw_thread=PAYLOAD_THREAD_MM,
         payload_circle_radius=(hub_radius + shaft_radius) / 2,
-        payload_depth=6.0,
+        payload_depth=max(PAYLOAD_DEPTH_MM, payload_insert.depth_mm if payload_insert else 0.0),
+        payload_insert=payload_insert,
         corner_radius=2 * d.material.min_internal_radius_mm,
     )
 

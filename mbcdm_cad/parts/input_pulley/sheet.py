@@ -217,7 +217,8 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             *((_GROOVES,) if d.grooves else ()),
             "Lands Ra 0.8; run-out of the lands to the common axis of both journals: 0.01.",
             "Slots after turning, edges that the cable touches rounded to R0.2 and polished.",
-            "X of the slots is the direction of the slit. Slit sawn through both sides of the lower journal.",
+            "X of the slots is the direction of the slit, +Z points from the slit's end, the lower one, to the upper. "
+            "Slit sawn through both sides of the lower journal.",
             "Steps square to the axis within 0.01, corners at most R0.1.",
         ),
     )

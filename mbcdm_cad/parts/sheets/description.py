@@ -21,6 +21,10 @@ Y: Vector = (0.0, 1.0, 0.0)
 Z: Vector = (0.0, 0.0, 1.0)
 
 
+# Stands in a table for the design's own ``making.position_mm``, which whoever draws the sheet puts in its place.
+POSITION = "<position>"
+
+
 def minus(v: Vector) -> Vector:
     """The opposite direction."""
     return (-v[0] + 0.0, -v[1] + 0.0, -v[2] + 0.0)

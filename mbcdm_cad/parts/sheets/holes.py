@@ -6,11 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mbcdm_cad.parts.sheets.description import FitLine, Label, Table, Vector
+from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.parts.sheets.description import POSITION, FitLine, Label, Table, Vector
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.threads import thread
 
 THROUGH = "through"
+# Place of a hole for a screw or a key, plus or minus: half the play of a screw in its hole (ISO 273, fine).
+FREE_POSITION_MM = 0.1
 COLUMNS = ("Hole", "No.", "%%c", "Thread", "Depth", "Fit", "Counterbore", "From")
 
 
@@ -18,7 +21,8 @@ COLUMNS = ("Hole", "No.", "%%c", "Thread", "Depth", "Fit", "Counterbore", "From"
 class Holes:
     """Equal holes, drilled from one face. ``depth`` is in mm or ``THROUGH``.
 
-    ``diameter`` is the nominal one; of a thread its major diameter, the table then says the tap drill.
+    ``diameter`` is the nominal one; of a thread its major diameter, the table then says the tap drill; with ``insert``
+    that of the hole that the insert is set into.
     ``counterbore``: diameter, depth, fit, at the face ``from_face``. ``places``: where they start, in the part's
     coordinates; ``what`` says what they are for.
     """
@@ -30,6 +34,7 @@ class Holes:
     from_face: str
     what: str
     threaded: bool = False
+    insert: InsertSpec | None = None
     fit: str = ""
     counterbore: tuple[float, float, str] | None = None
 
@@ -48,6 +53,8 @@ class Holes:
             drill, name = screw.tap_drill_mm, screw.name
             if not isinstance(self.depth, str):
                 name += f" x {mm(screw.full_thread_mm(self.depth), 1)}"
+        elif self.insert is not None:
+            name = f"insert {self.insert.name}"
         deeper = ""
         if self.counterbore is not None:
             diameter, depth, fit = self.counterbore
@@ -64,6 +71,7 @@ class Holes:
             "count": len(self.places),
             "diameter_mm": self.diameter,
             "thread": screw.name if screw else None,
+            "insert": self.insert.name if self.insert else None,
             "tap_drill_mm": screw.tap_drill_mm if screw else None,
             "depth": self.depth,
             "fit": self.fit or None,
@@ -94,14 +102,22 @@ def hole_table(groups: Sequence[Holes], title: str = "Holes") -> Table:
 
 
 def position_table(groups: Sequence[Holes], axes: tuple[int, int], title: str) -> Table:
-    """One line for each hole; ``axes`` are the two coordinates (0 x, 1 y, 2 z) shown."""
-    heads = tuple("XYZ"[a] for a in axes)
+    """One line for each hole; ``axes`` are the two coordinates (0 x, 1 y, 2 z) shown, both within the last column."""
+    heads = (*("XYZ"[a] for a in axes), "%%p")
     rows = tuple(
-        (name, *(mm(place[a], 3) for a in axes))
+        (name, *(mm(place[a], 3) for a in axes), _tolerance(group, place, axes))
         for group in groups
         for name, place in zip(group.names, group.places, strict=True)
     )
     return Table(title, ("Hole", *heads), rows)
+
+
+def _tolerance(group: Holes, place: Vector, axes: tuple[int, int]) -> str:
+    """Of both coordinates: close where the hole has a fit, none where the others are measured from it."""
+    fitted = group.fit or (group.counterbore is not None and group.counterbore[2])
+    if fitted and not any(place[a] for a in axes):
+        return ""
+    return POSITION if fitted else mm(FREE_POSITION_MM)
 
 
 def hole_labels(groups: Sequence[Holes], view: str) -> tuple[Label, ...]:

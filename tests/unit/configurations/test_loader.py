@@ -46,6 +46,7 @@ class BeltDesign(Design):
         "loads",
         "limits",
         "making",
+        "printing",
         "targets",
         "export",
         "waivers",

@@ -133,7 +133,7 @@ def changed(path: tuple[str | int, ...]) -> Any:
     if path[-1] == "modulus_area":
         return "nominal"
     if path[-1] == "threads":
-        return "tap_drill"
+        return "tap_drill" if path[0] == "export" else "inserts"
     if isinstance(value, str):
         kind = KIND_OF.get(str(path[-1]))
         return next(name for name in package_entries(kind) if name != value) if kind else value + "-2"

@@ -2,146 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import pi, sqrt
 from pathlib import Path
 
 import cadquery as cq
-import numpy as np
 import pytest
-from ezdxf.document import Drawing
 
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
-from tests.support.drawing_reader import (
-    DoubledDimensionError,
-    MissingDimensionError,
-    ReadDimension,
-    dimensions,
-    document,
-    table,
-    view,
-)
-from tests.support.milled_from_drawing import collar, one, slot_tools, top_plate
-from tests.support.turned_from_drawing import turned_volume
+from tests.support.drawing_reader import DoubledDimensionError, MissingDimensionError, dimensions, document
+from tests.support.rebuilt import SMALL, turned
 
 ROOT = Path(__file__).parents[3]
 # Lengths are printed to a hundredth or a thousandth of a millimetre; a nut of 1.3 mm feels that most.
 _VOLUME_ERROR = 2e-3
-Rebuild = Callable[[Drawing, list[ReadDimension]], float]
-
-
-def _turned(doc: Drawing, dims: list[ReadDimension]) -> float:
-    return turned_volume([d for d in dims if d.view == "main"], view(doc, "main"))
-
-
-def _terminal(doc: Drawing, dims: list[ReadDimension]) -> float:
-    """Turned body less the two segments that the flats take from the sleeve, its chamfer included."""
-    flat = one(dims, "end", suffix="flats").value / 2
-    main = [d for d in dims if d.view == "main"]
-    swage = max(d.value for d in main if d.prefix == "Ø") / 2
-    lengths = sorted(d.value for d in main if d.across and "45" not in d.suffix)
-    chamfer = next(d.value for d in main if "45" in d.suffix)
-    radii = np.maximum(np.minimum(swage, swage - chamfer + np.linspace(0.0, lengths[1], 20001)), flat)
-    segments = radii**2 * np.arccos(flat / radii) - flat * np.sqrt(radii**2 - flat**2)
-    return _turned(doc, dims) - 2 * float(segments.mean()) * lengths[1]
-
-
-def _shaft(doc: Drawing, dims: list[ReadDimension]) -> float:
-    """Turned body less the two segments of its flats; where they stand along the shaft must be said too."""
-    over = one(dims, "flats", suffix="over flat")
-    lengths = sorted((d for d in dims if d.view == "flats" and d.across), key=lambda d: d.count)
-    if [d.count for d in lengths] != [1, 2] or over.count != 2:
-        raise MissingDimensionError("length and place of two flats")
-    radius = next(d.value for d in dims if d.view == "main" and d.prefix == "Ø" and d.count == 2) / 2
-    flat = over.value - radius
-    segment = radius**2 * np.arccos(flat / radius) - flat * np.sqrt(radius**2 - flat**2)
-    return _turned(doc, dims) - 2 * float(segment) * lengths[1].value
-
-
-def _nut(doc: Drawing, dims: list[ReadDimension]) -> float:
-    flats, height, thread = one(dims, "end", "AF"), one(dims, "main", "", "across"), one(dims, "main", "M")
-    return (sqrt(3) / 2 * flats.value**2 - pi / 4 * thread.value**2) * height.value
-
-
-def _idler(doc: Drawing, dims: list[ReadDimension]) -> float:
-    rows = table(doc, "Steps")[1:]
-    lengths = sorted((d for d in dims if d.across), key=lambda d: d.value)
-    bores = sorted((d for d in dims if d.prefix == "Ø"), key=lambda d: d.value)
-    if len(lengths) != 2 or len(bores) != 2:
-        raise MissingDimensionError(f"{len(lengths)} lengths, {len(bores)} bores")
-    (seat, whole), (shoulder, bore) = lengths, bores
-    assert seat.count == bore.count == 2
-    ends = [0.0, *(float(row[3]) for row in rows[:-1]), whole.value]
-    steps = sum(pi / 4 * float(row[1]) ** 2 * (b - a) for row, a, b in zip(rows, ends, ends[1:], strict=False))
-    return steps - pi / 4 * (2 * seat.value * bore.value**2 + (whole.value - 2 * seat.value) * shoulder.value**2)
-
-
-def _pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
-    """Turned body as a solid, then the slit and the slots."""
-    _turned(doc, dims)  # all lengths and diameters are there, each once
-    main = [d for d in dims if d.view == "main"]
-    chain = [d.value for d in sorted((d for d in main if d.across and d.start[1] < 0), key=lambda d: d.start[0])]
-    whole = max(chain)
-    chain.remove(whole)
-    places = [0.0]
-    for length in chain:
-        places.append(places[-1] + length)
-    places.append(whole)
-    bore, *left = [
-        d.value / 2
-        for d in sorted((d for d in main if d.prefix == "Ø" and d.start[0] < _middle(main)), key=lambda d: d.value)
-    ]
-    right = [
-        d.value / 2
-        for d in sorted((d for d in main if d.prefix == "Ø" and d.start[0] >= _middle(main)), key=lambda d: -d.value)
-    ]
-    blind, slit_depth = sorted(d.value for d in main if d.across and d.start[1] > 0 and "45" not in d.suffix)
-    chamfer = next(d.value for d in main if "45" in d.suffix)
-    body = cq.Solid.makeCylinder(left[0], places[1], cq.Vector(0, 0, 0))
-    parts = [
-        cq.Solid.makeCylinder(radius, b - a, cq.Vector(0, 0, a))
-        for radius, a, b in zip([*left[1:], *right], places[1:-1], places[2:], strict=True)
-    ]
-    solid = body.fuse(*parts)
-    # Chamfers as rings.
-    for radius, end, way in ((left[0], 0.0, 1.0), (right[-1], whole, -1.0)):
-        outer = cq.Solid.makeCylinder(radius + 1.0, chamfer, cq.Vector(0, 0, min(end, end + way * chamfer)))
-        first, last = (radius - chamfer, radius) if way > 0 else (radius, radius - chamfer)
-        solid = solid.cut(
-            outer.cut(cq.Solid.makeCone(first, last, chamfer, cq.Vector(0, 0, min(end, end + way * chamfer))))
-        )
-    slit = one(dims, "lower end").value
-    reach = left[0] + 1.0
-    tools = [
-        cq.Solid.makeCylinder(bore, blind, cq.Vector(0, 0, 0)),
-        cq.Solid.makeBox(2 * reach, slit, slit_depth, cq.Vector(-reach, -slit / 2, 0.0)),
-        *slot_tools(doc, {"lower": places[2], "upper": places[4]}, {"lower": -1.0, "upper": 1.0}),
-    ]
-    for tool in tools:
-        solid = solid.cut(tool)
-    return float(solid.Volume())
-
-
-def _middle(main: list[ReadDimension]) -> float:
-    whole = max((d for d in main if d.across), key=lambda d: d.value)
-    return (whole.start[0] + whole.end[0]) / 2
-
-
-REBUILD: dict[str, Rebuild] = {
-    **dict.fromkeys(("guide_axle", "guide_spacer", "stop_pin", "dowel", "stop"), _turned),
-    "drum_shaft": _shaft,
-    "terminal": _terminal,
-    "nut": _nut,
-    "guide": _idler,
-    "input_pulley_left": _pulley,
-    "input_pulley_right": _pulley,
-    "top_plate": lambda doc, dims: float(top_plate(doc, dims).Volume()),
-    "collar": lambda doc, dims: float(collar(doc, dims).Volume()),
-}
 
 
 @pytest.fixture(scope="module")
@@ -151,22 +27,22 @@ def parts() -> dict[str, tuple[cq.Solid, bytes]]:
     of = configuration(drive.configuration)
     specs = of.bill(of.layout(drive)).parts
     made = {}
-    for name in REBUILD:
+    for name in SMALL:
         spec = specs[name]
         solid = make(spec.maker, spec.args)
         sheet = sheet_of(name, spec.maker, spec.args)
-        made[name] = (solid, draw_sheet(sheet, solid, PartFacts("mbcdm", "metal", 1.0, "0"))["dxf"])
+        made[name] = (solid, draw_sheet(sheet, solid, PartFacts("mbcdm", "metal", 1.0, "0", 0.02))["dxf"])
     return made
 
 
-@pytest.mark.parametrize("name", REBUILD)
+@pytest.mark.parametrize("name", SMALL)
 def test_the_drawing_makes_the_part(parts: dict[str, tuple[cq.Solid, bytes]], name: str) -> None:
     solid, data = parts[name]
     doc = document(data)
-    assert REBUILD[name](doc, dimensions(doc)) == pytest.approx(solid.Volume(), rel=_VOLUME_ERROR)
+    assert SMALL[name](doc, dimensions(doc)) == pytest.approx(solid.Volume(), rel=_VOLUME_ERROR)
 
 
-@pytest.mark.parametrize("name", REBUILD)
+@pytest.mark.parametrize("name", SMALL)
 def test_without_any_one_dimension_it_does_not(parts: dict[str, tuple[cq.Solid, bytes]], name: str) -> None:
     solid, data = parts[name]
     doc = document(data)
@@ -174,16 +50,16 @@ def test_without_any_one_dimension_it_does_not(parts: dict[str, tuple[cq.Solid, 
     for missing in dims:
         rest = [d for d in dims if d is not missing]
         try:
-            volume = REBUILD[name](doc, rest)
+            volume = SMALL[name](doc, rest)
         except (MissingDimensionError, ValueError, IndexError, StopIteration):
             continue
         error = abs(volume / solid.Volume() - 1.0)
         assert error > _VOLUME_ERROR, f"{missing.prefix}{missing.value} in {missing.view} is not needed: {error:.2g}"
 
 
-@pytest.mark.parametrize("name", REBUILD)
+@pytest.mark.parametrize("name", SMALL)
 def test_a_dimension_said_twice_is_found(parts: dict[str, tuple[cq.Solid, bytes]], name: str) -> None:
-    if REBUILD[name] is not _turned:
+    if SMALL[name] is not turned:
         pytest.skip("only where the outline says which dimensions there can be")
     doc = document(parts[name][1])
     dims = dimensions(doc)
@@ -191,4 +67,4 @@ def test_a_dimension_said_twice_is_found(parts: dict[str, tuple[cq.Solid, bytes]
         if "45" in doubled.suffix:
             continue
         with pytest.raises(DoubledDimensionError):
-            _turned(doc, [*dims, doubled])
+            turned(doc, [*dims, doubled])

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import io
 import re
-from itertools import combinations
 from pathlib import Path
 
 import cadquery as cq
 import ezdxf
 import pytest
-from ezdxf.document import Drawing
 
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
-from mbcdm_cad.drawings.style import text_width_mm
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
-from tests.support.drawing_reader import document, table
+from tests.support.drawing_reader import document, table, texts_on_texts, texts_outside
 
 ROOT = Path(__file__).parents[3]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 _OF = configuration(_DRIVE.configuration)
 _BILL = _OF.bill(_OF.layout(_DRIVE))
 MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "made"))
-_FACTS = PartFacts("mbcdm", "metal", 1.0, "0")
+_FACTS = PartFacts("mbcdm", "metal", 1.0, "0", 0.02)
 
 
 @pytest.fixture(scope="module")
@@ -58,46 +55,14 @@ def test_the_same_bytes_twice(drawn: Drawn, name: str) -> None:
         assert again[kind] == data, kind
 
 
-def _boxes(doc: Drawing) -> list[tuple[str, tuple[float, float, float, float]]]:
-    """Every text on the paper with its box: labels, titles, and what stands at dimensions."""
-    boxes = []
-    for text in doc.modelspace().query("TEXT"):
-        width = text_width_mm(text.dxf.text, text.dxf.height)
-        x, y, _ = text.dxf.align_point if text.dxf.hasattr("align_point") else text.dxf.insert
-        left, low = (x, y) if text.dxf.halign == 0 else (x - width / 2, y - text.dxf.height / 2)
-        boxes.append((text.dxf.text, (left, low, left + width, low + text.dxf.height)))
-    for dimension in doc.modelspace().query("DIMENSION"):
-        for text in doc.blocks.get(dimension.dxf.geometry).query("MTEXT"):
-            width, height = text_width_mm(text.plain_text()), text.dxf.char_height
-            turned = abs(text.get_rotation() % 180.0 - 90.0) < 45.0
-            half = (height / 2, width / 2) if turned else (width / 2, height / 2)
-            x, y, _ = text.dxf.insert
-            boxes.append((text.plain_text(), (x - half[0], y - half[1], x + half[0], y + half[1])))
-    return boxes
-
-
 @pytest.mark.parametrize("name", MADE)
 def test_no_text_stands_on_another(drawn: Drawn, name: str) -> None:
-    doc = document(drawn[name][1]["dxf"])
-    over = [
-        (one, other)
-        for (one, a), (other, b) in combinations(_boxes(doc), 2)
-        if a[0] < b[2] - 0.1 and b[0] < a[2] - 0.1 and a[1] < b[3] - 0.1 and b[1] < a[3] - 0.1
-    ]
-    assert not over
+    assert not texts_on_texts(document(drawn[name][1]["dxf"]))
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_all_texts_are_inside_the_frame(drawn: Drawn, name: str) -> None:
-    doc = document(drawn[name][1]["dxf"])
-    frame = next(p for p in doc.modelspace().query("LWPOLYLINE") if p.dxf.layer == "BORDER")
-    xs, ys = zip(*((p[0], p[1]) for p in frame.get_points()), strict=True)
-    outside = [
-        text
-        for text, (left, low, right, top) in _boxes(doc)
-        if left < min(xs) or right > max(xs) or low < min(ys) or top > max(ys)
-    ]
-    assert not outside
+    assert not texts_outside(document(drawn[name][1]["dxf"]))
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -150,7 +115,7 @@ def test_hole_table_of_the_frame_is_what_the_solid_has(drawn: Drawn) -> None:
     said = set()
     for axis in "ZY":
         title = f"Positions from A and the drum axis, along {axis}"
-        for name, first, second in table(doc, title)[1:]:
+        for name, first, second, _ in table(doc, title)[1:]:
             row = rows[name[0]]
             diameter = float(row[3][1:].split()[0]) if row[3] != "-" else float(row[2])
             said.add((round(diameter, 3), axis, float(first), float(second)))

@@ -208,7 +208,7 @@ def test_drum_without_terminals_and_windows(dims: Layout) -> None:
     half = d.stop_slot_width / 2
     slot_area = 2 * radians(d.stop_slot_end_deg) * d.stop_radius * d.stop_slot_width + pi * half**2
     holes = slot_area * (d.web_end_y - d.web_start_y)
-    holes += 4 * ring(d.payload_screw_thread / 2, 0.0, d.payload_depth)
+    holes += 4 * ring(d.payload_hole / 2, 0.0, d.payload_depth)
     holes += 2 * radial_hole(thread / 2, d.bore_radius, d.hub_radius)
     error = create_drum(d, thread).Volume() / (share * (rim + web) + hub - holes) - 1
     assert abs(error) < 1e-6, f"{error:+.2e}"

@@ -29,12 +29,13 @@ def engagement(s: BevelUnderTest) -> Comparison:
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
     plate = plate_screw_of(drive)
     axle, hub, collar = (drive.screw(n) for n in (AXLE_SCREW, lay.drum.set_screw, lay.collar.screw))
-    c, v = lay.collar, s.levels
+    c, v, insert = lay.collar, s.levels, lay.frame.plate_insert
+    in_frame = plate.length_mm - (support.top_plate_mm - plate.head_height_mm)
     engaged = (
         ("gearhead screw", gear, gear.length_mm - support.motor_shelf_mm),
         ("encoder screw", encoder, encoder.length_mm - (support.top_plate_mm - encoder.head_height_mm - 0.2)),
         ("drum encoder's screw", ring, lay.frame.encoder_screw_depth - 0.5),
-        ("top plate's screw", plate, plate.length_mm - (support.top_plate_mm - plate.head_height_mm)),
+        ("top plate's screw", plate, min(in_frame, insert.length_mm) if insert else in_frame),
         ("axle's set screw", axle, min(axle.length_mm, v.front_y - lay.frame.axle_radius)),
         ("hub's set screw", hub, min(hub.length_mm, lay.drum.hub_radius - lay.drum.set_screw_radius)),
         ("collar's screw", collar, collar.length_mm - c.head_seat - c.slit_width / 2),

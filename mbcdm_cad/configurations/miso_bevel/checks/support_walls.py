@@ -140,7 +140,12 @@ def wall_holes(s: BevelUnderTest) -> Comparison:
     gap = f.plate_screw_radius + f.dowel_radius
     return worst(
         (
-            at_least("side wall beside a plate screw's thread", wall / 2 - f.plate_screw_radius, limit, "mm"),
+            at_least(
+                f"side wall beside a plate screw's {'insert' if f.plate_insert else 'thread'}",
+                wall / 2 - f.plate_screw_radius,
+                f.plate_insert.wall_mm if f.plate_insert else limit,
+                "mm",
+            ),
             at_least("side wall beside a dowel", wall / 2 - f.dowel_radius, limit, "mm"),
             at_least("metal between front plate screw and dowel", front - dowel_y - gap, limit, "mm"),
             at_least("metal between dowel and back plate screw", dowel_y - back - gap, limit, "mm"),

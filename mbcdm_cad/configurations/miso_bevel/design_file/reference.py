@@ -71,6 +71,11 @@ SHARED = {
     "making.run_out_mm": Given(0.02, "estimate: turned between centres or in one chucking"),
     "making.bearing_play_mm": Given(0.008, "ISO 5753-1, normal play of bores to 10 mm: 2 to 13 um"),
     "making.position_mm": Given(0.02, "estimate: bored and faced in one setting"),
+    "printing.hole_allowance_mm": Given(
+        0.2, "estimate: printers leave holes 0.1 to 0.3 narrow; print a gauge and measure it"
+    ),
+    "printing.nozzle_mm": Given(0.4, "the usual nozzle"),
+    "printing.threads": Given("cut", "a choice: nothing of the reference is printed"),
     "targets.mass_g": Given(350.0, "section 4.1"),
     "targets.mass_tolerance_g": Given(10.0, "project goal"),
     "targets.prototype_mass_g": Given(342.0, "section 5"),

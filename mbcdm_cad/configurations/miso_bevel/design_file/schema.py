@@ -222,6 +222,7 @@ class BevelDesign(Design):
         "loads",
         "limits",
         "making",
+        "printing",
         "targets",
         "export",
         "waivers",

@@ -22,7 +22,10 @@ from mbcdm_cad.configurations.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM
 from mbcdm_cad.parts.drum_sector.sizes import (
     FLAT_PLAY_MM,
+    HUB_SCREW,
     MIN_FLOOR_MM,
+    PAYLOAD_DEPTH_MM,
+    PAYLOAD_THREAD_MM,
     SECTOR_MARGIN_DEG,
     STOP_SLOT_PLAY_MM,
     SWAGE_START_MM,
@@ -31,7 +34,6 @@ from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 
 # Lip of the hub over its set screws, so that they never stand out.
 SCREW_LIP_MM = 1.0
-SET_SCREW, PAYLOAD_THREAD_MM, PAYLOAD_DEPTH_MM = "M3x5-set", 2.5, 6.0
 # Web in thinnest walls, and as a share of the outermost radius: stiff enough between rim and hub (estimate).
 WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 33.0
 # Rim under the deepest pocket as a share of the radius of step 1 (estimate; the check asks for less).
@@ -104,11 +106,12 @@ def _shaft_radius(given: BevelKnown) -> float:
 
 
 def _hub_diameter(given: BevelKnown) -> Found:
-    shaft = _shaft_radius(given)
+    shaft, insert = _shaft_radius(given), given.insert("drum", PAYLOAD_THREAD_MM)
+    hole, wall = (insert.hole_mm, insert.wall_mm) if insert is not None else (PAYLOAD_THREAD_MM, given.wall_mm("drum"))
     spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
     needs = {
-        "hub_walls": 2 * (shaft + given.screw(SET_SCREW).length_mm + SCREW_LIP_MM),
-        "payload's threads": 2 * shaft + 2 * PAYLOAD_THREAD_MM / 2 + 4 * given.wall_mm("drum"),
+        "hub_walls": 2 * (shaft + given.screw(HUB_SCREW).length_mm + SCREW_LIP_MM),
+        "payload's threads": 2 * (shaft + hole) + 4 * wall,
         "hub_spigot": 2 * (spigot + SPIGOT_MM),
     }
     return largest(needs, 0.5)
@@ -116,7 +119,7 @@ def _hub_diameter(given: BevelKnown) -> Found:
 
 def _hub_face(given: BevelKnown) -> Found:
     start = given.drum_inner_mm - 3 * given["clearances.running_mm"] + 0.5
-    screw = given.screw(SET_SCREW).thread_mm
+    screw = given.screw(HUB_SCREW).thread_mm
     end = _web_end(given)
     needs = {
         "hub_length": start + HUB_DIAMETERS * 2 * _shaft_radius(given),

@@ -69,7 +69,11 @@ def _top_plate(given: BevelKnown) -> Found:
 
 def _side_wall(given: BevelKnown) -> Found:
     sunk = given.screw(PLATE_SCREWS[0]).head_diameter_mm + 0.4
-    return largest({"side_wall": sunk + 2 * given.wall_mm("support")}, 0.1)
+    needs = {"side_wall": sunk + 2 * given.wall_mm("support")}
+    insert = given.insert("support", given.screw(PLATE_SCREWS[0]).thread_mm)
+    if insert is not None:
+        needs["top plate's inserts"] = insert.hole_mm + 2 * insert.wall_mm
+    return largest(needs, 0.1)
 
 
 def _coupling_space(given: BevelKnown) -> Found:

@@ -16,7 +16,15 @@ from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules, 
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.stack import stack
-from mbcdm_cad.design.bought import CableSpec, Gearhead, Screw, TerminationSpec
+from mbcdm_cad.design.bought import (
+    CableSpec,
+    Gearhead,
+    InsertSpec,
+    Screw,
+    TerminationSpec,
+    least_wall_mm,
+    shortest_insert,
+)
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.design.rules import every_broken_rule
@@ -40,6 +48,8 @@ LATER = {
     "support__back_y_mm": -100.0,
     "limits__frame_windup_max_mrad": 1.0,
 }
+# The schema's own.
+NOZZLE_MM = 0.4
 # Largest fleet angle on grooves where the file names none: the schema's own.
 GROOVED_FLEET_DEG = 2.0
 # A lead that just clears the turn before it is raised by this share of the rope's diameter: stacked tolerances.
@@ -137,7 +147,16 @@ class BevelKnown(KnownFields):
 
     def wall_mm(self, part: str) -> float:
         """Thinnest wall of the material of a part, ``"drum"``."""
-        return float(self.entry("materials", f"{part}.material")["min_wall_mm"])
+        metal = self.entry("materials", f"{part}.material")
+        nozzle = self.get("printing.nozzle_mm", NOZZLE_MM) if metal["process"] == "printed" else 0.0
+        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
+
+    def insert(self, part: str, thread_mm: float) -> InsertSpec | None:
+        """The insert that a thread gets in a part, as :meth:`mbcdm_cad.design.drive.Drive.insert` has it."""
+        process = self.entry("materials", f"{part}.material")["process"]
+        if process not in ("printed", "sintered") or self.get("printing.threads") != "inserts":
+            return None
+        return shortest_insert((InsertSpec(name=n, **e) for n, e in self.entries("inserts").items()), thread_mm)
 
     def screw(self, name: str) -> Screw:
         """A screw of the catalogue."""

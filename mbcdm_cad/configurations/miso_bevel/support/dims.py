@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.drum import stop_pin_z
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, milled_corner_mm
-from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft
 
@@ -85,6 +85,7 @@ class FrameDims:
     stop_pin_start_y: float
     plate_screw_radius: float
     plate_screw_depth: float
+    plate_insert: InsertSpec | None
     plate_screws: tuple[tuple[float, float], ...]  # (x, y)
     dowels: tuple[tuple[float, float], ...]  # (x, y)
     dowel_radius: float
@@ -175,6 +176,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     gear, encoder = drive.gearhead, drive.drum_encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
     plate_screw = plate_screw_of(drive)
+    plate_insert = drive.insert(drive.support.material, plate_screw.thread_mm)
     boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
     encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
     coupling_z = (levels.motor_shelf_top_z + levels.bearing_shelf_bottom_z) / 2
@@ -223,8 +225,12 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         stop_pin_radius=drive.drum.stop_pin_mm / 2,
         stop_pin_z=stop_pin_z(drive, levels),
         stop_pin_start_y=levels.front_y - STOP_PIN_DEPTH_MM,
-        plate_screw_radius=plate_screw.thread_mm / 2,
-        plate_screw_depth=plate_screw.length_mm - (drive.support.top_plate_mm - plate_screw.head_height_mm) + 0.5,
+        plate_screw_radius=(plate_insert.hole_mm if plate_insert else plate_screw.thread_mm) / 2,
+        plate_screw_depth=max(
+            plate_screw.length_mm - (drive.support.top_plate_mm - plate_screw.head_height_mm) + 0.5,
+            plate_insert.depth_mm if plate_insert else 0.0,
+        ),
+        plate_insert=plate_insert,
         plate_screws=plate_screws(drive, levels),
         dowels=dowels(levels),
         dowel_radius=DOWEL_MM / 2,

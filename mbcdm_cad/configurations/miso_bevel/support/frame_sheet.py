@@ -61,7 +61,8 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             tuple((x, y, top) for x, y in d.plate_screws),
             "top",
             "top plate",
-            threaded=True,
+            threaded=d.plate_insert is None,
+            insert=d.plate_insert,
         ),
         Holes(
             "E",
@@ -242,6 +243,7 @@ def _in_section(d: FrameDims) -> tuple[Linear, ...]:
         deep(v.front_y, high, "above", high),
         deep(v.pocket_floor_y, v.bearing_shelf_bottom_z, "above", high, " pockets"),
         deep(d.upper_floor_y, high, "above", high, " top pocket"),
+        deep(0.0, v.bearing_shelf_top_z, "above", high, " axis of A"),
         deep(d.encoder_pocket_floor_y, low, "below", column_back),
         deep(d.rear_seat_end_y, -d.drum_seat_radius, "below", column_back),
         deep(d.front_seat_start_y, -d.drum_seat_radius, "below", column_back),

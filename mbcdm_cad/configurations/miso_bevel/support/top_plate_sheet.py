@@ -100,7 +100,6 @@ def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, enco
         holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
         notes=(
-            "Holes B, E to the axis of A within 0.01; all other positions within 0.1.",
             "Bearing seats Ra 0.8, their shoulders flat within 0.01 to the lower face.",
             "Faces Ra 1.6, parallel within 0.02.",
         ),

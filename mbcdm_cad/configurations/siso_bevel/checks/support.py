@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import corner_gap, web_between
@@ -155,12 +157,17 @@ def flange(s: DirectUnderTest) -> Comparison:
     heads = abs(x) - screw.head_diameter_mm / 2 - s.levels.head_outer_x
     return worst(
         (
-            at_least("side wall beside a flange screw's thread", wall / 2 - f.flange_screw_radius, limit, "mm"),
+            at_least(
+                f"side wall beside a flange screw's {'insert' if f.flange_insert else 'thread'}",
+                wall / 2 - f.flange_screw_radius,
+                f.flange_insert.wall_mm if f.flange_insert else limit,
+                "mm",
+            ),
             at_least("side wall beside a dowel", wall / 2 - f.dowel_radius, limit, "mm"),
             at_least("metal between flange screw and dowel", min(front - dowel_y, dowel_y - back) - gap, limit, "mm"),
             at_least(
                 "engaged length of a flange screw over its diameter",
-                screw.length_mm - shelf - screw.thread_mm,
+                min(screw.length_mm - shelf, f.flange_insert.length_mm if f.flange_insert else inf) - screw.thread_mm,
                 0.0,
                 "mm",
             ),

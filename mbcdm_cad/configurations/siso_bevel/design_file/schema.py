@@ -133,6 +133,7 @@ class DirectDesign(Design):
         "loads",
         "limits",
         "making",
+        "printing",
         "targets",
         "export",
         "waivers",

@@ -22,6 +22,7 @@ from math import sqrt
 
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.stack import TOOL_SLENDERNESS, DirectStack
+from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.boss.dims import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 
@@ -71,6 +72,7 @@ class ColumnDims:
     stop_pin_start_y: float
     flange_screw_radius: float
     flange_screw_depth: float
+    flange_insert: InsertSpec | None
     flange_screws: tuple[tuple[float, float], ...]  # (x, y)
     dowels: tuple[tuple[float, float], ...]  # (x, y)
     dowel_radius: float
@@ -128,6 +130,7 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
     round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
     encoder, upper = drive.encoder, drive.bearings.input_upper
     encoder_screw, flange_screw = drive.screw(encoder.screw), drive.screw(FLANGE_SCREW)
+    insert = drive.insert(drive.support.material, flange_screw.thread_mm)
     radius = corner_radius_mm(drive, levels)
     shelf_bottom = -levels.top_plate_top_z
     stop_top = -levels.encoder_top_z - ENCODER_ROOM_MM
@@ -164,8 +167,11 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
         stop_pin_radius=drive.drum.stop_pin_mm / 2,
         stop_pin_z=(stop_top + stop_bottom) / 2,
         stop_pin_start_y=levels.front_y - STOP_PIN_DEPTH_MM,
-        flange_screw_radius=flange_screw.thread_mm / 2,
-        flange_screw_depth=flange_screw.length_mm - drive.support.bearing_shelf_mm + 0.5,
+        flange_screw_radius=(insert.hole_mm if insert else flange_screw.thread_mm) / 2,
+        flange_screw_depth=max(
+            flange_screw.length_mm - drive.support.bearing_shelf_mm + 0.5, insert.depth_mm if insert else 0.0
+        ),
+        flange_insert=insert,
         flange_screws=screws,
         dowels=dowels,
         dowel_radius=DOWEL_MM / 2,

@@ -20,7 +20,16 @@ def _from_above(d: ColumnDims) -> tuple[Holes, ...]:
     return (
         Holes("A", 2 * d.seat_shoulder_radius, THROUGH, ((0.0, 0.0, shelf),), "shelf", "bearing", counterbore=seat),
         Holes("B", 2 * d.encoder_screw_clearance, THROUGH, encoder, "shelf", "encoder screws", counterbore=sunk),
-        Holes("C", 2 * d.flange_screw_radius, d.flange_screw_depth, flange, "top", "motor head", threaded=True),
+        Holes(
+            "C",
+            2 * d.flange_screw_radius,
+            d.flange_screw_depth,
+            flange,
+            "top",
+            "motor head",
+            threaded=d.flange_insert is None,
+            insert=d.flange_insert,
+        ),
         Holes("D", 2 * d.dowel_radius, d.dowel_depth, dowels, "top", "dowels", fit=FITS["pin_press"].code),
     )
 
@@ -81,6 +90,7 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
     return (
         deep(v.front_y, d.encoder_shelf_bottom_z, "above", d.top_z),
         deep(v.pocket_floor_y, d.encoder_shelf_top_z, "above", d.top_z, " pockets"),
+        deep(0.0, d.encoder_shelf_top_z, "above", d.top_z, " axis of A"),
         deep(b.encoder_pocket_floor_y, -b.radius, "below", start),
         deep(b.rear_seat_end_y, -b.seat_radius, "below", start),
         deep(b.front_seat_start_y, -b.seat_radius, "below", start),
@@ -123,7 +133,7 @@ def column_sheet(part: str, d: ColumnDims) -> Sheet:
         ),
         notes=(
             "Milled from one block. X to the right seen from behind, Y to the front, Z up; Y = 0 in the axis of A.",
-            "A square to the drum's axis within 0.02; both drum seats on one axis within 0.005; A and D within 0.01.",
+            "A square to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
             f"Corners of all pockets R{mm(r)}, as the outside corners. Encoder's pocket from behind: "
             f"R{mm(b.encoder_pocket_radius)} about the drum's axis, open below Z {mm(d.column_start_z)}.",
             f"Ears {mm(2 * b.ear_half_height)} high. Seats Ra 0.8, elsewhere Ra 3.2.",

@@ -112,7 +112,6 @@ def head_sheet(part: str, d: HeadDims) -> Sheet:
         holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
         notes=(
-            "A, B and F to one datum within 0.01; all other positions within 0.1.",
             f"Pocket from the front, {mm(v.head_inner_x)} behind the axis of A; its corners R{mm(r)} as the outside.",
             "Bearing seat Ra 0.8, its shoulder flat within 0.01 to the lower face; motor shelf parallel to it in 0.02.",
         ),

@@ -1,0 +1,51 @@
+"""The made parts of a design as files for a 3D printer, fetched from the cache or made and put there."""
+
+from __future__ import annotations
+
+import os
+
+from mbcdm_cad.build.run import drawn, exported_parts
+from mbcdm_cad.build.store import MadePart, Progress, Store
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.keys import content_key, source_hash
+from mbcdm_cad.storage.manifest import versions
+
+
+def prints_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None) -> dict[str, bytes]:
+    """All made parts for printing, by file name (``NAME.3mf``).
+
+    Round holes of printed materials are wider by ``printing.hole_allowance_mm``; the file then says so. Raises
+    ``GeometryError`` for a part that cannot be drawn.
+    """
+    items, parts = drawn(drive, 0.0, cache, progress)
+    kind = configuration(drive.configuration)
+    posed = kind.bill(kind.layout(drive))
+    files = exported_parts(Store(cache, progress), posed, parts, drive, os.cpu_count() or 1)
+    made = {item.part: item.material for item in items if item.kind == "made"}
+    code = source_hash(__name__, "mbcdm_cad.build.export.threemf", "mbcdm_cad.build.wider_holes")
+    found = {}
+    for name, material in made.items():
+        wider = drive.printing.hole_allowance_mm if material.printed else 0.0
+        key = content_key("3mf", (name, files[name].key, wider, drive.export.mesh_tolerance_mm), code, versions())
+        blobs = cache.get(key)
+        if blobs is None:
+            progress(f"3MF of {name}")
+            blobs = {"3mf": _threemf(name, files[name], wider, drive.export.mesh_tolerance_mm)}
+            cache.put(key, blobs)
+        found[f"{name}.3mf"] = blobs["3mf"]
+    return found
+
+
+def _threemf(name: str, part: MadePart, wider_mm: float, mesh_tolerance_mm: float) -> bytes:
+    from mbcdm_cad.build.export.threemf import threemf_bytes
+
+    if not wider_mm:
+        return threemf_bytes(name, part.files.mesh)
+    from mbcdm_cad.build.meshing import mesh_solid
+    from mbcdm_cad.build.wider_holes import with_wider_holes
+
+    solid = with_wider_holes(name, part.solid(), wider_mm)
+    note = f"round holes {wider_mm:g} mm wider than drawn, on the diameter"
+    return threemf_bytes(name, mesh_solid(name, solid, mesh_tolerance_mm), note)

@@ -1,0 +1,82 @@
+"""The round holes of a solid made wider, as a printer that leaves them narrow asks."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+import cadquery as cq
+from OCP.BRepAdaptor import BRepAdaptor_Surface
+
+from mbcdm_cad.build.kernel import Shape
+from mbcdm_cad.parts.shapes import one_solid
+
+# A bore counts as a hole if this much of its wall is there: slits and crossing holes may take the rest.
+LEAST_WALL = 0.75
+# Coordinates, directions and radii that agree so far are one.
+_DIGITS = 4
+
+
+class RoundHole(NamedTuple):
+    """A round bore from ``low_mm`` to ``high_mm`` along its axis, which passes through ``foot_mm``."""
+
+    foot_mm: tuple[float, float, float]
+    direction: tuple[float, float, float]
+    radius_mm: float
+    low_mm: float
+    high_mm: float
+
+
+def round_holes(solid: Shape, least_wall: float = LEAST_WALL) -> list[RoundHole]:
+    """Bores of whose wall at least this share is there, in a fixed order."""
+    walls: dict[tuple[float, ...], list[tuple[float, float, float]]] = {}
+    for face in cq.Shape.cast(solid).Faces():
+        if face.geomType() != "CYLINDER":
+            continue
+        surface = BRepAdaptor_Surface(face.wrapped)
+        cylinder, reversed_ = surface.Cylinder(), face.wrapped.Orientation().name.endswith("REVERSED")
+        # The normal of a wall points to the axis; that of a left-handed surface is turned over.
+        if cylinder.Position().Direct() != reversed_:
+            continue
+        axis = cylinder.Axis()
+        d = cq.Vector(axis.Direction())
+        if (round(d.x, _DIGITS), round(d.y, _DIGITS), round(d.z, _DIGITS)) < (0.0, 0.0, 0.0):
+            d = -d
+        at = cq.Vector(axis.Location())
+        foot = at - d * at.dot(d)
+        # Along its axis a wall reaches beyond its vertices where it ends in a curved face.
+        *_, low, high = face._uvBounds()
+        ends = sorted((at + cq.Vector(axis.Direction()) * v).dot(d) for v in (low, high))
+        key = tuple(round(v, _DIGITS) + 0.0 for v in (*foot.toTuple(), *d.toTuple(), cylinder.Radius()))
+        walls.setdefault(key, []).append((ends[0], ends[1], face.Area()))
+    holes = []
+    for key in sorted(walls):
+        radius = key[6]
+        for low, high, area in _together(walls[key]):
+            if area > least_wall * 2 * pi * radius * (high - low):
+                holes.append(RoundHole((key[0], key[1], key[2]), (key[3], key[4], key[5]), radius, low, high))
+    return holes
+
+
+def _together(pieces: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
+    """Pieces of one bore's wall whose stretches of the axis overlap, their areas added."""
+    whole: list[tuple[float, float, float]] = []
+    for low, high, area in sorted(pieces):
+        if whole and low < whole[-1][1] - 1e-6:
+            before = whole.pop()
+            low, high, area = before[0], max(high, before[1]), area + before[2]
+        whole.append((low, high, area))
+    return whole
+
+
+def with_wider_holes(name: str, solid: Shape, allowance_mm: float) -> Shape:
+    """The solid with all its round holes wider by ``allowance_mm`` on the diameter. Raises ``ValueError`` naming it."""
+    body = cq.Shape.cast(solid)
+    for hole in round_holes(solid):
+        start = cq.Vector(*hole.foot_mm) + cq.Vector(*hole.direction) * hole.low_mm
+        length, along = hole.high_mm - hole.low_mm, cq.Vector(*hole.direction)
+        outer = cq.Solid.makeCylinder(hole.radius_mm + allowance_mm / 2, length, start, along)
+        # A ring: what stands inside a bore without touching its wall stays.
+        inner = cq.Solid.makeCylinder(hole.radius_mm * 0.95, length, start, along)
+        body = body.cut(outer.cut(inner))
+    return one_solid(body, name).wrapped
