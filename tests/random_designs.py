@@ -1,6 +1,10 @@
 """Do designs that pass the checks also build? Every part one sound solid, its mesh watertight, nothing interferes.
 
     python tests/random_designs.py --count 200 --seed 1 --jobs 2
+    python tests/random_designs.py --count 100 --workshop
+
+With ``--workshop``: is the take-up proved, is each made part to be made from its drawing, is the 3MF read back, are the
+tables of holes the solids' cylinders, and does a build forced with odd sizes never end in the kernel's words?
 
 Seeds are tried upwards from ``--seed`` until ``--count`` of them pass the checks. Failures are counted by stage, with
 their seeds; ``--only SEED`` looks at one, ``--save DIR`` writes the design files. Exit 1 if anything failed.
@@ -25,9 +29,10 @@ import yaml
 
 sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it is run
 sys.path.insert(0, str(Path(__file__).parent / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from interference_of_solids import interferences
-from random_generator import Passing, passing
+from random_generator import Passing, load, passing
 
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
@@ -36,10 +41,12 @@ from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.layout import layout
+from mbcdm_cad.errors import InputError
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
+from tests.support.workshop import at_rest, forced, forced_parts, workshop
 
-STAGES = ("draw", "sound", "mesh", "interference", "box")
+STAGES = ("draw", "sound", "mesh", "interference", "box", "take-up", "drawing", "print", "holes", "forced")
 # How far the box worked out before anything is drawn may be from that of the solids: it has the corners of the
 # terminals' nuts where they reach furthest, and on each side they may stand otherwise by a few hundredths.
 BOX_MM = 0.2
@@ -127,13 +134,33 @@ def exercise(found: Passing, poses: int) -> Iterator[Failure]:
             yield Failure(found.seed, "box", f"X, Z, Y {size[[0, 2, 1]].round(2)}, foreseen {np.round(foreseen, 2)} mm")
 
 
+def exercise_workshop(found: Passing) -> Iterator[Failure]:
+    """What the workshop asks of one design, and of one forced in its place; yields what fails."""
+    dims = layout(found.loaded.drive)
+    b = bill(dims)
+    try:
+        solids = at_rest(b)
+    except Exception as error:  # the kernel raises what it likes
+        yield Failure(found.seed, "draw", f"{type(error).__name__}: {error}")
+        return
+    for stage, what in workshop(dims, b, solids):
+        yield Failure(found.seed, stage, what)
+    data, changed = forced(found.data, found.loaded.drive, found.seed)
+    try:
+        drive = load(data).drive
+    except InputError:
+        return  # refused before anything is drawn, with line, limit and remedy
+    for stage, what in forced_parts(drive, changed):
+        yield Failure(found.seed, stage, what)
+
+
 def attempt(task: tuple[int, int]) -> Outcome:
-    """One seed: a design that passes, and what comes of it."""
+    """One seed: a design that passes, and what comes of it; the workshop's part where there are no poses."""
     seed, poses = task
     found = passing(seed)
     if isinstance(found, str):
         return Outcome(seed, found, {}, ())
-    return Outcome(seed, "", figures(found), tuple(exercise(found, poses)))
+    return Outcome(seed, "", figures(found), tuple(exercise(found, poses) if poses else exercise_workshop(found)))
 
 
 def attempts(first: int, wanted: int, poses: int, jobs: int) -> Iterator[Outcome]:
@@ -192,10 +219,12 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="first seed")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--poses", type=int, default=9, help="poses of the interference run")
+    parser.add_argument("--workshop", action="store_true", help="take-up, drawings, 3MF and tables of holes instead")
     parser.add_argument("--only", type=int, help="this seed alone")
     parser.add_argument("--save", type=Path, help="folder for the design files of all that pass")
     options = parser.parse_args()
     start = time.monotonic()
+    options.poses = 0 if options.workshop else options.poses
     if options.only is not None:
         stream: Iterator[Outcome] = iter([attempt((options.only, options.poses))])
     else:
