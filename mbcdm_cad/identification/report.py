@@ -6,13 +6,14 @@ from base64 import b64encode
 from collections.abc import Sequence
 from typing import Any
 
-import jinja2
 import numpy as np
 
 from mbcdm_cad.identification import plain
-from mbcdm_cad.identification.report_figures import loop_png, orders_png, scatter_png, time_png
+from mbcdm_cad.identification.report_charts import orders_chart, time_charts
+from mbcdm_cad.identification.report_figures import loop_png, scatter_png
 from mbcdm_cad.identification.result import Evidence, LoopResult, Named, Traces, readable, share_text, windows_words
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
+from mbcdm_cad.report.page.template import page_environment
 
 VERDICTS = {
     "none": "Nothing is missing",
@@ -24,12 +25,11 @@ VERDICTS = {
 # Pages of more runs than this show the plots of the first ones.
 MOST_PLOTTED = 6
 
-# Title of each plot, and what to look for.
+# What to look for in each plot; pictures have a title too.
 TIME = (
-    "Measured against predicted, over time",
-    "Above: the output as measured and as the declared model predicts it. Below: what is left of it before, and after "
-    "what was found was put into the model. Grey was held out before anything was chosen. What is hatched is left out: "
-    "in the first half sweep nobody knows what the friction remembers from before.",
+    "Over time: the output as measured and as the declared model predicts it; below, what is left of it before, and "
+    "after what was found was put into the model. Grey was held out before anything was chosen. Yellow is left out: "
+    "in the first half sweep nobody knows what the friction remembers from before."
 )
 LOOP = (
     "Transmission error over output angle",
@@ -42,9 +42,8 @@ SCATTER = (
     "over load like stiffness.",
 )
 ORDERS = (
-    "Orders of what is left",
-    "Amplitude by cycles a turn of the output. Dotted lines mark what turns once in the chain; a peak on one of them, "
-    "or on a multiple, points at that shaft.",
+    "Orders of what is left: amplitude by cycles a turn of the output. Dotted lines mark what turns once in the chain; "
+    "a peak on one of them, or on a multiple, points at that shaft. Grey: too few cycles over this travel to be told."
 )
 
 JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]
@@ -52,35 +51,47 @@ JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]
 
 def report_page(result: LoopResult, design: dict[str, str] | None, runs: Sequence[JudgedRun]) -> bytes:
     """The page as HTML. ``design``: name, file and sha256, None where only the ratio is known."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("mbcdm_cad.identification", "."), undefined=jinja2.StrictUndefined, autoescape=True
-    )
-    page = environment.get_template("report.html.j2").render(
-        verdict=VERDICTS[result.verdict],
-        finding=_micro(plain.finding(result)),
-        certainty=_micro(plain.certainty(result)),
-        sentence=_micro(result.sentence),
-        doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)]
-        + [_micro(words) for words in result.doubts],
-        helpful=[_effect(one.named) | {"odds": f"{min(one.odds, 9999.0):.0f}"} for one in result.helpful],
-        noise=_noise(result),
-        windows=[windows_words(one) for one in result.windows],
-        errors=_errors(result),
-        effects=[_effect(named) for named in result.effects],
-        sets=[[_effect(named) for named in group] for group in result.one_of],
-        unknown=_micro(result.unknown.sentence()) if result.unknown else "",
-        candidates=[_candidate(one, result.small) for one in (*result.evidence, *result.small)],
-        not_testable=result.not_testable,
-        next_steps=plain.steps(result),
-        nothing_lacks=result.verdict == "none",
-        design=design,
-        runs=[_run(judged) for judged in runs],
-        plots=[
-            {"source": judged[0].source, "images": _images(trace, result.chain_orders, judged[0])}
-            for judged, trace in list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED]
-        ],
+    plots = list(zip(runs, result.traces, strict=True))[:MOST_PLOTTED] if result.traces else []
+    page = (
+        page_environment(("mbcdm_cad.identification", "."))
+        .get_template("report.html.j2")
+        .render(
+            sections=_sections(result, len(plots)),
+            time_text=TIME,
+            orders_text=ORDERS,
+            verdict=VERDICTS[result.verdict],
+            finding=_micro(plain.finding(result)),
+            certainty=_micro(plain.certainty(result)),
+            sentence=_micro(result.sentence),
+            doubts=[f"{run.source}: {words}" for run, findings, notes in runs for words in doubts(notes, findings)]
+            + [_micro(words) for words in result.doubts],
+            helpful=[_effect(one.named) | {"odds": f"{min(one.odds, 9999.0):.0f}"} for one in result.helpful],
+            noise=_noise(result),
+            windows=[windows_words(one) for one in result.windows],
+            errors=_errors(result),
+            effects=[_effect(named) for named in result.effects],
+            sets=[[_effect(named) for named in group] for group in result.one_of],
+            unknown=_micro(result.unknown.sentence()) if result.unknown else "",
+            candidates=[_candidate(one, result.small) for one in (*result.evidence, *result.small)],
+            not_testable=result.not_testable,
+            next_steps=plain.steps(result),
+            nothing_lacks=result.verdict == "none",
+            design=design,
+            runs=[_run(judged) for judged in runs],
+            plots=[_plots(judged[0], trace, result.chain_orders) for judged, trace in plots],
+        )
     )
     return page.encode()
+
+
+def _sections(result: LoopResult, plotted: int) -> list[tuple[str, str]]:
+    """(place, name) of the sections that the page has."""
+    lacking = result.effects or result.one_of or result.unknown or result.helpful
+    found = [("finding", "Finding"), ("error", "Error")]
+    found += [("lacks", "What the model lacks")] if lacking else []
+    found += [(f"run-{k}", "Plots" if plotted == 1 else f"Run {k}") for k in range(1, plotted + 1)]
+    found += [("candidates", "Candidates")] if result.evidence or result.small else []
+    return [*found, ("runs", "Runs")]
 
 
 def _noise(result: LoopResult) -> str:
@@ -158,15 +169,15 @@ def _run(judged: JudgedRun) -> dict[str, Any]:
     }
 
 
-def _images(trace: Traces, chain_orders: dict[str, float], run: Run) -> list[dict[str, str]]:
+def _plots(run: Run, trace: Traces, chain_orders: dict[str, float]) -> dict[str, Any]:
     ideal = np.interp(trace.time_s, run.time_s, run.input_rad.mean(axis=0) / chain_orders["input"])
-    drawn = (
-        (TIME, time_png(trace)),
-        (LOOP, loop_png(trace, ideal)),
-        (SCATTER, scatter_png(trace)),
-        (ORDERS, orders_png(trace, chain_orders)),
-    )
-    return [{"title": title, "text": text, "data": b64encode(png).decode()} for (title, text), png in drawn]
+    drawn = ((LOOP, loop_png(trace, ideal)), (SCATTER, scatter_png(trace)))
+    return {
+        "source": run.source,
+        "over_time": time_charts(trace),
+        "images": [{"title": title, "text": text, "data": b64encode(png).decode()} for (title, text), png in drawn],
+        "orders": orders_chart(trace, chain_orders),
+    }
 
 
 def _micro(text: str) -> str:

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.identification.report import report_page
-from mbcdm_cad.identification.report_figures import AFTER, BEFORE, scatter_png, time_png
+from mbcdm_cad.identification.report_charts import orders_chart, time_charts
+from mbcdm_cad.identification.report_figures import AFTER, BEFORE, scatter_png
 from mbcdm_cad.identification.result import (
     Errors,
     Evidence,
@@ -99,7 +100,7 @@ class _Links(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.fetched += [str(value) for name, value in attrs if name in ("src", "href")]
-        if tag not in ("meta", "img"):
+        if tag not in ("meta", "img", "link"):
             self.open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:
@@ -110,8 +111,10 @@ def test_the_page_needs_no_other_file_and_holds_what_the_result_holds() -> None:
     page = whole_page()
     links = _Links()
     links.feed(page)
-    assert links.open == [] and len(links.fetched) == 4, links.fetched
-    assert all(link.startswith("data:image/png;base64,") for link in links.fetched)
+    outside = [link for link in links.fetched if not link.startswith(("#", "data:,"))]
+    assert links.open == [] and len(outside) == 2, outside
+    assert all(link.startswith("data:image/png;base64,") for link in outside)
+    assert all(f'id="{link[1:]}"' in page for link in links.fetched if link.startswith("#"))
     for words in (
         "8.6 µm",
         "8.4 µm to 8.8 µm",
@@ -189,7 +192,7 @@ def test_the_first_half_sweep_is_left_out_of_the_plots_over_angle() -> None:
     changed = trace.residual_before_rad.copy()
     changed[first] += 5e-5
     assert scatter_png(replace(trace, residual_before_rad=changed)) == scatter_png(trace)
-    assert time_png(replace(trace, residual_before_rad=changed)) != time_png(trace)
+    assert time_charts(replace(trace, residual_before_rad=changed)) != time_charts(trace)
 
 
 def test_of_a_run_too_short_to_spare_one_no_half_sweep_is_left_out() -> None:
@@ -202,9 +205,29 @@ def test_of_a_run_too_short_to_spare_one_no_half_sweep_is_left_out() -> None:
 def test_no_line_is_drawn_over_a_pause_in_logging() -> None:
     trace = RESULT.traces[0]
     time = trace.time_s + 20.0 * (np.arange(trace.time_s.size) >= 1500)
-    wild = trace.residual_after_rad.copy()
-    wild[1500] = 1e-4  # the first point after the pause carries the line there
-    assert time_png(replace(trace, time_s=time, residual_after_rad=wild)) == time_png(replace(trace, time_s=time))
+    for chart in time_charts(replace(trace, time_s=time)).values():
+        for line in chart["lines"]:
+            gaps = [k for k, value in enumerate(line["y"]) if value is None]
+            assert gaps == [1500], (chart["title"], line["label"], gaps)
+
+
+def test_charts_hold_the_signals_in_readable_units() -> None:
+    trace = RESULT.traces[0]
+    charts = time_charts(trace)
+    measured, predicted = charts["output"]["lines"]
+    assert measured["y"] == pytest.approx(1e3 * trace.output_rad, rel=1e-4, abs=1e-4)
+    assert np.subtract(measured["y"], predicted["y"]) == pytest.approx(1e3 * trace.residual_before_rad, abs=0.02)
+    assert charts["residual"]["y"]["unit"] == "µrad"
+    assert charts["residual"]["lines"][0]["y"] == pytest.approx(1e6 * trace.residual_before_rad, rel=1e-4)
+    held = [band for band in charts["residual"]["bands"] if band["kind"] == "held"]
+    assert [(band["from"], band["to"]) for band in held] == [pytest.approx((20.0, 30.0), abs=0.05)]
+
+
+def test_chart_of_orders_marks_what_turns_in_the_chain() -> None:
+    chart = orders_chart(RESULT.traces[0], RESULT.chain_orders)
+    assert {mark["label"]: mark["at"] for mark in chart["marks"]} == RESULT.chain_orders
+    assert chart["x"]["from"] < min(RESULT.chain_orders.values()), "a mark lies outside the axis"
+    assert chart["lines"][0]["y"] == pytest.approx([1.0] * 500) and chart["lines"][1]["y"] == pytest.approx([0.1] * 500)
 
 
 @pytest.mark.parametrize(("share", "said"), [(1.0, "100%"), (0.9965, "over 99%"), (0.9899, "99%"), (0.0, "0%")])
@@ -215,8 +238,8 @@ def test_what_is_not_quite_the_whole_is_not_called_so(share: float, said: str) -
 def test_pictures_are_the_same_every_time_and_show_before_and_after() -> None:
     first = whole_page()
     pictures = [b64decode(data) for data in re.findall(r"base64,([A-Za-z0-9+/=]+)", first)]
-    assert pictures[2] == scatter_png(RESULT.traces[0])
-    pixels = np.asarray(matplotlib.image.imread(BytesIO(pictures[0])))[:, :, :3]
+    assert pictures[1] == scatter_png(RESULT.traces[0])
+    pixels = np.asarray(matplotlib.image.imread(BytesIO(pictures[1])))[:, :, :3]
     for colour in (BEFORE, AFTER):
         wanted = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
         assert (np.abs(pixels - wanted).max(axis=2) < 0.02).sum() > 200, colour

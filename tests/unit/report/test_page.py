@@ -14,8 +14,9 @@ import pytest
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.report.page import content
-from mbcdm_cad.report.page.page import LICENCE, THREE, THREE_SHA256, _figure, _json
+from mbcdm_cad.report.page.page import LICENCE, THREE, THREE_SHA256
 from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, cable_lines
+from mbcdm_cad.report.page.template import _figure, _json
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 LARGEST_BUNDLE_BYTES = 800_000

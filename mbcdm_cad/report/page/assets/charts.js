@@ -4,6 +4,7 @@
   const NS = "http://www.w3.org/2000/svg";
   const DASHES = ["", "7 3", "2 3", "9 3 2 3", "4 2 1 2 1 2", "12 4"];
   const LEFT = 58, RIGHT = 14, TOP = 12, BOTTOM = 42;
+  const LOG_SPAN = 1e-4; // a logarithmic axis shows four decades below its top
 
   page.chart = function (figure) {
     const data = JSON.parse(figure.querySelector("script").textContent);
@@ -13,33 +14,48 @@
     new ResizeObserver(draw).observe(holder);
     holder.addEventListener("pointermove", (event) => {
       const frame = holder.getBoundingClientRect();
-      const { low, high, width } = state.scale;
+      const { low, high, width, back } = state.scale;
       const share = (event.clientX - frame.left - LEFT) / (width - LEFT - RIGHT);
-      mark(holder, data, state, low + Math.min(Math.max(share, 0), 1) * (high - low));
+      mark(holder, data, state, back(low + Math.min(Math.max(share, 0), 1) * (high - low)));
     });
     holder.addEventListener("pointerleave", () => mark(holder, data, state, null));
     holder.addEventListener("keydown", (event) => {
       const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
       if (!step) return;
       event.preventDefault();
-      const { low, high } = state.scale;
-      const from = state.at === null ? (step > 0 ? low : high) : state.at + (step * (high - low)) / 40;
-      mark(holder, data, state, Math.min(Math.max(from, low), high));
+      const { low, high, along, back } = state.scale;
+      const from = state.at === null ? (step > 0 ? low : high) : along(state.at) + (step * (high - low)) / 40;
+      mark(holder, data, state, back(Math.min(Math.max(from, low), high)));
     });
     draw();
   };
 
+  // An axis: `log` axes are laid out by the logarithm. Null in a line is a gap.
+  const along = (axis) => (axis.log ? Math.log10 : (v) => v);
+  const colour = (line, k) => `var(--c${line.colour ?? k % 6})`;
+  const dashes = (line, k) => (line.colour === undefined ? DASHES[k % 6] : "");
+
   function drawn(holder, data, state) {
     const width = Math.max(260, holder.clientWidth), height = Math.round(Math.min(320, Math.max(220, width * 0.6)));
-    const xs = data.lines.flatMap((line) => line.x), ys = data.lines.flatMap((line) => line.y);
-    const low = Math.min(...xs), high = Math.max(...xs);
-    const across = ticks(low, high, Math.max(3, Math.floor(width / 70)));
-    const up = ticks(Math.min(0, ...ys), Math.max(...ys), 6);
-    const bottom = Math.min(up[0], ...ys, 0), top = Math.max(up[up.length - 1], ...ys);
-    const x = (v) => LEFT + ((v - low) / (high - low || 1)) * (width - LEFT - RIGHT);
-    const y = (v) => height - BOTTOM - ((v - bottom) / (top - bottom || 1)) * (height - TOP - BOTTOM);
-    state.scale = { low, high, width, height, x, y };
+    const fx = along(data.x), fy = along(data.y);
+    const xs = range(data.lines.map((line) => line.x)), ys = range(data.lines.map((line) => line.y));
+    xs.low = data.x.from ?? xs.low;
+    const low = fx(xs.low), high = fx(xs.high);
+    const across = data.x.log ? decades(xs) : ticks(low, high, Math.max(3, Math.floor(width / 70)));
+    const shown = data.y.log ? { low: Math.max(ys.low, ys.high * LOG_SPAN), high: ys.high } : ys;
+    const up = data.y.log ? decades(shown) : ticks(Math.min(0, ys.low), ys.high, 6);
+    const bottom = data.y.log ? fy(shown.low) : Math.min(up[0], ys.low, 0);
+    const top = data.y.log ? fy(shown.high) : Math.max(up[up.length - 1], ys.high);
+    const x = (v) => LEFT + ((fx(v) - low) / (high - low || 1)) * (width - LEFT - RIGHT);
+    const y = (v) => {
+      const share = (Math.max(fy(v), bottom) - bottom) / (top - bottom || 1);
+      return height - BOTTOM - share * (height - TOP - BOTTOM);
+    };
+    state.scale = { low, high, width, height, x, y, along: fx, back: data.x.log ? (v) => 10 ** v : (v) => v };
     const svg = element("svg", { width, height, viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" });
+    const inside = { y: TOP, height: height - TOP - BOTTOM };
+    for (const band of data.bands || [])
+      svg.append(element("rect", { class: `band ${band.kind}`, x: x(band.from), width: Math.max(1, x(band.to) - x(band.from)), ...inside }));
     for (const v of across) {
       svg.append(element("line", { class: "grid", x1: x(v), x2: x(v), y1: TOP, y2: height - BOTTOM }));
       svg.append(text(page.figure(v), { x: x(v), y: height - BOTTOM + 16, "text-anchor": "middle" }));
@@ -54,9 +70,21 @@
     svg.append(text(named(data.y), {
       class: "axis", x: 0, y: 0, "text-anchor": "middle", transform: `translate(13 ${half}) rotate(-90)`,
     }));
+    for (const sign of data.marks || []) {
+      svg.append(element("line", { class: "cursor", x1: x(sign.at), x2: x(sign.at), y1: TOP, y2: height - BOTTOM }));
+      svg.append(text(sign.label, { x: 0, y: 0, "text-anchor": "end", transform: `translate(${x(sign.at) - 3} ${TOP + 2}) rotate(-90)` }));
+    }
     data.lines.forEach((line, k) => {
-      const path = line.x.map((v, i) => `${i ? "L" : "M"}${x(v).toFixed(1)} ${y(line.y[i]).toFixed(1)}`).join("");
-      svg.append(element("path", { class: "line", d: path, style: `stroke:var(--c${k % 6})`, "stroke-dasharray": DASHES[k % 6] }));
+      let pen = "M";
+      const path = [];
+      line.x.forEach((v, i) => {
+        if (line.y[i] === null) pen = "M";
+        else {
+          path.push(`${pen}${x(v).toFixed(1)} ${y(line.y[i]).toFixed(1)}`);
+          pen = "L";
+        }
+      });
+      svg.append(element("path", { class: "line", d: path.join(""), style: `stroke:${colour(line, k)}`, "stroke-dasharray": dashes(line, k) }));
     });
     svg.append(element("g", { class: "marker" }));
     holder.querySelector("svg")?.remove();
@@ -77,7 +105,7 @@
     const read = data.lines.map((line, k) => {
       const value = valueAt(line, at);
       if (value === null) return null;
-      group.append(element("circle", { cx: x(at), cy: y(value), r: 3.5, style: `fill:var(--c${k % 6})` }));
+      group.append(element("circle", { cx: x(at), cy: y(value), r: 3.5, style: `fill:${colour(line, k)}` }));
       return `${line.label}: ${page.figure(value)}`;
     });
     const unit = (axis) => (axis.unit && axis.unit !== "-" ? ` ${axis.unit}` : "");
@@ -88,10 +116,28 @@
   function valueAt(line, at) {
     for (let i = 0; i + 1 < line.x.length; i += 1) {
       const [a, b] = [line.x[i], line.x[i + 1]];
-      if ((a <= at && at <= b) || (b <= at && at <= a))
+      if (((a <= at && at <= b) || (b <= at && at <= a)) && line.y[i] !== null && line.y[i + 1] !== null)
         return line.y[i] + (b === a ? 0 : ((at - a) / (b - a)) * (line.y[i + 1] - line.y[i]));
     }
     return null;
+  }
+
+  // Least and greatest of lists that may be too long to be spread into arguments.
+  function range(lists) {
+    let low = Infinity, high = -Infinity;
+    for (const list of lists)
+      for (const v of list) {
+        if (v === null) continue;
+        if (v < low) low = v;
+        if (v > high) high = v;
+      }
+    return { low, high };
+  }
+
+  function decades({ low, high }) {
+    const found = [];
+    for (let k = Math.ceil(Math.log10(low) - 1e-9); k <= Math.log10(high) + 1e-9; k += 1) found.push(10 ** k);
+    return found;
   }
 
   function ticks(low, high, count) {
