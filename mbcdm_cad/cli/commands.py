@@ -131,12 +131,13 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 @mbcdm.command(
     epilog=_examples(
         "mbcdm compare params/mbcdm.yaml params/siso_bevel.yaml",
-        "mbcdm compare my_drive.yaml my_other.yaml --json",
+        "mbcdm compare my_drive.yaml my_other.yaml --page compared.html",
     )
 )
 @click.argument("designs", metavar="DESIGN...", type=_FILE, nargs=-1, required=True)
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, a list with one object a design.")
 @click.option("--markdown", is_flag=True, help="Print the table as Markdown.")
+@click.option("--page", type=_FILE, metavar="FILE", help="Write a page with pictures, figures and plots there.")
 @click.option(
     "--out",
     type=_FILE,
@@ -148,7 +149,13 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 @_NO_CACHE
 @click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
 def compare(
-    designs: tuple[Path, ...], as_json: bool, markdown: bool, out: Path, no_cache: bool, jobs: int | None
+    designs: tuple[Path, ...],
+    as_json: bool,
+    markdown: bool,
+    page: Path | None,
+    out: Path,
+    no_cache: bool,
+    jobs: int | None,
 ) -> int:
     """Compare designs side by side, as built.
 
@@ -159,7 +166,9 @@ def compare(
         raise click.UsageError("--json and --markdown exclude each other; give one of them")
     from mbcdm_cad.cli.comparing import compare_command
 
-    return compare_command(designs, out=out, as_json=as_json, markdown=markdown, use_cache=not no_cache, jobs=jobs)
+    return compare_command(
+        designs, out=out, as_json=as_json, markdown=markdown, page=page, use_cache=not no_cache, jobs=jobs
+    )
 
 
 @mbcdm.command(

@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
 from mbcdm_cad.build.progress import progress
-from mbcdm_cad.build.run import build
+from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table
+from mbcdm_cad.report.comparison import ComparedDesign, compared, comparison_data, comparison_table
 from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
+
+_VIEW, _PICTURE_PX = "output", (900, 720)
 
 
 def compare_command(
-    paths: tuple[Path, ...], *, out: Path, as_json: bool, markdown: bool, use_cache: bool, jobs: int | None
+    paths: tuple[Path, ...],
+    *,
+    out: Path,
+    as_json: bool,
+    markdown: bool,
+    page: Path | None,
+    use_cache: bool,
+    jobs: int | None,
 ) -> int:
-    """Print the comparison. Raises ``MbcdmError`` for a design that fails a check: it could not be built as it is."""
+    """Print the comparison, and write it as ``page``.
+
+    Raises ``MbcdmError`` for a design that fails a check: it could not be built as it is.
+    """
+    if page is not None:
+        refuse_missing_folder(page)
     designs = [load_design(path) for path in paths]
     load = min(design.drive.loads.test_torque_Nm for design in designs)
     cache = Cache(cache_folder() if use_cache else None)
@@ -30,6 +47,8 @@ def compare_command(
             failed = ", ".join(check.id for check in outcome.failed)
             raise MbcdmError(f"{path}: not compared, since it fails {failed}; see mbcdm check {path}")
         found.append(compared(design.drive, outcome.data, load))
+    if page is not None:
+        _write_page(page, [design.drive for design in designs], found, cache)
     if as_json:
         click.echo(json.dumps(comparison_data(found), indent=1))
         return 0
@@ -37,3 +56,19 @@ def compare_command(
     for line in table.markdown() if markdown else table.text():
         click.echo(line)
     return 0
+
+
+def _write_page(page: Path, drives: Sequence[Drive], found: Sequence[ComparedDesign], cache: Cache) -> None:
+    # These draw, and load the libraries for it; the table does without.
+    from mbcdm_cad.build.export.picture import picture_png
+    from mbcdm_cad.report.page.compared import comparison_page
+
+    pictures = []
+    with progress() as note:
+        for drive in drives:
+            items, parts = drawn(drive, 0.0, cache, note)
+            note(f"picture of {drive.name}")
+            meshes = {name: part.files.mesh for name, part in parts.items()}
+            pictures.append(picture_png(items, meshes, _VIEW, _PICTURE_PX))
+    write_whole({page: comparison_page(found, drives, pictures)})
+    click.echo(f"{page}: {len(drives)} designs side by side, opens in any browser", err=True)

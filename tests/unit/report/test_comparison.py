@@ -13,6 +13,8 @@ from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table
+from mbcdm_cad.report.page.compared import comparison_page
+from mbcdm_cad.report.page.studies import charts_under_load
 
 PARAMS = Path(__file__).parents[3] / "params"
 
@@ -74,3 +76,21 @@ def test_table_has_a_column_a_design_and_json_is_plain() -> None:
     plain = json.loads(json.dumps(comparison_data(designs)))
     assert [design["name"] for design in plain] == ["mbcdm", "siso_bevel"]
     assert plain[1]["box_mm"] == [100.0, 50.0, 40.0]
+
+
+def test_page_holds_pictures_and_figures_and_needs_no_other_file() -> None:
+    drive = load_design(PARAMS / "mbcdm.yaml").drive
+    light = compared(drive, report(), 0.28)
+    heavy = compared(drive, report(mass={"mass_g": 800.0}), 0.28)
+    page = comparison_page([light, heavy], [drive, drive], [b"first", b"second"]).decode()
+    assert page.count("data:image/png;base64,") == 2 and "http" not in page.replace("http://www.w3.org", "")
+    row = page.split('<th scope="row">mass, g</th>')[1].split("</tr>")[0]
+    assert ">400<" in row and "width:50.0%" in row and "width:100.0%" in row, row
+
+
+def test_load_charts_agree_with_the_backlash_of_the_table() -> None:
+    drive = load_design(PARAMS / "mbcdm.yaml").drive
+    swing = charts_under_load([("one", drive)])["swing"]["lines"][0]
+    k = 12
+    wanted = float(drum_backlash(to_si(drive), swing["x"][k]).reversal_swing_rad) * 1e3
+    assert swing["y"][k] == pytest.approx(wanted, rel=1e-4)
