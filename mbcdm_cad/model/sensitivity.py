@@ -62,10 +62,11 @@ def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
     """The panels, by all cables at once on first loading; every other parameter as in ``d``.
 
     The last are over the lengths of the whole design that the configuration names, the centre distance in the paper.
+    Where one of the paper's values leaves no free span, they count as steps from the design's own value on.
     """
     preload = np.linspace(*PRELOAD_RANGE_N, points)
     panels = []
-    lengths = [(v.name, v.label, "mm", 1e3, v.values_m) for v in d.geometry.varied]
+    lengths = [(v.name, v.label, "mm", 1e3, _possible(d, v.name, v.values_m)) for v in d.geometry.varied]
     for letter, (name, label, unit, factor, values) in zip(ascii_lowercase, [*PANELS, *lengths], strict=False):
         lines = []
         for value in values:
@@ -75,6 +76,17 @@ def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
             lines.append(np.abs(solve_equilibrium(many, load).drum_angle_rad))
         panels.append(Panel(letter, label, unit, preload, np.array(values) * factor, np.array(lines)))
     return tuple(panels)
+
+
+def _possible(d: DriveSI, name: str, values_m: tuple[float, ...]) -> tuple[float, ...]:
+    """The values, or the design's own times their ratios to the least of them if that leaves no free span."""
+    least = min(values_m)
+    try:
+        _ = d.with_(**{name: least}).free_span_m
+    except ModelError:
+        own = float(d.value(name))
+        return tuple(own * value / least for value in values_m)
+    return values_m
 
 
 def elasticities(d: DriveSI, need: Requirements) -> dict[str, dict[str, float]]:

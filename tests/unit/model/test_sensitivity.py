@@ -17,7 +17,7 @@ from mbcdm_cad.model.bulk import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.model.stack_up import Contribution, StackUp
 from mbcdm_cad.model.study import write_study
 from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tolerance_stack
@@ -33,6 +33,14 @@ NEED = Requirements(
 )
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 STACKS = (StackUp("gap, mm", 0.1, (Contribution("bore", 0.03), Contribution("face", 0.04))),)
+
+
+@pytest.mark.parametrize("path", sorted((REFERENCE.parent / "gallery").glob("*.yaml")), ids=lambda path: path.stem)
+def test_figure_5_has_lines_where_the_papers_distances_leave_no_span(path: Path) -> None:
+    panels = figure_5(to_si(load_design(path).drive), 0.3, points=3)
+    assert all(np.isfinite(panel.backlash_rad).all() for panel in panels)
+    distance = panels[-1].value
+    assert len(distance) > 3 and np.all(np.diff(distance) > 0.0), distance
 
 
 def test_elasticities_obey_the_laws_of_similarity() -> None:
