@@ -39,6 +39,7 @@ from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
 
 POSES = 9
+WINDUP_LIMIT = "limits.frame_windup_max_mrad"
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,8 @@ def build(
     drive = loaded.drive
     _refuse_angle(drive, angle_deg)
     target = out / drive.name
-    inputs = content_key("build", (loaded.sha256, angle_deg, force), package_hash(), versions())
+    asked = all(value.field != WINDUP_LIMIT for value in loaded.sized)
+    inputs = content_key("build", (loaded.sha256, angle_deg, force, asked), package_hash(), versions())
     unchanged = _unchanged(target, inputs)
     if unchanged is not None:
         return unchanged
@@ -107,7 +109,7 @@ def build(
         mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
         envelope_check(drive, data["envelope"]["size_mm"]),
         interference_check(drive, clashes),
-        *_frame_checks(drive, kind.frame_study(dims), frame),
+        *_frame_checks(drive, kind.frame_study(dims), frame, asked),
         *_printing_checks(drive, centred.items, parts),
     )
     failed = _failed(checks)
@@ -156,10 +158,12 @@ def _refuse_angle(drive: Drive, angle_deg: float) -> None:
         )
 
 
-def _frame_checks(drive: Drive, study: FrameStudy | None, found: FrameCompliance | None) -> list[CheckResult]:
+def _frame_checks(
+    drive: Drive, study: FrameStudy | None, found: FrameCompliance | None, asked: bool
+) -> list[CheckResult]:
     if study is None or found is None:
         return []
-    return [frame_windup_check(drive, found.windup_mrad(drive.loads.test_torque_Nm), study.advice)]
+    return [frame_windup_check(drive, found.windup_mrad(drive.loads.test_torque_Nm), study.advice, asked=asked)]
 
 
 def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, MadePart]) -> list[CheckResult]:

@@ -35,6 +35,7 @@ def test_frame_windup(drive: Drive) -> None:
     limit = drive.limits.frame_windup_max_mrad
     assert frame_windup_check(drive, limit * 0.999, "thicken it").status == "pass"
     assert frame_windup_check(drive, limit * 1.001, "thicken it").status == "fail"
+    assert frame_windup_check(drive, limit * 1.001, "thicken it", asked=False).status == "warn"
 
 
 def test_waiver_reaches_them(drive: Drive) -> None:

@@ -139,7 +139,7 @@ WAYS: dict[str, Way] = {
     "head_seats": Way(to("gearhead.bolt_circle_mm"), 8.4, 12.0),
     "pulley_corner": Way(to("clearances.running_mm"), 0.25, 1.0),
     "pocket_depth": Way(scaled("input_radius_mm"), 1.0, 1.7),
-    "mounts": Way(to("support.rib_mm"), 3.0, 9.0),
+    "mounts": Way(to("support.coupling_space_mm"), 8.5, 5.0),
     "boss": Way(to("support.back_y_mm"), -14.0, -8.0),
     "encoder_screws": Way(to("drum_encoder.bolt_circle_mm"), 19.6, 17.0),
     "corner_radii": Way(to("support.material.min_internal_radius_mm"), 0.5, 12.0),

@@ -10,7 +10,12 @@ from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, dowel_length_mm, plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.support.dims import (
+    AXLE_SCREW,
+    HEAD_ROOM_MM,
+    dowel_length_mm,
+    plate_screw_of,
+)
 
 # A screw's head may bear on the pocket's rounded corner by its own broken edge (ISO 4762: under-head edge).
 HEAD_EDGE_MM = 0.02
@@ -19,8 +24,6 @@ GEARHEAD_SCREWS = (2, 3, 4)
 SCREWS_DRAWN = 2
 # Height of a mounting screw's head (M3, ISO 4762).
 MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
-# Room beside a mounting screw's head for its washer face (estimate).
-HEAD_ROOM_MM = 0.5
 
 
 def engagement(s: BevelUnderTest) -> Comparison:
@@ -132,20 +135,17 @@ def pocket_depth(s: BevelUnderTest) -> Comparison:
 
 
 def mounts(s: BevelUnderTest) -> Comparison:
-    """Mounting screws' heads find flat floor in the coupling pockets and in the column."""
+    """Mounting screws' heads find flat floor in the coupling pockets and, where one stands there, in the column."""
     v, f = s.levels, s.layout.frame
     head = f.mount_head_radius
-    _, (x, _), _, (inner_x, _), (_, column_z) = f.mounts
+    _, (x, _), _, (inner_x, _), *in_column = f.mounts
     height = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
-    column = f.boss_radius - f.rib_thickness
-    rooms = (
+    rooms = [
         ("height of the coupling pockets", height / 2 - head),
         ("outer mount to the side wall", v.side_inner_x - x - head),
         ("outer to inner mount", x - inner_x - 2 * head),
-        ("width of the column's pocket", column - head),
-        ("column's pocket above the mount", v.motor_shelf_bottom_z - column_z - head),
-        ("column's pocket below the mount", column_z - f.column_pocket_bottom_z - head),
-    )
+        *(("width of the column's pocket", f.boss_radius - f.rib_thickness - head) for _ in in_column),
+    ]
     return worst(at_least(f"mounting screw's head: {name}", room, HEAD_ROOM_MM, "mm") for name, room in rooms)
 
 

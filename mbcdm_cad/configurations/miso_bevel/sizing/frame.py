@@ -8,13 +8,15 @@ from math import sqrt
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.fixings import stop_pin
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
-from mbcdm_cad.configurations.miso_bevel.checks.support_fits import HEAD_ROOM_MM, MOUNT_SCREW_HEAD_HEIGHT_MM
+from mbcdm_cad.configurations.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import drive_radius_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import (
     AXLE_SCREW,
+    HEAD_ROOM_MM,
     MOUNT_GRIP_MM,
+    MOUNT_HEAD_RADIUS_MM,
     MOUNT_ROOM_MM,
     MOUNT_SCREW_HEAD_MM,
     PLATE_SCREWS,
@@ -112,14 +114,16 @@ def _back_plate(given: BevelKnown) -> Found:
 def _rib(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")["outer_diameter_mm"] / 2
     ring = given.entry("encoders", "drive.drum_encoder")["diameter_mm"]
-    head = MOUNT_SCREW_HEAD_MM / 2 + 0.2
-    # The column's pocket must still take a mounting screw's head, across and along.
+    head, least = MOUNT_HEAD_RADIUS_MM, given.wall_mm("support")
+    # The column's pocket should still take a mounting screw's head, across and along; where the motors hang so low that
+    # not even the thinnest rib leaves room along, the column goes without.
     boss = max(bearing + 3.0, ring / 2 + given["clearances.running_mm"])
     along = given.motor_shelf_bottom_mm - boss - 2 * head - HEAD_ROOM_MM - MOUNT_ROOM_MM + 0.2
-    most = min(bearing + 3.0 - head - HEAD_ROOM_MM, along)
-    wanted = max(RIB_SHARE * max(given.drum_mm), given.wall_mm("support"))
+    across = bearing + 3.0 - head - HEAD_ROOM_MM
+    most = min(across, along) if along >= least else across
+    wanted = max(RIB_SHARE * max(given.drum_mm), least)
     driver = "frame_windup" if wanted <= most else "mounts"
-    return Found(max(rounded_down(min(wanted, most), 0.1), given.wall_mm("support")), driver, "down to 0.1")
+    return Found(max(rounded_down(min(wanted, most), 0.1), least), driver, "down to 0.1")
 
 
 def _back(given: BevelKnown) -> Found:

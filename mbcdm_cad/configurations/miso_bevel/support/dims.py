@@ -35,8 +35,10 @@ MOUNT_SCREW = "M3"
 MOUNT_SCREW_KEY_MM = 2.5
 MOUNT_SCREW_CLEARANCE_MM = 3.4
 MOUNT_SCREW_HEAD_MM = 5.5
-# From a mounting screw's head to the wall beside it.
-MOUNT_ROOM_MM = 1.0
+# Of the bore in which a head is sunk.
+MOUNT_HEAD_RADIUS_MM = MOUNT_SCREW_HEAD_MM / 2 + 0.2
+# From a mounting screw's head to the wall beside it, and the least of it that its washer face needs (estimates).
+MOUNT_ROOM_MM, HEAD_ROOM_MM = 1.0, 0.5
 MOUNT_GRIP_MM = 2.6
 COLUMN_WALL_MM = 1.2
 STOP_PIN_DEPTH_MM = 12.0
@@ -100,6 +102,11 @@ class FrameDims:
         """(x, y) of the screws of all gearheads."""
         places = screw_places(self.gear_screw_count, self.gear_bolt_circle)
         return tuple((x + dx, self.input_y + dy) for x in self.input_x for dx, dy in places)
+
+    @property
+    def has_column_pocket(self) -> bool:
+        """Whether the column is hollow; that of a small drum is solid."""
+        return self.column_pocket_bottom_z < self.levels.motor_shelf_bottom_z
 
     @property
     def column_start_z(self) -> float:
@@ -180,10 +187,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
     encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
     coupling_z = (levels.motor_shelf_top_z + levels.bearing_shelf_bottom_z) / 2
-    mount_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
-    inner_mount_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
-    # As low in the column's pocket as its head stands free: the nearer to the drum's bearings, the stiffer.
-    column_z = max(boss, encoder_pocket) + drive.support.rib_mm + MOUNT_SCREW_HEAD_MM / 2 + MOUNT_ROOM_MM
+    mounts, pocket_bottom_z = _mounts(levels, coupling_z, max(boss, encoder_pocket) + drive.support.rib_mm)
     grip = 2.0
     return FrameDims(
         levels=levels,
@@ -197,7 +201,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
             levels.pocket_floor_y,
             -max(c.guide_radius_mm for c in drive.cables) - drive.cable.diameter_mm / 2 - drive.clearances.running_mm,
         ),
-        column_pocket_bottom_z=max(boss, encoder_pocket) + drive.support.rib_mm,
+        column_pocket_bottom_z=pocket_bottom_z,
         corner_radius=pocket_corner_radius_mm(drive, levels),
         encoder_pocket_radius=encoder_pocket,
         encoder_pocket_floor_y=levels.back_y + encoder.length_mm,
@@ -235,17 +239,27 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         dowels=dowels(levels),
         dowel_radius=DOWEL_MM / 2,
         dowel_depth=dowel_length_mm(drive) - drive.support.top_plate_mm + 0.5,
-        mounts=(
-            (-mount_x, coupling_z),
-            (mount_x, coupling_z),
-            (-inner_mount_x, coupling_z),
-            (inner_mount_x, coupling_z),
-            (0.0, column_z),
-        ),
+        mounts=mounts,
         mount_radius=MOUNT_SCREW_CLEARANCE_MM / 2,
-        mount_head_radius=MOUNT_SCREW_HEAD_MM / 2 + 0.2,
+        mount_head_radius=MOUNT_HEAD_RADIUS_MM,
         mount_seat_y=min(levels.pocket_floor_y, levels.back_y + MOUNT_GRIP_MM),
     )
+
+
+def _mounts(levels: Stack, coupling_z: float, pocket_bottom_z: float) -> tuple[tuple[tuple[float, float], ...], float]:
+    """(x, z) of the mounting screws and where the column's pocket ends below.
+
+    Four screws stand beside the couplings, one in the column. The motors of a small drum hang so near to its bearings
+    that the column has no room for a screw's head: it is then solid, and its pocket ends where the motor shelf begins.
+    """
+    outer_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
+    inner_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
+    beside = ((-outer_x, coupling_z), (outer_x, coupling_z), (-inner_x, coupling_z), (inner_x, coupling_z))
+    # As low in the column's pocket as its head stands free: the nearer to the drum's bearings, the stiffer.
+    column_z = pocket_bottom_z + MOUNT_SCREW_HEAD_MM / 2 + MOUNT_ROOM_MM
+    if levels.motor_shelf_bottom_z - column_z - MOUNT_HEAD_RADIUS_MM < HEAD_ROOM_MM:
+        return beside, levels.motor_shelf_bottom_z
+    return (*beside, (0.0, column_z)), pocket_bottom_z
 
 
 def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:

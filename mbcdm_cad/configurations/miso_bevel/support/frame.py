@@ -38,8 +38,9 @@ def _pockets(d: FrameDims) -> list[cq.Shape]:
         pocket_y((d.web_half_width, side), y, (v.motor_shelf_top_z, v.bearing_shelf_bottom_z), r),
         pocket_y((-side, -d.web_half_width), y, (v.motor_shelf_top_z, v.bearing_shelf_bottom_z), r),
     ]
-    inner = d.boss_radius - d.rib_thickness
-    tools.append(pocket_y((-inner, inner), y, (d.column_pocket_bottom_z, v.motor_shelf_bottom_z), r))
+    if d.has_column_pocket:
+        inner = d.boss_radius - d.rib_thickness
+        tools.append(pocket_y((-inner, inner), y, (d.column_pocket_bottom_z, v.motor_shelf_bottom_z), r))
     return tools
 
 

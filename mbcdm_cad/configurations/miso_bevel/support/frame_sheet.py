@@ -209,20 +209,23 @@ def _in_front(d: FrameDims) -> tuple[Linear, ...]:
         "right",
         suffix=" ears",
     )
+    pocket = (
+        wide(inner, d.column_pocket_bottom_z, "below", " pocket"),
+        tall(0.0, d.column_pocket_bottom_z, inner, "left"),
+    )
     return (
         wide(x_out, top, "above"),
         wide(v.side_inner_x, top, "above", " pockets"),
         wide(d.web_half_width, coupling, "above", " web"),
         wide(d.boss_radius, d.column_start_z, "below", " column = %%c boss"),
-        wide(inner, d.column_pocket_bottom_z, "below", " pocket"),
         wide(d.ear_reach, 0.0, "below", " ears"),
         tall(0.0, low, x_out, "left"),
         tall(0.0, top, x_out, "left"),
-        tall(0.0, d.column_pocket_bottom_z, inner, "left"),
         tall(low, v.motor_shelf_top_z, -x_out + r, "right"),
         tall(v.motor_shelf_top_z, v.bearing_shelf_bottom_z, -v.side_inner_x, "right"),
         tall(v.bearing_shelf_bottom_z, v.bearing_shelf_top_z, -v.side_inner_x, "right"),
         ear,
+        *(pocket if d.has_column_pocket else ()),
     )
 
 

@@ -59,13 +59,6 @@ def mounts(layout: Layout) -> Mounts:
 def support_mesh(layout: Layout) -> PlateMesh:
     """Panels cut into elements along one common grid. Panels without extent in this design are left out.
 
-    Raises ``ValueError`` if a wall has no thickness, the column no length, or a mounting screw no back plate.
+    Raises ``ValueError`` if a wall has no thickness, or a mounting screw no back plate.
     """
-    walls = panels(layout)
-    f, v = layout.frame, layout.levels
-    if all(wall.thickness_mm > 0.0 for wall in walls) and not v.motor_shelf_bottom_z > f.column_pocket_bottom_z:
-        raise ValueError(
-            f"frame: the motor shelf at z = {v.motor_shelf_bottom_z:.4g} mm must stand above the boss, which ends at "
-            f"z = {f.column_pocket_bottom_z:.4g} mm"
-        )
-    return plate_mesh(walls, mounts(layout))
+    return plate_mesh(panels(layout), mounts(layout))

@@ -32,10 +32,11 @@ def _pockets_mm3(d: FrameDims) -> float:
     depth = v.front_y - v.pocket_floor_y
     coupling = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
     inner = d.boss_radius - d.rib_thickness
+    column = v.motor_shelf_bottom_z - d.column_pocket_bottom_z
     return (
         pocket_mm3(2 * side, v.front_y - d.upper_floor_y, v.top_plate_bottom_z - v.bearing_shelf_top_z, r, 2)
         + 2 * pocket_mm3(side - d.web_half_width, depth, coupling, r)
-        + pocket_mm3(2 * inner, depth, v.motor_shelf_bottom_z - d.column_pocket_bottom_z, r)
+        + (pocket_mm3(2 * inner, depth, column, r) if d.has_column_pocket else 0.0)
     )
 
 

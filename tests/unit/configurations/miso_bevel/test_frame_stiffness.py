@@ -116,12 +116,13 @@ def test_any_design_has_a_windup_or_a_sentence(drive: BevelDrive, walls: tuple[f
     assert said.startswith("frame: "), said
 
 
-def test_no_column_is_said_with_both_heights() -> None:
-    drive = reference()
-    dims = layout(with_walls(drive, rib_mm=0.9 * drive.support.rib_mm))
-    frame = replace(dims.frame, column_pocket_bottom_z=dims.levels.motor_shelf_bottom_z + 1.0)
-    with pytest.raises(ValueError, match=r"motor shelf at z = .* must stand above the boss, which ends at z = "):
-        frame_compliance(replace(dims, frame=frame))
+def test_a_solid_column_yields_less_than_a_hollow_one() -> None:
+    dims = layout(reference())
+    hollow = frame_compliance(dims).windup_urad_Nm
+    filled = replace(dims.frame, column_pocket_bottom_z=dims.levels.motor_shelf_bottom_z)
+    assert not filled.has_column_pocket
+    solid = frame_compliance(replace(dims, frame=filled)).windup_urad_Nm
+    assert 0.3 * hollow < solid < hollow, f"solid {solid:.3g}, hollow {hollow:.3g} urad/(N m)"
 
 
 def test_wall_of_no_thickness_is_named() -> None:
