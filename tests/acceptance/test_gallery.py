@@ -17,7 +17,7 @@ GALLERY = sorted((Path(__file__).parents[2] / "params" / "gallery").glob("*.yaml
 
 
 def test_there_is_a_gallery() -> None:
-    assert len(GALLERY) >= 10
+    assert len(GALLERY) >= 12
 
 
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)

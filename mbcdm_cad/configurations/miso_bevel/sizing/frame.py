@@ -23,6 +23,7 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import (
     STOP_PIN_DEPTH_MM,
 )
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm, collar_width_mm
+from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, smallest
 
 # Walls of the frame as shares of the outermost drum radius (estimate; the frame's own stiffness is checked when built).
@@ -138,7 +139,7 @@ def _back(given: BevelKnown) -> Found:
     collar = collar_sweep_mm(given, journal, given.wall_mm("support"), given["input_pulleys.collar_screw"]) + setback
     pulley = max(given.input_mm) + given.d_mm / 2 + setback
     needs = {
-        "drum_bearing_spacing": 3 * bearing + encoder["length_mm"] + 1.0 - boss,
+        "drum_bearing_spacing": 3 * bearing + encoder["length_mm"] + 1.0 + SPRING_HEIGHT_MM - boss,
         "walls": max(given.guide_mm) + given.d_mm / 2 + running + wall,
         "drives_apart": drive_radius_mm(given) + setback + running,
         "pocket_depth": pulley + running + plate,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
 from mbcdm_cad.checks.fixings import CLAMP_SAFETY, grip_Nmm
@@ -21,16 +21,19 @@ from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.sizing.rule import Found, Rule
 
 # An input carries half the peak torque, a little more in the direction that its preload's bias loads.
-TORQUE_SPARE = 1.085
-# Torque of the preload on an input, as a share of preload times its radius: what neighbouring steps differ by.
-BIAS_SHARE = 0.067
+TORQUE_SPARE = 1.095
+# Torque of the preload on an input, as a share of preload times its radius: what neighbouring steps differ by, at least
+# this step of the drum's radii.
+BIAS_SHARE, LEAST_STEP_MM = 0.067, 3.6
 # Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end takes most of it.
-INPUT_PRELOADS = 1.4
+INPUT_PRELOADS = 1.41
 # Of the guide: four cables in one state turn it over rather than push it aside, so that the largest tension counts.
 GUIDE_TENSIONS = 1.85
 # Of a drum's bearing.
-DRUM_TENSIONS = 1.2
+DRUM_TENSIONS = 1.23
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
+# Take-up over what the longest cable asks: its length is an estimate as long as the drum's width is open.
+TAKE_UP_SPARE = 1.04
 # Stud over what the check asks of it: it is also bent a little by its nut.
 STUD_SPARE = 1.2
 
@@ -38,25 +41,30 @@ STUD_SPARE = 1.2
 END_ROOM_MM = 0.5
 
 Entry = Mapping[str, Any]
+# By check, as shares of what it asks; negative where it fails.
+Margins = Mapping[str, float]
 
 
-def _first(candidates: Iterable[tuple[float, str, Mapping[str, float]]]) -> Found:
+def _first(candidates: Iterable[tuple[float, str, Callable[[], Margins]]]) -> Found:
     """The lightest candidate whose margins are all kept; else the one that misses least.
 
-    A candidate is (mass, name, margins by check as shares of what is asked, negative where it fails).
+    A candidate is (mass, name, what works its margins out): those of the heavier ones are never asked for.
     """
-    listed = sorted(candidates, key=lambda item: (item[0], item[1]))
-    for k, (_, name, margins) in enumerate(listed):
-        if all(margin >= 0.0 for margin in margins.values()):
-            lighter = listed[k - 1][2] if k else {}
+    lighter: Margins = {}
+    nearest: tuple[float, str, str] = (-inf, "", "")
+    for _, name, worked_out in sorted(candidates, key=lambda item: (item[0], item[1])):
+        margins = worked_out()
+        least = min(margins, key=lambda check: margins[check])
+        if margins[least] >= 0.0:
             refused = min(lighter, key=lambda check: lighter[check], default="")
             return Found(name, refused, "lightest of the catalogue")
-    _, name, margins = max(listed, key=lambda item: min(item[2].values()))
-    return Found(name, min(margins, key=lambda check: margins[check]), "nothing in the catalogue does: the nearest")
+        lighter = margins
+        nearest = max(nearest, (margins[least], name, least), key=lambda item: item[0])
+    return Found(nearest[1], nearest[2], "nothing in the catalogue does: the nearest")
 
 
 def _with_partner(
-    given: BevelKnown, kind: str, partner: tuple[str, str], margins: Callable[[Entry, Entry], dict[str, float]]
+    given: BevelKnown, kind: str, partner: tuple[str, str], margins: Callable[[Entry, Entry], Margins]
 ) -> Found:
     """The entry of a kind that is lightest with some partner (its kind, its field); a chosen partner stays."""
     other_kind, field = partner
@@ -64,16 +72,16 @@ def _with_partner(
     if given.has(field):
         others = {given[field]: given.entry(other_kind, field)}
     best = _first(
-        (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", margins(entry, other))
+        (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", partial(margins, entry, other))
         for name, entry in given.entries(kind).items()
         for other_name, other in others.items()
     )
     return Found(best.value.split(" ")[0], best.driver, best.rounding)
 
 
-def _lightest(given: BevelKnown, kind: str, margins: Callable[[Entry], dict[str, float]]) -> Found:
+def _lightest(given: BevelKnown, kind: str, margins: Callable[[Entry], Margins]) -> Found:
     """The lightest entry of a kind whose margins are all kept."""
-    return _first((entry["mass_g"], name, margins(entry)) for name, entry in given.entries(kind).items())
+    return _first((entry["mass_g"], name, partial(margins, entry)) for name, entry in given.entries(kind).items())
 
 
 def _share_N(given: BevelKnown) -> float:
@@ -86,11 +94,12 @@ def _tension_N(given: BevelKnown) -> float:
 
 def _input_torque_Nm(given: BevelKnown) -> float:
     radius = given.first_drum_mm / given.total_ratio
-    bias = BIAS_SHARE * given["rope.preload_N"] * radius * 1e-3
+    share = max(BIAS_SHARE, LEAST_STEP_MM / given.first_drum_mm)
+    bias = share * given["rope.preload_N"] * radius * 1e-3
     return float(TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias)
 
 
-def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> dict[str, float]:
+def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
     needed = _input_torque_Nm(given) * 1e3
     return {
         "motor_torque_back": motor["rated_torque_mNm"] * gearhead["ratio"] / needed - 1.0,
@@ -112,29 +121,26 @@ def _gearhead(given: BevelKnown) -> Found:
 def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
     """Stud that stands out of both nuts from the start, and still holds the sleeve with the terminal drawn in."""
     fixed = entry["swage_length_mm"] + entry["lug_thickness_mm"] + 2 * entry["nut_height_mm"]
-    return float(fixed + take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
+    return float(fixed + TAKE_UP_SPARE * take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
 
 
 def _tensioner(given: BevelKnown) -> Found:
     tension, d, ends = _tension_N(given), given.d_mm, given.termination
     steels = given.entries("materials")
+
+    def margins(entry: Entry) -> Margins:
+        strength = steels[entry["material"]]["yield_MPa"] * entry["stress_area_mm2"]
+        return {
+            "stud_stress": strength / (STUD_SAFETY * STUD_SPARE * tension) - 1.0,
+            "sleeve_fits": min(
+                entry["swage_diameter_mm"] / (ends.sleeve_ratio * d) - 1.0,
+                (entry["swage_length_mm"] - SWAGE_FLOOR_MM) / (ends.grip_ratio * d) - 1.0,
+            ),
+            "take_up": entry["stud_length_mm"] / _stud_needed_mm(given, entry) - 1.0,
+        }
+
     return _first(
-        (
-            entry["stud_length_mm"],
-            name,
-            {
-                "stud_stress": steels[entry["material"]]["yield_MPa"]
-                * entry["stress_area_mm2"]
-                / (STUD_SAFETY * STUD_SPARE * tension)
-                - 1.0,
-                "sleeve_fits": min(
-                    entry["swage_diameter_mm"] / (ends.sleeve_ratio * d) - 1.0,
-                    (entry["swage_length_mm"] - SWAGE_FLOOR_MM) / (ends.grip_ratio * d) - 1.0,
-                ),
-                "take_up": entry["stud_length_mm"] / _stud_needed_mm(given, entry) - 1.0,
-            },
-        )
-        for name, entry in given.entries("tensioners").items()
+        (entry["stud_length_mm"], name, partial(margins, entry)) for name, entry in given.entries("tensioners").items()
     )
 
 
@@ -161,7 +167,7 @@ def _lower(given: BevelKnown) -> Found:
     load = INPUT_PRELOADS * given["rope.preload_N"]
     journal = _journal_margin(given)
 
-    def margins(bearing: Entry) -> dict[str, float]:
+    def margins(bearing: Entry) -> Margins:
         seat = bearing["outer_diameter_mm"] / 2
         return {
             "bore_wall": (bearing["bore_mm"] - head["shaft_diameter_mm"]) / (2 * wall) - 1.0,
@@ -173,12 +179,12 @@ def _lower(given: BevelKnown) -> Found:
     return _lightest(given, "bearings", margins)
 
 
-def _upper_margins(given: BevelKnown) -> Callable[[Entry, Entry], dict[str, float]]:
+def _upper_margins(given: BevelKnown) -> Callable[[Entry, Entry], Margins]:
     screws, journal = given.entries("screws"), _journal_margin(given)
     load = INPUT_PRELOADS * given["rope.preload_N"]
     thickest = max(DOWEL_LENGTHS_MM) - DOWEL_MM - given.wall_mm("support")
 
-    def margins(bearing: Entry, encoder: Entry) -> dict[str, float]:
+    def margins(bearing: Entry, encoder: Entry) -> Margins:
         head = screws[encoder["screw"]]["head_diameter_mm"] / 2 + 0.1
         web = (encoder["bolt_circle_mm"] - bearing["outer_diameter_mm"]) / 2 - head
         return {
@@ -212,7 +218,7 @@ def _collar_screw(given: BevelKnown) -> Found:
     return Found(COLLAR_SCREWS[-1], "collar_grip", "the largest screw")
 
 
-def _drum_margins(given: BevelKnown, bearing: Entry, ring: Entry) -> dict[str, float]:
+def _drum_margins(given: BevelKnown, bearing: Entry, ring: Entry) -> Margins:
     thread = given.screw(ring["screw"]).thread_mm / 2
     seat = bearing["outer_diameter_mm"] / 2
     return {
@@ -239,7 +245,7 @@ def _guide_bearing(given: BevelKnown) -> Found:
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.guide_to_drum"):
         room = 2 * (given.guide_mm[0] - given.d_mm / 2 - given.wall_mm("guide"))
 
-    def margins(bearing: Entry) -> dict[str, float]:
+    def margins(bearing: Entry) -> Margins:
         found = {"guide_bearings": bearing["static_rating_N"] / tension - 1.0}
         # The axle bends under what the bearings carry, over a lever of about their own bore.
         strength = given.entry("materials", "guide.axle_material")["yield_MPa"] / STRESS_SAFETY

@@ -9,6 +9,8 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 PRELOAD_FACTOR = 2.0
 # Strength of a swaged end over the rope's, before rope and ends are chosen.
 SWAGED_SHARE = 0.9
+# Strength over what the safety factor asks: steps and ends are still open when the rope is chosen.
+STRENGTH_SPARE = 1.01
 # The rope that is chosen where none is named: the supplest wire that the catalogue has in all sizes.
 CONSTRUCTION = "7x7"
 # Mean drum radius over that of step 1, before the steps are known.
@@ -22,7 +24,8 @@ def _share_N(given: BevelKnown) -> float:
 
 def _rope(given: BevelKnown) -> Found:
     """The thinnest rope of the construction that holds preload and peak torque."""
-    needed = (UNEVEN + PRELOAD_FACTOR) * _share_N(given) * given["limits.tension_safety_factor"] / SWAGED_SHARE
+    tension = (UNEVEN + PRELOAD_FACTOR) * _share_N(given) * STRENGTH_SPARE
+    needed = tension * given["limits.tension_safety_factor"] / SWAGED_SHARE
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
