@@ -104,6 +104,21 @@ def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) 
     return explain_command(design, field, as_json=as_json, graph=graph)
 
 
+@mbcdm.command(epilog=_examples("mbcdm solve my_drive.yaml", "mbcdm solve my_drive.yaml --apply my_drive_solved.yaml"))
+@_DESIGN
+@click.option("--apply", type=_FILE, metavar="FILE", help="Write the passing design there, comments kept.")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def solve(design: Path, apply: Path | None, as_json: bool) -> int:
+    """Look for the nearest design that passes every check.
+
+    Moves only what the file leaves free or gives as a range, {min: 30, max: 60} or min; prints the change as a patch.
+    Where there is none: which requirements exclude each other, and how far each must give. Exit 1 then.
+    """
+    from mbcdm_cad.cli.solving import solve_command
+
+    return solve_command(design, apply=apply, as_json=as_json)
+
+
 @mbcdm.command(epilog=_examples("mbcdm build my_drive.yaml", "mbcdm build my_drive.yaml --angle 20 --out /tmp/drives"))
 @_DESIGN
 @_ANGLE

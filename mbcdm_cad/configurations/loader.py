@@ -19,6 +19,7 @@ from mbcdm_cad.errors import InputError, MbcdmError, Problem, did_you_mean, shor
 __all__ = [
     "DEFAULT",
     "design_file",
+    "design_file_of",
     "load_design",
     "load_text",
     "load_tree",
@@ -42,12 +43,12 @@ def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
 
 def load_tree(tree: Tree, text: str, path: str | Path) -> LoadedDesign:
     """As :func:`load_text`, from a tree that was read from ``text`` or holds the same values."""
-    return loaded(tree, text, Path(path), _design_file_of(tree, str(path)))
+    return loaded(tree, text, Path(path), design_file_of(tree, str(path)))
 
 
 def resolve_tree(tree: Tree, path: str | Path) -> Drive:
     """The drive alone of a tree of the file's values. Raises as :func:`load_design`."""
-    return resolved(tree, Path(path), _design_file_of(tree, str(path))).drive
+    return resolved(tree, Path(path), design_file_of(tree, str(path))).drive
 
 
 def new_design_text(name: str, of: str = DEFAULT) -> str:
@@ -77,7 +78,7 @@ def design_file(name: str = DEFAULT) -> DesignFile:
     return configuration(name).design_file()
 
 
-def _design_file_of(tree: Tree, path: str) -> DesignFile:
+def design_file_of(tree: Tree, path: str) -> DesignFile:
     """By the file's ``configuration``; where that is missing, the default's schema says so among all else it finds."""
     if not isinstance(tree.data, dict) or "configuration" not in tree.data:
         return design_file()

@@ -11,9 +11,10 @@ from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.describe import Given, SchemaNodes
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import Broken, NamedEntry
-from mbcdm_cad.design.sized import Sizing
+from mbcdm_cad.design.sized import Moved, Sizing
 
 __all__ = ["DesignFile", "Given"]
 
@@ -33,10 +34,13 @@ class DesignFile:
     rules: Callable[[Any], Iterator[Broken]]
     named: Callable[[Any], Iterator[NamedEntry]]
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
-    # The file's data, which it may change, with its gaps filled by the configuration's sizing rules.
-    size: Callable[[dict[str, Any]], Sizing] | None = None
+    # The data, which it may change, with its gaps filled by the configuration's sizing rules; the second argument
+    # is what a search makes of the values that they find.
+    size: Callable[[dict[str, Any], Moved], Sizing] | None = None
     # Fields that are neither requirement nor choice: given in a file, they are pins.
     derived: Callable[[], tuple[str, ...]] = tuple
+    # What a search for a passing design may move, besides numbers that are derived.
+    freedoms: Callable[[], tuple[Freedom, ...]] = tuple
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
 

@@ -25,10 +25,11 @@ from mbcdm_cad.design.fields import Block
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.problems import schema_problems
+from mbcdm_cad.design.ranges import refuse_ranges
 from mbcdm_cad.design.resolve import as_built
 from mbcdm_cad.design.rules import Broken, every_broken_rule
 from mbcdm_cad.design.sigmas import split_sigmas
-from mbcdm_cad.design.sized import SizedValue, SizingError
+from mbcdm_cad.design.sized import Moved, SizedValue, SizingError
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, Problem
@@ -49,13 +50,14 @@ class Resolved(NamedTuple):
     sized: tuple[SizedValue, ...]
 
 
-def resolved(tree: Tree, path: Path, file: DesignFile) -> Resolved:
+def resolved(tree: Tree, path: Path, file: DesignFile, moved: Moved | None = None) -> Resolved:
     """The design and its drive from a tree of the file's values. Raises InputError with all problems of one stage.
 
-    The stages are: sigmas, schema, sizing of what the file leaves out, schema of the whole, rules between fields.
+    The stages are: ranges, sigmas, schema, sizing of what the file leaves out, schema of the whole, rules between
+    fields. ``moved``: what a search makes of the values that rules find, by field.
     """
     tree, sigmas = _split(tree, str(path), file)
-    tree, sized = _sized(tree, str(path), file)
+    tree, sized = _sized(tree, str(path), file, moved or {})
     design = _validated(tree, str(path), file)
     catalogue = Catalogue(design)
     broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
@@ -65,12 +67,13 @@ def resolved(tree: Tree, path: Path, file: DesignFile) -> Resolved:
 
 def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPath, float]]:
     """The tree with plain values, and the sigmas."""
+    refuse_ranges(tree, path, file.nodes.at)
     if isinstance(tree.data, dict) and tree.data.get("as_built", ()) is None:
         tree.data["as_built"] = []  # all entries are comments still, as 'mbcdm loop --apply' writes what is undecided
     return split_sigmas(tree, path, lambda field: bool((file.nodes.at(field) or {}).get("uncertain")))
 
 
-def _sized(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, tuple[SizedValue, ...]]:
+def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved) -> tuple[Tree, tuple[SizedValue, ...]]:
     """The tree with its gaps filled, and what filled them. What the file does give must satisfy the schema by then."""
     if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return tree, ()
@@ -80,7 +83,7 @@ def _sized(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, tuple[SizedVa
             data[name] = {}
     data.setdefault("name", slug(Path(path).stem))
     try:
-        sizing = file.size(data)
+        sizing = file.size(data, moved)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise

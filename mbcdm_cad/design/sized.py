@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.design.rules import Broken
+
+# What a search makes of the value that a rule finds, by field.
+Moved = Mapping[str, Callable[[Any], Any]]
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import SizedValue, Sizing, SizingError
+from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.sizing.known import KnownFields
 from mbcdm_cad.sizing.rule import Found, Rule
 
 
-def fill(given: KnownFields, rules: Iterable[Rule]) -> Sizing:
-    """Fill every open field for which there is a rule that applies; what the file gives stays as it is."""
+def fill(given: KnownFields, rules: Iterable[Rule], moved: Moved | None = None) -> Sizing:
+    """Fill every open field for which there is a rule that applies; what the file gives stays as it is.
+
+    ``moved``: what a search makes of the value that a rule finds, by field; later rules see the moved value.
+    """
+    moved = moved or {}
     records: list[SizedValue] = []
     for rule in rules:
         if given.has(rule.field) or not rule.applies(given):
@@ -24,6 +28,8 @@ def fill(given: KnownFields, rules: Iterable[Rule]) -> Sizing:
             raise SizingError(Broken(path, why, "", "", f"give it: {rule.text}")) from None
         if not isinstance(found, Found):
             found = Found(found)
+        if rule.field in moved:
+            found = Found(moved[rule.field](found.value), found.driver, "moved")
         rests_on = given.read
         given.put(rule.field, found.value)
         records.append(

@@ -24,6 +24,7 @@ ORDER = (
     "parts",
     "checks",
     "configurations",
+    "solving",
     "drawings",
     "build",
     "report",

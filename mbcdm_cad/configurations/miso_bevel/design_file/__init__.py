@@ -10,13 +10,14 @@ from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules, 
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.configurations.miso_bevel.design_file.starting import STARTING
 from mbcdm_cad.design.design_file import DesignFile
-from mbcdm_cad.design.sized import Sizing
+from mbcdm_cad.design.freedom import Freedom
+from mbcdm_cad.design.sized import Moved, Sizing
 
 
-def _size(data: dict[str, Any]) -> Sizing:
+def _size(data: dict[str, Any], moved: Moved) -> Sizing:
     from mbcdm_cad.configurations.miso_bevel.sizing import size  # only files with gaps need the rules
 
-    return size(data)
+    return size(data, moved)
 
 
 def _derived() -> tuple[str, ...]:
@@ -25,4 +26,10 @@ def _derived() -> tuple[str, ...]:
     return DERIVED
 
 
-DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, STARTING)
+def _freedoms() -> tuple[Freedom, ...]:
+    from mbcdm_cad.configurations.miso_bevel.sizing.freedoms import FREEDOMS
+
+    return FREEDOMS
+
+
+DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING)

@@ -12,7 +12,7 @@ from mbcdm_cad.configurations.miso_bevel.sizing.parts import DRIVES, PARTS
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.configurations.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
 from mbcdm_cad.design.rules import Broken
-from mbcdm_cad.design.sized import Sizing, SizingError
+from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
@@ -48,13 +48,16 @@ DERIVED = tuple(
 )
 
 
-def size(data: dict[str, Any]) -> Sizing:
-    """The data with its gaps filled. Raises ``SizingError`` where a requirement is missing."""
+def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+    """The data with its gaps filled, values that rules find as ``moved`` makes them.
+
+    Raises ``SizingError`` where a requirement is missing.
+    """
     given = BevelKnown(data)
     missing = list(_missing(given))
     if missing:
         raise SizingError(*missing)
-    return fill(given, RULES)
+    return fill(given, RULES, moved)
 
 
 def _missing(given: BevelKnown) -> Any:

@@ -1,0 +1,43 @@
+"""What a search for a passing design may move of the fields that a file leaves to the rules."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+def scaled(value: Any, factor: float) -> Any:
+    """A number times a factor, to four significant digits: what a file can be written with."""
+    return float(f"{value * factor:.4g}")
+
+
+def nothing_instead(data: Mapping[str, Any]) -> dict[str, Any]:
+    """A field that is taken out leaves nothing behind."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """One field that follows from a rule, and how far a search may move it from there.
+
+    A number is moved by a factor between ``low`` and ``high``: ``stretch(value, factor)`` is the moved value. A choice
+    is one of ``words``, or of the catalogue's entries of ``kind``, which ``order`` sorts by size. ``mends`` names
+    design variables of the checks' remedies that this field stands for, +1 where both rise together. ``instead``: the
+    requirements that take the field's place where it is taken out of a file, from the file's data.
+    """
+
+    field: str
+    low: float = 1.0
+    high: float = 1.0
+    stretch: Callable[[Any, float], Any] = scaled
+    kind: str = ""
+    order: str = ""
+    words: tuple[str, ...] = ()
+    mends: tuple[tuple[str, int], ...] = ()
+    instead: Callable[[Mapping[str, Any]], dict[str, Any]] = nothing_instead
+
+    @property
+    def is_choice(self) -> bool:
+        """Whether the field names something, rather than being a number."""
+        return bool(self.kind or self.words)

@@ -1,0 +1,125 @@
+"""Requirements given as ranges: ``centre_distance_mm: {min: 30, max: 60}``, or ``min`` for as small as possible.
+
+A file with ranges is a question, not yet a design: ``mbcdm solve`` answers it, all else refuses it with that word.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from mbcdm_cad.design.describe import Node
+from mbcdm_cad.design.fieldpath import FieldPath, dotted
+from mbcdm_cad.design.yamltree import Tree
+from mbcdm_cad.errors import InputError, Problem, shortened
+
+LOW, HIGH = "min", "max"
+NodeAt = Callable[[FieldPath], Node | None]
+
+
+@dataclass(frozen=True)
+class Range:
+    """A number of the file that may lie from ``low`` to ``high``; ``aim``: ``min`` or ``max`` where one is wished."""
+
+    field: str
+    low: float
+    high: float
+    aim: str = ""
+
+    def words(self) -> str:
+        """``30 to 60``, or the aim alone."""
+        return self.aim or f"{self.low:g} to {self.high:g}"
+
+    def within(self, value: float) -> float:
+        """The value, or the end of the range that is nearer to it."""
+        return min(max(value, self.low), self.high)
+
+
+def split_ranges(tree: Tree, file: str, node_at: NodeAt) -> tuple[Tree, tuple[Range, ...]]:
+    """The tree without its ranges, and the ranges. Raises InputError with all that is wrong with them."""
+    data, found, problems = copy.deepcopy(tree.data), list[Range](), list[Problem]()
+    for path, value in _ranges(tree.data, (), node_at):
+        node = node_at(path) or {}
+        ends = {} if isinstance(value, str) else value
+        aim = value if isinstance(value, str) else ""
+        wrong = list(_wrong(path, ends, node))
+        for where, what, shown, limit, remedy in wrong:
+            problems.append(Problem(file, tree.line_of(where), dotted(where), what, shown, limit, remedy))
+        if not wrong:
+            low, high = _bounds(node)
+            found.append(Range(dotted(path), float(ends.get(LOW, low)), float(ends.get(HIGH, high)), aim))
+        at: Any = data
+        for part in path[:-1]:
+            at = at[part]
+        del at[path[-1]]
+    if problems:
+        raise InputError(problems)
+    return Tree(data, tree.lines), tuple(found)
+
+
+def refuse_ranges(tree: Tree, file: str, node_at: NodeAt) -> None:
+    """Raise InputError where the file gives ranges: nothing but a search can do with them."""
+    problems = [
+        Problem(
+            file,
+            tree.line_of(path),
+            dotted(path),
+            "a range, of which a design needs one value",
+            value if isinstance(value, str) else ", ".join(f"{key} {end}" for key, end in value.items()),
+            "a number",
+            f"run 'mbcdm solve {file} --apply FILE', which chooses it, or give a number",
+        )
+        for path, value in _ranges(tree.data, (), node_at)
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def _ranges(node: Any, path: FieldPath, node_at: NodeAt) -> Iterator[tuple[FieldPath, Any]]:
+    """(field, what is written) of every number that the file gives as a range; lists hold none."""
+    if not isinstance(node, dict):
+        return
+    for key, value in node.items():
+        if isinstance(value, dict) or value in (LOW, HIGH):
+            below = (*path, key)
+            if _is_range(value) and (node_at(below) or {}).get("type") == "number":
+                yield below, value
+            else:
+                yield from _ranges(value, below, node_at)
+
+
+def _is_range(value: Any) -> bool:
+    if isinstance(value, str):
+        return value in (LOW, HIGH)
+    return bool(value) and (LOW in value or HIGH in value)
+
+
+def _bounds(node: Node) -> tuple[float, float]:
+    low = next((node[key] for key in ("minimum", "exclusiveMinimum") if key in node), -inf)
+    high = next((node[key] for key in ("maximum", "exclusiveMaximum") if key in node), inf)
+    return float(low), float(high)
+
+
+def _wrong(path: FieldPath, ends: dict[str, Any], node: Node) -> Iterator[tuple[FieldPath, str, str, str, str]]:
+    """(field, what, value, limit, remedy) of everything wrong with the ends of one range."""
+    low, high = _bounds(node)
+    unit = node.get("unit", "-")
+    limit = f"{low:g} to {high:g}" + ("" if unit == "-" else f" {unit}")
+    for key, end in ends.items():
+        if key not in (LOW, HIGH):
+            yield (*path, key), "unknown field of a range", "", "min and max", "remove it"
+        elif isinstance(end, bool) or not isinstance(end, int | float):
+            yield (*path, key), "not a number", shortened(end), limit, "write the bare number"
+        elif not low <= end <= high:
+            yield (*path, key), "out of bounds", f"{end:g}", limit, "choose a value within the limit"
+    least, most = ends.get(LOW), ends.get(HIGH)
+    if isinstance(least, int | float) and isinstance(most, int | float) and least > most:
+        shown = f"min {least:g}, max {most:g}"
+        yield path, "a range upside down", shown, "min up to max", f"write {{min: {most:g}, max: {least:g}}}"
+    if -inf in (low, high) or inf in (low, high):
+        missing = [key for key, end in ((LOW, low), (HIGH, high)) if abs(end) == inf and key not in ends]
+        if missing:
+            yield path, "a range without an end", "", "min and max", f"add {' and '.join(missing)}"

@@ -1,0 +1,225 @@
+"""Which requirements exclude each other, and how far each alone must give: found by dropping one at a time.
+
+A requirement whose giving way alone ends in a passing design belongs to every set of requirements that exclude each
+other. If the rest can all be dropped without a passing design, these are such a set, and a smallest one. Where no
+single one is enough, the requirement whose giving way misses least is given way first, and the rest is asked again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import log
+from typing import Any
+
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.solving.fields import leaves
+from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question
+from mbcdm_cad.solving.repair import repair, stuck
+from mbcdm_cad.solving.trials import Trials, messages
+
+# Shares of a requirement at which giving way is tried, either side.
+SHARES = (1.03, 1.1, 1.25, 1.6, 2.5, 5.0)
+BISECTIONS = 4
+# Trials to make a design pass at one value of a requirement, and how many values of one requirement are repaired.
+TRIALS, VALUES = 40, 2
+# Requirements that give way one after the other at most.
+MOST_GIVING = 3
+
+
+@dataclass(frozen=True)
+class Give:
+    """How far one requirement must give; ``after`` None: it is left out, and its rule fills it.
+
+    ``moves`` are the other moves with which the design then passes, by field.
+    """
+
+    field: str
+    before: Any
+    after: Any
+    moves: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """What stands in the way of a design.
+
+    ``first`` gave way already, one after the other; then any one of ``either`` is enough. ``exclude``: the smallest set
+    of requirements found that exclude each other; ``proved``: dropping all others was tried too, without a passing
+    design, so that it is one. ``nearest``: the checks that fail on the nearest miss.
+    """
+
+    exclude: tuple[str, ...]
+    either: tuple[Give, ...]
+    first: tuple[Give, ...]
+    nearest: tuple[tuple[str, str], ...]
+    proved: bool
+
+
+def conflict(trials: Trials, miss: Point) -> Conflict:
+    """Of a question whose best point is ``miss``."""
+    question, first = trials.question, list[Give]()
+    nearest = tuple(messages(question, miss))
+    for _ in range(MOST_GIVING):
+        fixed = stuck(trials, {}) if trials({}).failing else frozenset[str]()
+        found = [_given_way(trials, requirement, miss, fixed) for requirement in _requirements(trials.question)]
+        enough = [way for way in found if isinstance(way, Give)]
+        if enough:
+            exclude = tuple(sorted(way.field for way in enough))
+            return Conflict(
+                exclude, tuple(sorted(enough, key=_size)), tuple(first), nearest, _rest_is_idle(trials, exclude, miss)
+            )
+        least = min((way for way in found if isinstance(way, tuple)), default=None, key=lambda way: (way[0], way[1]))
+        if least is None or least[0] >= trials(miss).violation:
+            break
+        _, name, value, miss = least
+        first.append(Give(name, _shown(trials.question, name), value, {}))
+        trials = _on(trials, name, value)
+        miss = {field: setting for field, setting in miss.items() if field != name}
+    return Conflict((), (), tuple(first), nearest, proved=False)
+
+
+def _size(way: Give) -> tuple[float, str]:
+    """Small changes first; requirements left out last."""
+    if isinstance(way.after, int | float) and isinstance(way.before, int | float) and way.after * way.before > 0:
+        return abs(log(way.after / way.before)), way.field
+    return 10.0, way.field
+
+
+def _on(trials: Trials, name: str, value: Any) -> Trials:
+    """The same question with one requirement given way."""
+    question = trials.question.relaxed({name: Out() if value is None else Fixed(value)})
+    return Trials(question, trials.jobs, trials.told)
+
+
+def _requirements(question: Question) -> Iterator[str]:
+    """What the file asks: fields that may not be moved, and are not how the design is told."""
+    for name, value in leaves(question.data):
+        listed = isinstance(value, list) and not all(isinstance(item, int | float) for item in value)
+        if (
+            name.split(".")[0] not in ASIDE
+            and name not in question.releases
+            and not isinstance(value, bool)
+            and not listed
+        ):
+            yield name
+    yield from question.ranges
+
+
+def _shown(question: Question, name: str) -> Any:
+    found = question.ranges.get(name)
+    return dict(leaves(question.data)).get(name) if found is None else found.words()
+
+
+Miss = tuple[float, str, Any, Point]
+
+
+def _given_way(trials: Trials, name: str, miss: Point, fixed: frozenset[str]) -> Give | Miss | None:
+    """How far a requirement must give for a passing design; where none is found, (violation, name, value, point).
+
+    None where giving way changes nothing for the better, or leaves one of the ``fixed`` checks, which no move changes.
+    """
+    starts: list[Point] = [{name: _setting(value)} for value in _values(trials.question, name)]
+    before, outcomes = trials({}), trials.many(starts)
+    order = sorted(range(len(starts)), key=lambda k: (round(outcomes[k].violation, 9), k))
+    best: Point | None = None
+    for k in order[:VALUES]:
+        still = dict(outcomes[k].failing)
+        if outcomes[k].violation >= before.violation or any(
+            still.get(check) == dict(before.failing)[check] for check in fixed
+        ):
+            continue
+        start = trials.best([starts[k], {**miss, **starts[k]}])
+        found = repair(trials, start, TRIALS)
+        if trials(found).passes:
+            return _as_little(trials, name, found)
+        if best is None or trials(found).violation < trials(best).violation:
+            best = found
+    if best is None:
+        return None
+    setting = best.get(name)
+    value = setting.value if isinstance(setting, Fixed) else None
+    return trials(best).violation, name, value, best
+
+
+def _values(question: Question, name: str) -> Iterator[Any]:
+    """Values at which giving way is tried: None for leaving it out."""
+    if name in question.ranges:
+        found = question.ranges[name]
+        yield from (round_to(found.low / share) for share in SHARES if found.low > 0.0)
+        yield from (round_to(found.high * share) for share in SHARES)
+        return
+    value = dict(leaves(question.data))[name]
+    if _has_rule(question, name):
+        yield None
+    if isinstance(value, int | float):
+        for share in SHARES:
+            yield from (round_to(value * share), round_to(value / share))
+    elif isinstance(value, list):
+        for share in SHARES:
+            yield from (tuple(round_to(v * share) for v in value), tuple(round_to(v / share) for v in value))
+
+
+def _has_rule(question: Question, name: str) -> bool:
+    try:
+        found = question.resolve(*question.trial({name: Out()}))
+    except InputError as error:
+        return not any(problem.field == name or problem.what.startswith("missing") for problem in error.problems)
+    return any(value.field == name for value in found.sized)
+
+
+def _setting(value: Any) -> Out | Fixed:
+    return Out() if value is None else Fixed(value)
+
+
+def _as_little(trials: Trials, name: str, found: Point) -> Give:
+    """From a value at which the design passes back towards what is asked, as far as it still passes."""
+    before = _shown(trials.question, name)
+    setting = found[name]
+    asked = dict(leaves(trials.question.data)).get(name)
+    if isinstance(setting, Out) and isinstance(asked, int | float):
+        setting = _rule_value(trials.question, name, found)
+    if isinstance(setting, Fixed) and isinstance(setting.value, int | float):
+        end = asked
+        if name in trials.question.ranges:
+            end = trials.question.ranges[name].within(float(setting.value))
+        assert isinstance(end, int | float)
+        passing, failing = float(setting.value), float(end)
+        for _ in range(BISECTIONS):
+            middle = round_to(0.5 * (passing + failing))
+            if middle in (passing, failing):
+                break
+            trial: Point = {**found, name: Fixed(middle)}
+            if not trials(trial).passes:
+                trial = repair(trials, trial, TRIALS // 2)
+            if trials(trial).passes:
+                passing, found = middle, trial
+            else:
+                failing = middle
+        setting = found[name]
+    after = setting.value if isinstance(setting, Fixed) else None
+    moves = {field: how.value if isinstance(how, Fixed) else how for field, how in found.items() if field != name}
+    return Give(name, before, list(after) if isinstance(after, tuple) else after, moves)
+
+
+def _rule_value(question: Question, name: str, found: Point) -> Out | Fixed:
+    sized = question.resolve(*question.trial(found)).sized
+    value = next((item.value for item in sized if item.field == name), None)
+    return Fixed(value) if isinstance(value, int | float) else Out()
+
+
+def _rest_is_idle(trials: Trials, exclude: tuple[str, ...], miss: Point) -> bool:
+    """Whether no design is found either with all other requirements dropped that have a rule."""
+    others = [name for name in _requirements(trials.question) if name not in exclude]
+    dropped = {
+        name: Out() for name in others if name not in trials.question.ranges and _has_rule(trials.question, name)
+    }
+    if not dropped:
+        return True
+    start = {**{field: how for field, how in miss.items() if field not in dropped}, **dropped}
+    return not trials(repair(trials, start, TRIALS * 2)).passes
+
+
+def round_to(value: float) -> float:
+    """Four significant digits."""
+    return float(f"{value:.4g}")

@@ -1,0 +1,122 @@
+"""From a design that passes to the nearest one: moves are taken back one by one, as far as it still passes."""
+
+from __future__ import annotations
+
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.solving.fields import value_at
+from mbcdm_cad.solving.question import Fixed, Out, Point, Times
+from mbcdm_cad.solving.repair import repair
+from mbcdm_cad.solving.trials import Trials, cost, setting_of
+
+BISECTIONS = 5
+# Trials to make a design pass again after an aim was moved.
+TRIALS_FOR_AN_AIM = 60
+AIM_STEPS = 7
+
+
+def written_out(trials: Trials, point: Point) -> Point:
+    """The point with the values of all moved numbers and ranges in place of factors, as a file will give them."""
+    found = trials.question.as_written(point)
+    moved = [field for field, setting in point.items() if isinstance(setting, Times)]
+    moved += [field for field in trials.question.ranges if field not in point]
+    return {**point, **{field: setting_of(value_at(found, field)) for field in moved}}
+
+
+def taken_back(trials: Trials, point: Point) -> Point:
+    """The nearest passing point on the way back from a passing one to what file and rules say."""
+    now = _released_less(trials, point)
+    for field in sorted(now, key=lambda name: (-cost(trials.question, {name: now[name]}), name)):
+        if field in trials.question.ranges or isinstance(now[field], Out):
+            continue
+        without = {name: setting for name, setting in now.items() if name != field}
+        if trials(without).passes:
+            now = without
+    for field in sorted(now):
+        now = _halved(trials, now, field)
+    return now
+
+
+def _released_less(trials: Trials, point: Point) -> Point:
+    """Fields that were taken out are put back: all of a kind, then halves of them, down to single ones."""
+    for kind in sorted({trials.question.releases.get(field, 0) for field in point}, reverse=True):
+        fields = [
+            f for f, s in sorted(point.items()) if isinstance(s, Out) and trials.question.releases.get(f, 0) == kind
+        ]
+        point = _put_back(trials, point, fields)
+    return point
+
+
+def _put_back(trials: Trials, point: Point, fields: list[str]) -> Point:
+    if not fields:
+        return point
+    without = {name: setting for name, setting in point.items() if name not in fields}
+    if trials(without).passes:
+        return without
+    if len(fields) > 1:
+        half = len(fields) // 2
+        point = _put_back(trials, point, fields[:half])
+        point = _put_back(trials, point, fields[half:])
+    return point
+
+
+def _halved(trials: Trials, point: Point, field: str) -> Point:
+    """A number moved back towards where it came from, by halves, as far as the design still passes."""
+    setting = point[field]
+    if not isinstance(setting, Fixed) or isinstance(setting.value, str | bool | tuple):
+        return point
+    home = _home(trials, point, field)
+    if not isinstance(home, int | float):
+        return point
+    passing, failing, best = float(setting.value), float(home), point
+    for _ in range(BISECTIONS):
+        middle = float(f"{0.5 * (passing + failing):.4g}")
+        trial = {**point, field: Fixed(middle)}
+        if middle in (passing, failing):
+            break
+        if trials(trial).passes:
+            passing, best = middle, trial
+        else:
+            failing = middle
+    return best
+
+
+def _home(trials: Trials, point: Point, field: str) -> object:
+    """What a field has where it is not moved: its rule's value within its range, or the middle of that."""
+    if field in trials.question.unruled:
+        return None if trials.question.ranges[field].aim else trials.question.middle(field)
+    if field in trials.question.ranges and trials.question.ranges[field].aim:
+        return None
+    without = {name: setting for name, setting in point.items() if name != field}
+    try:
+        return value_at(trials.question.as_written(without), field) or _sized(trials, without, field)
+    except InputError:
+        return None
+
+
+def _sized(trials: Trials, point: Point, field: str) -> object:
+    sized = trials.question.resolve(*trials.question.trial(point)).sized
+    return next((value.value for value in sized if value.field == field), None)
+
+
+def towards_aims(trials: Trials, point: Point) -> Point:
+    """Ranges with an aim moved towards it, by halves; what fails then is repaired where that is possible."""
+    for field, found in trials.question.ranges.items():
+        if not found.aim:
+            continue
+        setting = point[field]
+        assert isinstance(setting, Fixed), "values are written out by now"
+        passing, failing = float(setting.value), found.low if found.aim == "min" else found.high
+        for _ in range(AIM_STEPS):
+            near = (passing * failing) ** 0.5 if passing > 0.0 and failing > 0.0 else 0.5 * (passing + failing)
+            middle = float(f"{near:.4g}")
+            if middle in (passing, failing):
+                break
+            trial = {**point, field: Fixed(middle)}
+            if not trials(trial).passes:
+                trial = dict(repair(trials, trial, TRIALS_FOR_AN_AIM))
+                trial = {**written_out(trials, trial)} if trials(trial).passes else trial
+            if trial.get(field) == Fixed(middle) and trials(trial).passes:
+                passing, point = middle, trial
+            else:
+                failing = middle
+    return point

@@ -1,0 +1,220 @@
+"""What is asked: a design file with what is fixed in it, what may move, and what each trial of a search is made of."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+from mbcdm_cad.configurations.loader import design_file_of, reference_data
+from mbcdm_cad.configurations.pins import FEW
+from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.freedom import Freedom
+from mbcdm_cad.design.loader import Resolved, resolved
+from mbcdm_cad.design.ranges import Range, split_ranges
+from mbcdm_cad.design.source import read_text
+from mbcdm_cad.design.yamltree import Tree, parse
+from mbcdm_cad.errors import InputError, MbcdmError
+from mbcdm_cad.solving.fields import leaves, put, take_out, value_at
+
+# A number that a rule finds may be moved to these shares of it where the configuration says nothing else.
+DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0
+# Blocks whose fields say how a design is told or made, not what it must do: never moved and never to blame.
+ASIDE = ("schema_version", "name", "configuration", "inputs", "cables", "catalogue", "waivers", "as_built", "export")
+# Releases of a complete file, in the order in which they are tried.
+PIN, CHOICE, WISH = 1, 2, 3
+_WISHES = ("targets", "limits", "rope")
+
+
+@dataclass(frozen=True)
+class Times:
+    """The value that the rule finds, moved by a factor."""
+
+    factor: float
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A value in place of what rule or file say; a list as a tuple."""
+
+    value: Any
+
+
+@dataclass(frozen=True)
+class Out:
+    """Taken out of the file: the rule fills it."""
+
+
+Setting = Times | Fixed | Out
+Point = Mapping[str, Setting]
+
+
+@dataclass(frozen=True)
+class Question:
+    """One design file and what a search may do with it.
+
+    ``data`` is the file's content without its ranges; ``releases`` the fields of the file that may be taken out, with
+    the place in the order of trying (:data:`PIN`, :data:`CHOICE`, :data:`WISH`). ``complete``: the file states all
+    derived dimensions, as ``mbcdm init`` wrote them.
+    """
+
+    path: Path
+    text: str
+    tree: Tree
+    data: dict[str, Any]
+    file: DesignFile
+    ranges: Mapping[str, Range]
+    releases: Mapping[str, int]
+    complete: bool
+
+    @cached_property
+    def freedoms(self) -> dict[str, Freedom]:
+        """What may be moved where the file leaves it to its rule: choices first, then derived dimensions."""
+        named = {freedom.field: freedom for freedom in self.file.freedoms()}
+        derived = [field for field in self.file.derived() if field not in named]
+        return {**named, **{field: Freedom(field, DERIVED_LOW, DERIVED_HIGH) for field in derived}}
+
+    @cached_property
+    def unruled(self) -> frozenset[str]:
+        """Fields given as a range that no rule fills: a trial needs a value for each."""
+        found = set()
+        for field in self.ranges:
+            others = {name: Fixed(self.middle(name)) for name in self.ranges if name != field}
+            data, _ = self.trial(others, open_ranges=True)
+            take_out(data, field)
+            try:
+                self.resolve(data, {})
+            except InputError as error:
+                if any(problem.field == field for problem in error.problems):
+                    found.add(field)
+        return frozenset(found)
+
+    def middle(self, field: str) -> float:
+        """The middle of a range, by its ratio where it spans more than one to four."""
+        found = self.ranges[field]
+        if found.low > 0.0 and found.high > 4.0 * found.low:
+            return float(f"{(found.low * found.high) ** 0.5:.4g}")
+        return float(f"{0.5 * (found.low + found.high):.4g}")
+
+    def open_fields(self, point: Point) -> Iterator[Freedom]:
+        """The freedoms whose field the file leaves out at this point, or gives as a range that a rule fills."""
+        for field, freedom in self.freedoms.items():
+            stated = value_at(self.data, field) is not None
+            if not stated or isinstance(point.get(field), Out) or self._below_out(field, point):
+                yield freedom
+
+    def _below_out(self, field: str, point: Point) -> bool:
+        return any(isinstance(point.get(outer), Out) for outer in _outer(field))
+
+    def trial(self, point: Point, *, open_ranges: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
+        """(data, what is made of the rules' values) of a point; ranges at what their rules give, within their ends."""
+        data, moved = copy.deepcopy(self.data), {}
+        for field in [name for name, setting in point.items() if isinstance(setting, Out)]:
+            instead = self.freedoms[field].instead(data) if field in self.freedoms else {}
+            take_out(data, field)
+            for other, value in instead.items():
+                put(data, other, value)
+        for field, found in self.ranges.items():
+            if field in point:
+                continue
+            if open_ranges or field not in self.unruled:
+                moved[field] = found.within
+            else:
+                put(data, field, self.middle(field))
+        for field, setting in point.items():
+            if isinstance(setting, Fixed):
+                put(data, field, _listed(setting.value))
+            elif isinstance(setting, Times):
+                moved[field] = partial(self._moved, field, setting.factor)
+        return data, moved
+
+    def _moved(self, field: str, factor: float, value: Any) -> Any:
+        found = self.freedoms[field].stretch(value, factor) if factor != 1.0 else value
+        return self.ranges[field].within(found) if field in self.ranges else found
+
+    def resolve(self, data: dict[str, Any], moved: Mapping[str, Any]) -> Resolved:
+        """The drive that the data makes. Raises InputError where it makes none."""
+        return resolved(Tree(data, self.tree.lines), self.path, self.file, moved)
+
+    def as_written(self, point: Point) -> dict[str, Any]:
+        """The data of a file in which every moved value is written out. Raises InputError as :meth:`resolve`."""
+        data, moved = self.trial(point)
+        if not moved:
+            return data
+        sized = {value.field: value.value for value in self.resolve(data, moved).sized}
+        for field in moved:
+            if field in sized:
+                put(data, field, sized[field])
+        return data
+
+    def relaxed(self, point: Point) -> Question:
+        """The same question about the file in which the values of ``point`` are written."""
+        data, _ = self.trial(point)
+        ranges = {field: found for field, found in self.ranges.items() if field not in point}
+        for field in ranges:
+            take_out(data, field)
+        return replace(self, data=data, ranges=ranges)
+
+
+def read_question(path: str | Path) -> Question:
+    """The question that a design file asks. Raises ``InputError`` for what is wrong with the file itself."""
+    path = Path(path)
+    return question_of(read_text(path), path)
+
+
+def question_of(text: str, path: str | Path = "<text>") -> Question:
+    """As :func:`read_question`, from the text of a file."""
+    path = Path(path)
+    whole = parse(text, str(path))
+    file = design_file_of(whole, str(path))
+    if file.size is None:
+        raise MbcdmError(f"{path}: this configuration has no sizing rules yet, so that nothing follows and can move")
+    tree, ranges = split_ranges(whole, str(path), file.nodes.at)
+    found = Question(path, text, whole, tree.data, file, {r.field: r for r in ranges}, {}, complete=False)
+    pins = [field for field in file.derived() if value_at(tree.data, field) is not None]
+    complete = len(pins) > FEW
+    releases = dict.fromkeys(pins, PIN)
+    if complete:
+        releases |= _of_the_template(found)
+    found = replace(found, releases=releases, complete=complete)
+    _refuse_what_is_wrong(found)
+    return found
+
+
+def _of_the_template(question: Question) -> dict[str, int]:
+    """Fields of a complete file that still have the value of the reference design: proposed, not asked for."""
+    reference = reference_data(question.data["configuration"])
+    same = [field for field, value in leaves(question.data) if value_at(reference, field) == value]
+    found = {}
+    for freedom in question.file.freedoms():
+        value = value_at(question.data, freedom.field)
+        if value is not None and value == value_at(reference, freedom.field):
+            found[freedom.field] = CHOICE
+    for field in same:
+        if field.split(".")[0] in _WISHES and field not in found and field != "rope.type":
+            found[field] = WISH
+    return found
+
+
+def _refuse_what_is_wrong(question: Question) -> None:
+    """Raise InputError for what no search can mend: a wrong name, a value out of bounds, pins that contradict."""
+    try:
+        question.resolve(*question.trial({}))
+    except InputError as error:
+        # What a rule or a layout cannot do with these figures is for the search; all else is wrong in the file.
+        if all(problem.what.startswith("no rule can fill it here") for problem in error.problems):
+            return
+        raise
+
+
+def _outer(field: str) -> Iterator[str]:
+    parts = field.split(".")
+    for k in range(1, len(parts)):
+        yield ".".join(parts[:k])
+
+
+def _listed(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,164 @@
+"""Guided search: moves that the failing checks ask for, and choices one size up or down, as long as they help."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import chain
+
+from mbcdm_cad.design.freedom import Freedom
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.solving.fields import value_at
+from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
+from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, setting_of
+
+# How far a number is moved at once, as shares of its value; of a range, of its width.
+STEPS = (0.02, 0.08, 0.25, 0.7)
+RANGE_STEPS = (0.1, 0.3, 1.0)
+# Sizes of a choice tried around the one in force.
+SIZES = (-1, 1, 2, 4)
+# Failing checks whose remedies are tried, and the moves of one round at most.
+FIRST_CHECKS, MOST_MOVES = 6, 90
+# Improvements that are also tried together.
+TOGETHER = 4
+ROUNDS = 8
+GAIN = 1e-3
+# A check that misses by the same in this many trials is not moved by what moves.
+ENOUGH, SAME = 20, 1e-6
+
+
+def repair(trials: Trials, start: Point, most: int) -> Point:
+    """From ``start`` on, the best point that some rounds of moves lead to; at most about ``most`` trials."""
+    best, limit = dict(start), trials.count + most
+    for _ in range(ROUNDS):
+        now = trials(best)
+        if now.passes or trials.count >= limit:
+            break
+        moves = list(_Moves(trials, best, now))[: max(min(MOST_MOVES, limit - trials.count), 4)]
+        points = [{**best, field: setting} for field, setting in moves]
+        outcomes = trials.many(points)
+        if _unmoved(now, outcomes):
+            break
+        better = sorted((o.violation, k) for k, o in enumerate(outcomes) if o.violation < now.violation - GAIN)
+        if not better:
+            break
+        joined, fields = dict(best), set[str]()
+        combined: list[Point] = [points[better[0][1]]]
+        for _, k in better:
+            field, setting = moves[k]
+            if field not in fields and len(fields) < TOGETHER:
+                fields.add(field)
+                joined = {**joined, field: setting}
+                combined.append(joined)
+        best = dict(trials.best(combined))
+    return best
+
+
+def stuck(trials: Trials, point: Point) -> frozenset[str]:
+    """The checks that fail at a point and that no single move from there changes."""
+    now = trials(point)
+    moves = list(_Moves(trials, point, now))[:MOST_MOVES]
+    return _unmoved(now, trials.many([{**point, field: setting} for field, setting in moves]))
+
+
+def _unmoved(now: TrialResult, outcomes: Sequence[TrialResult]) -> frozenset[str]:
+    """The checks that miss by as much in every trial: nothing that may move bears on them."""
+    others = [dict(outcome.failing) for outcome in outcomes if not outcome.refused]
+    if len(others) < ENOUGH:
+        return frozenset()
+    return frozenset(
+        name
+        for name, miss in now.failing
+        if name not in SLOW and miss < NO_FIGURE and all(abs(other.get(name, 0.0) - miss) < SAME for other in others)
+    )
+
+
+class _Moves:
+    """Moves from one point: first what failing checks ask for, then choices, then any number that is free."""
+
+    def __init__(self, trials: Trials, point: Point, now: TrialResult) -> None:
+        self.trials, self.question, self.point, self.now = trials, trials.question, point, now
+        self.freedoms = {freedom.field: freedom for freedom in trials.question.open_fields(point)}
+        try:
+            self.values = trials.question.resolve(*trials.question.trial(point)).design.model_dump()
+        except InputError:
+            self.values = {}
+
+    def __iter__(self) -> Iterator[tuple[str, Setting]]:
+        seen = set[tuple[str, Setting]]()
+        for move in chain(self._out(), self._asked_for(), self._sizes(), self._along_ranges(), self._free()):
+            if move not in seen and self.point.get(move[0]) != move[1]:
+                seen.add(move)
+                yield move
+
+    def _out(self) -> Iterator[tuple[str, Setting]]:
+        """Fields that the file holds by hand, one at a time; those of a complete file are released elsewhere."""
+        if not self.question.complete:
+            yield from ((field, Out()) for field in self.question.releases if field not in self.point)
+
+    def _asked_for(self) -> Iterator[tuple[str, Setting]]:
+        """What the remedies of the checks that fail most would change, in their sense."""
+        names = {field: (field, 1) for field in chain(self.freedoms, self.question.ranges)}
+        for freedom in self.freedoms.values():
+            names |= {alias: (freedom.field, sense) for alias, sense in freedom.mends}
+        for check, _ in sorted(self.now.failing, key=lambda item: -item[1])[:FIRST_CHECKS]:
+            for path, sense in self.trials.checks[check].adjust:
+                field, way = names.get(path, ("", 0))
+                if field in self.question.unruled:
+                    yield from self._within(field, way * sense)
+                elif field in self.freedoms:
+                    yield from self._steps(self.freedoms[field], way * sense)
+
+    def _steps(self, freedom: Freedom, sense: int) -> Iterator[tuple[str, Setting]]:
+        """A number some steps up or down; a choice one to three sizes."""
+        if freedom.is_choice:
+            yield from self._sized(freedom, [sense * size for size in (1, 2, 3)])
+            return
+        value = value_at(self.values, freedom.field)
+        if isinstance(value, int | float) and value < 0:
+            sense = -sense  # a factor above one lowers it
+        yield from self._stretched(freedom, STEPS, (sense,))
+
+    def _stretched(
+        self, freedom: Freedom, steps: Sequence[float], senses: Sequence[int]
+    ) -> Iterator[tuple[str, Setting]]:
+        setting = self.point.get(freedom.field)
+        if isinstance(setting, Fixed):
+            return
+        factor = setting.factor if isinstance(setting, Times) else 1.0
+        for step in steps:
+            for sense in senses:
+                moved = min(max(factor * (1.0 + step) ** sense, freedom.low), freedom.high)
+                yield freedom.field, Times(float(f"{moved:.4g}"))
+
+    def _sized(self, freedom: Freedom, sizes: Sequence[int]) -> Iterator[tuple[str, Setting]]:
+        """A choice by some places in the order of sizes."""
+        names, now = choices(self.question, freedom), value_at(self.values, freedom.field)
+        for size in sizes:
+            at = names.index(now) + size if now in names else -1
+            if 0 <= at < len(names):
+                yield freedom.field, Fixed(names[at])
+
+    def _sizes(self) -> Iterator[tuple[str, Setting]]:
+        """Choices some sizes up and down, the nearest of all choices first."""
+        for size in SIZES:
+            for freedom in self.freedoms.values():
+                if freedom.is_choice:
+                    yield from self._sized(freedom, [size])
+
+    def _along_ranges(self) -> Iterator[tuple[str, Setting]]:
+        for field in sorted(self.question.unruled):
+            for sense in (1, -1):
+                yield from self._within(field, sense)
+
+    def _within(self, field: str, sense: int) -> Iterator[tuple[str, Setting]]:
+        found, setting = self.question.ranges[field], self.point.get(field)
+        now = float(setting.value) if isinstance(setting, Fixed) else self.question.middle(field)
+        for step in RANGE_STEPS:
+            value = float(f"{now + sense * step * (found.high - found.low):.4g}")
+            yield field, setting_of(found.within(value))
+
+    def _free(self) -> Iterator[tuple[str, Setting]]:
+        """Numbers that are free, up and down, by the steps in the middle."""
+        for freedom in self.freedoms.values():
+            if not freedom.is_choice and freedom.low < freedom.high:
+                yield from self._stretched(freedom, STEPS[1:3], (1, -1))

@@ -1,0 +1,126 @@
+"""The nearest design that passes every check, or what stands in its way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from mbcdm_cad.solving.conflict import Conflict, conflict
+from mbcdm_cad.solving.evolve import evolve
+from mbcdm_cad.solving.fields import leaves
+from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out
+from mbcdm_cad.solving.question import CHOICE, PIN, WISH, Out, Point, Question
+from mbcdm_cad.solving.repair import repair, stuck
+from mbcdm_cad.solving.trials import Trials, outcome, setting_of
+
+# Trials of the guided search and of the evolution after it: counts, so that the answer never depends on speed.
+DIRECTED, EVOLVED = 200, 168
+# Trials after which most searches have ended, conflicts included: the length of a progress bar.
+MOST_TRIALS = 600
+# Values tried of a range without a rule that has an aim, before the search.
+GRID = 9
+
+
+@dataclass(frozen=True)
+class Change:
+    """One field that was moved: what stood in the file (None: nothing), what stands there now, and why it may."""
+
+    field: str
+    before: Any
+    after: Any
+    note: str
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a search found. ``data`` is the content of the passing file; None where there is a ``conflict`` instead."""
+
+    question: Question = field(repr=False)
+    data: Mapping[str, Any] | None
+    changes: tuple[Change, ...]
+    trials: int
+    conflict: Conflict | None = None
+
+
+def solve(question: Question, told: Callable[[str, int], None] | None = None, jobs: int | None = None) -> Solution:
+    """Search. ``told`` hears what is being done and how many trials there were so far."""
+    stage = ["searching"]
+    hears = told or (lambda name, count: None)
+    trials = Trials(question, jobs, lambda count: hears(stage[0], count))
+    point = _found(trials)
+    if trials(point).passes:
+        stage[0] = "taking moves back"
+        data = question.as_written(_nearest(trials, point))
+        if passes_as_written(question, data):
+            return Solution(question, data, tuple(_changes(question, data)), trials.count)
+    stage[0] = "looking for what excludes each other"
+    found = conflict(trials, point)
+    return Solution(question, None, (), trials.count, found)
+
+
+def _found(trials: Trials) -> Point:
+    """A passing point, or the best that was found."""
+    starts = list(_starts(trials.question))
+    for start, found in zip(starts, trials.many(starts), strict=True):
+        if found.passes:
+            return start
+    point = repair(trials, starts[-1] if trials.question.complete else trials.best(starts), DIRECTED)
+    if not trials(point).passes and not stuck(trials, point):
+        point = trials.best([point, repair(trials, evolve(trials, point, EVOLVED), DIRECTED // 4)])
+    return point
+
+
+def _starts(question: Question) -> Iterator[Point]:
+    """The file as it is, then without pins (a complete one without choices and wishes too), then along its ranges."""
+    yield {}
+    if question.complete:
+        for last in (PIN, CHOICE, WISH):
+            yield {name: Out() for name, kind in sorted(question.releases.items()) if kind <= last}
+    else:
+        yield from ({name: Out()} for name in sorted(question.releases))
+        yield {name: Out() for name in sorted(question.releases)}
+    for name in sorted(question.unruled):
+        if question.ranges[name].aim:
+            found = question.ranges[name]
+            for k in range(GRID):
+                share = (k + 0.5) / GRID
+                spread = found.low * (found.high / found.low) ** share if found.low > 0.0 else None
+                value = spread if spread is not None else found.low + share * (found.high - found.low)
+                yield {name: setting_of(found.within(float(f"{value:.4g}")))}
+
+
+def _nearest(trials: Trials, point: Point) -> Point:
+    fixed = written_out(trials, point)
+    if not trials(fixed).passes:  # a value that is given can change what a rule does that looks whether it is given
+        fixed = repair(trials, fixed, DIRECTED // 4)
+        fixed = written_out(trials, fixed) if trials(fixed).passes else point
+    return taken_back(trials, towards_aims(trials, fixed))
+
+
+def _changes(question: Question, data: Mapping[str, Any]) -> Iterator[Change]:
+    """What differs between the file and the solution, field by field."""
+    before, after = dict(leaves(question.data)), dict(leaves(data))
+    for name in dict.fromkeys([*before, *after]):
+        was, now = before.get(name), after.get(name)
+        if name in question.ranges:
+            found = question.ranges[name]
+            yield Change(
+                name, found.words(), now, "a range" + (f", as near to {found.aim} as passes" if found.aim else "")
+            )
+        elif was != now:
+            kind = question.releases.get(name, WISH) if name in before else 0
+            yield Change(name, was, now, _NOTES[kind])
+
+
+_NOTES = {
+    0: "the file left it to its rule",
+    PIN: "a derived dimension held by hand",
+    CHOICE: "a choice as in the reference design",
+    WISH: "as in the reference design",
+}
+
+
+def passes_as_written(question: Question, data: Mapping[str, Any]) -> bool:
+    """Whether a file with this content passes every check."""
+    return outcome(replace(question, data=dict(data), ranges={}), {}).passes

@@ -1,0 +1,183 @@
+"""How far a trial is from a design that passes: the checks that fail on it, and by how much."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite, log
+
+import numpy as np
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.checks.remedies import Budget
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.configurations.check_design import checks_of
+from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.design.freedom import Freedom
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Times
+from mbcdm_cad.storage.parallel import fork_map
+
+# Checks that take as long as all others together: asked only where all others hold.
+SLOW = frozenset({"cables_apart", "spans_clear", "terminals_apart", "no_slack"})
+# A failed check counts one, and by how much it misses: up to this much more, the faster the nearer it is.
+MOST = 3.0
+# One without a figure, and a trial that makes no drive at all.
+NO_FIGURE, NO_DRIVE = 4.0, 100.0
+# Where the limit is nothing, a miss of one unit counts as much as one of the whole limit elsewhere.
+UNIT = 1.0
+# What a move costs: a choice changed, a field of the file taken out; a factor costs its logarithm over this one's.
+CHOICE_COST, OUT_COST, FACTOR = 0.5, 1.0, 1.5
+# Fewer trials than this are not worth a process each.
+FEW_TRIALS = 4
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """What the checks say of a trial: their ids with what each adds to ``violation``; ``refused`` where it is none."""
+
+    failing: tuple[tuple[str, float], ...]
+    refused: str = ""
+
+    @property
+    def violation(self) -> float:
+        """Nought for a design that passes; grows with the number of failed checks and with their misses."""
+        return NO_DRIVE if self.refused else sum(miss for _, miss in self.failing)
+
+    @property
+    def passes(self) -> bool:
+        """Whether no check fails."""
+        return not self.failing and not self.refused
+
+
+class Trials:
+    """Judges trials of one question, each once; ``told`` hears after each batch how many there were."""
+
+    def __init__(self, question: Question, jobs: int | None = None, told: Callable[[int], None] | None = None) -> None:
+        self.question = question
+        self.jobs = jobs or len(os.sched_getaffinity(0))
+        self.told = told or (lambda count: None)
+        self._known: dict[frozenset[tuple[str, object]], TrialResult] = {}
+
+    @property
+    def count(self) -> int:
+        """Trials judged so far."""
+        return len(self._known)
+
+    @cached_property
+    def checks(self) -> dict[str, Check]:
+        """The checks of this configuration by their ids."""
+        from mbcdm_cad.configurations.registry import configuration
+
+        families = configuration(self.question.data["configuration"]).check_families()
+        return {check.id: check for family in families for check in family.CHECKS}
+
+    def __call__(self, point: Point) -> TrialResult:
+        """One trial."""
+        return self.many([point])[0]
+
+    def many(self, points: Sequence[Point]) -> list[TrialResult]:
+        """Several trials, side by side on all cores."""
+        keys = [frozenset(point.items()) for point in points]
+        new = {key: point for key, point in zip(keys, points, strict=True) if key not in self._known}
+        if new:
+            jobs = self.jobs if len(new) >= FEW_TRIALS else 1
+            outcomes = fork_map(lambda point: outcome(self.question, point), list(new.values()), jobs)
+            self._known |= dict(zip(new, outcomes, strict=True))
+            self.told(self.count)
+        return [self._known[key] for key in keys]
+
+    def best(self, points: Iterable[Point]) -> Point:
+        """The point that misses least; of equals the one that moves least, then the first."""
+        listed = list(points)
+        outcomes = self.many(listed)
+        order = [
+            (round(o.violation, 9), cost(self.question, p), k)
+            for k, (p, o) in enumerate(zip(listed, outcomes, strict=True))
+        ]
+        return listed[min(order)[2]]
+
+
+def outcome(question: Question, point: Point) -> TrialResult:
+    """Size and check one trial; checks that only warn are not asked, and waived ones count as passed."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        try:
+            drive = question.resolve(*question.trial(point)).drive
+        except InputError as error:
+            return TrialResult((), str(error.problems[0].what))
+        subject = configuration_of(drive).design_under_test(drive)
+        asked = [check for check in checks_of(drive) if check.severity == "fail" and drive.waiver(check.id) is None]
+        found = [(check.id, missed(check, subject)) for check in asked if check.id not in SLOW]
+        if not any(miss for _, miss in found):
+            found = [(check.id, missed(check, subject)) for check in asked if check.id in SLOW]
+        return TrialResult(tuple((name, miss) for name, miss in found if miss))
+
+
+def missed(check: Check, subject: object) -> float:
+    """What a check adds to the violation: nought where it holds."""
+    try:
+        found = check.measure(subject)
+    except NoFigureError:
+        return NO_FIGURE
+    if not isfinite(found.actual) or not isfinite(found.limit):
+        return NO_FIGURE
+    if found.holds:
+        return 0.0
+    share = -found.margin / (abs(found.limit) or UNIT)
+    return 1.0 + MOST * share / (MOST + share)
+
+
+def messages(question: Question, point: Point) -> list[tuple[str, str]]:
+    """(id, message) of every check that fails at a point."""
+    try:
+        drive = question.resolve(*question.trial(point)).drive
+    except InputError as error:
+        return [("sizing", str(error.problems[0].what))]
+    subject = configuration_of(drive).design_under_test(drive)
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        results = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
+    return [(result.id, result.message) for result in results if result.status == "fail"]
+
+
+def cost(question: Question, point: Point) -> float:
+    """How far a point is from what file and rules say: the sum of what its moves cost."""
+    total = 0.0
+    for field, setting in sorted(point.items()):
+        if isinstance(setting, Times):
+            total += abs(log(setting.factor)) / log(FACTOR) + 0.05
+        elif isinstance(setting, Out):
+            total += OUT_COST * question.releases.get(field, 1)
+        elif field in question.ranges:
+            total += _from_aim(question, field, float(setting.value))
+        else:
+            total += CHOICE_COST
+    return total
+
+
+def _from_aim(question: Question, field: str, value: float) -> float:
+    """Distance within a range from the end that is wished, or from its middle, as a share of its width."""
+    found = question.ranges[field]
+    aim = {"min": found.low, "max": found.high}.get(found.aim, question.middle(field))
+    return abs(value - aim) / ((found.high - found.low) or 1.0)
+
+
+def choices(question: Question, freedom: Freedom) -> list[str]:
+    """The names that a choice has, small before large."""
+    if freedom.words:
+        return list(freedom.words)
+    from mbcdm_cad.design.catalogue import package_entries
+
+    own = (question.data.get("catalogue") or {}).get(freedom.kind) or {}
+    entries = {**package_entries(freedom.kind), **own}
+    return sorted(entries, key=lambda name: (entries[name].get(freedom.order, 0.0), name))
+
+
+def setting_of(value: object) -> Fixed:
+    """A value as a setting, lists as tuples so that it can be looked up."""
+    return Fixed(tuple(value)) if isinstance(value, list) else Fixed(value)

@@ -1,0 +1,63 @@
+"""Ranges in a design file: what may be written, what is refused with line and remedy, and who may read them."""
+
+from __future__ import annotations
+
+import pytest
+
+from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.solving.question import question_of
+
+SHORT = """\
+name: short
+configuration: miso_bevel
+travel: {half_angle_deg: 35.0}
+transmission: {ratio: 9.0, drum_radius_mm: 60.0}
+loads: {peak_torque_Nm: 1.5}
+"""
+
+
+def test_ranges_are_read_and_a_field_without_a_rule_needs_a_value() -> None:
+    asked = question_of(SHORT.replace("60.0", "{min: 50, max: 70}, centre_distance_mm: min"))
+    assert {name: (r.low, r.high, r.aim) for name, r in asked.ranges.items()} == {
+        "transmission.drum_radius_mm": (50.0, 70.0, ""),
+        "transmission.centre_distance_mm": (2.0, 500.0, "min"),
+    }
+    assert asked.unruled == {"transmission.drum_radius_mm"}
+    assert asked.middle("transmission.drum_radius_mm") == 60.0
+
+
+@pytest.mark.parametrize(
+    ("written", "line", "words"),
+    [
+        ("{min: 70, max: 50}", 4, "a range upside down (value min 70, max 50"),
+        ("{min: wide, max: 50}", 4, "not a number (value 'wide'"),
+        ("{min: 1, max: 50}", 4, "out of bounds (value 1, limit 5 to 500 mm"),
+        ("{min: 30, max: 50, aim: 3}", 4, "unknown field of a range"),
+        ("60.0, drum_radius_mm: 50.0", 4, "given twice"),
+    ],
+)
+def test_a_wrong_range_is_named_with_line_and_remedy(written: str, line: int, words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        question_of(SHORT.replace("60.0", written), "short.yaml")
+    (problem,) = refused.value.problems
+    assert problem.line == line and words in str(problem) and problem.remedy, str(problem)
+
+
+def test_a_choice_that_no_catalogue_holds_is_bad_input() -> None:
+    with pytest.raises(InputError, match="not in the catalogue of ropes"):
+        question_of(SHORT + "rope: {type: 7x7-9.9}\n")
+
+
+def test_pins_that_contradict_are_bad_input() -> None:
+    pins = "drum_radii_mm: [54, 58, 62, 66], guide_radii_mm: [9, 9.6, 10, 11], input_radii_mm: [6, 6.4, 6.8, 7.2]"
+    both = SHORT.replace("60.0", f"60.0, ratios: {{input_to_guide: 1.5, guide_to_drum: 6.0}}, {pins}")
+    with pytest.raises(InputError, match="ratios or explicit radii"):
+        question_of(both)
+
+
+def test_only_solve_reads_ranges_all_else_says_so() -> None:
+    with pytest.raises(InputError) as refused:
+        load_text(SHORT.replace("60.0", "{min: 50, max: 70}"), "short.yaml")
+    assert "short.yaml:4: transmission.drum_radius_mm: a range" in str(refused.value)
+    assert "mbcdm solve short.yaml --apply FILE" in str(refused.value)

@@ -1,0 +1,110 @@
+"""The nearest passing design: what the user fixed stays, the written file passes, the same question the same answer."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mbcdm_cad import cli
+from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.report.check_report import check_design
+from mbcdm_cad.solving.fields import leaves
+from mbcdm_cad.solving.nearest import taken_back
+from mbcdm_cad.solving.patch import patched
+from mbcdm_cad.solving.question import Fixed, Point, Question, Times, question_of
+from mbcdm_cad.solving.solve import solve
+from mbcdm_cad.solving.trials import TrialResult, Trials
+
+RANGED = """\
+name: ranged
+configuration: miso_bevel
+travel: {half_angle_deg: 35.0}   # asked
+transmission: {ratio: 9.0, drum_radius_mm: {min: 58, max: 66}, centre_distance_mm: {min: 30, max: 80}}
+loads: {peak_torque_Nm: 1.5}
+"""
+PINNED = """\
+name: pinned
+configuration: miso_bevel
+travel: {half_angle_deg: 35.0}
+transmission: {ratio: 9.0, drum_radius_mm: 60.0}
+loads: {peak_torque_Nm: 1.5}
+drum:
+  outer_face_y_mm: 9.0  # held by hand, too near
+"""
+
+
+@pytest.fixture(scope="module")
+def ranged() -> tuple[Question, str]:
+    asked = question_of(RANGED, "ranged.yaml")
+    found = solve(asked, jobs=1)
+    assert found.data is not None
+    return asked, patched(RANGED, "ranged.yaml", found.data)
+
+
+def test_the_written_file_passes_and_keeps_what_was_asked(ranged: tuple[Question, str]) -> None:
+    asked, text = ranged
+    loaded = load_text(text, "ranged.yaml")
+    assert check_design(loaded).passed
+    after = dict(leaves(question_of(text).data))
+    assert {name: after[name] for name, _ in leaves(asked.data)} == dict(leaves(asked.data))
+    assert 58.0 <= after["transmission.drum_radius_mm"] <= 66.0
+    assert 30.0 <= after["transmission.centre_distance_mm"] <= 80.0
+    assert "# asked" in text
+
+
+def test_the_same_question_has_the_same_answer(ranged: tuple[Question, str]) -> None:
+    asked, text = ranged
+    again = solve(asked, jobs=1)
+    assert again.data is not None and patched(RANGED, "ranged.yaml", again.data) == text
+
+
+def test_a_pin_that_contradicts_is_taken_out() -> None:
+    found = solve(question_of(PINNED, "pinned.yaml"), jobs=1)
+    assert [(change.field, change.after) for change in found.changes] == [("drum.outer_face_y_mm", None)]
+    assert found.data is not None and "drum" not in found.data
+
+
+def test_a_passing_design_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "short.yaml"
+    path.write_text(PINNED.partition("drum:\n")[0])
+    assert cli.run(["solve", str(path)]) == 0
+    assert "passes every check as it is" in capsys.readouterr().out
+
+
+def test_json_holds_patch_and_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, solved = tmp_path / "pinned.yaml", tmp_path / "solved.yaml"
+    path.write_text(PINNED)
+    assert cli.run(["solve", str(path), "--json", "--apply", str(solved)]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["passes"] and said["conflict"] is None
+    assert "-  outer_face_y_mm: 9.0  # held by hand, too near" in said["patch"]
+    assert check_design(load_text(solved.read_text())).passed
+    assert cli.run(["solve", str(path), "--apply", str(solved)]) == 2
+    assert "exists already" in capsys.readouterr().err
+
+
+class Threshold(Trials):
+    """Passes where the centre distance is at least 50 and, whatever it is, the preload stays."""
+
+    def many(self, points: list[Point]) -> list[TrialResult]:  # type: ignore[override]
+        def one(point: Point) -> TrialResult:
+            at = point.get("transmission.centre_distance_mm")
+            far = isinstance(at, Fixed) and at.value >= 50.0
+            return TrialResult(() if far else (("fleet_angle", 1.1),))
+
+        return [one(point) for point in points]
+
+
+def test_moves_are_taken_back_as_far_as_it_still_passes() -> None:
+    trials = Threshold(question_of(PINNED.partition("drum:\n")[0]), jobs=1)
+    start: Point = {
+        "transmission.centre_distance_mm": Fixed(90.0),
+        "drum.bearing": Fixed("618/8"),
+        "rope.preload_N": Times(1.3),
+    }
+    found = taken_back(trials, start)
+    assert set(found) == {"transmission.centre_distance_mm"}
+    distance = found["transmission.centre_distance_mm"]
+    assert isinstance(distance, Fixed) and 50.0 <= distance.value <= 53.0, distance
