@@ -75,7 +75,7 @@ def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedVal
         at = at[block]
     del at[last]
     try:
-        return size(freed).of(field)
+        return size(freed, {}).of(field)
     except SizingError:
         return None
 
