@@ -376,13 +376,23 @@ def loop(
     epilog=_examples(
         "mbcdm plan my_drive.yaml params/experiments/null-long-levels.yaml",
         "mbcdm plan my_drive.yaml planned.yaml --noise-from pilot.yaml",
+        "mbcdm plan my_drive.yaml --within bench.yaml --write planned.yaml",
     )
 )
 @_DESIGN
-@click.argument("experiment", type=_FILE)
+@click.argument("experiment", type=_FILE, required=False)
+@click.option("--within", type=_FILE, metavar="BENCH.yaml", help="Look for the best run that this bench can make.")
 @click.option("--noise-from", "pilot", type=_FILE, metavar="RUN.yaml", help="Take the noise of a measured run.")
-@click.option("--json", "json_path", type=_FILE, metavar="FILE", help="Write the plan as JSON.")
-def plan(design: Path, experiment: Path, pilot: Path | None, json_path: Path | None) -> int:
+@click.option("--write", "written", type=_FILE, metavar="FILE", help="Write the best run as an experiment file.")
+@click.option("--json", "as_json", type=_FILE, metavar="FILE", help="Write the plan as JSON.")
+def plan(
+    design: Path,
+    experiment: Path | None,
+    within: Path | None,
+    pilot: Path | None,
+    written: Path | None,
+    as_json: Path | None,
+) -> int:
     """Say what a run could find, before it is made.
 
     For each effect the smallest size that would be named, and what it could be confused with below which size.
@@ -392,7 +402,7 @@ def plan(design: Path, experiment: Path, pilot: Path | None, json_path: Path | N
     loaded = load_design(design)
     from mbcdm_cad.cli.plan import plan_command
 
-    return plan_command(loaded.drive, experiment, pilot, json_path)
+    return plan_command(loaded.drive, experiment, within, pilot, written=written, as_json=as_json)
 
 
 @mbcdm.command(epilog=_examples("mbcdm simulate my_drive.yaml params/experiments/winding-short-brake.yaml"))

@@ -7,29 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import radians
+from math import degrees, radians
 from typing import Any
 
 import numpy as np
-import yaml
 
-from mbcdm_cad.cli.plan import run_of
+from mbcdm_cad.cli.bench_runs import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.result import LoopResult, Named
 from mbcdm_cad.identification.separating import wrong_choice
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError
 
-# Planned runs are worked out at this rate, Hz; the file asks for that of the run so far.
-PLANNING_HZ = 25.0
-# Share of the travel of the design that is used, and the short travel.
-TRAVEL_SHARE, SHORT_SHARE = 0.9, 0.15
-# Half sweeps of a run, slow and fast.
-SLOW_SWEEPS, FAST_SWEEPS = 10, 32
-LEAST_DURATION_S = 60.0
 # Below this probability of a wrong choice the first run of the list will do, which is the one that needs least.
 SURE = 1e-3
 
@@ -51,8 +44,7 @@ class NextRun:
 
     def text(self) -> str:
         """The experiment file."""
-        content = self.experiment.model_dump(mode="json", exclude_defaults=True)
-        return f"# {self.words()}\n" + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=110)
+        return experiment_text(self.experiment, self.words())
 
 
 def odds(wrong: float) -> str:
@@ -67,58 +59,29 @@ def next_run(drive: Drive, runs: Sequence[Run], result: LoopResult) -> NextRun |
     members, noise = result.one_of[0], result.noise
     step = float(np.median([run.step_s for run in runs]))
     before = min(_wrong(drive, run, members, noise, run.step_s) for run in runs)
-    tried = [(_wrong(drive, _planned(drive, one), members, noise, step), one) for one in candidates(drive, runs)]
+    limits = _limits(drive, runs, step)
+    tried = [(_wrong(drive, _planned(drive, one), members, noise, step), one) for one in candidates(drive, limits)]
     sure = (pair for pair in tried if pair[0] < SURE)
     wrong, best = next(sure, None) or min(tried, key=lambda pair: pair[0])
-    best = best.model_copy(update={"sample_rate_Hz": float(np.clip(round(1.0 / step, 3), 1.0, 5000.0))})
+    best = best.model_copy(update={"name": "next-run", "sample_rate_Hz": limits.sample_rate_Hz})
     return NextRun(best, members, before, wrong)
 
 
-def candidates(drive: Drive, runs: Sequence[Run]) -> list[Experiment]:
-    """Runs that a bench can make: long travel first, then slow ones, then in the order of what the load needs."""
+def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:
+    """What the bench of these runs has shown that it can do."""
     seen = max(0.5 * float(np.ptp(run.output_rad)) for run in runs)
-    travel = max(seen, TRAVEL_SHARE * radians(drive.half_travel_deg))
-    duration = max(LEAST_DURATION_S, max(float(np.ptp(run.time_s)) for run in runs))
-    loads: list[tuple[str, dict[str, Any]]] = [("no load", {"kind": "none"})]
     torques = [float(np.abs(run.load_Nm).max()) for run in runs if run.load_Nm is not None]
-    if torques:
-        most = max(max(torques), drive.loads.test_torque_Nm)
-        levels = [round(share * most, 3) for share in (0.15, 0.4, 0.7, 1.0)]
-        bias = round(0.5 * most, 3)
-        loads = [
-            ("a brake at four levels", {"kind": "brake", "levels_Nm": levels, "periods_per_level": 1.0}),
-            ("a brake at half the load and a weight", {"kind": "brake", "levels_Nm": [bias], "bias_Nm": bias}),
-            ("a weight alone", {"kind": "none", "bias_Nm": levels[-1]}),
-            (
-                "a torque motor, sine of a period of its own",
-                {"kind": "torque_motor", "levels_Nm": levels[-1:], "wave": "sine", "wave_period_s": duration / 13.7},
-            ),
-            (
-                "a torque motor that steps up and down",
-                {"kind": "torque_motor", "levels_Nm": levels[-1:], "wave": "square", "wave_period_s": duration / 8.3},
-            ),
-        ]
-    found = []
-    for amplitude, travels in ((travel, "long travel"), (SHORT_SHARE * travel, "short travel")):
-        for sweeps, speeds in ((SLOW_SWEEPS, "slow"), (FAST_SWEEPS, "fast")):
-            period = round(2.0 * duration / sweeps, 3)
-            motion = {"amplitude_mrad": round(min(1e3 * amplitude, 1200.0), 2), "period_s": period}
-            for name, load in loads:
-                found.append(
-                    Experiment.model_validate(
-                        {
-                            "name": "next-run",
-                            "about": f"{travels}, {speeds}, {name}",
-                            "duration_s": round(duration, 3),
-                            "sample_rate_Hz": PLANNING_HZ,
-                            "motion": motion,
-                            "load": load,
-                            "sensors": _sensors(runs[0].sensors, bool(torques)),
-                            "physics": {"cable_transport": False},
-                        }
-                    )
-                )
-    return found
+    most = max(max(torques), drive.loads.test_torque_Nm) if torques else None
+    return BenchLimits.model_validate(
+        {
+            "half_travel_deg": degrees(max(seen, TRAVEL_SHARE * radians(drive.half_travel_deg))),
+            "duration_s": max(LEAST_DURATION_S, max(float(np.ptp(run.time_s)) for run in runs)),
+            "sample_rate_Hz": float(np.clip(round(1.0 / step_s, 3), 1.0, 5000.0)),
+            "loads": ("brake", "weight", "torque_motor") if torques else (),
+            "torque_Nm": most,
+            "sensors": _sensors(runs[0].sensors, bool(torques)),
+        }
+    )
 
 
 def _sensors(sensors: Sensors, torque: bool) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -11,10 +11,15 @@ from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.errors import InputError, Problem, shortened
+from mbcdm_cad.rig.bench_limits import BenchLimits
+from mbcdm_cad.rig.block import ExperimentBlock
 from mbcdm_cad.rig.dynamic.experiment import DynamicExperiment
 from mbcdm_cad.rig.quasistatic.experiment import MAX_SAMPLES, Experiment
 
+Block = TypeVar("Block", bound=ExperimentBlock)
+
 _KIND = ("experiment file", "; docs/experiments.md shows examples")
+_BENCH_KIND = ("bench file", "; docs/measure-your-drive.md shows one")
 _BOUNDS = {
     "gt": "over",
     "ge": "at least",
@@ -33,13 +38,9 @@ def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
     path = Path(path)
     tree = yamltree.parse(read_text(path, *_KIND), str(path), *_KIND)
     dynamic = isinstance(tree.data, dict) and "rig" in tree.data
-    try:
-        experiment = (DynamicExperiment if dynamic else Experiment).model_validate(tree.data)
-    except ValidationError as error:
-        found = [_problem(item, tree, str(path)) for item in error.errors(include_url=False)]
-        raise InputError(sorted(found, key=lambda problem: problem.line)[:50]) from None
-    if isinstance(experiment, DynamicExperiment):
-        return experiment
+    if dynamic:
+        return _validated(DynamicExperiment, tree, str(path))
+    experiment = _validated(Experiment, tree, str(path))
     samples = experiment.duration_s * experiment.sample_rate_Hz * experiment.physics.substeps
     if not 8 <= samples <= MAX_SAMPLES:
         raise InputError(
@@ -56,6 +57,27 @@ def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
             ]
         )
     return experiment
+
+
+def read_bench(path: str | Path) -> BenchLimits:
+    """What the bench of a YAML file can do. InputError tells all problems."""
+    path = Path(path)
+    tree = yamltree.parse(read_text(path, *_BENCH_KIND), str(path), *_BENCH_KIND)
+    limits = _validated(BenchLimits, tree, str(path))
+    if bool(limits.loads) != (limits.torque_Nm is not None):
+        missing, beside = ("torque_Nm", "loads") if limits.loads else ("loads", "torque_Nm")
+        remedy = "add torque_Nm, the most it makes, N m" if limits.loads else "add loads: [brake, weight, torque_motor]"
+        problem = Problem(str(path), tree.line_of((beside,)), missing, "missing beside " + beside, remedy=remedy)
+        raise InputError([problem])
+    return limits
+
+
+def _validated(model: type[Block], tree: yamltree.Tree, file: str) -> Block:
+    try:
+        return model.model_validate(tree.data)
+    except ValidationError as error:
+        found = [_problem(item, tree, file) for item in error.errors(include_url=False)]
+        raise InputError(sorted(found, key=lambda problem: problem.line)[:50]) from None
 
 
 def _problem(item: Any, tree: yamltree.Tree, file: str) -> Problem:

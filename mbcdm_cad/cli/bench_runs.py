@@ -1,0 +1,109 @@
+"""Runs that a bench can make, drawn from a short list within its limits, and what it would log of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi, radians
+from typing import Any
+
+import yaml
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.rig.bench_limits import BenchLimits
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.quasistatic.simulate import simulate
+
+# Planned runs are worked out at this rate, Hz; the file asks for that of the bench.
+PLANNING_HZ = 25.0
+# Share of the travel of the design that is used, and the short travel.
+TRAVEL_SHARE, SHORT_SHARE = 0.9, 0.15
+# Half sweeps of a run, slow and fast.
+SLOW_SWEEPS, FAST_SWEEPS = 10, 32
+LEAST_DURATION_S = 60.0
+# Widest motion that an experiment file takes, mrad.
+WIDEST_MRAD = 1200.0
+
+
+def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
+    """Runs within the limits: long travel first, then slow ones, then in the order of what the load needs."""
+    travel = TRAVEL_SHARE * radians(drive.half_travel_deg)
+    if limits.half_travel_deg is not None:
+        travel = radians(limits.half_travel_deg)
+    sensors = {**limits.sensors.model_dump(), "log_torque": bool(limits.loads) and limits.sensors.log_torque}
+    found = []
+    for amplitude, travels in ((travel, "long travel"), (SHORT_SHARE * travel, "short travel")):
+        for sweeps, speeds in ((SLOW_SWEEPS, "slow"), (FAST_SWEEPS, "fast")):
+            period = round(2.0 * limits.duration_s / sweeps, 3)
+            if limits.drum_speed_max_deg_s is not None:
+                # Of a sine; slower runs than asked for are no loss.
+                period = max(period, round(2.0 * pi * amplitude / radians(limits.drum_speed_max_deg_s), 3))
+            motion = {"amplitude_mrad": round(min(1e3 * amplitude, WIDEST_MRAD), 2), "period_s": period}
+            for name, load in _loads(limits):
+                found.append(
+                    Experiment.model_validate(
+                        {
+                            "name": "planned",
+                            "about": f"{travels}, {speeds}, {name}",
+                            "duration_s": round(limits.duration_s, 3),
+                            "sample_rate_Hz": PLANNING_HZ,
+                            "motion": motion,
+                            "load": load,
+                            "sensors": sensors,
+                            "physics": {"cable_transport": False},
+                        }
+                    )
+                )
+    return found
+
+
+def _loads(limits: BenchLimits) -> Iterator[tuple[str, dict[str, Any]]]:
+    """(in words, load of the experiment file), what needs least first."""
+    most = limits.torque_Nm
+    if most is None:
+        yield "no load", {"kind": "none"}
+        return
+    levels = [round(share * most, 3) for share in (0.15, 0.4, 0.7, 1.0)]
+    bias, kinds = round(0.5 * most, 3), limits.loads
+    motor = {"kind": "torque_motor", "levels_Nm": levels[-1:]}
+    if "brake" in kinds:
+        yield "a brake at four levels", {"kind": "brake", "levels_Nm": levels, "periods_per_level": 1.0}
+    if "brake" in kinds and "weight" in kinds:
+        yield "a brake at half the load and a weight", {"kind": "brake", "levels_Nm": [bias], "bias_Nm": bias}
+    if "weight" in kinds:
+        yield "a weight alone", {"kind": "none", "bias_Nm": levels[-1]}
+    if "torque_motor" in kinds:
+        period = limits.duration_s / 13.7
+        yield "a torque motor, sine of a period of its own", {**motor, "wave": "sine", "wave_period_s": period}
+        period = limits.duration_s / 8.3
+        yield "a torque motor that steps up and down", {**motor, "wave": "square", "wave_period_s": period}
+
+
+def experiment_text(experiment: Experiment, about: str) -> str:
+    """The experiment file, with a comment at its head."""
+    content = experiment.model_dump(mode="json", exclude_defaults=True)
+    return f"# {about}\n" + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=110)
+
+
+def run_of(drive: Drive, wanted: Experiment) -> Run:
+    """The run as the bench would log it if the drive were as declared. Raises ``RigError`` where the rig stops."""
+    plain = wanted.physics.model_copy(update={"cable_transport": False})
+    run = simulate(drive, wanted.model_copy(update={"effects": (), "physics": plain}))
+    s = wanted.sensors
+    sensors = Sensors(
+        s.input_resolution_rad or None,
+        s.output_resolution_rad or None,
+        s.torque_noise_Nm or None,
+        s.input_noise_rad or None,
+        s.output_noise_rad or None,
+    )
+    return Run(
+        run.time_s,
+        run.measured_input_rad,
+        run.measured_output_rad,
+        run.measured_load_Nm,
+        run.measured_temperature_C,
+        sensors,
+        tuple(drive.input_names) if len(drive.input_names) > 1 else ("input",),
+        wanted.name,
+    )

@@ -1,0 +1,25 @@
+"""The bench file: what a bench can do, from which runs are proposed that it can make."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from mbcdm_cad.rig.block import ExperimentBlock
+from mbcdm_cad.rig.sensors import BenchSensors
+
+LoadKind = Literal["brake", "weight", "torque_motor"]
+
+
+class BenchLimits(ExperimentBlock):
+    """Most that a bench can do; left out: the design's own travel, no load, no bound on the speed."""
+
+    format: Literal["mbcdm-bench-1"] = "mbcdm-bench-1"
+    half_travel_deg: Annotated[float, Field(gt=0.0, le=180.0)] | None = None
+    duration_s: Annotated[float, Field(ge=60.0, le=20000.0)] = 160.0
+    sample_rate_Hz: Annotated[float, Field(ge=1.0, le=5000.0)] = 100.0
+    drum_speed_max_deg_s: Annotated[float, Field(gt=0.0, le=1e5)] | None = None
+    loads: Annotated[tuple[LoadKind, ...], Field(max_length=3, strict=False)] = ()
+    torque_Nm: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
+    sensors: BenchSensors = BenchSensors()
