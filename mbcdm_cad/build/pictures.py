@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +21,7 @@ from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
+from mbcdm_cad.storage.parallel import fork_map
 
 # How much further from the middle each part stands in the exploded view.
 EXPLODED = 1.1
@@ -32,7 +34,9 @@ _AROUND_DIAMETERS = 12.0
 _SMALLEST_RADIUS_MM = 1e-6
 
 
-def pictures_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None) -> dict[str, bytes]:
+def pictures_of(
+    drive: Drive, cache: Cache, progress: Progress = lambda name: None, jobs: int | None = None
+) -> dict[str, bytes]:
     """PNG files by name: ``step_01.png`` for each step that adds parts, ``exploded.png``, ``section.png``.
 
     Those whose parts, places and code are as they were come from the cache. Raises ``OutputError`` where the machine
@@ -54,35 +58,37 @@ def pictures_of(drive: Drive, cache: Cache, progress: Progress = lambda name: No
     if section is not None:
         wanted["section"] = (items, {"section": section})
     code = source_hash("mbcdm_cad.build.export.picture", __name__)
-    found = {}
-    for name, (shown, how) in wanted.items():
-        keys = {item.part: parts[item.part].key for item in shown}
-        plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in how.items()}
-        key = content_key("picture for the builder", (shown, keys, plain), code, versions())
-        blobs = cache.get_or_make(key, _maker(name, shown, parts, how, progress))
-        found[f"{name}.png"] = blobs["png"]
-    return found
+    keys = {name: _key(shown, parts, how, code) for name, (shown, how) in wanted.items()}
+    found = {name: cache.get(key) for name, key in keys.items()}
+    missing = [name for name, blobs in found.items() if blobs is None]
+    if missing:
+        progress(", ".join(f"picture {name}" for name in missing))
+        made = fork_map(lambda name: _png(parts, *wanted[name]), missing, jobs or os.cpu_count() or 1)
+        for name, png in zip(missing, made, strict=True):
+            found[name] = {"png": png}
+            cache.put(keys[name], {"png": png})
+    return {f"{name}.png": blobs["png"] for name, blobs in found.items() if blobs is not None}
 
 
-def _maker(
-    name: str, shown: Sequence[Item], parts: Mapping[str, MadePart], how: dict[str, Any], progress: Progress
-) -> Callable[[], dict[str, bytes]]:
-    def make() -> dict[str, bytes]:
-        from mbcdm_cad.build.export.picture import CutPlane, picture_png
+def _key(shown: Sequence[Item], parts: Mapping[str, MadePart], how: dict[str, Any], code: str) -> str:
+    keys = {item.part: parts[item.part].key for item in shown}
+    plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in how.items()}
+    return content_key("picture for the builder", (shown, keys, plain), code, versions())
 
-        progress(f"picture {name}")
-        meshes = {item.part: parts[item.part].files.mesh for item in shown}
-        new = how.get("new")
-        cut = CutPlane(*how["section"]) if "section" in how else None
 
-        def colour(item: Item) -> Vector:
-            if new is None or item.name.startswith(CABLE):
-                return item.material.colour
-            return NEW if item.name in new else BEFORE
+def _png(parts: Mapping[str, MadePart], shown: Sequence[Item], how: dict[str, Any]) -> bytes:
+    from mbcdm_cad.build.export.picture import CutPlane, picture_png
 
-        return {"png": picture_png(shown, meshes, VIEW, colour_of=colour, cut=cut)}
+    meshes = {item.part: parts[item.part].files.mesh for item in shown}
+    new = how.get("new")
+    cut = CutPlane(*how["section"]) if "section" in how else None
 
-    return make
+    def colour(item: Item) -> Vector:
+        if new is None or item.name.startswith(CABLE):
+            return item.material.colour
+        return NEW if item.name in new else BEFORE
+
+    return picture_png(shown, meshes, VIEW, colour_of=colour, cut=cut)
 
 
 def exploded(items: Sequence[Item], meshes: Mapping[str, TriangleMesh]) -> tuple[Item, ...]:

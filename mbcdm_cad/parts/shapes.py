@@ -7,6 +7,8 @@ from math import cos, pi, radians, sin
 
 import cadquery as cq
 
+from mbcdm_cad.parts.corners import pocket_corner_mm
+
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 
@@ -61,10 +63,9 @@ def prism_y(points: Sequence[Point2], y_start: float, y_end: float) -> cq.Solid:
 
 
 def pocket_y(x: Point2, y: Point2, z: Point2, radius: float) -> cq.Shape:
-    """Tool of a pocket milled along Y: a box whose edges parallel to Y are rounded by ``radius``."""
-    tool = cq.Workplane(obj=block(x, y, z))
-    limit = 0.49 * min(x[1] - x[0], z[1] - z[0])
-    return tool.edges("|Y").fillet(min(radius, limit)).val()  # type: ignore[return-value]
+    """Tool of a pocket milled along Y: a box, its edges parallel to Y rounded by ``radius``, or less if narrow."""
+    corner = pocket_corner_mm(radius, x[1] - x[0], z[1] - z[0])
+    return cq.Workplane(obj=block(x, y, z)).edges("|Y").fillet(corner).val()  # type: ignore[return-value]
 
 
 def annular_sector(

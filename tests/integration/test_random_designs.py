@@ -46,6 +46,14 @@ def test_a_design_that_passes_the_checks_builds(number: int) -> None:
     builds(found_first(number + 1)[number], 3)
 
 
+@pytest.mark.slow
+def test_the_workshop_can_make_a_random_design() -> None:
+    """A hundred: ``python tests/random_designs.py --count 100 --workshop``."""
+    (found,) = found_first(1)
+    failures = list(random_designs.exercise_workshop(found))
+    assert not failures, "\n".join(f"seed {f.seed}, {f.stage}: {f.what}" for f in failures)
+
+
 def test_a_seed_is_a_design() -> None:
     assert requirements(7) == requirements(7) and requirements(7) != requirements(8)
     (found,) = found_first(1)

@@ -145,13 +145,14 @@ def frame(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
         _box((-s.ears, s.ears), (s.encoder, s.ear_front), (-s.ear_height, s.ear_height)),
     )
     out, shelf = (s.floor, s.depth + _OUT), s.low + s.motor + s.coupling
+    corners = {row[0]: float(row[1]) for row in table(doc, "Corners of the pockets")[1:]}
+    beside = corners["beside the web"]
+    upper_z = (shelf + s.shelf, s.top + 2 * s.corner + _OUT)
     tools = [
-        _pocket(
-            (-s.inside, s.inside), (s.upper_floor, out[1]), (shelf + s.shelf, s.top + 2 * s.corner + _OUT), s.corner
-        ),
-        _pocket((s.web, s.inside), out, (s.low + s.motor, shelf), s.corner),
-        _pocket((-s.inside, -s.web), out, (s.low + s.motor, shelf), s.corner),
-        _pocket((-s.rib, s.rib), out, (s.column_floor, s.low), s.corner),
+        _pocket((-s.inside, s.inside), (s.upper_floor, out[1]), upper_z, corners["top pocket"]),
+        _pocket((s.web, s.inside), out, (s.low + s.motor, shelf), beside),
+        _pocket((-s.inside, -s.web), out, (s.low + s.motor, shelf), beside),
+        _pocket((-s.rib, s.rib), out, (s.column_floor, s.low), corners["column"]),
         _box((-s.boss - _OUT, s.boss + _OUT), (-_OUT, s.encoder), (-s.boss - _OUT, s.column_start)),
         _along_y(s.encoder_radius, 0.0, 0.0, (-_OUT, s.encoder)),
         _along_y(s.seat, 0.0, 0.0, (-_OUT, s.rear_seat)),

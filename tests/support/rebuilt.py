@@ -65,8 +65,13 @@ def _idler(doc: Drawing, dims: list[ReadDimension]) -> float:
 
 
 def _pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
-    """Turned body as a solid, then the slit and the slots."""
-    turned(doc, dims)  # all lengths and diameters are there, each once
+    """Turned body, then the slit and the slots; all lengths and diameters are there, each once."""
+    turned(doc, dims)
+    return pulley(doc, dims)
+
+
+def pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
+    """The same by the dimensions alone: a slot that lies in the section breaks the outline that the other one reads."""
     main = [d for d in dims if d.view == "main"]
     chain = [d.value for d in sorted((d for d in main if d.across and d.start[1] < 0), key=lambda d: d.start[0])]
     whole = max(chain)

@@ -261,6 +261,7 @@ def _drawn(renderer: vtkRenderer, size: tuple[int, int]) -> bytes:
     image = vtkWindowToImageFilter()
     image.SetInput(window)
     image.ReadFrontBufferOff()
+    image.ShouldRerenderOff()  # it would draw all of it once more before it reads
     image.Update()
     writer = vtkPNGWriter()
     writer.SetInputConnection(image.GetOutputPort())

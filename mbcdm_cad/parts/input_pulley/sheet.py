@@ -151,10 +151,11 @@ def _end_view(d: InputPulleyDims, lower: bool) -> View:
         if (slot.face_z < slot.end_z) == lower:
             u, v = _directions(slot, radius)
             axes += [((0.0, 0.0, z), (u[0], u[1], z)), ((0.0, 0.0, z), (v[0], v[1], z))]
-    # Details are larger than the section; they stand beside it.
-    name = "lower end" if lower else "upper end"
+    # They stand beside the section; those of a slender pulley are drawn larger, for the slots.
+    slender = 4.0 * max(d.lower_land_radius, d.upper_land_radius) < d.journal_top_z - d.journal_bottom_z
+    name, larger = "lower end" if lower else "upper end", 2.5 if slender else 1.0
     return View(
-        name, right, X, column=1, row=0 if lower else -1, title=f"View of the {name}", magnify=2.5, axes=tuple(axes)
+        name, right, X, column=1, row=0 if lower else -1, title=f"View of the {name}", magnify=larger, axes=tuple(axes)
     )
 
 

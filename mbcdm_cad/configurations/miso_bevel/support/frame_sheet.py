@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims
+from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import (
     CuttingLine,
@@ -11,6 +12,7 @@ from mbcdm_cad.parts.sheets.description import (
     Radius,
     Sheet,
     Side,
+    Table,
     Vector,
     View,
     X,
@@ -274,6 +276,19 @@ def _behind(d: FrameDims) -> tuple[Linear | Radius, ...]:
     )
 
 
+def _pockets(d: FrameDims) -> Table:
+    """Corners of each pocket: the cutter's, or less where the pocket is narrow."""
+    v, r = d.levels, d.corner_radius
+    inner = d.boss_radius - d.rib_thickness
+    sizes = (
+        ("top pocket", 2 * v.side_inner_x, 2 * r + v.top_plate_bottom_z - v.bearing_shelf_top_z),
+        ("beside the web", v.side_inner_x - d.web_half_width, v.bearing_shelf_bottom_z - v.motor_shelf_top_z),
+        ("column", 2 * inner, v.motor_shelf_bottom_z - d.column_pocket_bottom_z),
+    )
+    rows = tuple((name, mm(pocket_corner_mm(r, width, height), 3)) for name, width, height in sizes)
+    return Table("Corners of the pockets", ("Pocket", "R"), rows)
+
+
 def frame_sheet(part: str, d: FrameDims) -> Sheet:
     """Front, middle section, rear, top, and a section above the motor shelf."""
     v, r = d.levels, d.corner_radius
@@ -305,6 +320,7 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
             hole_table((*above, *behind)),
             position_table(above, (0, 1), "Positions from A and the drum axis, along Z"),
             position_table(behind, (0, 2), "Positions from A and the drum axis, along Y"),
+            _pockets(d),
         ),
         holes=(*above, *behind),
         fits=(
@@ -314,7 +330,7 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
         notes=(
             "Milled from one block. X to the right seen from behind, Y to the front, Z up; Y = 0 in the axis of A.",
             "B and A square to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
-            f"Corners of all pockets R{mm(r)}, as the outside corners; the radius from behind is the encoder's pocket.",
+            "The radius from behind is that of the encoder's pocket.",
             "Seats Ra 0.8, elsewhere Ra 3.2.",
         ),
     )

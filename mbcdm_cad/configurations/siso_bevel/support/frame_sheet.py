@@ -3,8 +3,22 @@
 from __future__ import annotations
 
 from mbcdm_cad.configurations.siso_bevel.support.dims import ColumnDims
+from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Linear, Radius, Sheet, Side, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.description import (
+    CuttingLine,
+    FitLine,
+    Linear,
+    Radius,
+    Sheet,
+    Side,
+    Table,
+    View,
+    X,
+    Y,
+    Z,
+    minus,
+)
 from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.words import mm
 
@@ -101,6 +115,18 @@ def _in_section(d: ColumnDims) -> tuple[Linear, ...]:
     )
 
 
+def _pockets(d: ColumnDims) -> Table:
+    """Corners of each pocket: the cutter's, or less where the pocket is narrow."""
+    v, r, inner = d.levels, d.corner_radius, 2 * d.pocket_half_width
+    sizes = (
+        ("box", 2 * v.side_inner_x, 2 * r + d.top_z - d.encoder_shelf_top_z),
+        ("over the stop shelf", inner, d.encoder_shelf_bottom_z - d.stop_shelf_top_z),
+        ("under the stop shelf", inner, d.stop_shelf_bottom_z - d.low_pocket_bottom_z),
+    )
+    rows = tuple((name, mm(pocket_corner_mm(r, width, height), 3)) for name, width, height in sizes)
+    return Table("Corners of the pockets", ("Pocket", "R"), rows)
+
+
 def column_sheet(part: str, d: ColumnDims) -> Sheet:
     """Front, middle section and top."""
     v, r, b = d.levels, d.corner_radius, d.boss
@@ -126,6 +152,7 @@ def column_sheet(part: str, d: ColumnDims) -> Sheet:
             hole_table((*above, *behind)),
             position_table(above, (0, 1), "Positions from A, along Z"),
             position_table(behind, (0, 2), "Positions from A and the drum axis, along Y"),
+            _pockets(d),
         ),
         fits=(
             FitLine(2 * b.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
@@ -134,7 +161,7 @@ def column_sheet(part: str, d: ColumnDims) -> Sheet:
         notes=(
             "Milled from one block. X to the right seen from behind, Y to the front, Z up; Y = 0 in the axis of A.",
             "A square to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
-            f"Corners of all pockets R{mm(r)}, as the outside corners. Encoder's pocket from behind: "
+            "Encoder's pocket from behind: "
             f"R{mm(b.encoder_pocket_radius)} about the drum's axis, open below Z {mm(d.column_start_z)}.",
             f"Ears {mm(2 * b.ear_half_height)} high. Seats Ra 0.8, elsewhere Ra 3.2.",
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.configurations.siso_bevel.support.dims import HeadDims
+from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, Side, View, X, Y, Z
 from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
@@ -64,6 +65,7 @@ def head_sheet(part: str, d: HeadDims) -> Sheet:
     """From above and in section, with all heights from the lower face."""
     v, r = d.levels, d.corner_radius
     holes = _holes(d)
+    corner_in = pocket_corner_mm(r, 2 * v.head_inner_x, d.shelf_bottom_z - d.flange_top_z)
     low, x, half = d.bottom_z, v.side_outer_x, 0.5**0.5 * r
     seen = tuple(group for group in holes if group.letter in "BCEF")
 
@@ -112,7 +114,7 @@ def head_sheet(part: str, d: HeadDims) -> Sheet:
         holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
         notes=(
-            f"Pocket from the front, {mm(v.head_inner_x)} behind the axis of A; its corners R{mm(r)} as the outside.",
+            f"Pocket from the front, {mm(v.head_inner_x)} behind the axis of A; its corners R{mm(corner_in, 3)}.",
             "Bearing seat Ra 0.8, its shoulder flat within 0.01 to the lower face; motor shelf parallel to it in 0.02.",
         ),
     )
