@@ -232,6 +232,8 @@ def main() -> int:
     outcomes = []
     for outcome in stream:
         outcomes.append(outcome)
+        if not outcome.failures:
+            print(f"seed {outcome.seed}: {'fails ' + outcome.rejected if outcome.rejected else 'sound'}", flush=True)
         for failure in outcome.failures:
             print(f"seed {failure.seed}, {failure.stage}: {failure.what}", flush=True)
         if options.save and not outcome.rejected:

@@ -245,7 +245,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         ),
         notes=(
             "Lands Ra 0.8, run-out to the bore 0.02. Terminals: s along the tangent, n outward, both from the point of "
-            "the pitch circle at the given angle; pockets milled from behind (face A's side).",
+            "the pitch circle at the given angle; pockets from behind (face A's side).",
             "Q: two set screws at 45 and 135 degrees from Z.",
         ),
     )

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import cadquery as cq
 import numpy as np
 import pytest
 
+from mbcdm_cad.build import pictures
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.pictures import EXPLODED, exploded, transfer_section
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.placement import Placement, Vector
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 METAL = Material("metal", 1.0, 70.0, 0.3, 100.0, "milled", 0.5, 0.5, (0.5, 0.5, 0.5), "test")
@@ -49,3 +52,20 @@ def test_each_cable_has_a_colour_of_its_own() -> None:
     items = of.bill(of.layout(DRIVE)).items
     colours = [item.material.colour for item in items if item.name.startswith("cable_")]
     assert len(set(colours)) == len(colours) == 4
+
+
+def test_cables_keep_their_colours_in_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What stood before is grey, what joins is blue, each cable stays as its own."""
+    items = [
+        Item(name, "cube", METAL, "made", Placement.identity(), "fixed") for name in ("cable_1", "cable_2", "a", "b")
+    ]
+    seen: dict[str, Vector] = {}
+
+    def fake(shown: list[Item], *_: object, colour_of: Callable[[Item], Vector], cut: object) -> bytes:
+        seen.update({item.name: colour_of(item) for item in shown})
+        return b"png"
+
+    monkeypatch.setattr("mbcdm_cad.build.export.picture.picture_png", fake)
+    made = {"cube": SimpleNamespace(files=SimpleNamespace(mesh=None))}
+    assert pictures._png(made, items, {"new": frozenset({"cable_2", "b"})}) == b"png"  # type: ignore[arg-type]
+    assert seen == {"cable_1": METAL.colour, "cable_2": METAL.colour, "a": pictures.BEFORE, "b": pictures.NEW}
