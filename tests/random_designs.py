@@ -37,19 +37,23 @@ from random_generator import Passing, load, passing
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.scene import travel_poses
+from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.layout import layout
+from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.parts.bill import CABLE
+from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.make import make
 from tests.support.workshop import at_rest, forced, forced_parts, workshop
 
-STAGES = ("draw", "sound", "mesh", "interference", "box", "take-up", "drawing", "print", "holes", "forced")
+STAGES = ("draw", "sound", "mesh", "interference", "box", "mass", "take-up", "drawing", "print", "holes", "forced")
 # How far the box worked out before anything is drawn may be from that of the solids: it has the corners of the
 # terminals' nuts where they reach furthest, and on each side they may stand otherwise by a few hundredths.
 BOX_MM = 0.2
+# How far the mass worked out before anything is drawn may be from that of the solids, as a share.
+MASS_SHARE = 0.03
 MESH_MM = 0.05
 
 
@@ -132,6 +136,18 @@ def exercise(found: Passing, poses: int) -> Iterator[Failure]:
         off = np.abs(size[[0, 2, 1]] - foreseen)
         if off.max() > BOX_MM:
             yield Failure(found.seed, "box", f"X, Z, Y {size[[0, 2, 1]].round(2)}, foreseen {np.round(foreseen, 2)} mm")
+        estimated, drawn = masses_g(found, b, solids)
+        if abs(estimated / drawn - 1.0) > MASS_SHARE:
+            yield Failure(found.seed, "mass", f"{drawn:.1f} g, estimated {estimated:.1f} g")
+
+
+def masses_g(found: Passing, b: Bill, solids: dict[str, Any]) -> tuple[float, float]:
+    """Mass of all items: estimated before anything is drawn, and by the volumes of the solids."""
+    drawn = sum(
+        solids[item.part].Volume() * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
+        for item in b.items
+    )
+    return estimated_mass_g(b, VOLUMES), drawn
 
 
 def exercise_workshop(found: Passing) -> Iterator[Failure]:
