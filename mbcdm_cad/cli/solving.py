@@ -84,7 +84,8 @@ def _conflict_lines(conflict: Conflict, name: str, trials: int) -> Iterator[str]
         yield "First this must give, each as far as the next needs:"
         yield from (f"  {_give(way)}" for way in conflict.first)
     if conflict.exclude:
-        sure = "these exclude each other" if conflict.proved else "these exclude each other, perhaps with others"
+        several = "these exclude each other" if len(conflict.exclude) > 1 else "this cannot be met beside the rest"
+        sure = several if conflict.proved else f"{several}, perhaps with others"
         yield f"{'Then ' if conflict.first else ''}{sure}: {', '.join(conflict.exclude)}"
         yield "Any one of them is enough, each was tried and then passes:"
         yield from (f"  {_give(way)}" for way in conflict.either)

@@ -19,7 +19,7 @@ from mbcdm_cad.solving.repair import repair, stuck
 from mbcdm_cad.solving.trials import Trials, messages
 
 # Shares of a requirement at which giving way is tried, either side.
-SHARES = (1.03, 1.1, 1.25, 1.6, 2.5, 5.0)
+SHARES = (1.05, 1.15, 1.4, 2.0, 4.0, 12.0)
 BISECTIONS = 4
 # Trials to make a design pass at one value of a requirement, and how many values of one requirement are repaired.
 TRIALS, VALUES = 40, 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.fields import value_at
 from mbcdm_cad.solving.question import Fixed, Out, Point, Times
@@ -43,6 +45,18 @@ def _released_less(trials: Trials, point: Point) -> Point:
             f for f, s in sorted(point.items()) if isinstance(s, Out) and trials.question.releases.get(f, 0) == kind
         ]
         point = _put_back(trials, point, fields)
+        # Fields that go together, such as a modulus and its area, come back together or not at all.
+        for block in dict.fromkeys(field.partition(".")[0] for field in fields):
+            left = [field for field in fields if field in point and field.startswith(f"{block}.")]
+            point = _pairs_put_back(trials, point, left)
+    return point
+
+
+def _pairs_put_back(trials: Trials, point: Point, fields: list[str]) -> Point:
+    for first, second in pairwise(fields):
+        if first in point and second in point:
+            without = {name: setting for name, setting in point.items() if name not in (first, second)}
+            point = without if trials(without).passes else point
     return point
 
 

@@ -25,8 +25,10 @@ DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0
 # Blocks whose fields say how a design is told or made, not what it must do: never moved and never to blame.
 ASIDE = ("schema_version", "name", "configuration", "inputs", "cables", "catalogue", "waivers", "as_built", "export")
 # Releases of a complete file, in the order in which they are tried.
-PIN, CHOICE, WISH = 1, 2, 3
-_WISHES = ("targets", "limits", "rope")
+PIN, CHOICE, WISH, ASKED = 1, 2, 3, 4
+# A rope that is named stays, whichever it is.
+_KEPT = ("rope.type",)
+_WISHES, _ASKED = ("targets", "limits", "rope"), ("transmission",)
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ class Question:
     """One design file and what a search may do with it.
 
     ``data`` is the file's content without its ranges; ``releases`` the fields of the file that may be taken out, with
-    the place in the order of trying (:data:`PIN`, :data:`CHOICE`, :data:`WISH`). ``complete``: the file states all
+    the place in the order of trying (:data:`PIN` to :data:`ASKED`). ``complete``: the file states all
     derived dimensions, as ``mbcdm init`` wrote them.
     """
 
@@ -191,10 +193,10 @@ def _of_the_template(question: Question) -> dict[str, int]:
     found = {}
     for freedom in question.file.freedoms():
         value = value_at(question.data, freedom.field)
-        if value is not None and value == value_at(reference, freedom.field):
-            found[freedom.field] = CHOICE
+        if value is not None and value == value_at(reference, freedom.field) and freedom.field not in _KEPT:
+            found[freedom.field] = ASKED if freedom.field.split(".")[0] in _ASKED else CHOICE
     for field in same:
-        if field.split(".")[0] in _WISHES and field not in found and field != "rope.type":
+        if field.split(".")[0] in _WISHES and field not in found and field not in _KEPT:
             found[field] = WISH
     return found
 

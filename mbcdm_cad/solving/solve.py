@@ -10,7 +10,7 @@ from mbcdm_cad.solving.conflict import Conflict, conflict
 from mbcdm_cad.solving.evolve import evolve
 from mbcdm_cad.solving.fields import leaves
 from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out
-from mbcdm_cad.solving.question import CHOICE, PIN, WISH, Out, Point, Question
+from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Out, Point, Question
 from mbcdm_cad.solving.repair import repair, stuck
 from mbcdm_cad.solving.trials import Trials, outcome, setting_of
 
@@ -75,7 +75,7 @@ def _starts(question: Question) -> Iterator[Point]:
     """The file as it is, then without pins (a complete one without choices and wishes too), then along its ranges."""
     yield {}
     if question.complete:
-        for last in (PIN, CHOICE, WISH):
+        for last in (PIN, CHOICE, WISH, ASKED):
             yield {name: Out() for name, kind in sorted(question.releases.items()) if kind <= last}
     else:
         yield from ({name: Out()} for name in sorted(question.releases))
@@ -118,6 +118,7 @@ _NOTES = {
     PIN: "a derived dimension held by hand",
     CHOICE: "a choice as in the reference design",
     WISH: "as in the reference design",
+    ASKED: "as in the reference design",
 }
 
 
