@@ -115,9 +115,15 @@ def transfer_section(layout: Layout) -> tuple[Vector, Vector, float] | None:
     drum = next(body for body in configuration(layout.drive.configuration).moving_bodies(layout) if body.kind == "drum")
     reached = []
     for path in layout.cable_paths(0.0):
-        on_drum = [stretch for stretch in path.stretches if stretch.body == drum.name]
-        if on_drum and on_drum[0].pieces:
-            reached.append(path.piece(on_drum[0].pieces[0]).points(np.array([0.0]))[0])
+        for before, stretch, after in zip(
+            (None, *path.stretches), path.stretches, (*path.stretches[1:], None), strict=False
+        ):
+            if stretch.body != drum.name or not stretch.pieces:
+                continue
+            if before is not None:
+                reached.append(path.piece(stretch.pieces[0]).points(np.array([0.0]))[0])
+            elif after is not None:
+                reached.append(path.piece(stretch.pieces[-1]).points(np.array([1.0]))[0])
     if not reached:
         return None
     points = np.array(reached)

@@ -112,7 +112,8 @@ def coupling_runout(s: SectorUnderTest) -> Comparison:
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
         stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment
         pull = max(float(np.linalg.norm(loads.inputs[i].force_N)) for loads in s.loads.on_bodies)
-        low = float(np.clip(min(slot.chord_z for slot in p.slots) - lower, 0.0, span))
+        lowest = min((slot.chord_z for slot in p.slots), default=p.land_bottom_z)
+        low = float(np.clip(lowest - lower, 0.0, span))
         slope = pull * (span - low) * (span**2 - (span - low) ** 2) / (6 * span * stiffness)
         moved = BEARING_PLAY_MM / 2 + slope * max(overhang, 0.0)
         note = f"its bearings carry {pull:.4g} N; the gearhead may carry {drive.gearhead.radial_load_N:g} N"
@@ -171,3 +172,12 @@ def _rating_needed(measure: Callable[[Any], Comparison], s: SectorUnderTest) -> 
     if finding.actual <= 0.0:
         return "lower the load on it: no bearing carries one that has no bound"
     return f"choose a bearing of static rating {rating / finding.actual * QUIET_SAFETY:.4g} N or more in its place"
+
+
+def _input_and_drum(s: SectorUnderTest) -> Comparison:
+    """All bearings, where there are none but these."""
+    return worst([*input_safety(s, QUIET_SAFETY), *drum_safety(s, QUIET_SAFETY)])
+
+
+# Of a drive with bearings at its inputs and its drum alone.
+CHECKS = (INPUT_BEARINGS, DRUM_BEARINGS, quiet(_input_and_drum), BEARING_SPACING, COUPLING_RUNOUT)

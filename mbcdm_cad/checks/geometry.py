@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
+# Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
+HOLE_WEB_MM = 0.5
 
 
 def corner_gap(x: float, z: float, wall_x: float, floor_z: float, radius: float) -> float:

@@ -189,6 +189,10 @@ _CHOOSE = "choose another bearing or gearhead, or a material of thinner walls"
 
 def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
     """The family; ``wider``: the configuration's variables that make the input pulleys larger."""
+    return (*_stop_checks(wider), *coupling_checks(wider))
+
+
+def _stop_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
     return (
         Check(
             "stop_pocket_wall",
@@ -212,6 +216,12 @@ def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
             stop_pocket_bore,
             adjust=wider,
         ),
+    )
+
+
+def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
+    """Those of a pulley without stops: journals, bearings, encoder and coupling."""
+    return (
         Check(
             "bore_wall", "Journal's wall round the gearhead's shaft", "material: min_wall_mm", bore_wall, advice=_CHOOSE
         ),

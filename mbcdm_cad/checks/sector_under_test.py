@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -81,6 +82,10 @@ class SectorUnderTest(DesignUnderTest):
     def anchor_rad(self, cable: SectorRun) -> float:
         """Where the cable leaves its land, drum centred."""
         return float(next(t.anchor_rad for t in self.layout.drum.tensioners if t.cable_name == cable.name))
+
+    def tensioned_lengths_mm(self) -> Sequence[float]:
+        """Length that each terminal takes up, drum centred, in the order of the design's cables."""
+        return [path.length_mm for path in self.layout.cable_paths(0.0)]
 
     def smallest_wrap_rad(self, cable: SectorRun) -> float:
         """Wrap on the drum at the end of travel that unwinds it."""

@@ -85,14 +85,16 @@ def _other_termination(s: DesignUnderTest) -> str:
 
 
 def cable_ends(s: DesignUnderTest) -> Comparison:
-    """Stop behind its dead turn, and terminal, against the cable's force."""
+    """Terminal, and the stop behind its dead turn where cables end on their inputs, against the cable's force."""
     highest, end = s.loads.highest_N, s.drive.termination
-    grip = end.strength_share * s.drive.cable.breaking_load_N
+    grip, factor = end.strength_share * s.drive.cable.breaking_load_N, s.drive.limits.tension_safety_factor
+    terminal = at_least(f"{end.name} terminal: {grip:.4g} N over {highest:.4g} N", grip / highest, factor, "times")
+    if s.loads.si.through_wrap_rad is not None:
+        return terminal
     at_stop = highest * exp(-s.drive.friction_coefficient * tau * s.drive.dead_turns)
-    factor = s.drive.limits.tension_safety_factor
     return worst(
         (
-            at_least(f"{end.name} terminal: {grip:.4g} N over {highest:.4g} N", grip / highest, factor, "times"),
+            terminal,
             at_least(f"{end.name} stop: {grip:.4g} N over {at_stop:.4g} N there", grip / at_stop, factor, "times"),
         )
     )

@@ -10,6 +10,7 @@ from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
 from mbcdm_cad.model.bearing_loads import bearing_loads
 from mbcdm_cad.model.calibration import implied_modulus_Pa
 from mbcdm_cad.model.capability import (
+    SLIP,
     TorqueLimit,
     balanced_preload_N,
     input_bias_Nm,
@@ -114,10 +115,10 @@ def uncertain_figures(d: DriveSI, drive: Drive) -> tuple[UncertainFigure, ...]:
 
 
 def lowest_each_way(limits: tuple[TorqueLimit, ...], rating: str) -> tuple[float, float]:
-    """(for +, for -): the lowest of one rating, cable strength and slack, N m."""
+    """(for +, for -): the lowest of one rating, cable strength, slack and slip, N m."""
 
     def lowest(direction: int) -> float:
-        causes = (rating, "strength", "slack")
+        causes = (rating, "strength", "slack", SLIP)
         return min(limit.torque_Nm for limit in limits if limit.direction == direction and limit.cause in causes)
 
     return lowest(1), lowest(-1)

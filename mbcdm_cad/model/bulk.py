@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
+from mbcdm_cad.model.capability import slip_weight
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.kinematics import eq1_residuals
@@ -164,7 +165,7 @@ def _block(d: DriveSI, need: Requirements, good: Any) -> BulkFigures:
 
 
 def _peak_torque(d: DriveSI, need: Requirements, idle: Equilibrium, way: int) -> Floats:
-    """Lowest load in one direction at which an input reaches its rating or a cable its tension limit.
+    """Lowest load in one direction at which an input reaches its rating, a cable its tension limit or slips there.
 
     Solved for the first input; only where another input, or a cable, is then beyond its limit is that one solved for:
     all grow with the load, so the last one solved for is the first to be reached.
@@ -183,6 +184,11 @@ def _peak_torque(d: DriveSI, need: Requirements, idle: Equilibrium, way: int) ->
             part = _taken(d, over)
             weight = d.column(d.sigma * (np.arange(d.n_cables) == j), 2) * np.ones(over.size)
             _put(at, over, solve_weighted(part, weight, way * strength[over]))
+    for i in range(d.n_inputs if d.through_wrap_rad is not None else 0):
+        over = everything[way * (slip_weight(d, i, way) * at.tension_N).sum(axis=0) > 0.0]
+        if over.size:
+            part = _taken(d, over)
+            _put(at, over, solve_weighted(part, slip_weight(part, i, way), np.zeros(over.size)))
     load = way * np.einsum("jn,jn->n", d.sigma[:, None] * d.drum_radius_m, at.tension_N)
     biased = (way * idle.input_torque_Nm(d) >= rating).any(axis=0)
     return np.where(biased, 0.0, np.maximum(load, 0.0))

@@ -1,4 +1,4 @@
-"""Peak torque at the drum, each way, and what limits it: each input's rating, cable strength, slack.
+"""Peak torque at the drum, each way, and what limits it: each input's rating, cable strength, slack, slip at an input.
 
 With equal preloads on unequal radii the two cables of an input leave a bias torque T_pre (r_2 - r_1) on it, so the
 limit differs by direction; preloads with T ~ 1/r within a pair remove the bias.
@@ -11,10 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
+from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.solver import tension_of_stretch
 from mbcdm_cad.model.wrap import slack_stretch_m
 from mbcdm_cad.routes import Floats
+
+# Name of the limit in `Analysis.limits`.
+SLIP = "slip"
+# e^(mu theta) beyond this is no limit that any drive reaches.
+_LARGEST_EXPONENT = 30.0
 
 
 def input_bias_Nm(d: DriveSI) -> Floats:
@@ -81,6 +87,29 @@ def torque_at_slack_Nm(d: DriveSI, direction: int) -> Floats:
     return np.stack(rows)
 
 
+def slip_weight(d: DriveSI, index: int, direction: int) -> Floats:
+    """Weights w (n_cables, *batch) with sum w_j T_j = 0 where the cable begins to slip on input ``index``.
+
+    Over a wrap theta friction holds T_h = T_l e^(mu theta) and no more (Euler, Eytelwein). With equal linear sides that
+    is a difference of 2 T_pre tanh(mu theta/2). Errors: ``ModelError`` where the cables are anchored.
+    """
+    if d.through_wrap_rad is None:
+        raise ModelError("cables are anchored on their inputs: none slips there")
+    ndim = 1 + len(d.batch_shape)
+    ratio = np.exp(np.minimum(d.friction_coefficient * d.through_wrap_rad[index], _LARGEST_EXPONENT))
+    own = d.column(d.sigma * d.of_input(index), ndim)
+    return np.asarray(own * np.where(own * direction > 0.0, 1.0, ratio))
+
+
+def torque_at_slip_Nm(d: DriveSI, direction: int) -> Floats:
+    """Load (N m, shape (n_inputs, *batch)) at which the cable begins to slip on each input."""
+    rows = []
+    for i in range(d.n_inputs):
+        at = solve_weighted(d, slip_weight(d, i, direction), np.zeros(d.batch_shape))
+        rows.append(np.maximum(direction * _load_of(d, at), 0.0))
+    return np.stack(rows)
+
+
 @dataclass(frozen=True)
 class TorqueLimit:
     """One limit on the drum's torque in one direction: what reaches it first, at which load."""
@@ -92,7 +121,10 @@ class TorqueLimit:
 
 
 def torque_limits(d: DriveSI, input_ratings_Nm: dict[str, float], tension_limit_N: float) -> tuple[TorqueLimit, ...]:
-    """Every limit both ways for one design, +1 first: one per rating (by its name), ``strength`` and ``slack``."""
+    """Every limit both ways for one design, +1 first: one per rating (by its name), ``strength`` and ``slack``.
+
+    ``slip`` too, where friction alone holds a cable on an input.
+    """
     found = []
     for direction in (1, -1):
         for cause, rating in input_ratings_Nm.items():
@@ -106,6 +138,10 @@ def torque_limits(d: DriveSI, input_ratings_Nm: dict[str, float], tension_limit_
             first = int(np.argmin(loads))
             name = d.cable_names[first] if np.isfinite(loads[first]) else "none"
             found.append(TorqueLimit(cause, name, direction, float(loads[first])))
+        if d.through_wrap_rad is not None:
+            loads = torque_at_slip_Nm(d, direction)
+            first = int(np.argmin(loads))
+            found.append(TorqueLimit(SLIP, d.input_names[first], direction, float(loads[first])))
     return tuple(found)
 
 

@@ -182,6 +182,11 @@ class DriveSI:
             reach = reach + np.where(wrap > 0.0, 2.0, 0.0) * radius
         return np.asarray(reach / self.friction_coefficient)
 
+    @cached_property
+    def through_wrap_rad(self) -> Floats | None:
+        """Wrap over each input that friction alone holds, (n_inputs, *batch); None where cables are anchored."""
+        return self.geometry.through_wrap_rad(self.parameters)
+
     @property
     def kappa(self) -> Floats:
         """kappa = mu L_free / (r_o + r_i), the number that Eq. (15) sets to zero."""

@@ -5,14 +5,16 @@ from __future__ import annotations
 import cadquery as cq
 import numpy as np
 
-from mbcdm_cad.parts.curve_edges import helix_edge
+from mbcdm_cad.parts.curve_edges import coil_edge, helix_edge
 from mbcdm_cad.parts.shapes import one_solid
-from mbcdm_cad.routes.curves import Helix, Line, Parabola, Piece
+from mbcdm_cad.routes.curves import Coil, Helix, Line, Parabola, Piece
 
 
 def _edge(piece: Piece) -> cq.Edge:
     if isinstance(piece, Helix):
         return helix_edge(piece)
+    if isinstance(piece, Coil):
+        return coil_edge(piece)
     if isinstance(piece, Line):
         return cq.Edge.makeLine(cq.Vector(*piece.start), cq.Vector(*piece.end))
     if isinstance(piece, Parabola):

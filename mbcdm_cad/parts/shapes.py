@@ -22,15 +22,20 @@ def one_solid(shape: cq.Shape, name: str) -> cq.Solid:
     return solids[0]
 
 
+def _distinct(profile: Sequence[Point2]) -> list[Point2]:
+    """The profile without points that repeat the one before: where two steps are alike, there is no wall between."""
+    return [p for before, p in zip([None, *profile], profile, strict=False) if p != before]
+
+
 def turned(profile: Sequence[Point2], name: str) -> cq.Solid:
     """Solid of revolution about Z of a closed polygon of (radius, z) points, mm."""
-    wire = cq.Wire.makePolygon([cq.Vector(r, 0, z) for r, z in profile], close=True)
+    wire = cq.Wire.makePolygon([cq.Vector(r, 0, z) for r, z in _distinct(profile)], close=True)
     return one_solid(cq.Solid.revolve(wire, [], 360.0, cq.Vector(0, 0, 0), cq.Vector(0, 0, 1)), name)
 
 
 def turned_about_y(profile: Sequence[Point2], start_deg: float, sweep_deg: float, name: str) -> cq.Solid:
     """Solid of revolution about Y of (radius, y) points, from ``start_deg`` (0 at +Z, positive towards +X)."""
-    wire = cq.Wire.makePolygon([cq.Vector(r, y, 0) for r, y in profile], close=True)
+    wire = cq.Wire.makePolygon([cq.Vector(r, y, 0) for r, y in _distinct(profile)], close=True)
     # The profile stands on the +X axis, which is 90 degrees from +Z.
     placed = wire.rotate(cq.Vector(0, 0, 0), cq.Vector(0, 1, 0), start_deg - 90.0)
     return one_solid(cq.Solid.revolve(placed, [], sweep_deg, cq.Vector(0, 0, 0), cq.Vector(0, 1, 0)), name)

@@ -19,6 +19,7 @@ from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.terminal.dims import Tensioner, TerminalDims
 
 # Cells of the grid on which pockets are taken out of the drum's rim: about 0.2 x 0.3 mm on a drum of 65 mm.
@@ -154,6 +155,28 @@ def input_pulley_mm3(d: InputPulleyDims) -> float:
     return body - bore - slit - sum(map(_slot_mm3, d.slots)) - sum(map(groove_mm3, d.grooves))
 
 
+def motor_head_mm3(d: HeadDims) -> float:
+    """Flange, box and motor shelf less pocket, seat and holes."""
+    f = d.flange
+    rounded = 4 * CORNER * d.corner_radius**2
+    flange, height = d.flange_top_z - d.bottom_z, d.top_z - d.flange_top_z
+    body = (2 * f.half_x * (f.front_y - f.back_y) - rounded) * flange
+    body += (2 * d.outer_x * (d.front_y - d.back_y) - rounded) * height
+    inner, shelf = d.inner_x, d.top_z - d.shelf_bottom_z
+    return (
+        body
+        - pocket_mm3(2 * inner, d.front_y + inner, d.shelf_bottom_z - d.flange_top_z, d.corner_radius)
+        - ring_mm3(d.pilot_radius, 0.0, shelf)
+        - ring_mm3(d.shoulder_radius, 0.0, flange - d.seat_depth)
+        - ring_mm3(d.seat_radius, 0.0, d.seat_depth)
+        # About half of each key hole lies outside the shoulder's bore.
+        - 2
+        * (ring_mm3(d.gear_screw_clearance, 0.0, shelf) + ring_mm3(d.key_hole_radius, 0.0, flange - d.seat_depth) / 2)
+        - len(f.screws) * ring_mm3(d.screw_clearance, 0.0, flange)
+        - len(f.dowels) * ring_mm3(d.dowel_radius, 0.0, flange)
+    )
+
+
 def drum_mm3(d: DrumDims, set_screw_thread: float) -> float:
     """Rim, web and hub less windows, slot and holes; pockets by a sum over a grid of the rim."""
     share = d.half_angle_deg / 180.0
@@ -226,6 +249,7 @@ VOLUMES: dict[str, Volume] = {
     "mbcdm_cad.parts.collar.draw:create_collar": collar_mm3,
     "mbcdm_cad.parts.input_pulley.draw:create_input_pulley": input_pulley_mm3,
     "mbcdm_cad.parts.drum_sector.draw:create_drum": drum_mm3,
+    "mbcdm_cad.parts.motor_head.draw:create_motor_head": motor_head_mm3,
 }
 
 

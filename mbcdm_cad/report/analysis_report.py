@@ -29,6 +29,7 @@ _LIMITS = {
     "gearhead_maximum": "gearhead, intermittent",
     "strength": "cable at its allowed tension",
     "slack": "a cable goes slack",
+    "slip": "the cable slips on its input",
 }
 
 

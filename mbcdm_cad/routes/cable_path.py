@@ -20,6 +20,14 @@ class Stretch:
 
 
 @dataclass(frozen=True)
+class EndOfTravel:
+    """The drum angle (deg, of either sign) at which something ends the travel, and what."""
+
+    angle_deg: float
+    cause: str
+
+
+@dataclass(frozen=True)
 class CablePath:
     """Pieces of one cable's centre line, each under its own name, from its end on the input to its end on the drum.
 

@@ -7,7 +7,7 @@ Every piece is parametrised by a fraction 0..1, knows its exact length and its e
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -125,6 +125,45 @@ class Helix:
         return t / np.linalg.norm(t)
 
 
+@dataclass(frozen=True)
+class Coil:
+    """Turns about any line: the axis through ``centre``, angles right-handed about it from ``first`` (unit vectors).
+
+    Angle and the way ``along`` the axis run linearly together, as in :class:`Helix`.
+    """
+
+    centre: Triple
+    axis: Triple
+    first: Triple
+    radius_mm: float
+    angle_start: float
+    angle_end: float
+    along_start: float
+    along_end: float
+
+    @property
+    def length_mm(self) -> float:
+        turned = self.radius_mm * (self.angle_end - self.angle_start)
+        return float(np.hypot(turned, self.along_end - self.along_start))
+
+    def points(self, fraction: Vector) -> Vector:
+        """Points, shape (n, 3), at ``fraction`` (n,) of the piece."""
+        f = np.asarray(fraction, dtype=np.float64)
+        a = self.angle_start + f * (self.angle_end - self.angle_start)
+        along = self.along_start + f * (self.along_end - self.along_start)
+        second = np.cross(self.axis, self.first)
+        ring = np.multiply.outer(np.cos(a), _v(self.first)) + np.multiply.outer(np.sin(a), second)
+        return np.asarray(_v(self.centre) + self.radius_mm * ring + np.multiply.outer(along, _v(self.axis)))
+
+    def tangent(self, fraction: float) -> Vector:
+        """Unit tangent at ``fraction``."""
+        da = self.angle_end - self.angle_start
+        a = self.angle_start + fraction * da
+        around = np.cos(a) * np.cross(self.axis, self.first) - np.sin(a) * _v(self.first)
+        t = self.radius_mm * da * around + (self.along_end - self.along_start) * _v(self.axis)
+        return np.asarray(t / np.linalg.norm(t))
+
+
 @cache
 def _gauss() -> tuple[Vector, Vector]:
     """Nodes on 0..1 and weights (sum 2) of a quadrature that is exact here to rounding."""
@@ -162,4 +201,16 @@ class Parabola:
         return t / np.linalg.norm(t)
 
 
-Piece = Line | Arc | Helix | Parabola
+Piece = Line | Arc | Helix | Coil | Parabola
+
+
+def reverse(piece: Piece) -> Piece:
+    """The piece run through from its end to its start."""
+    if isinstance(piece, Line | Parabola):
+        return replace(piece, start=piece.end, end=piece.start)
+    turned = replace(piece, angle_start=piece.angle_end, angle_end=piece.angle_start)
+    if isinstance(turned, Helix):
+        return replace(turned, z_start=turned.z_end, z_end=turned.z_start)
+    if isinstance(turned, Coil):
+        return replace(turned, along_start=turned.along_end, along_end=turned.along_start)
+    return turned

@@ -74,6 +74,13 @@ class Geometry(Protocol):
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
         """Wrap of each cable on each passed body, (n_cables, *batch); 0 where it does not run on it."""
 
+    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
+        """Wrap over each input of one cable that friction alone holds there, (n_inputs, *batch).
+
+        None where cables are anchored on their inputs. Such a cable counts as two, one for each sense, from where it
+        sticks on the input; their tensions may differ by no more than the factor e^(mu wrap).
+        """
+
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """Why there is no geometry: what, value, limit and remedy in one sentence."""
 

@@ -7,7 +7,7 @@ from math import asin, cos
 
 from mbcdm_cad.design.bought import Bearing, Material
 from mbcdm_cad.design.drive import Drive, Limits, Sigmas
-from mbcdm_cad.parts.drum_sector.design import InputPulleySpec, SectorDrive, SectorRun
+from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun, TransferClearances, WoundPulleySpec
 
 
 @dataclass(frozen=True)
@@ -43,18 +43,6 @@ class GuideSpec:
 
     material: Material
     axle_material: Material
-
-
-@dataclass(frozen=True)
-class WoundPulleySpec(InputPulleySpec):
-    """Input pulleys, both alike but for their radii. ``surface``: ``smooth`` or ``grooved``."""
-
-    surface: str
-
-    @property
-    def grooved(self) -> bool:
-        """Whether each cable winds into a helical groove."""
-        return self.surface == "grooved"
 
 
 @dataclass(frozen=True)
@@ -103,6 +91,7 @@ class BevelDrive(SectorDrive):
     radii_explicit: bool
     bearings: Bearings
     guide: GuideSpec
+    clearances: TransferClearances
     input_pulleys: WoundPulleySpec
     support: SupportSpec
 

@@ -15,7 +15,9 @@ from mbcdm_cad.routes.route import input_body
 
 def inertias_kg_m2(drive: BevelDrive) -> dict[str, float]:
     """Inertia of each body of the routes about its own axis, kg m2."""
-    found = {DRUM: drum_inertia_kg_m2(drive), GUIDE: _guide(drive)}
+    smallest = min(c.guide_radius_mm for c in drive.cables)
+    inner = _surface_mm(drive, smallest) + drive.clearances.transfer_gap_mm
+    found = {DRUM: drum_inertia_kg_m2(drive, inner), GUIDE: _guide(drive)}
     return found | {input_body(name): _input_pulley(drive, name) for name in drive.input_names}
 
 

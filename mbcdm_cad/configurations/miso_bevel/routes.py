@@ -87,6 +87,9 @@ class BevelGeometry:
             turn = np.where(long_way > 0.0, -1.0, 1.0) * self._turn_rad(parameters[DISTANCE])
             return (np.asarray(np.arcsin(reach) + long_way + turn),)
 
+    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> None:
+        """Every cable is anchored on its input."""
+
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """The pulleys overlap."""
         reach = parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
-from mbcdm_cad.configurations.siso_bevel.support.dims import FLANGE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM
+from mbcdm_cad.configurations.siso_bevel.support.dims import MOUNT_SCREW, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.configurations.siso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.inserts import insert_items, insert_words
+from mbcdm_cad.parts.motor_head.dims import FLANGE_SCREW
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.checks.motor_head import HeadUnderTest
 from mbcdm_cad.configurations.siso_bevel.cable_path import input_wrap_rad
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout, layout
@@ -66,7 +66,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
 )
 
 
-class DirectUnderTest(SectorUnderTest):
+class DirectUnderTest(HeadUnderTest):
     """Adds the wraps on the one input."""
 
     drive: DirectDrive
@@ -95,16 +95,6 @@ class DirectUnderTest(SectorUnderTest):
         """See the base class."""
         pulley = self.layout.inputs[0]
         return (pulley.upper_surface_radius, -pulley.land_top_z), (pulley.lower_surface_radius, -pulley.wall_z)
-
-    @property
-    def motor_shelf_mm(self) -> float:
-        """See the base class."""
-        return self.drive.support.motor_shelf_mm
-
-    @property
-    def encoder_plate_mm(self) -> float:
-        """See the base class."""
-        return self.drive.support.encoder_shelf_mm
 
     @cached_property
     def levels(self) -> DirectStack:

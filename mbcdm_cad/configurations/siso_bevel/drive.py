@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from mbcdm_cad.design.bought import Bearing, Material
 from mbcdm_cad.design.drive import Drive, Sigmas
-from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorRun
+from mbcdm_cad.parts.drum_sector.design import SectorRun, TransferClearances
+from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class DirectSigmas(Sigmas):
 
 
 @dataclass(frozen=True)
-class DirectDrive(SectorDrive):
+class DirectDrive(HeadedDrive):
     """A drive whose one input turns the drum without a guide.
 
     ``reserve_deg``: wrap that stays on the input at the unwound end of the travel.
@@ -64,15 +65,11 @@ class DirectDrive(SectorDrive):
 
     cables: tuple[DirectRun, ...]
     sigmas: DirectSigmas
+    clearances: TransferClearances
     reserve_deg: float
     radii_explicit: bool
     bearings: DirectBearings
     support: ColumnSpec
-
-    @property
-    def collar_seat(self) -> tuple[float, float, str]:
-        """Bore of the clamp collar in mm, that of the journal at the gearhead; its thinnest wall in mm, its screw."""
-        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm, self.input_pulleys.collar_screw
 
     @property
     def total_ratio(self) -> float:

@@ -8,12 +8,13 @@ from mbcdm_cad.configurations.siso_bevel.cable_path import cable_path, longest_m
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.pulley import input_pulley
 from mbcdm_cad.configurations.siso_bevel.stack import DirectStack, direct_stack
-from mbcdm_cad.configurations.siso_bevel.support.dims import ColumnDims, HeadDims, column, head
+from mbcdm_cad.configurations.siso_bevel.support.dims import ColumnDims, column, flange
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import drum, drum_shaft, furthest_anchor_rad, preload_spring
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.motor_head.dims import HeadDims, head
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -56,5 +57,5 @@ def layout(drive: DirectDrive) -> DirectLayout:
         inputs=(input_pulley(drive, levels),),
         collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
         frame=frame,
-        head=head(drive, levels),
+        head=head(drive, levels, flange(levels)),
     )

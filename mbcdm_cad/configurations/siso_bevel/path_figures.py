@@ -12,6 +12,7 @@ import numpy as np
 from mbcdm_cad.configurations.siso_bevel.cable_path import full_input_turn_deg, input_wrap_rad
 from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
 from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.routes.cable_path import EndOfTravel
 
 STATIONS = 9
 
@@ -29,14 +30,6 @@ class DirectCableFigures:
     input_wrap_deg: tuple[float, ...]
     drum_wrap_deg: tuple[float, ...]
     length_um: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class EndOfTravel:
-    """The drum angle (deg, of either sign) at which something ends the travel, and what."""
-
-    angle_deg: float
-    cause: str
 
 
 @dataclass(frozen=True)

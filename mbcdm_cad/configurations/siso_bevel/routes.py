@@ -64,6 +64,9 @@ class DirectGeometry:
         """None."""
         return ()
 
+    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> None:
+        """Every cable is anchored on its input."""
+
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """A stretch of nothing."""
         return (

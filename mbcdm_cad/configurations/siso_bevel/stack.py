@@ -14,15 +14,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
-from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.motor_head.dims import inner_half_width_mm
 
 # Land beyond the cable: the wall of the slot that holds the swaged stop.
 BAND_MARGIN_MM = 0.8
 # Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
 SHOULDER_MM = 0.6
-# Longest sensible reach of an end mill, in diameters.
-TOOL_SLENDERNESS = 4.0
 # Axial play of the pulley between its two bearings.
 END_PLAY_MM = 0.1
 
@@ -73,10 +71,7 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
     drum_inner = smallest - flank + drive.clearances.transfer_gap_mm
     front = min(smallest - nut_corner_radius_mm(drive), drum_inner) - running
     side_inner = max(largest + flank, drive.encoder.diameter_mm / 2) + running
-    # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
-    heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
-    corner = max(s.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
-    head_inner = max(collar_sweep_mm(drive, *drive.collar_seat) + running, heads + corner)
+    head_inner = inner_half_width_mm(drive)
     return DirectStack(
         motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
         gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,

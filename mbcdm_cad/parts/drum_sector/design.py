@@ -31,9 +31,15 @@ class SectorRun(CableRun):
 class Clearances:
     """Gaps the geometry must keep, all in mm between finished surfaces."""
 
-    transfer_gap_mm: float  # surface of the other pulley at step 1 to the drum's inner face
     land_edge_mm: float  # edge of a drum land to the next cable's contact line
     running_mm: float  # any moving solid to any fixed one, elsewhere
+
+
+@dataclass(frozen=True)
+class TransferClearances(Clearances):
+    """Those of a drive whose cables change over to the drum from a pulley across its axis."""
+
+    transfer_gap_mm: float  # surface of the other pulley at step 1 to the drum's inner face
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,18 @@ class InputPulleySpec:
 
     material: Material
     collar_screw: str
+
+
+@dataclass(frozen=True)
+class WoundPulleySpec(InputPulleySpec):
+    """Input pulleys that cables wind on in a helix. ``surface``: ``smooth`` or ``grooved``."""
+
+    surface: str
+
+    @property
+    def grooved(self) -> bool:
+        """Whether each cable winds into a helical groove."""
+        return self.surface == "grooved"
 
 
 class SectorBearings(Protocol):

@@ -10,17 +10,19 @@ from mbcdm_cad.parts.drum_sector.design import SectorDrive
 _MM = 1e-3
 
 
-def drum_inertia_kg_m2(drive: SectorDrive) -> float:
-    """Stepped rim, web and hub; studs and sleeves of the tensioners count as solid steel at the pitch radius."""
+def drum_inertia_kg_m2(drive: SectorDrive, inner_y_mm: float) -> float:
+    """Stepped rim, web and hub; studs and sleeves of the tensioners count as solid steel at the pitch radius.
+
+    ``inner_y_mm``: inner face of the rim.
+    """
     spec, cables = drive.drum, sorted(drive.cables, key=lambda c: c.step)
     half, density = radians(spec.sector_half_angle_deg), spec.material.density_g_cm3
     flank = drive.cable.diameter_mm / 2.0
-    start = cables[0].land_y_mm - flank + drive.clearances.transfer_gap_mm
     walls = [c.land_y_mm - drive.clearances.land_edge_mm for c in cables[1:]] + [spec.outer_face_y_mm]
     hub = spec.hub_diameter_mm / 2.0
-    total = disc_kg_m2(density, spec.hub_face_y_mm - start, hub, drive.bearings.drum.bore_mm / 2.0)
+    total = disc_kg_m2(density, spec.hub_face_y_mm - inner_y_mm, hub, drive.bearings.drum.bore_mm / 2.0)
     total += sector_kg_m2(density, spec.web_thickness_mm, spec.rim_inner_radius_mm, hub, half)
-    edge = start
+    edge = inner_y_mm
     for cable, wall in zip(cables, walls, strict=True):
         total += sector_kg_m2(density, wall - edge, cable.drum_radius_mm - flank, spec.rim_inner_radius_mm, half)
         edge = wall

@@ -7,16 +7,12 @@ from typing import Any, Protocol
 
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.rules import NamedEntry
-from mbcdm_cad.design.sector_blocks import SectorClearances, SectorDrum, SteppedPulleys
-from mbcdm_cad.parts.drum_sector.design import Clearances, DrumSpec, InputPulleySpec
+from mbcdm_cad.design.sector_blocks import SectorDrum, SteppedPulleys
+from mbcdm_cad.parts.drum_sector.design import DrumSpec, InputPulleySpec
 
 
 class SectorBlocks(Protocol):
     """The blocks."""
-
-    @property
-    def clearances(self) -> SectorClearances:
-        """Gaps."""
 
     @property
     def drum(self) -> SectorDrum:
@@ -28,10 +24,9 @@ class SectorBlocks(Protocol):
 
 
 def sector_values(design: SectorBlocks, catalogue: Catalogue) -> dict[str, Any]:
-    """The fields of :class:`~mbcdm_cad.parts.drum_sector.design.SectorDrive` but for cables and bearings."""
+    """The fields of :class:`~mbcdm_cad.parts.drum_sector.design.SectorDrive` but cables, bearings and clearances."""
     drum = design.drum
     return {
-        "clearances": copied(Clearances, design.clearances),
         "tensioner": catalogue.get("tensioners", drum.tensioner),
         "drum": copied(
             DrumSpec,

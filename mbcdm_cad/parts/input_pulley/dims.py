@@ -138,6 +138,11 @@ class InputPulleyDims:
     grooves: tuple[Groove, ...] = ()
 
     @property
+    def stepped(self) -> bool:
+        """Whether the two steps differ: a pulley that one cable goes round has one land."""
+        return self.lower_surface_radius != self.upper_surface_radius
+
+    @property
     def _groove_depth(self) -> float:
         return max((groove.depth for groove in self.grooves), default=0.0)
 

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin, sqrt
+from collections.abc import Iterator
+from dataclasses import replace
+from math import ceil, cos, radians, sin, sqrt, tau
 
 import cadquery as cq
 
 from mbcdm_cad.parts.curve_edges import helix_edge
 from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, one_solid, turned
+from mbcdm_cad.parts.volume import groove_mm3
 
 # The tool of a groove reaches this share of its depth beyond the land, so that none of its edges lies on the surface.
 _BEYOND_DEPTHS = 0.13
+# What a cut may take more or less than the groove's volume: more than rounding, less than a turn.
+_GROOVE_SHARE = 0.04
 
 
 def _profile(d: InputPulleyDims) -> list[Point2]:
@@ -55,6 +60,43 @@ def _groove_tool(groove: Groove) -> cq.Solid:
     middle = groove.root_radius + groove.radius
     path = cq.Wire.assembleEdges([helix_edge(groove.helix(middle))])
     return one_solid(cq.Solid.sweep(profile, [], path, True, True, None, "right"), f"groove of {groove.cable_name}")
+
+
+def _grooved(body: cq.Solid, dims: InputPulleyDims) -> cq.Solid:
+    """The body with its grooves: each cut whole, or turn by turn where the kernel leaves some of a long one standing.
+
+    Raises ValueError where neither takes what the groove's cross section and length ask for.
+    """
+    name = f"input pulley {dims.name}"
+    for groove in dims.grooves:
+        wanted = groove_mm3(groove)
+        for pieces in ([groove], list(_turns(groove))):
+            left = body
+            for piece in pieces:
+                left = cut(left, [_groove_tool(piece)], name)
+            if abs(body.Volume() - left.Volume() - wanted) <= _GROOVE_SHARE * wanted:
+                body = left
+                break
+        else:
+            raise ValueError(f"{name}: the groove of {groove.cable_name} could not be cut")
+    return body
+
+
+def _turns(groove: Groove) -> Iterator[Groove]:
+    """The groove in pieces of no more than a turn."""
+    count = ceil(abs(groove.end_angle_rad - groove.start_angle_rad) / tau)
+    angle, rise = (
+        (end - start) / count
+        for start, end in ((groove.start_angle_rad, groove.end_angle_rad), (groove.start_z, groove.end_z))
+    )
+    for k in range(count):
+        yield replace(
+            groove,
+            start_angle_rad=groove.start_angle_rad + k * angle,
+            end_angle_rad=groove.start_angle_rad + (k + 1) * angle,
+            start_z=groove.start_z + k * rise,
+            end_z=groove.start_z + (k + 1) * rise,
+        )
 
 
 def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
@@ -121,8 +163,7 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
 def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
     """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred."""
     body = turned(_profile(dims), f"input pulley {dims.name}")
-    if dims.grooves:
-        body = cut(body, [_groove_tool(groove) for groove in dims.grooves], f"input pulley {dims.name}")
+    body = _grooved(body, dims)
     tools: list[cq.Shape] = [cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, dims.bore_top_z)]
     half = dims.slit_width / 2
     reach = dims.lower_journal_radius + 1.0

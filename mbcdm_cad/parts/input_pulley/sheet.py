@@ -12,7 +12,20 @@ from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.sheets.words import mm, mm3
 
 _NAMES = ("S1", "S2")
-_GROOVES = "Grooves turned before the slots are milled; crests broken by 0.02, floors Ra 0.8."
+_GROOVES = "Crests of the grooves broken by 0.02, floors Ra 0.8."
+_SLOTS = "Slots after turning and grooving, edges that the cable touches rounded to R0.2 and polished."
+_SLOTS_FROM = "X of the slots is the direction of the slit."
+
+
+def _land_lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
+    """Of both steps, or of the one land."""
+    lower, upper = d.lower_land_radius, d.upper_land_radius
+    if not d.stepped:
+        return (ALONG_Z.length(d.land_bottom_z, d.land_top_z, "below", (lower, upper), decimals=3),)
+    return (
+        ALONG_Z.length(d.land_bottom_z, d.wall_z, "below", (lower, upper), decimals=3),
+        ALONG_Z.length(d.wall_z, d.land_top_z, "below", (upper, upper), decimals=3),
+    )
 
 
 def _lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
@@ -23,8 +36,7 @@ def _lengths(d: InputPulleyDims) -> tuple[Linear, ...]:
         ALONG_Z.length(
             d.lower_neck_bottom_z, d.land_bottom_z, "below", (d.lower_neck_radius, d.lower_land_radius), decimals=3
         ),
-        ALONG_Z.length(d.land_bottom_z, d.wall_z, "below", (d.lower_land_radius, d.upper_land_radius), decimals=3),
-        ALONG_Z.length(d.wall_z, d.land_top_z, "below", (d.upper_land_radius, d.upper_land_radius), decimals=3),
+        *_land_lengths(d),
         ALONG_Z.length(
             d.land_top_z, d.upper_neck_top_z, "below", (d.upper_land_radius, d.upper_neck_radius), decimals=3
         ),
@@ -47,7 +59,7 @@ def _diameters(d: InputPulleyDims) -> tuple[Linear, ...]:
         ALONG_Z.diameter(d.lower_journal_radius, low + c, "left", fit=journal),
         ALONG_Z.diameter(d.lower_neck_radius, d.lower_neck_bottom_z, "left"),
         ALONG_Z.diameter(d.lower_land_radius, d.land_bottom_z, "left", fit=land, decimals=3),
-        ALONG_Z.diameter(d.upper_land_radius, d.land_top_z, "right", fit=land, decimals=3),
+        *([ALONG_Z.diameter(d.upper_land_radius, d.land_top_z, "right", fit=land, decimals=3)] if d.stepped else ()),
         ALONG_Z.diameter(d.upper_neck_radius, d.upper_neck_top_z, "right"),
         ALONG_Z.diameter(d.upper_journal_radius, d.journal_top_z - c, "right", fit=journal),
     )
@@ -114,7 +126,7 @@ def _groove_table(d: InputPulleyDims) -> Table:
         "root %%c",
         "radius of the floor",
         "depth from land",
-        "middle of the groove at its end in the slot, from the lower end",
+        "middle of the groove at one end, from the lower end",
         "there at deg from X (seen from +Z, anticlockwise)",
         "middle of the groove at its other end, from the lower end",
         "turns",
@@ -168,7 +180,7 @@ def _directions(slot: StopSlot, reach: float) -> tuple[tuple[float, float], tupl
 
 
 def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
-    """Section along the axis, both ends with the slots of the cables' stops, and the slots as a table."""
+    """Section along the axis, both ends with the slots of the cables' stops, slots and grooves as tables."""
     low, high = d.journal_bottom_z, d.journal_top_z
     diameters = _diameters(d)
     labels = []
@@ -212,14 +224,13 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
         labels=tuple(labels),
         # Hidden lines of a helical groove take minutes to find and show nothing that the table does not say.
         simplified=(_without_grooves(d),) if d.grooves else None,
-        tables=(_slot_table(d), *([_groove_table(d)] if d.grooves else [])),
+        tables=(*([_slot_table(d)] if d.slots else ()), *([_groove_table(d)] if d.grooves else ())),
         fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
         notes=(
             *((_GROOVES,) if d.grooves else ()),
             "Lands Ra 0.8; run-out of the lands to the common axis of both journals: 0.01.",
-            "Slots after turning, edges that the cable touches rounded to R0.2 and polished.",
-            "X of the slots is the direction of the slit, +Z points from the slit's end, the lower one, to the upper. "
-            "Slit sawn through both sides of the lower journal.",
+            *((_SLOTS, _SLOTS_FROM) if d.slots else ()),
+            "+Z points from the slit's end, the lower one, to the upper. Slit along X, sawn through both sides of it.",
             "Steps square to the axis within 0.01, corners at most R0.1.",
         ),
     )

@@ -15,6 +15,7 @@ CAUSES = {
     "gearhead_maximum": "gearhead's intermittent rating",
     "strength": "tension limit of a cable",
     "slack": "a cable goes slack",
+    "slip": "the cable slips on its input",
 }
 
 

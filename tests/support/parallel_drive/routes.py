@@ -47,6 +47,9 @@ class ParallelGeometry:
         """None."""
         return ()
 
+    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> None:
+        """Every cable is anchored on its input."""
+
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """The pulleys overlap."""
         return "free span: centre distance does not exceed r_o + r_i; raise centre_distance_mm or cut the radii"

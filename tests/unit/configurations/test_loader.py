@@ -101,7 +101,7 @@ def refusal(text: str) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["siso_spr", "2", "[miso_bevel]", "{a: 1}", "~", "miso-bevel"])
+@pytest.mark.parametrize("name", ["miso_bevl", "2", "[miso_bevel]", "{a: 1}", "~", "miso-bevel"])
 def test_an_unknown_configuration_is_one_sentence_with_those_known_and_a_remedy(name: str) -> None:
     text = new_design_text("trial").replace("configuration: miso_bevel", f"configuration: {name}")
     line = next(k for k, row in enumerate(text.split("\n"), 1) if row.startswith("configuration"))

@@ -14,11 +14,12 @@ from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.configurations.siso_bevel.support.volume import VOLUMES as SISO_VOLUMES
+from mbcdm_cad.configurations.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts import volume
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.make import make
-from mbcdm_cad.parts.volume import estimated_mm3
+from mbcdm_cad.parts.volume import Volume, estimated_mm3
 from tests.random_generator import Passing, passing
 
 from .golden import golden_volumes
@@ -80,9 +81,11 @@ def test_mass_with_grooves_setback_and_four_screws(drive: Drive) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["frame", "motor_head", "drum", "input_pulley_main"])
-def test_parts_of_siso_bevel_within_a_hundredth(name: str) -> None:
-    kind = configuration("siso_bevel")
-    spec = kind.bill(kind.layout(load_text(new_design_text("single", "siso_bevel")).drive)).parts[name]
-    drawn = make(spec.maker, spec.args).Volume()
-    assert estimated_mm3(spec, SISO_VOLUMES) == pytest.approx(drawn, rel=0.01)
+@pytest.mark.parametrize(("layout", "own"), [("siso_bevel", SISO_VOLUMES), ("siso_spur", SPUR_VOLUMES)])
+def test_parts_of_drives_with_one_input_within_a_hundredth(layout: str, own: dict[str, Volume]) -> None:
+    kind = configuration(layout)
+    bill = kind.bill(kind.layout(load_text(new_design_text("single", layout)).drive))
+    for name in ("frame", "motor_head", "drum", "input_pulley_main"):
+        spec = bill.parts[name]
+        drawn = make(spec.maker, spec.args).Volume()
+        assert estimated_mm3(spec, own) == pytest.approx(drawn, rel=0.01), name

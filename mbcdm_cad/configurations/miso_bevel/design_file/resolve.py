@@ -9,6 +9,7 @@ from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign, 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
+from mbcdm_cad.parts.drum_sector.design import TransferClearances, WoundPulleySpec
 from mbcdm_cad.parts.drum_sector.resolve import sector_values
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -21,8 +22,9 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         **shared_values(design, catalogue)
         | sector_values(design, catalogue)
         | {
+            "clearances": copied(TransferClearances, design.clearances),
             "limits": copied(d.SpanLimitValues, design.limits),
-            "input_pulleys": d.WoundPulleySpec(
+            "input_pulleys": WoundPulleySpec(
                 catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
             ),
         },

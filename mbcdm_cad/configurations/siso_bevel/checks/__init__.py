@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import drum_sector, fixings, motors, strength, take_up, terminals
+from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
 from mbcdm_cad.configurations.siso_bevel.checks import (
-    bearings,
     input_turn,
-    motor_head,
     pulley_fits,
     ratios,
     room,

@@ -6,13 +6,12 @@ from math import inf
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.geometry import corner_gap, web_between
+from mbcdm_cad.checks.geometry import corner_gap
+from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
-from mbcdm_cad.configurations.siso_bevel.support.dims import DOWEL_LENGTH_MM, FLANGE_SCREW, MOUNT_SCREW_HEAD_MM
-from mbcdm_cad.parts.boss.dims import EAR_WALL_MM
+from mbcdm_cad.configurations.siso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
+from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, FLANGE_SCREW
 
-# Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
-HOLE_WEB_MM = 0.5
 # Room beside a mounting screw's head for its washer face (estimate).
 HEAD_ROOM_MM = 0.5
 # Height of a mounting screw's head (M3, ISO 4762).
@@ -34,7 +33,7 @@ def walls(s: DirectUnderTest) -> Comparison:
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
     pin = (f.stop_shelf_top_z - f.stop_shelf_bottom_z) / 2 - f.stop_pin_radius
     found.append(at_least("stop shelf over and under its pin", pin, limit, "mm"))
-    found.append(at_least("wall of the motor head", s.levels.head_outer_x - s.levels.head_inner_x, limit, "mm"))
+    found.append(at_least("wall of the motor head", s.layout.head.outer_x - s.layout.head.inner_x, limit, "mm"))
     return worst(found)
 
 
@@ -81,28 +80,6 @@ def bearing_seats(s: DirectUnderTest) -> Comparison:
             ),
         )
     )
-
-
-def encoder_shelf(s: DirectUnderTest) -> Comparison:
-    """The encoder's screws find metal under their heads and thread in its housing."""
-    f, drive = s.layout.frame, s.drive
-    screw, limit = drive.screw(drive.encoder.screw), drive.support.material.min_wall_mm
-    shelf = drive.support.encoder_shelf_mm
-    low, high = f.encoder_shelf_bottom_z, f.encoder_shelf_top_z
-    holes: list[tuple[str, float, float, float, float, float]] = [
-        ("bearing", 0.0, 0.0, f.seat_radius, high - f.seat_depth, high),
-        ("shoulder", 0.0, 0.0, f.seat_shoulder_radius, low, high),
-    ]
-    for sign in (-1, 1):
-        x = sign * f.encoder_circle_radius
-        holes.append(("screw", x, 0.0, f.encoder_screw_clearance, low, high))
-        holes.append(("screw head", x, 0.0, f.encoder_head_radius, high - f.encoder_head_depth, high))
-    found = [at_least(f"encoder shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)]
-    found += [
-        at_least("metal under the encoder's screw heads", shelf - f.encoder_head_depth, limit, "mm"),
-        at_least("encoder's screw heads sunk", f.encoder_head_depth - screw.head_height_mm, 0.0, "mm"),
-    ]
-    return worst(found)
 
 
 def pulley_room(s: DirectUnderTest) -> Comparison:
@@ -154,7 +131,7 @@ def flange(s: DirectUnderTest) -> Comparison:
     screw, shelf = drive.screw(FLANGE_SCREW), drive.support.bearing_shelf_mm
     (x, front), _, (_, back), _ = f.flange_screws
     dowel_y, gap = f.dowels[0][1], f.flange_screw_radius + f.dowel_radius
-    heads = abs(x) - screw.head_diameter_mm / 2 - s.levels.head_outer_x
+    heads = abs(x) - screw.head_diameter_mm / 2 - s.layout.head.outer_x
     return worst(
         (
             at_least(
@@ -181,33 +158,9 @@ def flange(s: DirectUnderTest) -> Comparison:
 
 def boss(s: DirectUnderTest) -> Comparison:
     """Drum bearings sit apart in the boss with a shoulder between, its ears take the encoder's screws."""
-    b, f, encoder = s.layout.frame.boss, s.layout.frame, s.drive.drum_encoder
-    limit = s.drive.support.material.min_wall_mm
-    return worst(
-        (
-            at_least("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit, "mm"),
-            at_least("boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0, "mm"),
-            at_least("lower pocket above the boss", f.low_pocket_bottom_z - b.radius, limit, "mm"),
-            at_least(
-                "drum encoder's threads from the bearing's seat",
-                b.screw_circle - b.screw_radius - b.seat_radius,
-                HOLE_WEB_MM,
-                "mm",
-            ),
-            at_least(
-                "drum encoder's threads inside its housing",
-                encoder.diameter_mm / 2 - b.screw_circle - b.screw_radius,
-                HOLE_WEB_MM,
-                "mm",
-            ),
-            at_least(
-                "ear round the drum encoder's threads",
-                max(b.ear_reach, b.radius) - b.screw_circle - b.screw_radius,
-                EAR_WALL_MM,
-                "mm",
-            ),
-        )
-    )
+    f, limit = s.layout.frame, s.drive.support.material.min_wall_mm
+    above = at_least("lower pocket above the boss", f.low_pocket_bottom_z - f.boss.radius, limit, "mm")
+    return worst((above, *boss_walls(s)))
 
 
 _WALL = "material: min_wall_mm"
@@ -229,7 +182,7 @@ CHECKS = (
     ),
     Check("pockets", "Corners fit frame and pockets", "material: min_internal_radius_mm", pockets, adjust=_DEEPER),
     Check("bearing_seats", "Shelves take the input's bearings", _WALL, bearing_seats, adjust=_SHELVES),
-    Check("encoder_shelf", "Encoder shelf takes bearing and screws", _WALL, encoder_shelf, adjust=_SHELVES),
+    ENCODER_SHELF,
     Check("pulley_room", "Input pulley turns freely in its box", "clearances.running_mm", pulley_room, adjust=_DEEPER),
     Check(
         "encoder_room",

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
 
 import numpy as np
 
-from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted
+from mbcdm_cad.checks.stacks import TRANSMISSION_ERROR, stack_check
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
-from mbcdm_cad.parts.making import land_band_mm, model_tolerances, rope_band_mm
-
-Stacks = Callable[[DirectUnderTest], list[StackUp]]
-# Standard deviations on either side that hold 95 % of all drives.
-MOST_DRIVES = 1.96
+from mbcdm_cad.parts.making import land_band_mm, rope_band_mm
 
 
 def _input_to_drum(drive: DirectDrive, cable: DirectRun) -> tuple[Contribution, ...]:
@@ -83,51 +78,16 @@ def stacks(s: DirectUnderTest) -> Iterator[StackUp]:
         )
 
 
-def _against_stack(of: Stacks, s: DirectUnderTest) -> Comparison:
-    """Margin against the root sum of squares of the tolerances."""
-    stack = tightest(of(s))
-    note = f"tolerances add up to that (RSS), worst case {stack.worst_case:.3g} mm, most by the {stack.costliest.name}"
-    return at_least(stack.figure.removesuffix(", mm"), stack.margin, stack.rss, "mm", note)
-
-
-def transmission_error(s: DirectUnderTest) -> Comparison:
-    """How far the drum may stand from where the ratio says, over the travel: linear theory, two sigma."""
-    from mbcdm_cad.model.tolerance import linear_error
-
-    names, error = linear_error(s.loads.si, s.half_travel_rad, model_tolerances(s.drive))
-    whole = np.sqrt((error**2).sum(axis=0))
-    pose = int(np.argmax(whole))
-    most = names[int(np.argmax(np.abs(error[:, pose])))]
-    return noted(
-        "drum off by at most, over the travel, in 95 % of drives",
-        MOST_DRIVES * float(whole[pose]) * 1e3,
-        "mrad",
-        f"zero at the centred drum; most by the {most}",
-    )
-
-
 _CLOSER = "lower clearances.transfer_gap_mm, or raise clearances.land_edge_mm"
 _WIDER = "raise clearances.transfer_gap_mm, or lower clearances.land_edge_mm"
 CHECKS = (
-    *(
-        Check(
-            f"{name}_stack",
-            title,
-            "root sum of squares of the tolerances in parts/fits.py and making",
-            partial(_against_stack, of),
-            "warn",
-            advice=advice,
-        )
-        for name, title, of, advice in (
-            ("transfer_gap", "Transfer gap stays under half a cable with tolerances", transfer_gap, _CLOSER),
-            ("bodies_clear", "Input and drum do not touch with tolerances", bodies_clear, _WIDER),
-            (
-                "land_edge",
-                "Contact lines stay on their lands with tolerances",
-                land_edge,
-                "raise clearances.land_edge_mm, or lower clearances.transfer_gap_mm",
-            ),
-        )
+    stack_check("transfer_gap", "Transfer gap stays under half a cable with tolerances", transfer_gap, _CLOSER),
+    stack_check("bodies_clear", "Input and drum do not touch with tolerances", bodies_clear, _WIDER),
+    stack_check(
+        "land_edge",
+        "Contact lines stay on their lands with tolerances",
+        land_edge,
+        "raise clearances.land_edge_mm, or lower clearances.transfer_gap_mm",
     ),
-    Check("transmission_error", "Transmission error by the tolerances", "linear theory, two sigma", transmission_error),
+    TRANSMISSION_ERROR,
 )

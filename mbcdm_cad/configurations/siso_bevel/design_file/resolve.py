@@ -9,6 +9,7 @@ from mbcdm_cad.configurations.siso_bevel.design_file.schema import DirectDesign,
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
+from mbcdm_cad.parts.drum_sector.design import TransferClearances
 from mbcdm_cad.parts.drum_sector.resolve import sector_values
 
 _SIGN = {"-x": -1, "+x": 1}
@@ -25,6 +26,7 @@ def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath,
     return d.DirectDrive(
         **shared_values(design, catalogue),
         **sector_values(design, catalogue),
+        clearances=copied(TransferClearances, design.clearances),
         # The cable stays in its plane, and what stays on the input is said by its angle.
         helix_lead_mm=0.0,
         dead_turns=design.transmission.reserve_deg / 360.0,

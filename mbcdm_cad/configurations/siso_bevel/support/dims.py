@@ -21,14 +21,12 @@ from dataclasses import dataclass
 from math import sqrt
 
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
-from mbcdm_cad.configurations.siso_bevel.stack import TOOL_SLENDERNESS, DirectStack
+from mbcdm_cad.configurations.siso_bevel.stack import DirectStack
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.boss.dims import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
+from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, DOWEL_MM, FLANGE_SCREW, TOOL_SLENDERNESS, Flange
 
-FLANGE_SCREW = "M2x6"
-DOWEL_MM = 2.0
-DOWEL_LENGTH_MM = 6.0
 STOP_SHELF_MM = 6.0
 STOP_PIN_DEPTH_MM = 10.0
 # Between encoder and stop shelf.
@@ -86,43 +84,24 @@ class ColumnDims:
         return self.boss.screw_depth
 
 
-@dataclass(frozen=True)
-class HeadDims:
-    """The motor head (mm), heights as in the assembly."""
-
-    levels: DirectStack
-    bottom_z: float
-    flange_top_z: float
-    shelf_bottom_z: float
-    top_z: float
-    front_y: float  # of the part above the flange
-    back_y: float
-    corner_radius: float
-    seat_radius: float
-    seat_depth: float
-    shoulder_radius: float
-    pilot_radius: float
-    gear_screw_clearance: float
-    gear_bolt_circle: float
-    key_hole_radius: float
-    screw_clearance: float
-    screws: tuple[tuple[float, float], ...]
-    dowels: tuple[tuple[float, float], ...]
-    dowel_radius: float
-
-
 def corner_radius_mm(drive: DirectDrive, levels: DirectStack) -> float:
     """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
     depth = levels.front_y - levels.pocket_floor_y
     return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
 
 
-def _flange(levels: DirectStack) -> tuple[tuple[tuple[float, float], ...], tuple[tuple[float, float], ...]]:
-    """(x, y) of the flange's screws and of its dowels, in the side walls."""
+def flange(levels: DirectStack) -> Flange:
+    """The motor head's flange on the side walls, which its screws and dowels stand in."""
     x = (levels.side_inner_x + levels.side_outer_x) / 2
     front, back = levels.front_y - 3.5, levels.back_y + 3.5
     middle = (front + back) / 2
-    return ((-x, front), (x, front), (-x, back), (x, back)), ((-x, middle), (x, middle))
+    return Flange(
+        half_x=levels.side_outer_x,
+        back_y=levels.back_y,
+        front_y=levels.front_y,
+        screws=((-x, front), (x, front), (-x, back), (x, back)),
+        dowels=((-x, middle), (x, middle)),
+    )
 
 
 def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
@@ -138,7 +117,7 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
     # The encoder's end stands in the corner that the pocket's cutter leaves.
     pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
     low = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
-    screws, dowels = _flange(levels)
+    head_flange = flange(levels)
     beside = round_boss.radius - 1.2
     mount_x = pocket - MOUNT_SCREW_HEAD_MM / 2 - MOUNT_ROOM_MM
     return ColumnDims(
@@ -172,8 +151,8 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
             flange_screw.length_mm - drive.support.bearing_shelf_mm + 0.5, insert.depth_mm if insert else 0.0
         ),
         flange_insert=insert,
-        flange_screws=screws,
-        dowels=dowels,
+        flange_screws=head_flange.screws,
+        dowels=head_flange.dowels,
         dowel_radius=DOWEL_MM / 2,
         dowel_depth=DOWEL_LENGTH_MM - drive.support.bearing_shelf_mm + 0.5,
         mounts=(
@@ -181,35 +160,4 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
             *((s * mount_x, (stop_bottom + low) / 2) for s in (-1, 1)),
         ),
         mount_radius=MOUNT_SCREW_CLEARANCE_MM / 2,
-    )
-
-
-def head(drive: DirectDrive, levels: DirectStack) -> HeadDims:
-    """Dimensions of the motor head."""
-    lower, gear = drive.bearings.input_lower, drive.gearhead
-    gear_screw, screw = drive.screw(gear.screw), drive.screw(FLANGE_SCREW)
-    screws, dowels = _flange(levels)
-    front = max(levels.head_inner_x, gear.diameter_mm / 2)
-    depth = front + levels.head_inner_x
-    return HeadDims(
-        levels=levels,
-        bottom_z=-levels.bearing_shelf_top_z,
-        flange_top_z=-levels.bearing_shelf_bottom_z,
-        shelf_bottom_z=-levels.motor_shelf_top_z,
-        top_z=-levels.motor_shelf_bottom_z,
-        front_y=front,
-        back_y=-levels.head_outer_x,
-        corner_radius=max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2),
-        seat_radius=lower.outer_diameter_mm / 2,
-        seat_depth=lower.width_mm,
-        shoulder_radius=lower.outer_shoulder_mm / 2,
-        pilot_radius=gear.pilot_diameter_mm / 2,
-        gear_screw_clearance=gear_screw.clearance_mm / 2,
-        gear_bolt_circle=gear.bolt_circle_mm / 2,
-        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is in.
-        key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
-        screw_clearance=screw.clearance_mm / 2,
-        screws=screws,
-        dowels=dowels,
-        dowel_radius=DOWEL_MM / 2,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-from mbcdm_cad.configurations.siso_bevel.support.dims import ColumnDims, HeadDims
+from mbcdm_cad.configurations.siso_bevel.support.dims import ColumnDims
 from mbcdm_cad.parts.volume import CORNER, Volume, pocket_mm3, ring_mm3, segment_mm2
 
 
@@ -66,29 +66,6 @@ def _holes_mm3(d: ColumnDims) -> float:
     )
 
 
-def head_mm3(d: HeadDims) -> float:
-    """Flange, box and motor shelf less pocket, seat and holes."""
-    v = d.levels
-    rounded = 4 * CORNER * d.corner_radius**2
-    flange, height = d.flange_top_z - d.bottom_z, d.top_z - d.flange_top_z
-    body = (2 * v.side_outer_x * (v.front_y - v.back_y) - rounded) * flange
-    body += (2 * v.head_outer_x * (d.front_y - d.back_y) - rounded) * height
-    inner, shelf = v.head_inner_x, d.top_z - d.shelf_bottom_z
-    return (
-        body
-        - pocket_mm3(2 * inner, d.front_y + inner, d.shelf_bottom_z - d.flange_top_z, d.corner_radius)
-        - ring_mm3(d.pilot_radius, 0.0, shelf)
-        - ring_mm3(d.shoulder_radius, 0.0, flange - d.seat_depth)
-        - ring_mm3(d.seat_radius, 0.0, d.seat_depth)
-        # About half of each key hole lies outside the shoulder's bore.
-        - 2
-        * (ring_mm3(d.gear_screw_clearance, 0.0, shelf) + ring_mm3(d.key_hole_radius, 0.0, flange - d.seat_depth) / 2)
-        - len(d.screws) * ring_mm3(d.screw_clearance, 0.0, flange)
-        - len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, flange)
-    )
-
-
 VOLUMES: dict[str, Volume] = {
     "mbcdm_cad.configurations.siso_bevel.support.frame:create_column": column_mm3,
-    "mbcdm_cad.configurations.siso_bevel.support.head:create_head": head_mm3,
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import exp, log, radians, sqrt
+from math import exp, radians, sqrt
 
 import numpy as np
 import pytest
@@ -16,8 +16,7 @@ from mbcdm_cad.model.bearing_loads import bearing_loads
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes.route import contact_point_m
-
-SLICES = 4000
+from tests.support.sliced_cables import by_bisection
 
 
 def balanced(drive: DirectDrive) -> DirectDrive:
@@ -28,54 +27,10 @@ def balanced(drive: DirectDrive) -> DirectDrive:
     return replace(drive, cables=tuple(replace(c, preload_N=share / c.drum_radius_mm) for c in drive.cables))
 
 
-def stretch_m(tension_N: float, preload_N: float, spans_m: tuple[float, float, float], ea_N: float, mu: float) -> float:
-    """Stretch of one cable by summing up slices of its wraps; ``spans_m``: free length, radii of input and drum."""
-    free, *radii = spans_m
-    total = free * (tension_N - preload_N)
-    reach = abs(log(tension_N / preload_N)) / mu
-    step = reach / SLICES
-    sign = 1.0 if tension_N < preload_N else -1.0
-    for radius in radii:
-        angles = (np.arange(SLICES) + 0.5) * step
-        total += radius * step * float(np.sum(tension_N * np.exp(sign * mu * angles) - preload_N))
-    return total / ea_N
-
-
-def by_bisection(drive: DirectDrive, load_Nm: float) -> tuple[float, list[float]]:
-    """(drum angle, tensions) at which both cables carry the load, each tension found from its stretch by bisection."""
-    rope, mu = drive.cable, drive.friction_coefficient
-    free = transfer_stretch_mm(drive) * 1e-3
-
-    def tension(cable: int, angle: float) -> float:
-        c = drive.cables[cable]
-        radii = (free, c.input_radius_mm * 1e-3, c.drum_radius_mm * 1e-3)
-        wanted = -c.sense * angle * c.drum_radius_mm * 1e-3
-        low, high = 1e-3 * c.preload_N, 50.0 * c.preload_N
-        for _ in range(60):
-            middle = sqrt(low * high)
-            if stretch_m(middle, c.preload_N, radii, rope.axial_stiffness_N, mu) < wanted:
-                low = middle
-            else:
-                high = middle
-        return sqrt(low * high)
-
-    def carried(angle: float) -> float:
-        return sum(c.sense * tension(k, angle) * c.drum_radius_mm * 1e-3 for k, c in enumerate(drive.cables))
-
-    low, high = -5e-3, 5e-3
-    for _ in range(45):
-        middle = (low + high) / 2
-        if carried(middle) > load_Nm:
-            low = middle
-        else:
-            high = middle
-    return middle, [tension(k, middle) for k in range(2)]
-
-
 def test_equilibrium_is_that_of_cables_summed_up_in_slices(drive: DirectDrive) -> None:
     even = balanced(drive)
     at = solve_equilibrium(to_si(even), 0.98)
-    angle, tensions = by_bisection(even, 0.98)
+    angle, tensions = by_bisection(even, transfer_stretch_mm(even) * 1e-3, 0.98)
     assert float(at.drum_angle_rad) == pytest.approx(angle, rel=1e-4)
     assert at.tension_N == pytest.approx(tensions, rel=1e-5)
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import cadquery as cq
 
-from mbcdm_cad.configurations.siso_bevel.support.dims import HeadDims
+from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, pocket_y
 
 
-def create_head(dims: HeadDims) -> cq.Solid:
-    """Motor head where it stands in the assembly."""
-    d, v = dims, dims.levels
-    flange = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (d.bottom_z, d.flange_top_z))
-    box = block((-v.head_outer_x, v.head_outer_x), (d.back_y, d.front_y), (d.flange_top_z - 0.5, d.top_z))
+def create_motor_head(dims: HeadDims) -> cq.Solid:
+    """Motor head, its axis Z."""
+    d, f = dims, dims.flange
+    flange = block((-f.half_x, f.half_x), (f.back_y, f.front_y), (d.bottom_z, d.flange_top_z))
+    box = block((-d.outer_x, d.outer_x), (d.back_y, d.front_y), (d.flange_top_z - 0.5, d.top_z))
     rounded = [cq.Workplane(obj=body).edges("|Z").fillet(d.corner_radius).val() for body in (flange, box)]
-    inner = v.head_inner_x
+    inner = d.inner_x
     tools: list[cq.Shape] = [
         pocket_y((-inner, inner), (-inner, d.front_y + 1.0), (d.flange_top_z, d.shelf_bottom_z), d.corner_radius),
         cylinder_z(d.pilot_radius, 0, 0, d.shelf_bottom_z - 1.0, d.top_z + 1.0),
@@ -25,6 +25,6 @@ def create_head(dims: HeadDims) -> cq.Solid:
         x = sign * d.gear_bolt_circle
         tools.append(cylinder_z(d.gear_screw_clearance, x, 0, d.shelf_bottom_z - 1.0, d.top_z + 1.0))
         tools.append(cylinder_z(d.key_hole_radius, x, 0, d.bottom_z, d.flange_top_z + 1.0))
-    tools += [cylinder_z(d.screw_clearance, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in d.screws]
-    tools += [cylinder_z(d.dowel_radius, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in d.dowels]
+    tools += [cylinder_z(d.screw_clearance, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.screws]
+    tools += [cylinder_z(d.dowel_radius, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.dowels]
     return cut(fuse(rounded, "motor head"), tools, "motor head")  # type: ignore[arg-type]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.configurations.siso_bevel.support.dims import HeadDims
 from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, Side, View, X, Y, Z
 from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.words import mm
@@ -45,7 +45,7 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             "E",
             2 * d.screw_clearance,
             THROUGH,
-            tuple((x, y, d.flange_top_z) for x, y in d.screws),
+            tuple((x, y, d.flange_top_z) for x, y in d.flange.screws),
             "flange",
             "screws",
         ),
@@ -53,7 +53,7 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             "F",
             2 * d.dowel_radius,
             THROUGH,
-            tuple((x, y, d.flange_top_z) for x, y in d.dowels),
+            tuple((x, y, d.flange_top_z) for x, y in d.flange.dowels),
             "flange",
             "dowels",
             fit=FITS["pin_slide"].code,
@@ -61,12 +61,12 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
     )
 
 
-def head_sheet(part: str, d: HeadDims) -> Sheet:
+def motor_head_sheet(part: str, d: HeadDims) -> Sheet:
     """From above and in section, with all heights from the lower face."""
-    v, r = d.levels, d.corner_radius
+    f, r = d.flange, d.corner_radius
     holes = _holes(d)
-    corner_in = pocket_corner_mm(r, 2 * v.head_inner_x, d.shelf_bottom_z - d.flange_top_z)
-    low, x, half = d.bottom_z, v.side_outer_x, 0.5**0.5 * r
+    corner_in = pocket_corner_mm(r, 2 * d.inner_x, d.shelf_bottom_z - d.flange_top_z)
+    low, x, half = d.bottom_z, f.half_x, 0.5**0.5 * r
     seen = tuple(group for group in holes if group.letter in "BCEF")
 
     def tall(top: float, at: float) -> Linear:
@@ -95,18 +95,16 @@ def head_sheet(part: str, d: HeadDims) -> Sheet:
         ),
         dimensions=(
             tall(d.flange_top_z, -x),
-            tall(d.shelf_bottom_z, -v.head_inner_x),
-            tall(d.top_z, -v.head_outer_x),
+            tall(d.shelf_bottom_z, -d.inner_x),
+            tall(d.top_z, -d.outer_x),
             wide(x, low),
-            wide(v.head_outer_x, d.top_z),
-            wide(v.head_inner_x, d.shelf_bottom_z, " pocket"),
-            Linear("top", (x - r, v.back_y, low), (x - r, v.front_y, low), v.front_y - v.back_y, "right", decimals=3),
-            Linear("top", (0.0, 0.0, low), (x - r, v.front_y, low), v.front_y, "right", decimals=3),
-            Linear(
-                "top", (0.0, 0.0, d.top_z), (-v.head_outer_x + r, d.front_y, d.top_z), d.front_y, "left", decimals=3
-            ),
-            Linear("top", (-v.head_outer_x + r, d.back_y, d.top_z), (0.0, 0.0, d.top_z), -d.back_y, "left", decimals=3),
-            Radius("top", (r - x, v.front_y - r, low), (r - x - half, v.front_y - r + half, low), r, prefix="8x "),
+            wide(d.outer_x, d.top_z),
+            wide(d.inner_x, d.shelf_bottom_z, " pocket"),
+            Linear("top", (x - r, f.back_y, low), (x - r, f.front_y, low), f.front_y - f.back_y, "right", decimals=3),
+            Linear("top", (0.0, 0.0, low), (x - r, f.front_y, low), f.front_y, "right", decimals=3),
+            Linear("top", (0.0, 0.0, d.top_z), (-d.outer_x + r, d.front_y, d.top_z), d.front_y, "left", decimals=3),
+            Linear("top", (-d.outer_x + r, d.back_y, d.top_z), (0.0, 0.0, d.top_z), -d.back_y, "left", decimals=3),
+            Radius("top", (r - x, f.front_y - r, low), (r - x - half, f.front_y - r + half, low), r, prefix="8x "),
         ),
         labels=hole_labels(seen, "top"),
         cutting_lines=(CuttingLine("top", (-x - 4.0, 0.0, low), (x + 4.0, 0.0, low), "A", Y),),
@@ -114,7 +112,7 @@ def head_sheet(part: str, d: HeadDims) -> Sheet:
         holes=holes,
         fits=tuple(line for group in holes for line in group.fit_lines()),
         notes=(
-            f"Pocket from the front, {mm(v.head_inner_x)} behind the axis of A; its corners R{mm(corner_in, 3)}.",
+            f"Pocket from the front, {mm(d.inner_x)} behind the axis of A; its corners R{mm(corner_in, 3)}.",
             "Bearing seat Ra 0.8, its shoulder flat within 0.01 to the lower face; motor shelf parallel to it in 0.02.",
         ),
     )

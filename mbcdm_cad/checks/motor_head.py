@@ -1,0 +1,174 @@
+"""Motor head, encoder shelf and boss of a drive with one input: screws engaged and in reach, walls, room to turn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
+from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.parts.boss.dims import EAR_WALL_MM
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.motor_head.dims import HeadedDrive
+
+# The parts are drilled for this many screws, one on each side.
+SCREWS_DRAWN = 2
+
+
+class HeadUnderTest(SectorUnderTest):
+    """Adds what a motor head's dimensions follow from."""
+
+    drive: HeadedDrive
+
+    @property
+    def encoder_plate_mm(self) -> float:
+        """See the base class."""
+        return self.drive.support.encoder_shelf_mm
+
+    @property
+    def motor_shelf_mm(self) -> float:
+        """See the base class."""
+        return self.drive.support.motor_shelf_mm
+
+
+def engagement(s: HeadUnderTest) -> Comparison:
+    """Every screw is engaged over its own diameter at least."""
+    drive, lay, f = s.drive, s.layout, s.layout.frame
+    gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
+    hub, collar, c = drive.screw(lay.drum.set_screw), drive.screw(lay.collar.screw), lay.collar
+    engaged = (
+        ("gearhead screw", gear, gear.length_mm - drive.support.motor_shelf_mm),
+        ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth)),
+        ("drum encoder's screw", ring, f.encoder_screw_depth - 0.5),
+        ("hub's set screw", hub, min(hub.length_mm, lay.drum.hub_radius - lay.drum.set_screw_radius)),
+        ("collar's screw", collar, collar.length_mm - c.head_seat - c.slit_width / 2),
+    )
+    return worst(
+        at_least(f"engaged length of the {name} over its diameter", length - screw.thread_mm, 0.0, "mm")
+        for name, screw, length in engaged
+    )
+
+
+def screw_counts(s: HeadUnderTest) -> Comparison:
+    """Gearhead and encoders are held by the two screws that the parts are drilled for."""
+    drive = s.drive
+    items = (("gearhead", drive.gearhead), ("encoder", drive.encoder), ("drum encoder", drive.drum_encoder))
+    return worst(
+        at_most(f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws")
+        for name, item in items
+    )
+
+
+def key_access(s: HeadUnderTest) -> Comparison:
+    """Key holes for the gearhead's screws lie inside the bearing's seat, or clear of it."""
+    h = s.layout.head
+    inside = h.seat_radius - h.gear_bolt_circle - h.key_hole_radius
+    outside = h.gear_bolt_circle - h.key_hole_radius - h.seat_radius - HOLE_WEB_MM
+    return at_least("gearhead screws' key holes from the wall of the bearing's seat", max(inside, outside), 0.0, "mm")
+
+
+def collar_space(s: HeadUnderTest) -> Comparison:
+    """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
+    v, h, c, drive = s.levels, s.layout.head, s.layout.collar, s.drive
+    reach = collar_sweep_mm(drive, *drive.collar_seat)
+    head = h.gear_bolt_circle + drive.screw(drive.gearhead.screw).head_diameter_mm / 2
+    corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
+    low = corner_gap(reach, c.bottom_z, h.inner_x, v.motor_shelf_top_z, corner)
+    high = corner_gap(reach, -c.top_z, h.inner_x, -v.bearing_shelf_bottom_z, corner)
+    return worst(
+        at_least(name, gap, drive.clearances.running_mm, "mm")
+        for name, gap in (
+            ("clamp collar from walls and motor shelf", low),
+            ("clamp collar from walls and bearing shelf", high),
+            ("gearhead screws' heads from the corner", h.inner_x - corner - head),
+        )
+    )
+
+
+def encoder_shelf(s: HeadUnderTest) -> Comparison:
+    """The encoder's screws find metal under their heads and thread in its housing."""
+    f, drive = s.layout.frame, s.drive
+    screw, limit = drive.screw(drive.encoder.screw), drive.support.material.min_wall_mm
+    shelf = drive.support.encoder_shelf_mm
+    low, high = f.encoder_shelf_bottom_z, f.encoder_shelf_top_z
+    holes: list[tuple[str, float, float, float, float, float]] = [
+        ("bearing", 0.0, 0.0, f.seat_radius, high - f.seat_depth, high),
+        ("shoulder", 0.0, 0.0, f.seat_shoulder_radius, low, high),
+    ]
+    for sign in (-1, 1):
+        x = sign * f.encoder_circle_radius
+        holes.append(("screw", x, 0.0, f.encoder_screw_clearance, low, high))
+        holes.append(("screw head", x, 0.0, f.encoder_head_radius, high - f.encoder_head_depth, high))
+    found = [at_least(f"encoder shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)]
+    found += [
+        at_least("metal under the encoder's screw heads", shelf - f.encoder_head_depth, limit, "mm"),
+        at_least("encoder's screw heads sunk", f.encoder_head_depth - screw.head_height_mm, 0.0, "mm"),
+    ]
+    return worst(found)
+
+
+def boss_walls(s: HeadUnderTest) -> Iterator[Comparison]:
+    """Drum bearings sit apart in the boss with a shoulder between, its ears take the encoder's screws."""
+    b, encoder = s.layout.frame.boss, s.drive.drum_encoder
+    limit = s.drive.support.material.min_wall_mm
+    for name, wall, least in (
+        ("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit),
+        ("boss beyond the ears of the drum encoder's screws", b.front_y - b.ear_front_y, 0.0),
+        (
+            "drum encoder's threads from the bearing's seat",
+            b.screw_circle - b.screw_radius - b.seat_radius,
+            HOLE_WEB_MM,
+        ),
+        (
+            "drum encoder's threads inside its housing",
+            encoder.diameter_mm / 2 - b.screw_circle - b.screw_radius,
+            HOLE_WEB_MM,
+        ),
+        (
+            "ear round the drum encoder's threads",
+            max(b.ear_reach, b.radius) - b.screw_circle - b.screw_radius,
+            EAR_WALL_MM,
+        ),
+    ):
+        yield at_least(name, wall, least, "mm")
+
+
+ENCODER_SHELF = Check(
+    "encoder_shelf",
+    "Encoder shelf takes bearing and screws",
+    "material: min_wall_mm",
+    encoder_shelf,
+    adjust=(up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm")),
+)
+CHECKS = (
+    Check(
+        "engagement",
+        "Screws engage over their diameter",
+        "usual rule: one diameter",
+        engagement,
+        adjust=(down("support.motor_shelf_mm"), up("drum.hub_diameter_mm")),
+        advice="choose longer screws",
+    ),
+    Check(
+        "screw_counts",
+        "Gearhead and encoders have two screws",
+        "the parts are drilled for two",
+        screw_counts,
+        advice="choose a gearhead and encoders held by two screws",
+    ),
+    Check(
+        "key_access",
+        "Key holes for the gearhead's screws",
+        "derived: assembly order",
+        key_access,
+        advice="choose a larger input_pulleys.lower_bearing, or a gearhead of smaller bolt circle",
+    ),
+    Check(
+        "collar_space",
+        "Clamp collar turns freely",
+        "clearances.running_mm",
+        collar_space,
+        adjust=(up("support.coupling_space_mm"),),
+    ),
+)

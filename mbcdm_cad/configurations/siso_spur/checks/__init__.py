@@ -1,0 +1,35 @@
+"""The checks of this configuration, families in the order in which they are run and shown."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
+from mbcdm_cad.configurations.siso_spur.checks import (
+    pulley_fits,
+    ratios,
+    room,
+    support,
+    tolerances,
+    winding,
+    wraps,
+)
+
+# First what the mechanism asks, then what the parts ask.
+FAMILIES: tuple[ModuleType, ...] = (
+    ratios,
+    winding,
+    tolerances,
+    wraps,
+    strength,
+    motors,
+    bearings,
+    fixings,
+    pulley_fits,
+    drum_sector,
+    terminals,
+    take_up,
+    support,
+    motor_head,
+    room,
+)

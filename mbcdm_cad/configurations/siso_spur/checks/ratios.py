@@ -1,0 +1,38 @@
+"""Radii: surfaces that can be cut, bends that the rope bears."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.bending import bending_checks
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
+
+
+def cut_at_pitch(s: SpurUnderTest) -> Comparison:
+    """The layout cuts every surface at the pitch radius less d/2."""
+    lay, drive = s.layout, s.drive
+    cut = [("input pulley", lay.inputs[0].lower_surface_radius - drive.input_radius_mm)]
+    cut += [(f"drum, {land.step}", land.surface_radius_mm - drive.drum_radius_mm) for land in lay.drum.lands]
+    return worst(
+        at_most(f"surface of {name} from pitch radius less d/2", abs(off + s.flank_mm), SURFACE_TOLERANCE_MM, "mm")
+        for name, off in cut
+    )
+
+
+WIDER: tuple[Adjustment, ...] = (
+    down("transmission.input_to_drum"),
+    down("rope diameter_mm"),
+    up("all radii of transmission"),
+)
+CHECKS = (
+    SURFACE_RADIUS,
+    Check(
+        "cut_at_pitch",
+        "Surfaces are cut half a cable inside the pitch radii",
+        "derived from paper Table 2, which gives pitch radii",
+        cut_at_pitch,
+        advice="the layout cuts at r - d/2; this fails only if that is changed",
+    ),
+    *bending_checks(WIDER),
+)

@@ -1,0 +1,78 @@
+"""What turns clears what stands, and the box against its target."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbcdm_cad.checks.box import box_checks
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.drum_outline import drum_zones, rim_points
+from mbcdm_cad.checks.estimated_mass import mass_check
+from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.configurations.siso_spur.bill import bill
+from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.configurations.siso_spur.support.volume import VOLUMES
+from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+
+
+def frame_front(s: SpurUnderTest) -> Comparison:
+    """Everything that turns with the drum passes in front of plate and boss."""
+    v, running, found = s.levels, s.drive.clearances.running_mm, []
+    for ring in drum_zones(s):
+        if ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the plate", ring.y - v.front_y, running, "mm"))
+        if ring.inner < s.layout.frame.boss.radius and ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    return worst(found)
+
+
+def drum_and_input(s: SpurUnderTest) -> Comparison:
+    """Rim and pulley, cables on, turn beside each other."""
+    drive, pulley = s.drive, s.layout.inputs[0]
+    rim = drive.drum_radius_mm + s.flank_mm
+    own = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    return at_least(
+        "drum's rim from the input pulley, cables on",
+        drive.centre_distance_mm - rim - own,
+        drive.clearances.running_mm,
+        "mm",
+    )
+
+
+def box_mm(s: SpurUnderTest) -> tuple[float, float, float]:
+    """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
+    lay, v, drive = s.layout, s.levels, s.drive
+    d, f = lay.drum, lay.frame
+    cloud = np.concatenate([rim_points(d), *(o for t in d.tensioners for _, o, _, _ in bodies_of(s, t, moved=False))])
+    wide = max(f.half_width, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
+    left, right = min(float(cloud[:, 0].min()), -wide), max(float(cloud[:, 0].max()), wide)
+    encoder = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
+    bottom = min(float(cloud[:, 1].min()), -f.half_width, -d.hub_radius, -encoder)
+    bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm, drive.encoder.diameter_mm) / 2
+    top = max(f.top_z, float(cloud[:, 1].max()), f.axis_z + max(bodies, lay.head.front_y))
+    return right - left, top - bottom, max(v.hub_face_y, v.encoder_top_z) - min(v.motor_bottom_z, v.back_y)
+
+
+_X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
+_Z: tuple[Adjustment, ...] = (down("transmission.centre_distance_mm"), up("transmission.centre_distance_mm"))
+_Y: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
+CHECKS = (
+    Check(
+        "frame_front",
+        "Drum passes in front of the frame",
+        "clearances.running_mm",
+        frame_front,
+        advice="choose a smaller drum.tensioner",
+    ),
+    Check(
+        "drum_and_input",
+        "Drum and input turn beside each other",
+        "clearances.running_mm",
+        drum_and_input,
+        adjust=_Z[1:],
+    ),
+    *box_checks(box_mm, "targets.envelope_mm", (_X, _Z, _Y)),
+    mass_check(bill, VOLUMES),
+)

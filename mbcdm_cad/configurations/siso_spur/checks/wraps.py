@@ -1,0 +1,45 @@
+"""Wrap on the drum over the travel: real, less than a turn, clear of the input, and against the model's slip zones.
+
+Both ends of the cable are held on the drum, so a wrap shorter than the slip zone is legal; only Eq. (5) and (6) stop
+holding.
+"""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS
+from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
+
+
+def terminal_clears_input(s: SpurUnderTest) -> Comparison:
+    """Terminals pass beside the input and the yoke over it at the end of travel that brings them nearest."""
+    drive, f = s.drive, s.layout.frame
+    reach = max(s.layout.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    found = []
+    for t in s.layout.drum.tensioners:
+        turn = -t.side * s.half_travel_rad
+        for name, outline, _, _ in bodies_of(s, t):
+            for x, z in outline:
+                # About Y from Z towards X, as the drum turns.
+                at_x, at_z = x * cos(turn) + z * sin(turn), z * cos(turn) - x * sin(turn)
+                pulley = hypot(at_x, at_z - drive.centre_distance_mm) - reach
+                yoke = max(abs(at_x) - f.shelf_half_width, f.shelf_bottom_z - at_z)
+                what = f"{name} of {t.cable_name} from the input and its yoke at the end of travel"
+                found.append(at_least(what, min(pulley, yoke), drive.clearances.running_mm, "mm"))
+    return worst(found)
+
+
+CHECKS = (
+    *WRAPS,
+    Check(
+        "terminal_clears_input",
+        "Terminals clear the input at the ends of travel",
+        "clearances.running_mm",
+        terminal_clears_input,
+        adjust=MORE_WRAP,
+    ),
+    *SLIPS,
+)

@@ -1,0 +1,68 @@
+"""The reference design of siso_spur: on motor, gearhead, rope, preload, mean drum radius and travel of miso_bevel's.
+
+"Table", "section" and "Fig." are those of the paper that describes the mechanism.
+"""
+
+from __future__ import annotations
+
+from mbcdm_cad.design.design_file import Given
+
+ESTIMATE = "estimate"
+LIKE_D = "as the reference of miso_bevel"
+
+INPUTS = [{"name": "main"}]
+CABLES = [
+    {"name": "side_1", "input": "main", "drum_side": "+x"},
+    {"name": "side_2", "input": "main", "drum_side": "-x"},
+]
+
+SHARED = {
+    "schema_version": Given(1),
+    "name": Given("siso_spur"),
+    "travel.half_angle_deg": Given(35.0, LIKE_D),
+    "travel.stop_clearance_deg": Given(0.25, LIKE_D),
+    "rope.type": Given("FF-081", "Table 1"),
+    "rope.modulus_GPa": Given(54.0, LIKE_D),
+    "rope.modulus_area": Given("metallic", "goes with modulus_GPa"),
+    "rope.friction_coefficient": Given(0.15, "section 4.2"),
+    "rope.preload_N": Given(70.0, "section 5.3"),
+    "rope.cut_tolerance_mm": Given(0.5, "estimate: both ends swaged by hand against a jig"),
+    "clearances.land_edge_mm": Given(0.3, ESTIMATE),
+    "clearances.running_mm": Given(0.25, ESTIMATE),
+    "drive.motor": Given("motor-2.9mNm-15", "section 4.1"),
+    "drive.gearhead": Given("gearhead-76-16", "section 4.1"),
+    "drive.encoder": Given("encoder-17", "section 5"),
+    "drive.drum_encoder": Given("encoder-24-ring", "section 4.1"),
+    "drum.material": Given("aluminium-7075", ESTIMATE),
+    "drum.sector_half_angle_deg": Given(100.0, "wrap left over the slip angle of the test at the ends of the travel"),
+    "drum.rim_inner_radius_mm": Given(51.0, ESTIMATE),
+    "drum.outer_face_y_mm": Given(5.2, "nuts of the terminals stay behind it"),
+    "drum.web_thickness_mm": Given(2.0, ESTIMATE),
+    "drum.hub_diameter_mm": Given(20.0, ESTIMATE),
+    "drum.hub_face_y_mm": Given(8.0, "set screws and payload threads before the web"),
+    "drum.bearing": Given("618/8", ESTIMATE),
+    "drum.shaft_bore_mm": Given(4.0, ESTIMATE),
+    "drum.shaft_material": Given("steel", ESTIMATE),
+    "drum.tensioner": Given("M1.6", "section 4.1: turnbuckles"),
+    "input_pulleys.material": Given("steel", ESTIMATE),
+    "input_pulleys.lower_bearing": Given("618/5", ESTIMATE),
+    "input_pulleys.upper_bearing": Given("618/4", ESTIMATE),
+    "loads.test_torque_Nm": Given(0.62, "the share of peak torque that miso_bevel's has, 0.29"),
+    "loads.peak_torque_Nm": Given(2.15, "the motor through its gearhead holds 2.18"),
+    "limits.bend_ratio_min": Given(14.8, "section 2.2"),
+    "limits.tension_safety_factor": Given(5.0, "rope makers: 5 to 10"),
+    "limits.preload_share_max": Given(0.5, "rope makers: under half"),
+    "limits.frame_windup_max_mrad": Given(0.1, "a choice"),
+    "making.rope_diameter_share": Given(0.03, LIKE_D),
+    "making.run_out_mm": Given(0.02, LIKE_D),
+    "making.bearing_play_mm": Given(0.008, LIKE_D),
+    "making.position_mm": Given(0.02, LIKE_D),
+    "printing.hole_allowance_mm": Given(0.2, LIKE_D),
+    "printing.nozzle_mm": Given(0.4, LIKE_D),
+    "printing.threads": Given("cut", LIKE_D),
+    "targets.mass_g": Given(197.0, "as drawn"),
+    "targets.mass_tolerance_g": Given(10.0, "project goal"),
+    "targets.envelope_mm": Given([124.0, 98.2, 93.3], "as drawn"),
+    "targets.envelope_tolerance_mm": Given(0.5, "project goal"),
+    "export.mesh_tolerance_mm": Given(0.01, "project goal"),
+}

@@ -1,0 +1,242 @@
+"""Schema of a siso_spur design file: the blocks that are this configuration's own, each field with its source.
+
+Reference values of shared blocks are in :mod:`mbcdm_cad.configurations.siso_spur.design_file.reference`.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from mbcdm_cad.configurations.siso_spur.design_file.reference import CABLES, ESTIMATE, INPUTS
+from mbcdm_cad.design.blocks import Cable, Design, Input, Length, Limits, Rope
+from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import SectorDrum, SteppedPulleys
+
+
+class SpurTransmission(Block):
+    """Pitch radii (to the cable's centre line), centre distance, and the turns round the input."""
+
+    drum_radius_mm: Length = quantity(
+        "drum pitch radius r_o",
+        unit="mm",
+        uncertain=True,
+        source="the mean of the paper's Table 2",
+        reference=59.4,
+    )
+    input_to_drum: Number | None = quantity(
+        "drum radius over input radius; leave out when the input radius is explicit",
+        unit="-",
+        source="the smallest bend of miso_bevel's reference, 6 mm",
+        reference=9.9,
+        default=None,
+        ge=0.5,
+        le=60.0,
+    )
+    input_radius_mm: Length | None = quantity(
+        "explicit input pitch radius r_i, in place of input_to_drum",
+        unit="mm",
+        uncertain=True,
+        example=6.0,
+        default=None,
+    )
+    centre_distance_mm: Length = quantity(
+        "drum axis to input axis",
+        unit="mm",
+        uncertain=True,
+        source="estimate: room between rim and pulley to lead the cable in",
+        reference=70.0,
+    )
+    turns: Integer = quantity(
+        "how often the cable comes round the input to the line of centres",
+        unit="-",
+        source="some of the cable stays on the input all over the travel",
+        reference=3,
+        ge=1,
+        le=40,
+    )
+
+
+class SpurRope(Rope):
+    """The rope: a catalogue type, or all values inline."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "type",
+        "inline",
+        "modulus_GPa",
+        "modulus_area",
+        "termination",
+        "friction_coefficient",
+        "preload_N",
+        "helix_lead_mm",
+        "cut_tolerance_mm",
+    )
+
+    helix_lead_mm: Number = quantity(
+        "axial advance per turn on the input, above the rope's diameter",
+        unit="mm",
+        source="rope makers' tables for grooves, rounded up",
+        reference=0.9,
+        ge=0.2,
+        le=10.0,
+    )
+
+
+class SpurClearances(Block):
+    """Gaps between finished surfaces."""
+
+    land_edge_mm: Number = quantity("flank of the cable to the inner face of the drum's rim", unit="mm", ge=0.0, le=5.0)
+    running_mm: Number = quantity("any moving solid to any fixed one", unit="mm", ge=0.01, le=5.0)
+
+
+class SpurDrum(SectorDrum):
+    """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
+
+    sector_half_angle_deg: Number = quantity(
+        "half angle of the sector, from the line of centres", unit="deg", ge=20.0, le=175.0
+    )
+
+
+class SpurPulleys(SteppedPulleys):
+    """The input pulley, carried by a bearing at both ends."""
+
+    ORDER: ClassVar[tuple[str, ...]] = ("material", "surface", "lower_bearing", "upper_bearing")
+
+    surface: Literal["smooth", "grooved"] = choice(
+        "a smooth land, or a helical groove that leads the cable",
+        source="drives that people build: a helical pattern",
+        reference="grooved",
+        default="grooved",
+    )
+
+
+class YokeSupport(Block):
+    """Frame: a plate with the drum's boss and a yoke over the input, and the motor head behind it."""
+
+    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
+    back_y_mm: Number = quantity(
+        "end of the drum's encoder behind the frame",
+        unit="mm",
+        source="the drum's bearings stand apart",
+        reference=-25.5,
+        ge=-300.0,
+        le=-1.0,
+    )
+    plate_mm: Number = quantity("plate thickness", unit="mm", source=ESTIMATE, reference=5.0, ge=0.3, le=50.0)
+    bridge_mm: Number = quantity(
+        "bridge from the plate to the encoder shelf, over the input",
+        unit="mm",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.3,
+        le=50.0,
+    )
+    side_wall_mm: Number = quantity(
+        "twice the wall of the motor head", unit="mm", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
+    )
+    motor_shelf_mm: Number = quantity(
+        "shelf that carries the gearhead",
+        unit="mm",
+        source="gearhead screws engage one diameter",
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    coupling_space_mm: Number = quantity(
+        "length between the shelves: coupling collar, gearhead screws and the tools for both",
+        unit="mm",
+        source=ESTIMATE,
+        reference=9.6,
+        ge=2.0,
+        le=100.0,
+    )
+    bearing_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the gearhead, the motor head's flange",
+        unit="mm",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    encoder_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+    )
+
+
+class SpurLimits(Limits):
+    """Limits of this design that the checks hold it against."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "bend_ratio_min",
+        "slip_margin_min",
+        "tension_safety_factor",
+        "preload_share_max",
+        "frame_windup_max_mrad",
+    )
+
+    slip_margin_min: Number = quantity(
+        "torque at which the cable slips on the input over the peak torque",
+        unit="-",
+        source="estimate: friction is known to a factor of two",
+        reference=2.0,
+        default=2.0,
+        ge=1.0,
+        le=20.0,
+    )
+
+
+class SpurSide(Cable):
+    """One side of the cable, from the input to the drum."""
+
+    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "drum_side", "preload_N")
+
+    drum_side: Literal["-x", "+x"] = choice("where it runs on the drum from the line of centres")
+
+
+class SpurDesign(Design):
+    """A cable drive."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "schema_version",
+        "name",
+        "configuration",
+        "travel",
+        "transmission",
+        "inputs",
+        "cables",
+        "rope",
+        "clearances",
+        "drive",
+        "drum",
+        "input_pulleys",
+        "support",
+        "loads",
+        "limits",
+        "making",
+        "printing",
+        "targets",
+        "export",
+        "waivers",
+        "as_built",
+        "catalogue",
+    )
+
+    configuration: Literal["siso_spur"] = choice(
+        "layout: siso_spur is (a) of Fig. 1, one input beside the drum", source="Fig. 1", reference="siso_spur"
+    )
+    transmission: SpurTransmission
+    inputs: tuple[Input, ...] = choice(
+        "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
+    )
+    cables: tuple[SpurSide, ...] = choice(
+        "the two sides of the one cable, which way round the drum each runs; preload_N may be given for each",
+        source="Fig. 1",
+        reference=CABLES,
+        min_length=1,
+        max_length=16,
+    )
+    rope: SpurRope
+    clearances: SpurClearances
+    drum: SpurDrum
+    input_pulleys: SpurPulleys
+    support: YokeSupport
+    limits: SpurLimits

@@ -1,0 +1,68 @@
+"""All derived dimensions of a design in one object: what the checks test and the parts draw."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.configurations.siso_spur.cable_path import cable_path, longest_mm
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
+from mbcdm_cad.configurations.siso_spur.pulley import input_pulley
+from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
+from mbcdm_cad.configurations.siso_spur.support.dims import YokeDims, flange, yoke
+from mbcdm_cad.parts.collar.dims import CollarDims, collar
+from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_sector.sizes import drum, drum_shaft, furthest_anchor_rad, preload_spring
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.motor_head.dims import HeadDims, head
+from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
+from mbcdm_cad.routes.cable_path import CablePath
+
+
+@dataclass(frozen=True)
+class SpurLayout:
+    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along +Y."""
+
+    drive: SpurDrive
+    levels: SpurStack
+    drum: DrumDims
+    drum_shaft: DrumShaftDims
+    preload_spring: PreloadSpringDims
+    inputs: tuple[InputPulleyDims, ...]
+    collar: CollarDims
+    frame: YokeDims
+    head: HeadDims
+
+    @property
+    def anchors(self) -> dict[str, tuple[float, float]]:
+        """Of each side by its name: angle where it leaves its land, drum centred, and straight length from there."""
+        return {t.cable_name: (t.anchor_rad, t.cable_end) for t in self.drum.tensioners}
+
+    def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
+        """Centre line of the one cable at a drum angle, between the bottoms of the bores of both swages."""
+        return (cable_path(self.drive, self.anchors, drum_angle_rad),)
+
+
+def layout(drive: SpurDrive) -> SpurLayout:
+    """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
+    if drive.free_span_mm <= 0.0:
+        reach = drive.drum_radius_mm + drive.input_radius_mm
+        raise ValueError(
+            f"centre distance {drive.centre_distance_mm:g} mm does not exceed r_o + r_i = {reach:.4g} mm; raise "
+            "transmission.centre_distance_mm"
+        )
+    levels = spur_stack(drive)
+    frame, shaft = yoke(drive, levels), drum_shaft(drive, levels)
+    furthest = furthest_anchor_rad(drive)
+    way = terminal_travel_mm(drive, {c.name: longest_mm(drive, furthest) for c in drive.cables})
+    return SpurLayout(
+        drive=drive,
+        levels=levels,
+        drum=drum(drive, levels, frame.stop_pin_z, way),
+        drum_shaft=shaft,
+        preload_spring=preload_spring(drive, shaft),
+        inputs=(input_pulley(drive, levels),),
+        collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
+        frame=frame,
+        head=head(drive, levels, flange(drive)),
+    )

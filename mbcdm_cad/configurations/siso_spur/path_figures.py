@@ -1,0 +1,110 @@
+"""Figures of the cable's true path over the travel: wraps, lengths, walk, what is never carried off the input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import atan2, degrees, pi, radians, tau
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.configurations.siso_spur.cable_path import input_wrap_rad, walked_mm
+from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
+from mbcdm_cad.routes.cable_path import EndOfTravel
+
+STATIONS = 9
+
+
+@dataclass(frozen=True)
+class SideFigures:
+    """One side of the cable, from its middle to its terminal. Tuples over the angles of :class:`SpurFigures`.
+
+    ``length_um`` is the change of the whole cable's length from the centred drum: 0 but for rounding, since what leaves
+    the drum on one side lands on it on the other.
+    """
+
+    name: str
+    length_mm: float
+    input_wrap_deg: tuple[float, ...]
+    drum_wrap_deg: tuple[float, ...]
+    length_um: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class SpurFigures:
+    """Both sides over the travel. ``limits`` holds each direction's, the nearest first; it is the usable travel.
+
+    ``wrap_deg`` is the wrap over the input, ``walk_mm`` how far it walks along the axis at each angle.
+    """
+
+    drum_angle_deg: tuple[float, ...]
+    cables: tuple[SideFigures, ...]
+    wrap_deg: float
+    walk_mm: tuple[float, ...]
+    limits_positive: tuple[EndOfTravel, ...]
+    limits_negative: tuple[EndOfTravel, ...]
+
+    @property
+    def usable_deg(self) -> tuple[float, float]:
+        """(lowest, highest) drum angle that nothing forbids."""
+        return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
+
+
+def path_figures(layout: SpurLayout) -> SpurFigures:
+    """The figures of one design at ``STATIONS`` drum angles over its travel."""
+    drive = layout.drive
+    angles = np.linspace(-drive.half_travel_deg, drive.half_travel_deg, STATIONS)
+    lengths = [layout.cable_paths(float(angle))[0].length_mm for angle in np.radians(angles)]
+    centred = layout.cable_paths(0.0)[0].length_mm
+    cables = tuple(
+        SideFigures(
+            name=run.name,
+            length_mm=centred / 2,
+            input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, float(a))) for a in np.radians(angles)),
+            drum_wrap_deg=tuple(
+                degrees(layout.anchors[run.name][0] - drive.landing_rad) + run.drum_side * float(a) for a in angles
+            ),
+            length_um=tuple((length - centred) * 1e3 for length in lengths),
+        )
+        for run in drive.cables
+    )
+    ends = sorted(_ends(layout), key=lambda end: abs(end.angle_deg))
+    return SpurFigures(
+        tuple(float(a) for a in angles),
+        cables,
+        degrees(drive.wrap_rad),
+        tuple(walked_mm(drive, float(a)) for a in np.radians(angles)),
+        tuple(end for end in ends if end.angle_deg > 0.0),
+        tuple(end for end in ends if end.angle_deg <= 0.0),
+    )
+
+
+def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
+    drive = layout.drive
+    half = radians(drive.half_travel_deg)
+    terminals = {t.cable_name: t for t in layout.drum.tensioners}
+    stop = drive.half_travel_deg + drive.stop_clearance_deg
+    yield from (EndOfTravel(way * stop, "hard stop") for way in (1, -1))
+    for run in drive.cables:
+        terminal, off = terminals[run.name], -run.drum_side
+
+        def end(angle_rad: float, cause: str, off: int = off) -> EndOfTravel:
+            return EndOfTravel(off * degrees(angle_rad), cause)
+
+        yield end(terminal.anchor_rad - drive.landing_rad, f"wrap of {run.name} on the drum ends")
+        # Beyond this the cable would lift off where it goes over into the plane of its terminal.
+        yield end(half + 0.01, f"{run.name} reaches the plane of its terminal")
+        round_rad = tau - drive.landing_rad - terminal.anchor_rad - atan2(terminal.last_tip, terminal.radius_mm)
+        yield end(-min(round_rad, pi), f"terminal of {run.name} comes round to the input")
+
+
+def path_lines(c: dict[str, Any]) -> Iterator[str]:
+    """One side's figures for a terminal."""
+    middle = len(c["drum_wrap_deg"]) // 2
+    wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
+    yield (
+        f"  {c['name']:<10} length {c['length_mm']:.2f} mm; wrap on the input {wound[middle]:.0f} "
+        f"({wound[0]:.0f}, {wound[-1]:.0f}), on the drum {on_drum[middle]:.1f} "
+        f"({on_drum[0]:.1f}, {on_drum[-1]:.1f}) deg"
+    )

@@ -1,0 +1,111 @@
+"""Levels along the axes, all parallel to Y, that all parts share; mm.
+
+From behind to the front, y = 0 in the middle of what the cable takes of the input when the drum is centred:
+
+    motor | gearhead | motor shelf | coupling space | flange | plate | pulley | encoder shelf | encoder
+                                        drum encoder | bearings in the boss | hub and sector
+
+Along the input's axis y counts as height, from the gearhead on (names in ``_z``), since its parts are drawn standing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, sqrt
+
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
+
+# Land beyond the cable at both ends of its walk.
+BAND_MARGIN_MM = 0.5
+# Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
+SHOULDER_MM = 0.6
+# Axial play of the pulley between its two bearings.
+END_PLAY_MM = 0.1
+
+
+@dataclass(frozen=True)
+class SpurStack:
+    """Levels along Y, mm; those in ``_z`` say what lies just behind or before them."""
+
+    motor_bottom_z: float
+    gearhead_bottom_z: float
+    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_top_z: float
+    bearing_shelf_bottom_z: float
+    bearing_shelf_top_z: float  # back of the plate, where the motor head's flange lies
+    land_bottom_z: float
+    land_top_z: float
+    top_plate_bottom_z: float  # the encoder shelf
+    top_plate_top_z: float
+    encoder_top_z: float
+    back_y: float  # end of the drum's encoder
+    plate_back_y: float
+    front_y: float  # front of the plate
+    drum_inner_y: float
+    drum_outer_y: float
+    hub_face_y: float
+    boss_front_y: float
+
+
+def groove_depth_mm(drive: SpurDrive) -> float:
+    """How far the crests of the input's grooves stand over the surface that the cable lies on; 0 if smooth."""
+    return GROOVE_DEPTH * drive.cable.diameter_mm if drive.input_pulleys.grooved else 0.0
+
+
+def groove_run_out_rad(drive: SpurDrive) -> float:
+    """Angle past its last contact at which the straight span has risen out of the groove."""
+    r = drive.input_radius_mm
+    return acos(r / (r + groove_depth_mm(drive)))
+
+
+def reach_mm(drive: SpurDrive) -> float:
+    """Half the length of the input that cable, grooves and walk take."""
+    half = drive.leave_mm + drive.walk_mm / 2
+    flank = drive.cable.diameter_mm / 2
+    if not drive.input_pulleys.grooved:
+        return half + flank
+    radius, depth = GROOVE_RADIUS * drive.cable.diameter_mm, groove_depth_mm(drive)
+    wide = sqrt(2 * radius * depth - depth**2)
+    return half + drive.input_radius_mm * drive.slope * groove_run_out_rad(drive) + max(flank, wide)
+
+
+def spur_stack(drive: SpurDrive) -> SpurStack:
+    """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
+    flank, running, s = drive.cable.diameter_mm / 2, drive.clearances.running_mm, drive.support
+    land = reach_mm(drive) + BAND_MARGIN_MM
+    plane = drive.terminal_mm
+    drum_inner = -plane - flank - drive.clearances.land_edge_mm
+    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land) - running
+    plate_back = front - s.plate_mm
+    bearing_bottom = plate_back - s.bearing_shelf_mm
+    motor_top = bearing_bottom - s.coupling_space_mm
+    motor_bottom = motor_top - s.motor_shelf_mm
+    shelf_bottom = land + SHOULDER_MM + END_PLAY_MM
+    shelf_top = shelf_bottom + s.encoder_shelf_mm
+    return SpurStack(
+        motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
+        gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,
+        motor_shelf_bottom_z=motor_bottom,
+        motor_shelf_top_z=motor_top,
+        bearing_shelf_bottom_z=bearing_bottom,
+        bearing_shelf_top_z=plate_back,
+        land_bottom_z=-land,
+        land_top_z=land,
+        top_plate_bottom_z=shelf_bottom,
+        top_plate_top_z=shelf_top,
+        encoder_top_z=shelf_top + drive.encoder.length_mm,
+        back_y=s.back_y_mm,
+        plate_back_y=plate_back,
+        front_y=front,
+        drum_inner_y=drum_inner,
+        drum_outer_y=drive.drum.outer_face_y_mm,
+        hub_face_y=drive.drum.hub_face_y_mm,
+        boss_front_y=drum_inner - 3 * running,
+    )
+
+
+def least_wall_z_mm(drive: SpurDrive) -> float:
+    """Distance from the drum's axis beyond which the encoder's shelf may begin: past the rim with its cables."""
+    return drive.drum_radius_mm + drive.cable.diameter_mm / 2 + drive.clearances.running_mm

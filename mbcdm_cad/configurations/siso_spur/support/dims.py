@@ -1,0 +1,161 @@
+"""Dimensions of the frame: a plate with the drum's boss, and a yoke over the input that carries its far bearing.
+
+In section, y to the right (front), z up:
+
+      bridge  ______________
+             |  ________    |
+    motor    | |        |   |  encoder
+    head ====|        pulley|====
+             | |         ---    encoder shelf
+             | |
+             | |   drum's rim passes here
+        _____| |
+       | boss  |               drum bearings, drum encoder behind
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
+from mbcdm_cad.configurations.siso_spur.stack import SpurStack, groove_depth_mm, least_wall_z_mm
+from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.parts.boss.dims import BossDims, boss
+from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
+from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, DOWEL_MM, FLANGE_SCREW, Flange, inner_half_width_mm
+
+# Thread of the encoder's screws in its housing, in diameters.
+ENCODER_GRIP = 1.25
+# Beyond the encoder, to the sides of its shelf.
+SHELF_MARGIN_MM = 0.5
+# Room over the pulley for the fingers that lead the cable round it.
+WINDING_ROOM_MM = 3.0
+# The frame's own fixing: threads for screws from behind (ISO 4762).
+MOUNT_SCREW = "M3x8"
+# Wall beside a flange screw's thread, in its diameters.
+SCREW_WALL = 0.65
+# Between the heads of the flange's screws and the motor head's wall.
+HEAD_ROOM_MM = 0.15
+# The stop pin's middle over the boss, in pin diameters beyond the threads of the plate's lower mounts.
+STOP_SHARE = 0.62
+CORNER_MM = 2.0
+
+
+@dataclass(frozen=True)
+class YokeDims:
+    """The frame (mm), as it stands."""
+
+    levels: SpurStack
+    boss: BossDims
+    axis_z: float  # of the input
+    half_width: float
+    shelf_half_width: float
+    shelf_bottom_z: float
+    bridge_bottom_z: float
+    top_z: float
+    opening_radius: float
+    corner_radius: float
+    seat_radius: float
+    seat_depth: float
+    seat_shoulder_radius: float
+    encoder_screw_clearance: float
+    encoder_head_radius: float
+    encoder_head_depth: float
+    encoder_circle_radius: float
+    stop_pin_radius: float
+    stop_pin_z: float
+    flange_screw_radius: float
+    flange_insert: InsertSpec | None
+    flange_screws: tuple[tuple[float, float], ...]  # (x, z)
+    dowels: tuple[tuple[float, float], ...]  # (x, z)
+    dowel_radius: float
+    dowel_depth: float
+    mounts: tuple[tuple[float, float], ...]  # (x, z)
+    mount_radius: float
+    mount_insert: InsertSpec | None
+
+    @property
+    def encoder_screw_depth(self) -> float:
+        """Depth of the threads for the drum encoder's screws."""
+        return self.boss.screw_depth
+
+    @property
+    def encoder_shelf_bottom_z(self) -> float:
+        """Far face of the encoder's shelf, counted against the height along the input's axis."""
+        return -self.levels.top_plate_top_z
+
+    @property
+    def encoder_shelf_top_z(self) -> float:
+        """Face of the encoder's shelf towards the pulley, counted as above."""
+        return -self.levels.top_plate_bottom_z
+
+    @property
+    def seat_edge_z(self) -> float:
+        """Lowest point of the bearing's seat in the encoder's shelf."""
+        return self.axis_z - self.seat_radius
+
+
+def flange(drive: SpurDrive) -> Flange:
+    """The motor head's flange on the back of the plate; its y is away from the drum."""
+    inner = inner_half_width_mm(drive)
+    outer = inner + drive.support.side_wall_mm / 2
+    screw = drive.screw(FLANGE_SCREW)
+    wall = SCREW_WALL * screw.thread_mm + screw.thread_mm / 2
+    x = outer + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
+    front = max(inner, drive.gearhead.diameter_mm / 2)
+    back = -outer
+    high, low = front - wall, back + wall
+    return Flange(
+        half_x=x + wall,
+        back_y=back,
+        front_y=front,
+        screws=((-x, high), (x, high), (-x, low), (x, low)),
+        dowels=((-x, (high + low) / 2), (x, (high + low) / 2)),
+    )
+
+
+def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
+    """Dimensions of the frame."""
+    s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
+    encoder_screw, screw = drive.screw(encoder.screw), drive.screw(FLANGE_SCREW)
+    round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
+    head, z = flange(drive), drive.centre_distance_mm
+    land = drive.input_radius_mm + max(groove_depth_mm(drive) - drive.cable.diameter_mm / 2, 0.0)
+    circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
+    bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
+    bridge = max(bridge, z + head.front_y - s.bridge_mm, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
+    mount = drive.screw(MOUNT_SCREW)
+    insert, mount_insert = (drive.insert(s.material, each.thread_mm) for each in (screw, mount))
+    beside = head.half_x - mount.thread_mm
+    lowest, highest = round_boss.radius + mount.thread_mm, z + head.back_y - mount.thread_mm
+    return YokeDims(
+        levels=levels,
+        boss=round_boss,
+        axis_z=z,
+        half_width=head.half_x,
+        shelf_half_width=encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
+        shelf_bottom_z=least_wall_z_mm(drive),
+        bridge_bottom_z=bridge,
+        top_z=bridge + s.bridge_mm,
+        # Pulley, bearing and the keys for the encoder's screws pass through.
+        opening_radius=max(land + 0.3, upper.outer_diameter_mm / 2 + 0.3, circle + head_radius + 0.1),
+        corner_radius=max(CORNER_MM, s.material.min_internal_radius_mm),
+        seat_radius=upper.outer_diameter_mm / 2,
+        seat_depth=upper.width_mm,
+        seat_shoulder_radius=upper.outer_shoulder_mm / 2,
+        encoder_screw_clearance=encoder_screw.clearance_mm / 2,
+        encoder_head_radius=head_radius,
+        encoder_head_depth=s.encoder_shelf_mm - encoder_screw.length_mm + ENCODER_GRIP * encoder_screw.thread_mm,
+        encoder_circle_radius=circle,
+        stop_pin_radius=drive.drum.stop_pin_mm / 2,
+        stop_pin_z=STOP_SHARE * drive.drum.rim_inner_radius_mm,
+        flange_screw_radius=(insert.hole_mm if insert else screw.thread_mm) / 2,
+        flange_insert=insert,
+        flange_screws=tuple((x, z + y) for x, y in head.screws),
+        dowels=tuple((x, z + y) for x, y in head.dowels),
+        dowel_radius=DOWEL_MM / 2,
+        dowel_depth=DOWEL_LENGTH_MM - s.bearing_shelf_mm + 0.5,
+        mounts=((-beside, lowest), (beside, lowest), (-beside, highest), (beside, highest)),
+        mount_radius=(mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2,
+        mount_insert=mount_insert,
+    )

@@ -1,0 +1,51 @@
+"""Frame: plate with boss and yoke, milled from one block, bored from behind for drum and input."""
+
+from __future__ import annotations
+
+import cadquery as cq
+
+from mbcdm_cad.configurations.siso_spur.support.dims import YokeDims
+from mbcdm_cad.parts.boss.draw import boss_bodies, boss_tools
+from mbcdm_cad.parts.shapes import block, cut, cylinder_y, fuse
+
+
+def _body(d: YokeDims) -> cq.Solid:
+    v, x, shelf = d.levels, d.half_width, d.shelf_half_width
+    plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.top_z))
+    plate = cq.Workplane(obj=plate).edges("|Y and >Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
+    # The plate ends round about the drum's axis.
+    foot = cylinder_y(x, 0.0, 0.0, v.plate_back_y, v.front_y)
+    bridge = block((-shelf, shelf), (v.plate_back_y, v.top_plate_top_z), (d.bridge_bottom_z, d.top_z))
+    bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
+    rounded = cq.Workplane(obj=fuse([bridge, bearing], "yoke")).edges("|Y").edges("<Z or >Z")
+    yoke = rounded.fillet(d.corner_radius).val()
+    return fuse([plate, foot, yoke, *boss_bodies(d.boss)], "frame")  # type: ignore[list-item]
+
+
+def _input_holes(d: YokeDims) -> list[cq.Shape]:
+    v, z = d.levels, d.axis_z
+    near, far = v.top_plate_bottom_z, v.top_plate_top_z
+    tools: list[cq.Shape] = [
+        cylinder_y(d.opening_radius, 0, z, v.plate_back_y - 1.0, v.front_y + 1.0),
+        cylinder_y(d.seat_shoulder_radius, 0, z, near, far + 1.0),
+        cylinder_y(d.seat_radius, 0, z, near - 1.0, near + d.seat_depth),
+    ]
+    for sign in (-1, 1):
+        x = sign * d.encoder_circle_radius
+        tools.append(cylinder_y(d.encoder_screw_clearance, x, z, near, far + 1.0))
+        tools.append(cylinder_y(d.encoder_head_radius, x, z, near - 1.0, near + d.encoder_head_depth))
+    return tools
+
+
+def _fixing_holes(d: YokeDims) -> list[cq.Shape]:
+    back, front = d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0
+    tools: list[cq.Shape] = [cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, back, front)]
+    tools += [cylinder_y(d.flange_screw_radius, x, z, back, front) for x, z in d.flange_screws]
+    tools += [cylinder_y(d.dowel_radius, x, z, back, back + 1.0 + d.dowel_depth) for x, z in d.dowels]
+    tools += [cylinder_y(d.mount_radius, x, z, back, front) for x, z in d.mounts]
+    return tools
+
+
+def create_yoke(dims: YokeDims) -> cq.Solid:
+    """Frame where it stands in the assembly."""
+    return cut(_body(dims), boss_tools(dims.boss) + _input_holes(dims) + _fixing_holes(dims), "frame")

@@ -1,0 +1,39 @@
+"""How the preload is set: one cable, drawn in at both ends; each terminal stretches its own half of it."""
+
+from __future__ import annotations
+
+from mbcdm_cad.configurations.siso_spur.cable_path import side_length_mm
+from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
+from mbcdm_cad.model.tensioning_plan import TensionedCable, TensioningPlan, tensioning_plan
+from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
+
+
+def plan(layout: SpurLayout) -> TensioningPlan:
+    """How the preloads of both sides are set, in the order of the drive; lengths are those of each half."""
+    drive = layout.drive
+    terminals = {t.cable_name: t for t in layout.drum.tensioners}
+    cables = []
+    for c in drive.cables:
+        t = terminals[c.name]
+        on_drum, wound = t.anchor_rad - drive.landing_rad, drive.wrap_rad / 2
+        # Along the cable from the nut: straight end, drum, span, half the wrap on the input.
+        pieces = (
+            (t.swage_start * 1e-3, 0.0),
+            (c.drum_radius_mm * on_drum * 1e-3, on_drum),
+            (drive.free_span_mm * drive.stretched * 1e-3, 0.0),
+            (c.input_radius_mm * wound * drive.stretched * 1e-3, wound),
+        )
+        cables.append(
+            TensionedCable(
+                name=c.name,
+                preload_N=c.preload_N,
+                highest_preload_N=highest_preload_N(drive, c),
+                length_m=side_length_mm(drive, c, *layout.anchors[c.name]) * 1e-3,
+                ends_m=(t.cable_end - t.swage_start) * 1e-3,
+                lever_m=c.sense * c.drum_radius_mm * 1e-3,
+                pieces=pieces,
+                spans_m=(drive.free_span_mm * drive.stretched * 1e-3,),
+                travel_m=t.travel * 1e-3,
+            )
+        )
+    return tensioning_plan(cables, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)

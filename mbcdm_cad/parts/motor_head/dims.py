@@ -1,0 +1,161 @@
+"""Dimensions of a motor head: what carries gearhead and motor of one input in line with its pulley.
+
+       | motor  |
+       |gearhead|
+     ==============  motor shelf
+     | coupling   |    coupling space, open to the front
+   ==================  bearing shelf: the flange on the frame
+
+Along Z, from the flange on the frame to the gearhead, the axis at x = y = 0. Heights of the pulley's parts run the
+other way, from the gearhead on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from mbcdm_cad.design.bought import Material
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.drum_sector.design import SectorDrive
+
+FLANGE_SCREW = "M2x6"
+DOWEL_MM = 2.0
+DOWEL_LENGTH_MM = 6.0
+# Longest sensible reach of an end mill, in diameters.
+TOOL_SLENDERNESS = 4.0
+
+Places = tuple[tuple[float, float], ...]
+
+
+class HeadSpec(Protocol):
+    """What a design file says of a motor head."""
+
+    @property
+    def material(self) -> Material:
+        """Its metal."""
+
+    @property
+    def side_wall_mm(self) -> float:
+        """Wall that the flange's screws stand in; the head's own walls are half of it."""
+
+    @property
+    def motor_shelf_mm(self) -> float:
+        """Shelf that carries the gearhead."""
+
+    @property
+    def bearing_shelf_mm(self) -> float:
+        """Flange with the bearing next to the gearhead."""
+
+    @property
+    def encoder_shelf_mm(self) -> float:
+        """Shelf of bearing and encoder at the other end of the pulley."""
+
+
+@dataclass(frozen=True)
+class HeadedDrive(SectorDrive):
+    """A drive whose one motor hangs on such a head."""
+
+    support: HeadSpec
+
+    @property
+    def collar_seat(self) -> tuple[float, float, str]:
+        """Bore of the clamp collar in mm, that of the journal at the gearhead; its thinnest wall in mm, its screw."""
+        return self.bearings.input_lower.bore_mm, self.support.material.min_wall_mm, self.input_pulleys.collar_screw
+
+
+class HeadLevels(Protocol):
+    """Heights along the input's axis, from the gearhead on, mm."""
+
+    @property
+    def motor_shelf_bottom_z(self) -> float:
+        """Face of the gearhead."""
+
+    @property
+    def motor_shelf_top_z(self) -> float:
+        """Where the coupling space begins."""
+
+    @property
+    def bearing_shelf_bottom_z(self) -> float:
+        """Where the coupling space ends."""
+
+    @property
+    def bearing_shelf_top_z(self) -> float:
+        """Face of the flange on the frame."""
+
+
+@dataclass(frozen=True)
+class Flange:
+    """Outline of the flange, mm, and where its screws and dowels stand, (x, y)."""
+
+    half_x: float
+    back_y: float
+    front_y: float
+    screws: Places
+    dowels: Places
+
+
+@dataclass(frozen=True)
+class HeadDims:
+    """The motor head (mm)."""
+
+    bottom_z: float
+    flange_top_z: float
+    shelf_bottom_z: float
+    top_z: float
+    flange: Flange
+    front_y: float  # of the part above the flange
+    back_y: float
+    inner_x: float
+    outer_x: float
+    corner_radius: float
+    seat_radius: float
+    seat_depth: float
+    shoulder_radius: float
+    pilot_radius: float
+    gear_screw_clearance: float
+    gear_bolt_circle: float
+    key_hole_radius: float
+    screw_clearance: float
+    dowel_radius: float
+
+
+def inner_half_width_mm(drive: HeadedDrive) -> float:
+    """Half the width of the coupling space: the collar turns in it, and the gearhead's screws stand off its corners."""
+    running = drive.clearances.running_mm
+    # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
+    heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
+    corner = max(drive.support.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
+    return max(collar_sweep_mm(drive, *drive.collar_seat) + running, heads + corner)
+
+
+def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
+    """Dimensions of the motor head."""
+    lower, gear, spec = drive.bearings.input_lower, drive.gearhead, drive.support
+    gear_screw, screw = drive.screw(gear.screw), drive.screw(FLANGE_SCREW)
+    inner = inner_half_width_mm(drive)
+    outer = inner + spec.side_wall_mm / 2
+    front = max(inner, gear.diameter_mm / 2)
+    depth = front + inner
+    return HeadDims(
+        bottom_z=-levels.bearing_shelf_top_z,
+        flange_top_z=-levels.bearing_shelf_bottom_z,
+        shelf_bottom_z=-levels.motor_shelf_top_z,
+        top_z=-levels.motor_shelf_bottom_z,
+        flange=flange,
+        front_y=front,
+        back_y=-outer,
+        inner_x=inner,
+        outer_x=outer,
+        corner_radius=max(spec.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2),
+        seat_radius=lower.outer_diameter_mm / 2,
+        seat_depth=lower.width_mm,
+        shoulder_radius=lower.outer_shoulder_mm / 2,
+        pilot_radius=gear.pilot_diameter_mm / 2,
+        gear_screw_clearance=gear_screw.clearance_mm / 2,
+        gear_bolt_circle=gear.bolt_circle_mm / 2,
+        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is in.
+        key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
+        screw_clearance=screw.clearance_mm / 2,
+        dowel_radius=DOWEL_MM / 2,
+    )

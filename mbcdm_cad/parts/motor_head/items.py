@@ -1,0 +1,116 @@
+"""A motor head with what hangs on it, and the encoder at the other end of the pulley, as items of a bill.
+
+All in the head's frame: Z along the input's axis towards the motor, from where the encoder is to where it is not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.parts.bill import BillBuilder
+from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR
+from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
+from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, FLANGE_SCREW, HeadDims, HeadedDrive
+from mbcdm_cad.parts.placement import Placement
+
+# Linear RGB.
+_MOTOR_COLOUR = (0.02, 0.02, 0.025)
+_GEARHEAD_COLOUR = (0.22, 0.2, 0.15)
+_TURNED = Placement.about((1.0, 0.0, 0.0), 180.0)
+
+
+@dataclass(frozen=True)
+class EncoderShelf:
+    """The shelf that carries bearing and encoder: its face towards the pulley is ``top_z``; screws sunk in it, mm."""
+
+    bottom_z: float
+    top_z: float
+    screw_circle: float
+    head_depth: float
+
+
+def _at(stand: Placement, x: float, y: float, z: float) -> Placement:
+    return stand @ Placement.translation(x, y, z)
+
+
+def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Placement) -> None:
+    """The head."""
+    b.add(
+        "motor_head",
+        "mbcdm_cad.parts.motor_head.draw:create_motor_head",
+        (head,),
+        material=drive.support.material,
+        place=stand,
+    )
+
+
+def add_flange_fixings(
+    b: BillBuilder, drive: HeadedDrive, head: HeadDims, insert: InsertSpec | None, stand: Placement
+) -> None:
+    """Dowels and screws that locate and hold the head on the frame, and what the screws find there if no thread."""
+    steel, top = drive.material("steel"), head.flange_top_z
+    for n, (x, y) in enumerate(head.flange.dowels, 1):
+        b.add(
+            f"dowel_{n}",
+            "mbcdm_cad.parts.ring:create_pin",
+            (head.dowel_radius, DOWEL_LENGTH_MM),
+            part="dowel",
+            material=steel,
+            place=_at(stand, x, y, top - DOWEL_LENGTH_MM),
+        )
+    for n, (x, y) in enumerate(head.flange.screws, 1):
+        b.screw(f"flange_screw_{n}", drive.screw(FLANGE_SCREW), steel, _at(stand, x, y, top))
+        if insert is not None:
+            b.insert(f"flange_insert_{n}", insert, drive.material("brass"), _at(stand, x, y, head.bottom_z))
+
+
+def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement) -> None:
+    """Gearhead and motor on the head, encoder behind its shelf, with their screws."""
+    body, steel = drive.material("stainless"), drive.material("steel")
+    gear, encoder = drive.gearhead, drive.encoder
+    gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
+    name = drive.input_names[0]
+    b.add(
+        f"gearhead_{name}",
+        "mbcdm_cad.parts.bought.draw:create_gearhead",
+        (gear, gear_screw, gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0),
+        part="gearhead",
+        material=replace(body, colour=_GEARHEAD_COLOUR),
+        place=_at(stand, 0.0, 0.0, head.top_z) @ _TURNED,
+        mass_g=gear.mass_g,
+    )
+    b.add(
+        f"motor_{name}",
+        "mbcdm_cad.parts.bought.draw:create_motor",
+        (drive.motor,),
+        part="motor",
+        material=replace(body, colour=_MOTOR_COLOUR),
+        place=_at(stand, 0.0, 0.0, head.top_z + gear.length_mm) @ _TURNED,
+        mass_g=drive.motor.mass_g,
+    )
+    sunk, thick = shelf.head_depth, shelf.top_z - shelf.bottom_z
+    b.add(
+        f"encoder_{name}",
+        "mbcdm_cad.parts.bought.draw:create_encoder",
+        (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_screw.length_mm - (thick - sunk) + 0.5),
+        part="encoder",
+        material=replace(body, colour=ENCODER_COLOUR),
+        place=_at(stand, 0.0, 0.0, shelf.bottom_z) @ _TURNED,
+        mass_g=encoder.mass_g,
+    )
+    for n, sign in enumerate((-1, 1), 1):
+        place = _at(stand, sign * head.gear_bolt_circle, 0.0, head.shelf_bottom_z) @ _TURNED
+        b.screw(f"gearhead_screw_{name}_{n}", gear_screw, steel, place)
+        place = _at(stand, sign * shelf.screw_circle, 0.0, shelf.top_z - sunk)
+        b.screw(f"encoder_screw_{name}_{n}", encoder_screw, steel, place)
+
+
+def add_input_bearings(
+    b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement
+) -> None:
+    """The pulley's bearings: in the head's flange and in the encoder's shelf, both on the pulley's side."""
+    ring, bearings, name = drive.material("bearing-steel"), drive.bearings, drive.input_names[0]
+    b.bearing(f"input_bearing_lower_{name}", bearings.input_lower, ring, _at(stand, 0.0, 0.0, head.bottom_z))
+    seat = shelf.top_z - bearings.input_upper.width_mm
+    b.bearing(f"input_bearing_upper_{name}", bearings.input_upper, ring, _at(stand, 0.0, 0.0, seat))
