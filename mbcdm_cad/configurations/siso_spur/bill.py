@@ -53,9 +53,11 @@ def _support(b: BillBuilder, lay: SpurLayout, drive: SpurDrive) -> None:
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
     b.drilled("frame", tapped)
-    for n, (x, z) in enumerate(frame.mounts if own else (), 1):
-        # Set from behind, where the screws come from.
-        b.insert(f"mount_insert_{n}", own, drive.material("brass"), _at(x, v.plate_back_y, z) @ _TO_BACK)
+    if own is not None:
+        for n, (x, z) in enumerate(frame.mounts, 1):
+            # Set from behind, where the screws come from.
+            place = _at(x, v.plate_back_y, z) @ _TO_BACK
+            b.insert(f"mount_insert_{n}", own, drive.material("brass"), place)
     b.add(
         "stop_pin",
         "mbcdm_cad.parts.ring:create_pin",
