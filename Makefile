@@ -4,10 +4,11 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 DESIGN ?= params/mbcdm.yaml
 
-.PHONY: build test test-slow lint setup picture docs docs-site benchmark lock clean
+.PHONY: build test test-slow lint setup picture docs gallery docs-site benchmark lock clean
 
 build: setup
 	$(BIN)/mbcdm build $(DESIGN)
+	$(BIN)/mbcdm page $(DESIGN)
 
 test: setup
 	$(BIN)/pytest -q -n auto --dist loadfile -m "not slow"
@@ -37,6 +38,10 @@ picture: setup
 docs: setup
 	$(BIN)/mbcdm schema --reference > docs/design-file.md
 	$(BIN)/mbcdm catalogue --markdown > docs/catalogue.md
+
+# The drives of params/gallery with their pictures and key figures.
+gallery: setup
+	$(BIN)/python -m mbcdm_cad.report.gallery_page params/gallery docs
 
 benchmark: setup
 	$(BIN)/python benchmarks/speed.py

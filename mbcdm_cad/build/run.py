@@ -215,6 +215,7 @@ def _write(
     data: dict[str, Any],
 ) -> None:
     from mbcdm_cad.report.markdown import report_markdown  # its templates, only where something is written
+    from mbcdm_cad.report.page import PAGE
 
     name = dims.drive.name
     note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""
@@ -230,3 +231,5 @@ def _write(
         folder.write(f"{name}.glb", assembly["glb"])
         folder.write("report.json", json.dumps(data, indent=1, sort_keys=True, allow_nan=False) + "\n")
         folder.write("report.md", report_markdown(data))
+    # A page of the state before would show its figures beside the new report; `mbcdm page` makes it anew.
+    (target / PAGE).unlink(missing_ok=True)

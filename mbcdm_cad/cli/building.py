@@ -5,6 +5,7 @@ What draws pictures and drawings is imported inside: a build that finds nothing 
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import click
@@ -16,6 +17,7 @@ from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.report.build_report import build_report
+from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
@@ -37,6 +39,8 @@ def build_command(path: Path, *, angle_deg: float, force: bool, out: Path, use_c
         click.echo(words, err=True)
     else:
         click.echo(report.text())
+        if not (report.folder / PAGE).exists():
+            click.echo(f"  mbcdm page {shlex.quote(str(path))} adds {PAGE}: the drive in 3D with all figures")
     return 0 if report.passed else 1
 
 

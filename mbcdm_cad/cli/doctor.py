@@ -86,7 +86,7 @@ def examined() -> Iterator[Dependency]:
     yield _imported("drawing library", "vtkmodules.vtkRenderingOpenGL2", "vtk", "picture, meshes")
     yield _cache()
     yield _program("FreeCAD", _FREECAD, "opening the STEP files and the tests that do so; not needed to make them")
-    yield _program("browser", _BROWSERS, "the pages that 'loop --report' and 'build' write")
+    yield _program("browser", _BROWSERS, "the pages that 'page', 'watch', 'loop --report' and 'compare --page' write")
     pandas = _version("pandas")
     remedy = "pip install pandas"
     yield Dependency(

@@ -14,7 +14,8 @@ from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.report.data import checks_data, report_data
 from mbcdm_cad.report.explain import fields_data
-from mbcdm_cad.report.page.stage import PAGE, page_of
+from mbcdm_cad.report.page import PAGE
+from mbcdm_cad.report.page.stage import page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import write_whole
 

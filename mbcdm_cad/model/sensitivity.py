@@ -30,6 +30,9 @@ GLOBAL_RANGES = {
 }
 INPUT_RATING_RANGE_NM = (0.15, 0.25)
 ELASTICITY_STEP = 1e-4
+# The paper's case, and the range round it that Fig. 5 shows.
+_PAPER_PRELOAD_N = (70.0, *PRELOAD_RANGE_N)
+_PAPER_LOAD_NM = (0.91, 0.3, 3.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +65,17 @@ def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
     """The panels, by all cables at once on first loading; every other parameter as in ``d``.
 
     The last are over the lengths of the whole design that the configuration names, the centre distance in the paper.
-    Where one of the paper's values leaves no free span, they count as steps from the design's own value on.
+    A drive whose own preload or load lies outside the paper's range gets that range in proportion to its own figure;
+    so does one that has no free span at one of the paper's distances.
     """
-    preload = np.linspace(*PRELOAD_RANGE_N, points)
+    preload = np.linspace(*PRELOAD_RANGE_N, points) * _scale(float(np.mean(d.preload_N)), *_PAPER_PRELOAD_N)
+    load_scale = _scale(load_Nm, *_PAPER_LOAD_NM)
     panels = []
     lengths = [(v.name, v.label, "mm", 1e3, _possible(d, v.name, v.values_m)) for v in d.geometry.varied]
     for letter, (name, label, unit, factor, values) in zip(ascii_lowercase, [*PANELS, *lengths], strict=False):
         lines = []
+        if name == "load_Nm":
+            values = tuple(value * load_scale for value in values)
         for value in values:
             one = d if name == "load_Nm" else d.with_(**{name: value})
             many = one.spread(points).with_(preload_N=np.broadcast_to(preload, (d.n_cables, points)))
@@ -76,6 +83,11 @@ def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
             lines.append(np.abs(solve_equilibrium(many, load).drum_angle_rad))
         panels.append(Panel(letter, label, unit, preload, np.array(values) * factor, np.array(lines)))
     return tuple(panels)
+
+
+def _scale(own: float, paper: float, low: float, high: float) -> float:
+    """1 where the own figure lies in the paper's range, else how much larger it is than the paper's."""
+    return 1.0 if low <= own <= high else own / paper
 
 
 def _possible(d: DriveSI, name: str, values_m: tuple[float, ...]) -> tuple[float, ...]:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.storage.cache import Cache
 
-PAGE = "report.html"
-
 
 def page_of(
     drive: Drive,

@@ -42,7 +42,7 @@ def studies(drive: Drive) -> dict[str, Any]:
             ("preload", "N"),
             ("backlash", "mrad"),
             panel.preload_N,
-            [(f"{value:g}{unit}", line * 1e3) for value, line in zip(panel.value, panel.backlash_rad, strict=True)],
+            [(f"{value:.4g}{unit}", line * 1e3) for value, line in zip(panel.value, panel.backlash_rad, strict=True)],
         )
     return {
         "charts": charts,

@@ -37,7 +37,10 @@ STACKS = (StackUp("gap, mm", 0.1, (Contribution("bore", 0.03), Contribution("fac
 
 @pytest.mark.parametrize("path", sorted((REFERENCE.parent / "gallery").glob("*.yaml")), ids=lambda path: path.stem)
 def test_figure_5_has_lines_where_the_papers_distances_leave_no_span(path: Path) -> None:
-    panels = figure_5(to_si(load_design(path).drive), 0.3, points=3)
+    drive = load_design(path).drive
+    panels = figure_5(to_si(drive), drive.loads.test_torque_Nm, points=3)
+    assert panels[0].preload_N[0] <= drive.cables[0].preload_N <= panels[0].preload_N[-1]
+    assert panels[0].value[0] <= drive.loads.test_torque_Nm <= panels[0].value[-1]
     assert all(np.isfinite(panel.backlash_rad).all() for panel in panels)
     distance = panels[-1].value
     assert len(distance) > 3 and np.all(np.diff(distance) > 0.0), distance

@@ -1,0 +1,133 @@
+"""The gallery: drives from short files with a picture and their key figures. ``python -m`` this writes the page.
+
+    python -m mbcdm_cad.report.gallery_page params/gallery docs
+
+writes ``docs/gallery.md`` and a picture of each drive below ``docs/pictures/gallery``. Parts are drawn, but not tested
+for interference: that is what the build is for.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mbcdm_cad.build.run import drawn
+from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.report.data import report_data
+from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.storage.cache import Cache, cache_folder
+from mbcdm_cad.storage.files import write_whole
+
+_PICTURE_PX = (560, 440)
+_COLUMNS = (
+    "drive",
+    "lines",
+    "ratio",
+    "travel, deg",
+    "torque, N m",
+    "rope",
+    "preload, N",
+    "mass, g",
+    "box X x Z x Y, mm",
+    "swing, mrad at N m",
+    "lowest mode, Hz",
+)
+_HEAD = """# Gallery
+
+Drives made from short files in `params/gallery/`: a file states what the drive must do and what it holds fixed, and
+every other value follows by a rule (`mbcdm explain`). All of them pass every check. `make gallery` draws the pictures
+and writes this page; `mbcdm page params/gallery/wrist.yaml` makes the page with the wrist in 3D. How far such files
+reach is measured in [how far a short file reaches](reach.md).
+
+Torque is the lesser of both ways, gearhead lossless; the swing is that at a reversal of the test torque; the lowest
+mode is with the inputs held.
+"""
+# What a file's first line says after the sentence that is its own.
+_HINT = re.compile(r"\.\s+(Everything else|mbcdm explain).*")
+
+
+@dataclass(frozen=True)
+class GalleryDrive:
+    """A drive on show: its file, the first sentence of it, its report without what needs a whole build, a picture."""
+
+    loaded: LoadedDesign
+    report: dict[str, Any]
+    png: bytes
+
+    @property
+    def words(self) -> str:
+        """The sentence that the file begins with."""
+        first = self.loaded.text.splitlines()[0].removeprefix("#").strip()
+        return _HINT.sub("", first).rstrip(".") + "."
+
+    @property
+    def lines(self) -> int:
+        """Lines of the file that are no comment."""
+        return sum(bool(line.split("#")[0].strip()) for line in self.loaded.text.splitlines())
+
+    def row(self) -> tuple[Any, ...]:
+        """Its line of the table."""
+        drive, r = self.loaded.drive, self.report
+        cable = drive.cables[0]
+        torque = min(r["torque"]["peak_positive_Nm"], r["torque"]["peak_negative_Nm"])
+        a = r["analysis"]
+        return (
+            drive.name,
+            self.lines,
+            cable.drum_radius_mm / cable.input_radius_mm,
+            f"+-{drive.half_travel_deg:g}",
+            torque,
+            f"{drive.cable.diameter_mm:g} mm",
+            cable.preload_N,
+            f"{r['mass']['mass_g']:.0f}",
+            " x ".join(f"{side:.0f}" for side in r["envelope"]["size_mm"]),
+            f"{a['reversal_swing_mrad']:.3g} at {drive.loads.test_torque_Nm:g}",
+            f"{r['torsion']['lowest_inputs_held_Hz']:.0f}",
+        )
+
+
+def gallery_drive(path: Path, cache: Cache) -> GalleryDrive:
+    """One drive, drawn. Raises as :func:`~mbcdm_cad.configurations.loader.load_design` and ``drawn`` do."""
+    from mbcdm_cad.build.export.picture import picture_png  # loads the drawing library
+
+    loaded = load_design(path)
+    items, parts = drawn(loaded.drive, 0.0, cache, lambda name: None)
+    kind = configuration(loaded.drive.configuration)
+    dims = kind.layout(loaded.drive)
+    data = report_data(dims, kind.bill(dims), parts, (), (), None, drum_angle_deg=0.0, design_sha256=loaded.sha256)
+    png = picture_png(items, {name: part.files.mesh for name, part in parts.items()}, "output", _PICTURE_PX)
+    return GalleryDrive(loaded, data, png)
+
+
+def gallery_markdown(drives: Sequence[GalleryDrive], folder: str) -> Iterator[str]:
+    """Lines of the page; ``folder`` is where the pictures lie as seen from it."""
+    yield _HEAD
+    yield from ReportTable(_COLUMNS, tuple(one.row() for one in drives)).markdown()
+    for one in drives:
+        name = one.loaded.drive.name
+        yield f"\n## {name}\n"
+        yield f"`params/gallery/{one.loaded.path.name}`: {one.words}\n"
+        yield f"![{name}, drum centred, seen from its output side]({folder}/{name}.png)"
+
+
+def main(designs: Path, docs: Path) -> None:
+    """Write page and pictures."""
+    cache = Cache(cache_folder())
+    drives = []
+    for path in sorted(designs.glob("*.yaml")):
+        print(f"drawing {path.stem}", file=sys.stderr, flush=True)
+        drives.append(gallery_drive(path, cache))
+    folder = Path("pictures", "gallery")
+    files = {docs / folder / f"{one.loaded.drive.name}.png": one.png for one in drives}
+    page = "\n".join(gallery_markdown(drives, folder.as_posix())) + "\n"
+    write_whole({docs / "gallery.md": page.encode(), **files})
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
