@@ -1,0 +1,42 @@
+"""The gallery: its page as it stands in docs, and the words and figures it takes from a file."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from mbcdm_cad.report.gallery_page import GalleryDrive
+
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "docs" / "gallery.md"
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "lines"),
+    [
+        (
+            "# A wrist: thin rope. Everything else follows: mbcdm explain wrist.yaml\nname: a\n\n# b\nc: 1\n",
+            "A wrist: thin rope.",
+            2,
+        ),
+        ("# A small joint. mbcdm explain finger.yaml\nname: a\n", "A small joint.", 1),
+        ("# Nothing more to say\nname: a\n", "Nothing more to say.", 1),
+    ],
+)
+def test_words_are_the_files_own_first_sentence(text: str, words: str, lines: int) -> None:
+    drive = GalleryDrive(cast(Any, SimpleNamespace(text=text)), {}, b"")
+    assert (drive.words, drive.lines) == (words, lines)
+
+
+def test_every_drive_on_the_page_has_its_file_and_its_picture() -> None:
+    text = PAGE.read_text("utf-8")
+    files = re.findall(r"`(params/gallery/[\w.-]+\.yaml)`:", text)
+    pictures = re.findall(r"\]\((pictures/[^)]+)\)", text)
+    assert len(files) == len(pictures) >= 12, (len(files), len(pictures))
+    assert [name for name in files if not (ROOT / name).is_file()] == []
+    sizes = {name: (PAGE.parent / name).stat().st_size for name in pictures}
+    assert all(4_000 < size < 200_000 for size in sizes.values()), sizes
