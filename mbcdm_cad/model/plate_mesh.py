@@ -243,12 +243,14 @@ def statically(points: Floats, at: Floats, force: Floats, moment: Floats) -> Flo
     return np.asarray(np.linalg.lstsq(rows, np.concatenate([force, moment]), rcond=None)[0].reshape(-1, 3))
 
 
-def centred_load(mesh: PlateMesh, nodes: Ints, point: Floats, force_x: float, couple_z: float = 0.0) -> Floats:
-    """Forces (n, 3) on ``nodes`` of this half by a force along x, and a couple about z (N mm), in the mirror plane."""
+def centred_load(
+    mesh: PlateMesh, nodes: Ints, point: Floats, force_x: float, couple_z: float = 0.0, couple_y: float = 0.0
+) -> Floats:
+    """Forces (n, 3) on ``nodes`` of this half by a force along x, couples about z and y (N mm), in the mirror plane."""
     node = mesh.plates.node_mm
     off_plane = nodes[~mesh.middle[nodes]]
     both = np.concatenate([node[nodes], node[off_plane] * (-1.0, 1.0, 1.0)])
-    spread = statically(both, point, np.array([force_x, 0.0, 0.0]), np.array([0.0, 0.0, couple_z]))[: len(nodes)]
+    spread = statically(both, point, np.array([force_x, 0.0, 0.0]), np.array([0.0, couple_y, couple_z]))[: len(nodes)]
     # Nodes in the mirror plane carry half of their force on each side.
     return np.asarray(spread * np.where(mesh.middle[nodes], 0.5, 1.0)[:, None])
 

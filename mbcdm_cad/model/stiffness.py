@@ -67,3 +67,9 @@ def torsional_modes_Hz(d: DriveSI, drum_inertia_kg_m2: float, input_inertia_kg_m
     values = np.linalg.eigvalsh(matrix[np.ix_(free, free)] / np.outer(root, root))
     noise = 1e-9 * values.max()
     return np.asarray(np.sqrt(np.where(values < noise, 0.0, values)) / (2.0 * np.pi))
+
+
+def unit_tensions_N(d: DriveSI) -> Floats:
+    """Change of the tensions (n_cables,) per N m of load on the drum while every wrap sticks."""
+    stiffness = d.axial_stiffness_N / d.free_span_m
+    return np.asarray(d.sigma * stiffness * d.drum_radius_m / (stiffness * d.drum_radius_m**2).sum())

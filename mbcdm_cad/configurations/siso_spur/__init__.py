@@ -85,9 +85,11 @@ class SisoSpur:
 
         return assembly_order(layout)
 
-    def frame_study(self, layout: SpurLayout) -> FrameStudy | None:
-        """The frame counts as rigid."""
-        return None
+    def frame_study(self, layout: SpurLayout) -> FrameStudy:
+        """How far the frame's deflection turns the drum."""
+        from mbcdm_cad.configurations.siso_spur.support.stiffness import frame_study
+
+        return frame_study(layout)
 
     def path_figures(self, layout: SpurLayout) -> SpurFigures:
         """Figures of the cables' true paths over the travel."""

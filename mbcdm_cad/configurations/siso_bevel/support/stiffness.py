@@ -18,7 +18,8 @@ from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
 from mbcdm_cad.configurations.siso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
 from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
-from mbcdm_cad.model.si import MM, DriveSI, to_si
+from mbcdm_cad.model.si import MM, to_si
+from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.routes import Floats
 
 # A force on a seat spreads over this many of its radii.
@@ -80,12 +81,6 @@ def mounts(layout: DirectLayout) -> Mounts:
     """The mounting screws."""
     f, v = layout.frame, layout.levels
     return Mounts(f.mounts, MOUNT_SCREW_HEAD_MM / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
-
-
-def unit_tensions_N(d: DriveSI) -> Floats:
-    """Change of the tensions (n_cables,) per N m of load on the drum while every wrap sticks."""
-    stiffness = d.axial_stiffness_N / d.free_span_m
-    return np.asarray(d.sigma * stiffness * d.drum_radius_m / (stiffness * d.drum_radius_m**2).sum())
 
 
 def seat_forces(layout: DirectLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:

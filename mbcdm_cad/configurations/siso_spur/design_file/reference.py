@@ -52,7 +52,7 @@ SHARED = {
     "limits.bend_ratio_min": Given(14.8, "section 2.2"),
     "limits.tension_safety_factor": Given(5.0, "rope makers: 5 to 10"),
     "limits.preload_share_max": Given(0.5, "rope makers: under half"),
-    "limits.frame_windup_max_mrad": Given(0.1, "a choice"),
+    "limits.frame_windup_max_mrad": Given(0.03, "a choice: a seventh of the cable's own turn there, 0.215 mrad"),
     "making.rope_diameter_share": Given(0.03, LIKE_D),
     "making.run_out_mm": Given(0.02, LIKE_D),
     "making.bearing_play_mm": Given(0.008, LIKE_D),

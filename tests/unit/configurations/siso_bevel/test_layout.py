@@ -22,8 +22,9 @@ from mbcdm_cad.configurations.siso_bevel.checks.input_turn import highest_ratio
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout, layout
-from mbcdm_cad.configurations.siso_bevel.support.stiffness import frame_compliance, seat_forces, unit_tensions_N
+from mbcdm_cad.configurations.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import unit_tensions_N
 
 ROOT = Path(__file__).parents[4]
 

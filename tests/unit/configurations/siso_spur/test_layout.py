@@ -21,7 +21,10 @@ from mbcdm_cad.configurations.siso_spur.checks.winding import CHECKS as WINDING
 from mbcdm_cad.configurations.siso_spur.checks.winding import turn_distance_mm
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, laid
-from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
+from mbcdm_cad.configurations.siso_spur.layout import SpurLayout, layout
+from mbcdm_cad.configurations.siso_spur.support.stiffness import frame_compliance, seat_forces
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import unit_tensions_N
 
 ROOT = Path(__file__).parents[4]
 
@@ -143,3 +146,21 @@ def test_two_sides_must_run_apart() -> None:
     text = new_design_text("x", "siso_spur").replace("drum_side: -x", "drum_side: +x")
     with pytest.raises(Exception, match="both sides run to one side"):
         load_text(text)
+
+
+def test_forces_of_1_Nm_leave_the_mounts_its_moment_alone(dims: SpurLayout) -> None:
+    forces = seat_forces(dims, unit_tensions_N(to_si(dims.drive)))
+    assert sum(f for _, _, f, _ in forces) == pytest.approx(0.0, abs=1e-9)
+    assert sum(p[2] * f + c for _, p, f, c in forces) * 1e-3 == pytest.approx(-1.0, rel=1e-9)
+    assert sum(p[1] * f for _, p, f, _ in forces) * 1e-3 == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_thicker_walls_turn_less(drive: SpurDrive) -> None:
+    def windup(**walls: float) -> float:
+        return frame_compliance(layout(replace(drive, support=replace(drive.support, **walls)))).windup_urad_Nm
+
+    now = windup()
+    assert 30.0 < now < 50.0, f"{now} urad per N m"
+    for walls in ({"plate_mm": 6.0}, {"bridge_mm": 5.0}, {"encoder_shelf_mm": 5.0}):
+        assert windup(**walls) < now, walls

@@ -1,0 +1,108 @@
+"""How far the elastic frame lets the drum turn: plate and yoke as folded plates on the mounting screws.
+
+By reciprocity the drum turns, for each N m of load, by f . u: f are the forces that the change of tensions by that load
+puts on the seats, u the displacements they cause (:mod:`mbcdm_cad.model.plate_mesh`). One side pulls more, the other
+less, so that their pulls along the line of centres cancel and those across it add up: the input is pushed to one side,
+the drum to the other, and the gearhead holds the cable's lever about the input's axis. Assumptions as in
+docs/decisions/0005; besides, the motor head's flange stands for the plate's opening that it closes, the boss is rigid,
+and the small couple of both spans, which leave a few leads apart, is left out.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from mbcdm_cad.configurations.interface import FrameCompliance, FrameStudy
+from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
+from mbcdm_cad.configurations.siso_spur.support.dims import MOUNT_SCREW
+from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, Y, Z, centred_load, plate_mesh, shares_urad
+from mbcdm_cad.model.si import MM, to_si
+from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.routes import Floats
+
+# A force on a seat spreads over this many of its radii.
+_SPREAD = 1.5
+
+
+def walls(layout: SpurLayout) -> list[Wall]:
+    """The walls of the half x >= 0."""
+    v, f = layout.levels, layout.frame
+    y_plate, y_shelf = (v.plate_back_y + v.front_y) / 2, (v.top_plate_bottom_z + v.top_plate_top_z) / 2
+    z_bridge, wide = (f.bridge_bottom_z + f.top_z) / 2, (0.0, f.shelf_half_width)
+    shelf = v.top_plate_top_z - v.top_plate_bottom_z
+    depth = min(f.seat_depth, shelf)
+    seat = pi * (f.seat_radius**2 * depth + f.seat_shoulder_radius**2 * (shelf - depth))
+    return [
+        Wall(
+            "plate",
+            Y,
+            y_plate,
+            ((0.0, f.half_width), (-f.boss.radius, z_bridge)),
+            v.front_y - v.plate_back_y,
+            embedded=((Z, -f.boss.radius, f.boss.radius),),
+        ),
+        Wall("bridge", Z, z_bridge, (wide, (y_plate, y_shelf)), f.top_z - f.bridge_bottom_z),
+        Wall("encoder shelf", Y, y_shelf, (wide, (f.shelf_bottom_z, z_bridge)), shelf, (Hole(0.0, f.axis_z, seat),)),
+    ]
+
+
+def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
+    """(panel, point in mm, force along x in N, couple about y in N mm) on the frame's seats by the tensions."""
+    d, v, shaft, z = to_si(layout.drive), layout.levels, layout.drum_shaft, layout.frame.axis_z
+    loads = bearing_loads(d, tension_N)
+    bearings, pulley = layout.drive.bearings, loads.inputs[0]
+    lower = v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2
+    upper = v.top_plate_bottom_z + bearings.input_upper.width_mm / 2
+    # Heights of the routes count along the input's own axis, which points back.
+    axis = d.routes.inputs[0].axis
+    pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, -lower * MM, -upper * MM, axis)
+    rear, front = (y + bearings.drum.width_mm / 2 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
+    # Moments about the drum's axis aside, its bearings take force and couple along x by their distances.
+    on_drum = float(loads.drum.force_N[0])
+    on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
+    # What the gearhead holds against: the tensions' lever about the input's axis, -Y, passed on to the plate.
+    torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
+    return [
+        ("plate", (0.0, lower, z), -float(pair[0, 0]), torque / MM),
+        ("encoder shelf", (0.0, upper, z), -float(pair[1, 0]), 0.0),
+        ("plate", (0.0, rear, 0.0), on_drum - on_front, 0.0),
+        ("plate", (0.0, front, 0.0), on_front, 0.0),
+    ]
+
+
+def frame_compliance(layout: SpurLayout) -> FrameCompliance:
+    """Windup of the drum by the frame per N m of external torque, with the share of each part.
+
+    Raises ``ValueError`` if the dimensions leave no frame to compute.
+    """
+    f, v, screw = layout.frame, layout.levels, layout.drive.screw(MOUNT_SCREW)
+    held = Mounts(f.mounts, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y)
+    mesh = plate_mesh(walls(layout), held)
+    material = layout.drive.support.material
+    total = np.zeros((len(mesh.plates.node_mm), 6))
+    for panel, (x, y, z), force_x, couple_y in seat_forces(layout, unit_tensions_N(to_si(layout.drive))):
+        # The drum's bearings load the boss, those of the input what surrounds their seats.
+        reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, layout.head.seat_radius)
+        nodes = mesh.near(panel, (x, y, z), (reach, 1e3, reach))
+        total[nodes, :3] += centred_load(mesh, nodes, np.array((x, y, z)), force_x, couple_y=couple_y)
+    shares = shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
+    return FrameCompliance(sum(shares.values()), shares)
+
+
+def frame_study(layout: SpurLayout) -> FrameStudy:
+    """The compliance as a study for the cache; infinite where the frame has no metal to carry a load."""
+
+    def compliance() -> FrameCompliance:
+        try:
+            return frame_compliance(layout)
+        except (ValueError, ArithmeticError):
+            return FrameCompliance(float("inf"), {})
+
+    drive = layout.drive
+    # Of the drum's shaft only where its bearings stand: what else changes on it must not ask for the study again.
+    seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
+    inputs = (layout.frame, seats, drive.support, drive.bearings, drive.cables, drive.centre_distance_mm)
+    return FrameStudy(__name__, inputs, compliance)
