@@ -5,9 +5,13 @@ from __future__ import annotations
 import importlib.util
 import sys
 
+import numpy as np
 import pytest
 
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.si import to_si
 
 
 @pytest.fixture(scope="module")
@@ -52,3 +56,14 @@ def test_they_part_by_as_much_as_is_known(comparison, drive):
 def test_finer_pieces_come_nearer(comparison, drive):
     errors = [abs(comparison.agreement(drive, piece)[0].difference) for piece in (0.08, 0.02, 0.005)]
     assert errors[0] > 4 * errors[1] > 4 * errors[2], errors
+
+
+def test_they_agree_on_one_cable_that_friction_holds_on_its_input(comparison, project):
+    """Plain capstan drive, each side a cable from the middle of the input: first loading, and the swing back."""
+    plain = comparison.stiff_rope(load_design(project / "params" / "siso_spur.yaml").drive)
+    load = np.concatenate([np.linspace(0.0, 2.15, 200), np.linspace(2.15, -2.15, 400)])
+    found, _ = comparison.held(plain, load, piece_rad=0.02)
+    d = to_si(plain)
+    assert found[199] == pytest.approx(float(solve_equilibrium(d, 2.15).drum_angle_rad), rel=1e-3)
+    model = simulate(d, np.zeros((1, load.size)), load).drum_angle_rad
+    assert found[-1] - found[199] == pytest.approx(model[-1] - model[199], rel=1e-3)
