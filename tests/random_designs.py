@@ -150,7 +150,7 @@ def masses_g(found: Passing, b: Bill, solids: dict[str, Any]) -> tuple[float, fl
     return estimated_mass_g(b, VOLUMES), drawn
 
 
-def exercise_workshop(found: Passing) -> Iterator[Failure]:
+def exercise_workshop(found: Passing, undrawn: tuple[str, ...] = ()) -> Iterator[Failure]:
     """What the workshop asks of one design, and of one forced in its place; yields what fails."""
     dims = layout(found.loaded.drive)
     b = bill(dims)
@@ -159,7 +159,7 @@ def exercise_workshop(found: Passing) -> Iterator[Failure]:
     except Exception as error:  # the kernel raises what it likes
         yield Failure(found.seed, "draw", f"{type(error).__name__}: {error}")
         return
-    for stage, what in workshop(dims, b, solids):
+    for stage, what in workshop(dims, b, solids, undrawn):
         yield Failure(found.seed, stage, what)
     data, changed = forced(found.data, found.loaded.drive, found.seed)
     try:

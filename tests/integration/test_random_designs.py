@@ -48,9 +48,9 @@ def test_a_design_that_passes_the_checks_builds(number: int) -> None:
 
 @pytest.mark.slow
 def test_the_workshop_can_make_a_random_design() -> None:
-    """A hundred: ``python tests/random_designs.py --count 100 --workshop``."""
+    """A hundred: ``python tests/random_designs.py --count 100 --workshop``, with the drum's drawing, the longest."""
     (found,) = found_first(1)
-    failures = list(random_designs.exercise_workshop(found))
+    failures = list(random_designs.exercise_workshop(found, ("drum",)))
     assert not failures, "\n".join(f"seed {f.seed}, {f.stage}: {f.what}" for f in failures)
 
 

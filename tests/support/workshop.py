@@ -136,8 +136,8 @@ def holes(name: str, sheet: Sheet, solid: cq.Solid) -> Failures:
             yield "holes", f"{name}: bore of {2 * hole.radius_mm:g} mm at {hole.foot_mm} is not on the sheet"
 
 
-def workshop(dims: Any, bill: Bill, solids: dict[str, cq.Solid]) -> Failures:
-    """All of it, for each made part; ``solids`` by part."""
+def workshop(dims: Any, bill: Bill, solids: dict[str, cq.Solid], undrawn: tuple[str, ...] = ()) -> Failures:
+    """All of it, for each made part but the drawings of those ``undrawn``; ``solids`` by part."""
     drive = dims.drive
     yield from take_up(dims, solids)
     for name, item in {item.part: item for item in bill.items if item.kind == "made"}.items():
@@ -147,7 +147,8 @@ def workshop(dims: Any, bill: Bill, solids: dict[str, cq.Solid]) -> Failures:
             continue
         sheet = sheet_of(name, spec.maker, spec.args)
         shown = solid if sheet.simplified is None else make(spec.maker, sheet.simplified)
-        yield from drawing(name, sheet, shown, drive)
+        if name not in undrawn:
+            yield from drawing(name, sheet, shown, drive)
         yield from printed(name, solid, drive.printing.hole_allowance_mm if item.material.printed else 0.0)
         yield from holes(name, sheet, shown)
 
