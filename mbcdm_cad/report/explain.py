@@ -56,11 +56,21 @@ def explain_all(loaded: LoadedDesign) -> tuple[Explained, ...]:
 def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
     """The fields that the file states although a rule would fill them, in the order of the file."""
     data = loaded.design.model_dump(mode="json", exclude_unset=True)
-    filled = {value.field for value in loaded.sized}
+    whole = _filled(loaded, data)
+    sized = {value.field for value in loaded.sized}
     for field in _fields({name: block for name, block in data.items() if name not in _WITHOUT_RULES}):
-        record = None if field in filled else _without(loaded, data, field)
+        record = None if field in sized else _without(loaded, whole, field)
         if record is not None:
             yield Explained(field, _value(data, field), True, record)
+
+
+def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
+    """The data with the fields filled that even a complete file may leave out, so that they are worked out once."""
+    size = design_file(loaded.drive.configuration).size
+    try:
+        return data if size is None else size(copy.deepcopy(data), {}).data
+    except SizingError:
+        return data
 
 
 def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedValue | None:

@@ -14,6 +14,7 @@ from mbcdm_cad.design.describe import flow
 from mbcdm_cad.report.page import content
 
 
+@cache
 def page_environment(*more: tuple[str, str]) -> jinja2.Environment:
     """Templates of all pages: those of this package, and of ``more`` (package, folder in it).
 
