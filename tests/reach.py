@@ -2,15 +2,18 @@
 
     python tests/reach.py --count 300 --seed 1
     python tests/reach.py --only 17 --save DIR
+    python tests/reach.py --edits
 
 Each seed is one file of about ten lines, drawn over the whole space (:data:`WHOLE`). Printed are the share that
 passes every check, the failures by the first check that fails, and where in the space they lie. ``--build`` also
-builds what passes and counts clashes and bad solids. Exit 1 where a file that passes does not build.
+builds what passes and counts clashes and bad solids. Exit 1 where a file that passes does not build. ``--edits`` takes
+the files that pass, moves one requirement by a tenth up and down, and counts what still passes without a second edit.
 """
 
 from __future__ import annotations
 
 import argparse
+import copy
 import sys
 import time
 from collections import Counter
@@ -27,6 +30,15 @@ sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it i
 from random_generator import WHOLE, failing, load, requirements
 
 from mbcdm_cad.errors import InputError
+
+# Requirements that are numbers: (block, field).
+NUMBERS = (
+    ("transmission", "ratio"),
+    ("transmission", "drum_radius_mm"),
+    ("travel", "half_angle_deg"),
+    ("loads", "peak_torque_Nm"),
+    ("transmission", "centre_distance_mm"),
+)
 
 
 @dataclass(frozen=True)
@@ -128,6 +140,31 @@ def report(found: Sequence[Reached]) -> str:
     return "\n".join(lines)
 
 
+def edited(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The file with one requirement a tenth smaller or larger, and which."""
+    for block, name in NUMBERS:
+        for factor in (0.9, 1.1):
+            if name in data[block]:
+                other = copy.deepcopy(data)
+                other[block][name] = round(data[block][name] * factor, 6)
+                yield f"{name} x {factor:g}", other
+
+
+def edits(found: Sequence[Reached]) -> str:
+    """What comes of the edits of the files that pass."""
+    passed: dict[str, list[bool]] = {}
+    first: Counter[str] = Counter()
+    for reached in found:
+        for name, data in edited(reached.data) if reached.passes else ():
+            r = judged(reached.seed, data)
+            passed.setdefault(name, []).append(r.passes)
+            first.update([r.failed[0][0] if r.failed else "refused"] if not r.passes else [])
+    lines = [f"  {name:<26} {sum(each)}/{len(each)}" for name, each in passed.items()]
+    every = [one for each in passed.values() for one in each]
+    lines.append(f"{sum(every)} of {len(every)} edits pass ({sum(every) / max(len(every), 1):.1%})")
+    return "\n".join([*lines, "first to fail: " + ", ".join(f"{check} {n}" for check, n in first.most_common())])
+
+
 def main() -> int:
     """The command."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -136,6 +173,7 @@ def main() -> int:
     parser.add_argument("--only", type=int, help="one seed: its requirements and what fails")
     parser.add_argument("--of", help="list the seeds that fail this check first")
     parser.add_argument("--save", type=Path, help="write the files there")
+    parser.add_argument("--edits", action="store_true", help="edit what passes by a tenth")
     parser.add_argument("--build", type=int, default=0, metavar="N", help="build the first N that pass")
     args = parser.parse_args()
     seeds = [args.only] if args.only is not None else range(args.seed, args.seed + args.count)
@@ -151,6 +189,8 @@ def main() -> int:
                 print("\n".join(f"    {check}: {message}" for check, message in r.failed))
         return 0
     print(report(found))
+    if args.edits:
+        print(edits(found))
     faults = 0
     for r in [r for r in found if r.passes][: args.build]:
         wrong = list(built(r))
