@@ -156,6 +156,7 @@ def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, 
     assert one.page.query_selector("#graph.some") is None
 
 
+@SLOW
 def test_steps_of_assembly_get_their_pictures(opened: Open, report: dict[str, Any], artefacts: Path) -> None:
     one = opened()
     one.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
