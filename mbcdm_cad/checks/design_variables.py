@@ -16,8 +16,9 @@ ROPE_DIAMETER = "rope diameter_mm"
 class DesignVariable(NamedTuple):
     """A parameter under the name it has in the design file.
 
-    ``scale``: its value is a factor on a list of radii. ``applies``: whether the design file gives it. ``shown``: its
-    name in a remedy and what to add there, where these depend on the design.
+    ``asked``: it says what the drive is for, so that a remedy names it last. ``scale``: its value is a factor on a list
+    of radii. ``applies``: whether the design file gives it. ``shown``: its name in a remedy and what to add there,
+    where these depend on the design.
     """
 
     path: str
@@ -26,6 +27,7 @@ class DesignVariable(NamedTuple):
     scale: bool = False
     applies: Callable[[Any], bool] = lambda drive: True
     shown: Callable[[Any], tuple[str, str]] | None = None
+    asked: bool = False
 
 
 class Adjustment(NamedTuple):
@@ -49,7 +51,7 @@ def _read(drive: Drive, names: list[str]) -> Any:
     return reduce(getattr, names, cast(Any, drive))
 
 
-def field(path: str, attributes: str = "") -> DesignVariable:
+def field(path: str, attributes: str = "", *, asked: bool = False) -> DesignVariable:
     """A number of the drive; ``attributes`` is where the drive holds it, if not under ``path``."""
     names = (attributes or path).split(".")
 
@@ -61,7 +63,7 @@ def field(path: str, attributes: str = "") -> DesignVariable:
         changed: Drive = set_in(drive, names)
         return changed
 
-    return DesignVariable(path, lambda drive: float(_read(drive, names)), put)
+    return DesignVariable(path, lambda drive: float(_read(drive, names)), put, asked=asked)
 
 
 def radii(path: str, attributes: tuple[str, ...]) -> DesignVariable:
@@ -71,7 +73,7 @@ def radii(path: str, attributes: tuple[str, ...]) -> DesignVariable:
         cables = (replace(c, **{name: getattr(c, name) * factor for name in attributes}) for c in drive.cables)
         return replace(drive, cables=tuple(cables))
 
-    return DesignVariable(path, lambda drive: 1.0, put, scale=True)
+    return DesignVariable(path, lambda drive: 1.0, put, scale=True, asked=True)
 
 
 def _preload(drive: Drive, value: float) -> Drive:
@@ -85,10 +87,10 @@ def by_path(variables: Iterable[DesignVariable]) -> dict[str, DesignVariable]:
 
 
 SHARED = (
-    field("travel.half_angle_deg", "half_travel_deg"),
+    field("travel.half_angle_deg", "half_travel_deg", asked=True),
     field("travel.stop_clearance_deg", "stop_clearance_deg"),
     DesignVariable("rope.preload_N", lambda drive: drive.cables[0].preload_N, _preload),
-    field(ROPE_DIAMETER, "cable.diameter_mm"),
-    field("loads.test_torque_Nm"),
-    field("loads.peak_torque_Nm"),
+    field(ROPE_DIAMETER, "cable.diameter_mm", asked=True),
+    field("loads.test_torque_Nm", asked=True),
+    field("loads.peak_torque_Nm", asked=True),
 )

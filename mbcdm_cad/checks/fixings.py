@@ -6,6 +6,7 @@ from math import pi, sqrt
 
 from mbcdm_cad.checks.bearings import drum_reactions_N, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
+from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.checks.strength import rated_input_Nm
@@ -104,7 +105,9 @@ def pulley_stress(s: SectorUnderTest) -> Comparison:
             ("upper", p.upper_neck_radius, high * (upper - p.land_top_z), 0.0),
         )
         for end, radius, bending, twist in ends:
-            modulus = pi * max(radius, 1e-3) ** 3 / 4
+            if radius <= 0.0:
+                raise NoFigureError(f"nothing is left of the {end} neck of {name} (radius {radius:.4g} mm)")
+            modulus = pi * radius**3 / 4
             stress = sqrt((bending / modulus) ** 2 + 3 * (twist / (2 * modulus)) ** 2)
             what = f"yield {strength:g} MPa over {stress:.4g} MPa in the {end} neck of {name}"
             found.append(at_least(what, strength / max(stress, 1e-9), STRESS_SAFETY, "times"))

@@ -6,8 +6,9 @@ change does, the next run says.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from math import ceil, floor, log10
+from typing import NamedTuple
 
 from mbcdm_cad.checks.comparison import Check, Comparison
 from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
@@ -25,11 +26,25 @@ TRIALS = 600
 ROUNDING = 3e-3
 
 
-class Budget:
-    """How many trials all remedies of one run may take together; a count, so that the words never depend on speed."""
+class Offer(NamedTuple):
+    """A value at which a check passes; ``asked``: it would change what the drive is for."""
 
-    def __init__(self, trials: int = TRIALS) -> None:
+    path: str
+    sense: int
+    value: float
+    asked: bool
+
+
+class Budget:
+    """How many trials all remedies of one run may take together; a count, so that the words never depend on speed.
+
+    ``asked`` names fields that the file asks for, which are named last; ``offers`` holds what was found, by check.
+    """
+
+    def __init__(self, trials: int = TRIALS, asked: Collection[str] = ()) -> None:
         self.left = trials
+        self.asked = asked
+        self.offers: dict[str, list[Offer]] = {}
 
 
 def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
@@ -49,7 +64,10 @@ def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
     """The first variables that can mend the check alone: ``raise X from 34.6 to at least 36.2``."""
     found: list[str] = []
     drive, variables = design.drive, design.variables
-    for path, sense in check.adjust:
+    kept = budget.offers.setdefault(check.id, [])
+    # What the drive is for is named last.
+    asked = {path: path in budget.asked or (path in variables and variables[path].asked) for path, _ in check.adjust}
+    for path, sense in sorted(check.adjust, key=lambda adjustment: asked[adjustment.path]):
         if len(found) == MOST_OFFERS or budget.left <= 0:
             break
         variable = variables.get(path)
@@ -57,6 +75,7 @@ def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
         if variable is not None and variable.applies(drive):
             value = passing_value(variable, sense, design, check.measure, budget)
             if value is not None:
+                kept.append(Offer(path, sense, value, asked[path]))
                 found.append(_offer(variable, sense, drive, value))
     return found
 

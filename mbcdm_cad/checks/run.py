@@ -15,9 +15,12 @@ from mbcdm_cad.checks.result import CheckResult, Status
 from mbcdm_cad.design.drive import Drive
 
 
-def run_all(checks: Iterable[Check], design: DesignUnderTest) -> tuple[CheckResult, ...]:
-    """Every check on ``design``, in order; where a figure does not exist, the checks that need it fail, with reason."""
-    budget = Budget()
+def run_all(checks: Iterable[Check], design: DesignUnderTest, budget: Budget | None = None) -> tuple[CheckResult, ...]:
+    """Every check on ``design``, in order; where a figure does not exist, the checks that need it fail, with reason.
+
+    ``budget``: what the remedies may take, which then holds what they offer.
+    """
+    budget = budget or Budget()
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return tuple(run_check(check, design, budget) for check in checks)

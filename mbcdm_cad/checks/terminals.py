@@ -9,6 +9,7 @@ from math import atan2, hypot
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
+from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, polygon_gap
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
@@ -186,7 +187,9 @@ def lug_stress(s: SectorUnderTest) -> Comparison:
     strength = s.drive.drum.material.yield_MPa
     found = []
     for t in d.tensioners:
-        width = max(d.lands[-1].y_end - t.y_mm - d.stud_hole_radius, 1e-6)
+        width = d.lands[-1].y_end - t.y_mm - d.stud_hole_radius
+        if width <= 0.0:
+            raise NoFigureError(f"the rim ends before the lug of {t.cable_name} has any metal (width {width:.4g} mm)")
         modulus = width * (t.lug_end - t.lug_start) ** 2 / 6
         stress = s.loads.highest_N * d.lug_root / modulus
         what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa in the lug of {t.cable_name}"

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.configurations.interface import Layout
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, Problem, did_you_mean
+
+if TYPE_CHECKING:
+    from mbcdm_cad.configurations.together import Together
 
 
 def checks_of(drive: Drive) -> tuple[Check, ...]:
@@ -32,21 +38,49 @@ def run_checks(design: Drive | LoadedDesign | Layout) -> tuple[CheckResult, ...]
     Raises ``InputError`` for a waiver that names no check (with file and line if a ``LoadedDesign`` is given), and
     for nothing else: where a figure does not exist, the checks that need it fail with the reason.
     """
+    if isinstance(design, LoadedDesign):
+        return advised_checks(design)[0]
     drive: Drive = design if isinstance(design, Drive) else design.drive
-    given: Any = None if isinstance(design, Drive | LoadedDesign) else design
-    refuse_unknown_waivers(drive, design if isinstance(design, LoadedDesign) else None)
-    checks = checks_of(drive)
-    results = run_all(checks, configuration(drive.configuration).design_under_test(drive, given))
-    if not isinstance(design, LoadedDesign) or not failed(results):
-        return results
-    from mbcdm_cad.configurations.pins import pin_advice  # only where something fails
+    given: Any = None if isinstance(design, Drive) else design
+    refuse_unknown_waivers(drive)
+    return run_all(checks_of(drive), configuration(drive.configuration).design_under_test(drive, given))
 
-    ids = {result.id for result in failed(results)}
-    advice = pin_advice(design, [check for check in checks if check.id in ids])
-    return tuple(
-        replace(r, remedy=f"{advice[r.id]}; or {r.remedy}" if r.remedy else advice[r.id]) if r.id in advice else r
-        for r in results
-    )
+
+def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Together | None]:
+    """Every check on a design file, with advice on its pins; and what the remedies do when followed together."""
+    refuse_unknown_waivers(loaded.drive, loaded)
+    checks, budget = checks_of(loaded.drive), Budget(asked=_asked(loaded))
+    subject = configuration(loaded.drive.configuration).design_under_test(loaded.drive)
+    results = run_all(checks, subject, budget)
+    wrong = [result.id for result in failed(results)]
+    if not wrong:
+        return results, None
+    # Only where something fails.
+    from mbcdm_cad.configurations.pins import pin_advice
+    from mbcdm_cad.configurations.together import together
+
+    advice, pins = pin_advice(loaded, [check for check in checks if check.id in wrong])
+    results = tuple(_advised(result, loaded, advice.get(result.id, "")) for result in results)
+    return results, together(loaded, checks, budget.asked, {name: budget.offers.get(name, ()) for name in wrong}, pins)
+
+
+def _asked(loaded: LoadedDesign) -> frozenset[str]:
+    """Fields that the file gives and that are no derived dimension."""
+    derived = configuration(loaded.drive.configuration).design_file().derived()
+    given = {dotted(path) for path in loaded.lines}
+    return frozenset(given.difference(derived))
+
+
+def _advised(result: CheckResult, loaded: LoadedDesign, advice: str) -> CheckResult:
+    """The result with the advice on pins first, and with the preload that is in force in place of the common one."""
+    remedy = result.remedy
+    if loaded.design.cables[0].preload_N is not None:
+        remedy = _COMMON.sub(r"cables.0.preload_N \1, the other cables' in proportion", remedy)
+    remedy = "; or ".join(filter(None, [advice, remedy]))
+    return replace(result, remedy=remedy) if remedy != result.remedy else result
+
+
+_COMMON = re.compile(r"rope\.preload_N (from \S+ to at (?:least|most) [0-9.e+-]*[0-9])")
 
 
 def refuse_unknown_waivers(drive: Drive, loaded: LoadedDesign | None = None) -> None:

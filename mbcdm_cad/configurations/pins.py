@@ -23,16 +23,17 @@ from mbcdm_cad.errors import InputError
 FEW = 8
 
 
-def pin_advice(loaded: LoadedDesign, failed: Sequence[Check]) -> dict[str, str]:
-    """What taking pins out does for each failed check, by its id; none for those that it does not mend."""
+def pin_advice(loaded: LoadedDesign, failed: Sequence[Check]) -> tuple[dict[str, str], dict[str, list[str]]]:
+    """What taking pins out does for each failed check that it mends, by its id: in words, and as the pins."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
     derived = design_file(loaded.drive.configuration).derived()
     pins = [field for field in derived if _stands(tree.data, field)]
     if not pins or not failed:
-        return {}
+        return {}, {}
     if len(pins) > FEW:
         return _together(loaded, tree, pins, failed)
     advice: dict[str, str] = {}
+    taken: dict[str, list[str]] = {}
     for pin in pins:
         freed = _without(loaded, tree, [pin])
         value = next((v.value for v in freed.sized if v.field == pin), None) if freed else None
@@ -41,20 +42,21 @@ def pin_advice(loaded: LoadedDesign, failed: Sequence[Check]) -> dict[str, str]:
         mended = _mended(freed, failed)
         for check in mended:
             advice.setdefault(check.id, f"take {pin} out: its rule gives {flow(value)}")
-    return advice
+            taken.setdefault(check.id, [pin])
+    return advice, taken
 
 
 def _together(
     loaded: LoadedDesign, tree: yamltree.Tree, pins: Sequence[str], failed: Sequence[Check]
-) -> dict[str, str]:
+) -> tuple[dict[str, str], dict[str, list[str]]]:
     freed = _without(loaded, tree, pins)
     if freed is None:
-        return {}
+        return {}, {}
     mended = _mended(freed, failed)
     left = [check.id for check in failed if check not in mended]
     rest = "every check that fails now then passes" if not left else f"{', '.join(left)} would still fail"
     text = f"take the {len(pins)} derived fields out, so that they follow from rules (such as {pins[0]}): {rest}"
-    return {check.id: text for check in mended}
+    return {check.id: text for check in mended}, {check.id: list(pins) for check in mended}
 
 
 def _mended(freed: LoadedDesign, failed: Sequence[Check]) -> list[Check]:

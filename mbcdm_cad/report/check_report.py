@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.checks.result import CheckResult, failed, figures
-from mbcdm_cad.configurations.check_design import run_checks
+from mbcdm_cad.configurations.check_design import advised_checks
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable
 
@@ -38,6 +38,8 @@ class CheckReport:
     name: str
     design_sha256: str
     results: tuple[CheckResult, ...]
+    # What the remedies do when followed together, in words; empty where nothing fails.
+    advice: str = ""
 
     @property
     def passed(self) -> bool:
@@ -84,6 +86,7 @@ class CheckReport:
         words = {"findings": _ORDER[1:], "failed": _ORDER[3:], "all": _ORDER}[show]
         listed = [result for word in words for result in self.results if _word(result) == word]
         lines = [line for result in listed for line in _lines(result, _Columns.of(self.results, width), colour)]
+        lines += _wrapped(self.advice, _INDENT, _INDENT, width)
         return "\n".join([*lines, *_wrapped(self._summary(), "", "", width)])
 
     def _summary(self) -> str:
@@ -110,6 +113,7 @@ class CheckReport:
             "design": self.name,
             "design_sha256": self.design_sha256,
             "summary": self.counts,
+            "advice": self.advice,
             "checks": [asdict(result) for result in self.results],
         }
 
@@ -122,7 +126,9 @@ class CheckReport:
 
 def check_design(loaded: LoadedDesign) -> CheckReport:
     """Run every check. Raises ``InputError`` for a waiver that names no check, and for nothing else."""
-    return CheckReport(loaded.drive.name, loaded.sha256, run_checks(loaded))
+    results, together = advised_checks(loaded)
+    advice = together.words(loaded.path.name) if together else ""
+    return CheckReport(loaded.drive.name, loaded.sha256, results, advice)
 
 
 def _word(result: CheckResult) -> str:

@@ -52,6 +52,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
             lambda drive: drive.cables[0].guide_radius_mm / drive.cables[0].input_radius_mm,
             _input_ratio,
             applies=lambda drive: not drive.radii_explicit,
+            asked=True,
         ),
         field("rope.helix_lead_mm", "helix_lead_mm"),
         field("rope.dead_turns", "dead_turns"),

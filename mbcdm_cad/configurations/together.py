@@ -1,0 +1,124 @@
+"""Remedies followed together: whether they end in a design that passes, tried on the file as an author would change it.
+
+Each remedy alone mends its own check. Here the first of every failed check is written into the file at once; the design
+is sized and checked anew, and what fails then is mended in the same way, some rounds long. What the file asks of the
+drive is not touched.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.remedies import Budget, Offer
+from mbcdm_cad.checks.result import failed
+from mbcdm_cad.checks.run import run_all
+from mbcdm_cad.configurations.loader import design_file, load_tree
+from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.describe import flow
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.errors import InputError
+
+ROUNDS = 3
+# Trials that the remedies of a later round may take: a failing check must not take long.
+TRIALS = 120
+
+
+@dataclass(frozen=True)
+class Together:
+    """The file changed as the remedies say: values set, fields taken out, and the checks that fail all the same."""
+
+    changes: Mapping[str, float]
+    taken_out: tuple[str, ...]
+    failing: tuple[str, ...]
+
+    @property
+    def passes(self) -> bool:
+        """Whether the changed file passes every check."""
+        return not self.failing
+
+    def words(self, path: str) -> str:
+        """One sentence for the terminal."""
+        if not self.passes:
+            left = ", ".join(self.failing[:6]) + (", ..." if len(self.failing) > 6 else "")
+            if not self.changes and not self.taken_out:
+                return f"no remedy leaves alone what the file asks: 'mbcdm solve {path}' says what must give"
+            return (
+                "tried together, the remedies that leave alone what the file asks do not end in a pass "
+                f"({left} still fail): 'mbcdm solve {path}' looks further"
+            )
+        said = [f"{field}: {flow(value)}" for field, value in self.changes.items()]
+        said += [f"{field} taken out" for field in self.taken_out[:6]]
+        said += [f"{len(self.taken_out) - 6} more taken out"] if len(self.taken_out) > 6 else []
+        return f"tried together, this passes every check: {'; '.join(said)}"
+
+
+def together(
+    loaded: LoadedDesign,
+    checks: Sequence[Check],
+    asked: Collection[str],
+    offers: Mapping[str, Sequence[Offer]],
+    pins: Mapping[str, Sequence[str]],
+) -> Together:
+    """Follow the first remedy of each failed check, ``offers`` and ``pins`` to take out; what is ``asked`` stays."""
+    tree = yamltree.parse(loaded.text, str(loaded.path))
+    known = design_file(loaded.drive.configuration).nodes
+    data, changes, out = copy.deepcopy(tree.data), dict[str, float](), dict[str, None]()
+    failing: tuple[str, ...] = tuple(offers)
+    for _ in range(ROUNDS):
+        moved = _merged(offers, pins)
+        moved = {path: offer for path, offer in moved.items() if known.at(tuple(path.split("."))) is not None}
+        new_out = [field for fields in pins.values() for field in fields if field not in out]
+        if not moved and not new_out:
+            break
+        for field in new_out:
+            out[field] = None
+            _remove(data, field)
+        for path, offer in moved.items():
+            if path not in out:
+                changes[path] = float(f"{offer.value:.6g}")
+                _set(data, path, changes[path])
+        try:
+            design = load_tree(yamltree.Tree(copy.deepcopy(data), tree.lines), loaded.text, loaded.path)
+        except InputError:
+            break
+        budget = Budget(TRIALS, asked)
+        results = run_all(checks, configuration_of(design.drive).design_under_test(design.drive), budget)
+        failing = tuple(result.id for result in failed(results))
+        offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
+        if not failing:
+            break
+    return Together(changes, tuple(out), failing)
+
+
+def _merged(offers: Mapping[str, Sequence[Offer]], pins: Mapping[str, Sequence[str]]) -> dict[str, Offer]:
+    """One offer a field: the first of each check that is no requirement, the further one where two agree in sense."""
+    found: dict[str, Offer] = {}
+    for name, listed in offers.items():
+        offer = next((o for o in listed if not o.asked), None)
+        if offer is None or name in pins:
+            continue
+        other = found.get(offer.path)
+        if other is None or (other.sense == offer.sense and offer.sense * (offer.value - other.value) > 0):
+            found[offer.path] = offer
+    return found
+
+
+def _set(data: dict[str, Any], path: str, value: float) -> None:
+    *blocks, last = path.split(".")
+    for block in blocks:
+        if not isinstance(data.get(block), dict):
+            data[block] = {}
+        data = data[block]
+    data[last] = value
+
+
+def _remove(data: dict[str, Any], path: str) -> None:
+    *blocks, last = path.split(".")
+    for block in blocks:
+        data = data.get(block) or {}
+    data.pop(last, None)
