@@ -18,7 +18,7 @@ from mbcdm_cad.drawings.style import (
     text_width_mm,
 )
 from mbcdm_cad.parts.fits import limits
-from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Sheet, View
+from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, View
 
 PAPERS = {"A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1": (841.0, 594.0)}
 # Frame (ISO 5457): 20 mm at the left for filing, 10 mm elsewhere.
@@ -28,6 +28,8 @@ TITLE_BLOCK = (170.0, 36.0)
 SCALES = (20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1)
 _BETWEEN_MM = 7.0
 _LABEL_ROOM_MM = 5.0
+# From the arc to the end of a radius's text, but for the text itself.
+_RADIUS_LEADER_MM = 9.0
 # How far the letter at the end of a cutting line reaches.
 _CUTTING_END_MM = 8.0
 Box = tuple[float, float, float, float]
@@ -167,6 +169,14 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
                 low, high = place.text_at - span.text_mm / 2, place.text_at + span.text_mm / 2
                 room[first] = max(room[first], edge[first] * scale - low + 1.0)
                 room[last] = max(room[last], high - edge[last] * scale + 1.0)
+    for r in (d for d in sheet.dimensions if isinstance(d, Radius) and d.view == view.name):
+        # Its text stands beyond the arc, to the left or the right.
+        at, centre = view.project(r.at)[0] * scale, view.project(r.centre)[0] * scale
+        width = text_width_mm(f"{r.prefix}R{value_text(r.value, 2)}{r.suffix}") + _RADIUS_LEADER_MM
+        if at < centre:
+            room["left"] = max(room["left"], edge["left"] * scale - at + width)
+        else:
+            room["right"] = max(room["right"], at + width - edge["right"] * scale)
     margins = _Margins(**room)
     return shown, replace(margins, above=margins.above + LABEL_MM + 4.0) if view.title else margins
 
