@@ -65,10 +65,10 @@ def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Toget
 
 
 def _asked(loaded: LoadedDesign) -> frozenset[str]:
-    """Fields that the file gives and that are no derived dimension."""
+    """Fields that the file gives and that are no derived dimension; none where no rules say which are derived."""
     derived = configuration(loaded.drive.configuration).design_file().derived()
     given = {dotted(path) for path in loaded.lines}
-    return frozenset(given.difference(derived))
+    return frozenset(given.difference(derived)) if derived else frozenset()
 
 
 def _advised(result: CheckResult, loaded: LoadedDesign, advice: str) -> CheckResult:

@@ -35,6 +35,8 @@ class Together:
     changes: Mapping[str, float]
     taken_out: tuple[str, ...]
     failing: tuple[str, ...]
+    # Whether 'mbcdm solve' can look further: it needs sizing rules.
+    solvable: bool = True
 
     @property
     def passes(self) -> bool:
@@ -46,10 +48,11 @@ class Together:
         if not self.passes:
             left = ", ".join(self.failing[:6]) + (", ..." if len(self.failing) > 6 else "")
             if not self.changes and not self.taken_out:
-                return f"no remedy leaves alone what the file asks: 'mbcdm solve {path}' says what must give"
+                what = "no remedy leaves alone what the file asks"
+                return f"{what}: 'mbcdm solve {path}' says what must give" if self.solvable else what
             return (
                 "tried together, the remedies that leave alone what the file asks do not end in a pass "
-                f"({left} still fail): 'mbcdm solve {path}' looks further"
+                f"({left} still fail)" + (f": 'mbcdm solve {path}' looks further" if self.solvable else "")
             )
         said = [f"{field}: {flow(value)}" for field, value in self.changes.items()]
         said += [f"{field} taken out" for field in self.taken_out[:6]]
@@ -66,12 +69,12 @@ def together(
 ) -> Together:
     """Follow the first remedy of each failed check, ``offers`` and ``pins`` to take out; what is ``asked`` stays."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
-    known = design_file(loaded.drive.configuration).nodes
+    file = design_file(loaded.drive.configuration)
     data, changes, out = copy.deepcopy(tree.data), dict[str, float](), dict[str, None]()
     failing: tuple[str, ...] = tuple(offers)
     for _ in range(ROUNDS):
         moved = _merged(offers, pins)
-        moved = {path: offer for path, offer in moved.items() if known.at(tuple(path.split("."))) is not None}
+        moved = {path: offer for path, offer in moved.items() if file.nodes.at(tuple(path.split("."))) is not None}
         new_out = [field for fields in pins.values() for field in fields if field not in out]
         if not moved and not new_out:
             break
@@ -92,7 +95,7 @@ def together(
         offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
         if not failing:
             break
-    return Together(changes, tuple(out), failing)
+    return Together(changes, tuple(out), failing, file.size is not None)
 
 
 def _merged(offers: Mapping[str, Sequence[Offer]], pins: Mapping[str, Sequence[str]]) -> dict[str, Offer]:
