@@ -8,6 +8,7 @@ from typing import Any
 from OCP.BinTools import BinTools, BinTools_FormatVersion
 from OCP.gp import gp_Trsf
 from OCP.Message import Message, Message_Gravity, Message_ProgressRange
+from OCP.OSD import OSD_ThreadPool
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 
@@ -20,6 +21,10 @@ Shape = Any
 # the same when it is imported, but writing an assembly of parts that are known does without cadquery.
 for _printer in Message.DefaultMessenger_s().Printers():
     _printer.SetTraceLevel(Message_Gravity.Message_Fail)
+
+# No threads of the kernel's own: work is spread over forked processes, and one that is forked after the kernel has
+# begun threads waits for them for ever. Only the first call decides, so it stands before anything is drawn.
+OSD_ThreadPool.DefaultPool_s(1)
 
 
 def kernel_shape(shape: Shape) -> TopoDS_Shape:

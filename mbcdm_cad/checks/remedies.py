@@ -21,7 +21,7 @@ BISECTIONS = 14
 # How far a variable is changed at most: to this multiple of itself, or its inverse.
 REACH = 6.0
 MOST_OFFERS = 3
-TRIALS = 600
+TRIALS = 400
 # A figure may be rounded by this much to be read more easily, if it still passes.
 ROUNDING = 3e-3
 
@@ -38,17 +38,24 @@ class Offer(NamedTuple):
 class Budget:
     """How many trials all remedies of one run may take together; a count, so that the words never depend on speed.
 
-    ``asked`` names fields that the file asks for, which are named last; ``offers`` holds what was found, by check.
+    ``asked`` names fields that the file asks for, which are named last; ``offers`` holds what was found, by check: at
+    most ``most`` each, and none for what only warns unless ``warnings``.
     """
 
-    def __init__(self, trials: int = TRIALS, asked: Collection[str] = ()) -> None:
+    def __init__(
+        self, trials: int = TRIALS, asked: Collection[str] = (), most: int = MOST_OFFERS, warnings: bool = True
+    ) -> None:
         self.left = trials
         self.asked = asked
+        self.most = most
+        self.warnings = warnings
         self.offers: dict[str, list[Offer]] = {}
 
 
 def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
     """What would make the check pass, each number tried on the design."""
+    if check.severity == "warn" and not budget.warnings:
+        return ""
     choices = offers(check, design, budget)
     advice = check.advice(design) if callable(check.advice) else check.advice
     if choices or advice:
@@ -68,7 +75,7 @@ def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
     # What the drive is for is named last.
     asked = {path: path in budget.asked or (path in variables and variables[path].asked) for path, _ in check.adjust}
     for path, sense in sorted(check.adjust, key=lambda adjustment: asked[adjustment.path]):
-        if len(found) == MOST_OFFERS or budget.left <= 0:
+        if len(found) == budget.most or budget.left <= 0:
             break
         variable = variables.get(path)
         # Shared families name variables that not every configuration has.

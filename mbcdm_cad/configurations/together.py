@@ -89,7 +89,7 @@ def together(
             design = load_tree(yamltree.Tree(copy.deepcopy(data), tree.lines), loaded.text, loaded.path)
         except InputError:
             break
-        budget = Budget(TRIALS, asked)
+        budget = Budget(TRIALS, asked, most=1, warnings=False)
         results = run_all(checks, configuration_of(design.drive).design_under_test(design.drive), budget)
         failing = tuple(result.id for result in failed(results))
         offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
