@@ -66,6 +66,7 @@ def shown(browser: Any, tmp_path: Path) -> Iterator[Callable[..., tuple[Any, lis
         context.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
 def test_loops_page_answers_to_the_pointer(shown: Any, artefacts: Path, width: int, scheme: str) -> None:
     page, problems, foreign = shown(loop_page(), width, scheme)
@@ -89,6 +90,7 @@ def test_loops_page_answers_to_the_pointer(shown: Any, artefacts: Path, width: i
     assert problems == [] and foreign == []
 
 
+@pytest.mark.slow
 def test_page_of_compared_designs_is_silent_and_fits(shown: Any, artefacts: Path, report: dict[str, Any]) -> None:
     page, problems, foreign = shown(compared_page(report), 390, "light")
     page.click("#theme")

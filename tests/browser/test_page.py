@@ -96,6 +96,7 @@ def test_links_lead_to_files_that_are_there(shared: Any, built: Path) -> None:
     assert [i for i in inside if one.page.query_selector(f"[id='{i}']") is None] == []
 
 
+@pytest.mark.slow
 def test_section_cuts_and_closes_what_it_cuts(opened: Open) -> None:
     one = opened()
     one.value("v.look('right')")
@@ -116,6 +117,7 @@ def test_section_cuts_and_closes_what_it_cuts(opened: Open) -> None:
     assert one.value("v.section.group.visible") is False
 
 
+@pytest.mark.slow
 def test_taking_apart_leaves_the_base_and_no_two_parts_in_one_place(opened: Open) -> None:
     one = opened()
     one.set_slider("explode", 100)
@@ -127,6 +129,7 @@ def test_taking_apart_leaves_the_base_and_no_two_parts_in_one_place(opened: Open
     assert one.value("v.tubes.length && v.entries.filter(e => e.tube).every(e => !e.node.visible)") is True
 
 
+@pytest.mark.slow
 def test_hiding_by_list_and_steps_of_assembly(opened: Open, report: dict[str, Any]) -> None:
     one = opened()
     one.page.eval_on_selector("[data-show=drum]", "box => { box.closest('details').open = true; }")
@@ -157,6 +160,7 @@ def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, 
 
 
 @SLOW
+@pytest.mark.slow
 def test_steps_of_assembly_get_their_pictures(opened: Open, report: dict[str, Any], artefacts: Path) -> None:
     one = opened()
     one.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
@@ -173,6 +177,7 @@ def test_steps_of_assembly_get_their_pictures(opened: Open, report: dict[str, An
     assert one.problems == []
 
 
+@pytest.mark.slow
 def test_checks_are_sorted_and_filtered(opened: Open, report: dict[str, Any]) -> None:
     one = opened()
     rank = {"fail": 0, "warn": 1, "pass": 2}
@@ -184,6 +189,7 @@ def test_checks_are_sorted_and_filtered(opened: Open, report: dict[str, Any]) ->
     assert shown and "check-fleet_angle" in shown and len(shown) < len(order)
 
 
+@pytest.mark.slow
 def test_works_by_keyboard(opened: Open) -> None:
     one = opened()
     one.page.focus("#canvas")
@@ -217,6 +223,7 @@ def test_tables_have_headers_and_controls_have_names(shared: Any) -> None:
     assert levels[0] == 1 and levels.count(1) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "scheme"),
     [

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 SCRIPT = """
 from mbcdm_cad.build import kernel  # as everything of this room that draws does
 from mbcdm_cad.storage.parallel import allow_processes, fork_map
@@ -20,6 +22,7 @@ print("the same", kernel.__name__)
 """
 
 
+@pytest.mark.slow
 def test_a_forked_process_draws_after_its_parent_has_drawn() -> None:
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0 and "the same" in done.stdout, done.stderr

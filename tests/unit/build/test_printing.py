@@ -156,6 +156,7 @@ def test_walls_of_filament_follow_the_nozzle() -> None:
     assert least("pa12", 0.8) == 1.0
 
 
+@pytest.mark.slow
 def test_wider_parts_are_sound_for_a_printer(printed) -> None:
     spec = printed[2].parts["top_plate"]
     solid = with_wider_holes("top_plate", make(spec.maker, spec.args).wrapped, 0.2)

@@ -51,6 +51,7 @@ def test_every_run_stays_within_the_bench(
         assert one.load.kind in {"none", *loads}, one.about
 
 
+@pytest.mark.slow
 def test_the_best_run_is_written_as_an_experiment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bench, planned = tmp_path / "bench.yaml", tmp_path / "planned.yaml"
     bench.write_text("half_travel_deg: 20.0\nduration_s: 60.0\nsample_rate_Hz: 20.0\nloads: [weight]\ntorque_Nm: 0.4\n")

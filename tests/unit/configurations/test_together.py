@@ -40,7 +40,11 @@ def started(name: str) -> dict[str, Any]:
     return data
 
 
-@pytest.mark.parametrize("name", STARTS)
+# Starts from which three rounds are tried, some seconds each.
+LONG = ("torque", "preload", "sector", "web")
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in STARTS])
 def test_following_the_advice_passes_or_says_what_stays(name: str) -> None:
     data = started(name)
     results, found = advised_checks(load_text(yaml.safe_dump(data), "asked.yaml"))

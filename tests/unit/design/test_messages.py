@@ -75,7 +75,7 @@ def edited(old: str, new: str) -> tuple[str, int]:
             "transmission.drum_radii_mm[2]: not a number (value 'x', limit 0.5 to 500 mm)",
         ),
         ("schema_version: 1", "schema_version: 2", "schema_version: out of bounds (value 2, limit 1)"),
-        ("configuration: miso_bevel", "configuration: siso_spur", "limit one of miso_bevel"),
+        ("configuration: miso_bevel", "configuration: siso_worm", "limit one of miso_bevel"),
         ("waivers: []", "waivers: [{check: bend_ratio, reason: ' '}]", "waivers[0].reason: too short"),
         ("catalogue: {}", "catalogue: {bearing: {}}", "catalogue.bearing: unknown field; did you mean bearings?"),
         ("catalogue: {}", "catalogue: {bearings: {a b: {}}}", "catalogue.bearings.a b: not a plain name"),

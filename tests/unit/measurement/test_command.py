@@ -47,7 +47,7 @@ def test_what_was_found_is_applied_and_reported_on_a_page(short: Path, capsys: p
     assert "ratio_error" in said.splitlines()[0], said
     assert sorted(path.name for path in folder.iterdir()) == ["report.html", "result.json"]
     page = (folder / "report.html").read_text()
-    assert "ratio_error" in page and page.count("data:image/png;base64,") == 4
+    assert "ratio_error" in page and page.count("data:image/png;base64,") == 2
     assert "ratio_error" in built.read_text() and mbcdm(["analyse", str(built)]) == 0
 
 

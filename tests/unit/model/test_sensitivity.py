@@ -230,6 +230,7 @@ def test_lines_and_bars_differ_without_colour() -> None:
     assert len(set(plots.HATCHES)) == len(plots.HATCHES) >= len(global_indices(paper_drive(), NEED, n=64).total)
 
 
+@pytest.mark.slow
 def test_study_repeats_byte_for_byte(study: Path, tmp_path: Path) -> None:
     write_study(load_design(REFERENCE).drive, tmp_path, Tolerances(), STACKS)
     for path in study.iterdir():
