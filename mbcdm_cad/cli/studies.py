@@ -1,6 +1,6 @@
 """The commands ``analyse``, ``sensitivity`` and ``reproduce``: what they print, and the exit code they end with.
 
-Each imports its study inside: ``analyse`` must start fast and needs neither scipy nor plots.
+Each imports its study inside: ``analyse`` must start fast and needs neither scipy nor plots, nor what writes a folder.
 """
 
 from __future__ import annotations
@@ -16,9 +16,6 @@ from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.model.figures import readable_figure
 from mbcdm_cad.parts.making import model_tolerances
 from mbcdm_cad.report.table import ReportTable
-from mbcdm_cad.storage.folders import output_folder
-from mbcdm_cad.storage.keys import content_key, package_hash
-from mbcdm_cad.storage.manifest import Manifest, versions
 
 
 def analyse_command(path: Path, *, as_json: bool) -> int:
@@ -35,6 +32,9 @@ def sensitivity_command(path: Path, *, out: Path) -> int:
     """Write the sensitivity study into a folder of its own."""
     loaded = load_design(path)
     from mbcdm_cad.model.study import write_study
+    from mbcdm_cad.storage.folders import output_folder
+    from mbcdm_cad.storage.keys import content_key, package_hash
+    from mbcdm_cad.storage.manifest import Manifest, versions
 
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())

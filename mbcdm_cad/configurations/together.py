@@ -74,7 +74,7 @@ def together(
     failing: tuple[str, ...] = tuple(offers)
     for _ in range(ROUNDS):
         moved = _merged(offers, pins)
-        moved = {path: offer for path, offer in moved.items() if file.nodes.at(tuple(path.split("."))) is not None}
+        moved = {path: offer for path, offer in moved.items() if file.node_at(tuple(path.split("."))) is not None}
         new_out = [field for fields in pins.values() for field in fields if field not in out]
         if not moved and not new_out:
             break

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from mbcdm_cad.design.blocks import Design
-from mbcdm_cad.design.describe import Given, SchemaNodes
+from mbcdm_cad.design.describe import Given, Node, SchemaNodes
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.freedom import Freedom
@@ -46,5 +46,9 @@ class DesignFile:
 
     @cached_property
     def nodes(self) -> SchemaNodes:
-        """What the schema says of each field."""
+        """What the schema says of each field; writing the schema out takes a tenth of a second."""
         return SchemaNodes(self.schema, self.reference)
+
+    def node_at(self, path: FieldPath) -> Node | None:
+        """What the schema says of one field, None if unknown; handed on, it writes the schema out only when called."""
+        return self.nodes.at(path)

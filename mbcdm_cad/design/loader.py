@@ -67,10 +67,10 @@ def resolved(tree: Tree, path: Path, file: DesignFile, moved: Moved | None = Non
 
 def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPath, float]]:
     """The tree with plain values, and the sigmas."""
-    refuse_ranges(tree, path, file.nodes.at)
+    refuse_ranges(tree, path, file.node_at)
     if isinstance(tree.data, dict) and tree.data.get("as_built", ()) is None:
         tree.data["as_built"] = []  # all entries are comments still, as 'mbcdm loop --apply' writes what is undecided
-    return split_sigmas(tree, path, lambda field: bool((file.nodes.at(field) or {}).get("uncertain")))
+    return split_sigmas(tree, path, lambda field: bool((file.node_at(field) or {}).get("uncertain")))
 
 
 def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved) -> tuple[Tree, tuple[SizedValue, ...]]:
@@ -100,7 +100,7 @@ def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
     try:
         file.schema.model_validate(filled)
     except ValidationError as error:
-        problems = schema_problems(error, tree, path, file.nodes.at, wanted=_is_wrong)
+        problems = schema_problems(error, tree, path, file.node_at, wanted=_is_wrong)
         if problems:
             raise InputError(problems) from None
         return True
@@ -122,7 +122,7 @@ def _validated(tree: Tree, path: str, file: DesignFile) -> Design:
     try:
         return file.schema.model_validate(tree.data)
     except ValidationError as error:
-        raise InputError(schema_problems(error, tree, path, file.nodes.at)) from None
+        raise InputError(schema_problems(error, tree, path, file.node_at)) from None
 
 
 def _refuse_broken_rules(broken: Iterator[Broken], tree: Tree, path: str) -> None:

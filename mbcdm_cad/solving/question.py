@@ -174,7 +174,7 @@ def question_of(text: str, path: str | Path = "<text>") -> Question:
     file = design_file_of(whole, str(path))
     if file.size is None:
         raise MbcdmError(f"{path}: this configuration has no sizing rules yet, so that nothing follows and can move")
-    tree, ranges = split_ranges(whole, str(path), file.nodes.at)
+    tree, ranges = split_ranges(whole, str(path), file.node_at)
     found = Question(path, text, whole, tree.data, file, {r.field: r for r in ranges}, {}, complete=False)
     pins = [field for field in file.derived() if value_at(tree.data, field) is not None]
     complete = len(pins) > FEW
