@@ -85,6 +85,16 @@ class DesignUnderTest(ABC):
     def bends_mm(self) -> Sequence[tuple[str, str, float]]:
         """(cable, pulley, pitch radius in mm) of every pulley that a cable is bent on."""
 
+    def given_or(self, worked_out: Callable[[], _Kept]) -> _Kept:
+        """The dimensions to test that were given, else those worked out; NoFigureError where these have no solution."""
+        if self._given is not None:
+            given: _Kept = self._given
+            return given
+        try:
+            return worked_out()
+        except (ValueError, ZeroDivisionError) as error:
+            raise NoFigureError(f"the dimensions have no solution: {error}") from None
+
     def with_drive(self, drive: Drive) -> Self:
         """The same tests on another drive."""
         return type(self)(drive)

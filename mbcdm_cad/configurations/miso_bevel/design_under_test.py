@@ -76,18 +76,15 @@ class BevelUnderTest(SectorUnderTest):
     @cached_property
     def layout(self) -> Layout:
         """All dimensions: those given, else worked out."""
-        if self._given is not None:
-            given: Layout = self._given
-            return given
+        return self.given_or(self._layout)
+
+    def _layout(self) -> Layout:
         levels = self.levels
         if levels.motor_shelf_bottom_z <= 0.0:
             raise NoFigureError(
                 f"the motor shelf comes to z = {levels.motor_shelf_bottom_z:.4g} mm, below the drum's axis (limit 0)"
             )
-        try:
-            return layout(self.drive)
-        except (ValueError, ZeroDivisionError) as error:
-            raise NoFigureError(f"the dimensions have no solution: {error}") from None
+        return layout(self.drive)
 
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""

@@ -10,7 +10,6 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
 from mbcdm_cad.checks.motor_head import HeadUnderTest
 from mbcdm_cad.configurations.siso_bevel.cable_path import input_wrap_rad
@@ -107,13 +106,7 @@ class DirectUnderTest(HeadUnderTest):
     @cached_property
     def layout(self) -> DirectLayout:
         """All dimensions: those given, else worked out."""
-        if self._given is not None:
-            given: DirectLayout = self._given
-            return given
-        try:
-            return layout(self.drive)
-        except (ValueError, ZeroDivisionError) as error:
-            raise NoFigureError(f"the dimensions have no solution: {error}") from None
+        return self.given_or(lambda: layout(self.drive))
 
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""

@@ -10,7 +10,6 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
 from mbcdm_cad.checks.motor_head import HeadUnderTest
 from mbcdm_cad.configurations.siso_spur.cable_path import input_wrap_rad, side_length_mm
@@ -114,13 +113,7 @@ class SpurUnderTest(HeadUnderTest):
     @cached_property
     def layout(self) -> SpurLayout:
         """All dimensions: those given, else worked out."""
-        if self._given is not None:
-            given: SpurLayout = self._given
-            return given
-        try:
-            return layout(self.drive)
-        except (ValueError, ZeroDivisionError) as error:
-            raise NoFigureError(f"the dimensions have no solution: {error}") from None
+        return self.given_or(lambda: layout(self.drive))
 
     def anchor_rad(self, cable: SectorRun) -> float:
         """Wrap on the drum with the drum centred: from where the cable lands to where it leaves its land."""
