@@ -7,7 +7,7 @@ Kernel and compiled code are imported inside the functions: a run whose answers 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.build.clash import cable_overlaps
+from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.parts.placement import Placement, Row
 from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import Piece
 
 if TYPE_CHECKING:
     from mbcdm_cad.build.separation import Surface
@@ -28,6 +30,8 @@ VOLUME_LIMIT_MM3 = 0.01
 # The rod tested against solids is thinner by this, or surfaces that touch along a line give nonsense.
 CABLE_UNDERSIZE_MM = 0.005
 _CULL_STEP_MM = 0.5
+# Chordal error of the mesh that a wound cable is compared with: its rod is a hair thinner and lies that near its land.
+_FINE_MESH_MM = 0.003
 # The box of a part is exact to rounding.
 _BOX_MARGIN_MM = 1e-3
 # A motion is rounded to these places, far below any tolerance, so that pairs that move together have one name.
@@ -62,6 +66,19 @@ class PartShape:
 
         return None if self.mesh is None else Surface.of_mesh(self.mesh)
 
+    @cached_property
+    def fine_surface(self) -> Surface | None:
+        """A finer mesh of the solid, made ready to be compared; None where the kernel cannot make it."""
+        from mbcdm_cad.build.meshing import mesh_solid
+        from mbcdm_cad.build.separation import Surface
+
+        if self.mesh is None:
+            return None
+        try:
+            return Surface.of_mesh(mesh_solid("part", self.solid, _FINE_MESH_MM))
+        except GeometryError:
+            return None
+
     def box_at(self, placement: Placement) -> Box:
         """An upright box about the part at a placement: about its own box, turned."""
         corners = placement.apply(np.array(np.meshgrid(*self.box.T)).reshape(3, -1).T)
@@ -92,6 +109,13 @@ class RodShape:
 
         return rod(self.pieces, self.radius_mm)
 
+    def pieces_near(self, body: PartShape, placement: Placement) -> list[Piece]:
+        """The pieces of the line about which the rod is not proven apart from a body, by the body's finer mesh."""
+        from mbcdm_cad.build.separation import Surface
+
+        surfaces = [(piece, Surface.of_rod((piece,), self.radius_mm)) for piece in self.pieces]
+        return [piece for piece, surface in surfaces if not _apart(surface, body.fine_surface, placement)]
+
     def is_near(self, box: Box) -> bool:
         """Whether the rod may reach into a box."""
         margin = self.radius_mm + _CULL_STEP_MM
@@ -118,7 +142,7 @@ class Pair:
 
     def test(self) -> Found:
         """What the two share, in the frame of the first."""
-        if _apart(self.first, self.second, self.placement):
+        if _apart(self.first.surface, self.second.surface, self.placement):
             return []
         return _shared(self.first.solid, self.second.solid, self.placement)
 
@@ -143,9 +167,22 @@ class Rod:
 
     def test(self) -> Found:
         """What the two share, in the frame of the cable."""
-        if _apart(self.rod, self.body, self.placement):
+        if _apart(self.rod.surface, self.body.surface, self.placement):
+            return []
+        # The kernel takes seconds where a helix lies along a cylinder, and a quarter of one to mesh the cylinder again.
+        near = self.rod.pieces_near(self.body, self.placement)
+        if len(near) < len(self.rod.pieces) and self._volume_mm3(near) < VOLUME_LIMIT_MM3:
             return []
         return _shared(self.rod.solid, self.body.solid, self.placement)
+
+    def _volume_mm3(self, pieces: Sequence[Piece]) -> float:
+        """Volume that the body shares with the rod along some pieces of the line."""
+        if not pieces:
+            return 0.0
+        from mbcdm_cad.build.overlap import common, rod
+
+        rods = [rod((piece,), self.rod.radius_mm) for piece in pieces]
+        return sum(abs(common(solid, self.body.solid, self.placement)[0]) for solid in rods)
 
 
 @dataclass(frozen=True)
@@ -190,11 +227,10 @@ def digest(*content: Any) -> str:
     return hashlib.blake2b(repr(content).encode(), digest_size=16).hexdigest()
 
 
-def _apart(first: PartShape | RodShape, second: PartShape, placement: Placement) -> bool:
+def _apart(first: Surface | None, second: Surface | None, placement: Placement) -> bool:
     from mbcdm_cad.build.separation import apart
 
-    one, other = first.surface, second.surface
-    return one is not None and other is not None and apart(one, other, placement)
+    return first is not None and second is not None and apart(first, second, placement)
 
 
 def _shared(first: Any, second: Any, placement: Placement) -> Found:

@@ -15,13 +15,21 @@ from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.pairs import Found, PartShape
 from mbcdm_cad.build.scene import scenes
+from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.configurations.interface import Layout
+
+# As builds mesh a part; one test compares a run with meshes to one without.
+_MESH_TOLERANCE_MM = 0.01
+# By content of the solid and tolerance: the tests move a few solids and keep the others.
+_MESHES: dict[tuple[str, float], TriangleMesh] = {}
 
 
 def body(name: str, solid: Any, mesh_tolerance_mm: float | None = None) -> PartShape:
     """A solid for the run; without a mesh tolerance every pair whose boxes meet is left to a boolean."""
-    mesh = None if mesh_tolerance_mm is None else mesh_solid(name, solid, mesh_tolerance_mm)
     key = hashlib.sha256(brep_bytes(solid)).hexdigest()
+    if mesh_tolerance_mm is not None and (key, mesh_tolerance_mm) not in _MESHES:
+        _MESHES[key, mesh_tolerance_mm] = mesh_solid(name, solid, mesh_tolerance_mm)
+    mesh = None if mesh_tolerance_mm is None else _MESHES[key, mesh_tolerance_mm]
     return PartShape(key, np.array(bounding_box(solid)), lambda: solid, mesh)
 
 
@@ -44,7 +52,8 @@ def interferences(
     Pairs whose answer is in ``known`` are not tested again, and answers are added to it; without it every pair is
     tested.
     """
-    run = run_of(dims, {name: body(name, solid) for name, solid in solids.items()}, poses_deg)
+    bodies = {name: body(name, solid, _MESH_TOLERANCE_MM) for name, solid in solids.items()}
+    run = run_of(dims, bodies, poses_deg)
     found = answers(run, known or {}, jobs)
     if known is not None:
         known.update(found)

@@ -17,9 +17,11 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
 
 from interference_of_solids import body, run_of
 
+from mbcdm_cad.build import overlap
 from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.overlap import common, rod
+from mbcdm_cad.build.pairs import Rod, RodShape
 from mbcdm_cad.build.separation import Surface, apart
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.parts.placement import Placement
@@ -129,6 +131,26 @@ def test_a_cable_wound_on_a_pulley_is_left_to_the_kernel(dims: Layout, solids: d
     assert not apart(Surface.of_rod(path.line, radius), surface(solid), place)
     assert apart(Surface.of_rod(path.line, radius - 0.02), surface(solid), place)
     assert common(rod(path.line, radius), solid, place)[0] == 0.0
+
+
+@pytest.mark.parametrize("off_mm", [0.0, 0.03])
+def test_a_wound_cable_is_proven_off_its_land_and_what_overlaps_is_found_as_without_meshes(
+    dims: Layout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch, off_mm: float
+) -> None:
+    """The rod along the helix is drawn only where the pulley, moved towards the cable, is really in its way."""
+    path = dims.cable_paths(0.0)[0]
+    stretch = next(s for s in path.stretches if "helix" in s.pieces)
+    pulley = next(p for p in dims.inputs if p.name == path.cable.input_name)
+    name, place = f"input_pulley_{pulley.name}", Placement.translation(pulley.x + off_mm, 0.0, 0.0)
+    drawn: list[str] = []
+    monkeypatch.setattr(
+        overlap, "rod", lambda pieces, r: drawn.extend(type(p).__name__ for p in pieces) or rod(pieces, r)
+    )
+    shape = RodShape(path.only(stretch.pieces), dims.drive.cable.diameter_mm)
+    with_mesh = Rod(shape, body(name, solids[name], TOLERANCE_MM), place).test()
+    assert ("Helix" in drawn) == (off_mm > 0.0), drawn
+    assert with_mesh == Rod(shape, body(name, solids[name], None), place).test()
+    assert bool(with_mesh) == (off_mm > 0.0)
 
 
 def _location(placement: Placement) -> cq.Location:
