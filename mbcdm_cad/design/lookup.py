@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from functools import cache
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
@@ -60,11 +61,8 @@ class Catalogue:
         own = self._own[kind].get(name)
         if own is not None:
             return copied(BOUGHT[kind], own, name=name, **changed)
-        values = {
-            key: tuple(value) if isinstance(value, list) else value
-            for key, value in package_entries(kind)[name].items()
-        }
-        return BOUGHT[kind](name=name, **{**values, **changed})
+        found = _bought(kind, name)
+        return replace(found, **changed) if changed else found
 
     def material(self, name: str) -> Material:
         """The material called ``name``, its thinnest wall that of the design's nozzle where it is printed."""
@@ -79,6 +77,15 @@ class Catalogue:
     def all(self, kind: str) -> tuple[Any, ...]:
         """Every entry of a kind."""
         return tuple(self.get(kind, name) for name in self.names(kind))
+
+
+@cache
+def _bought(kind: str, name: str) -> Any:
+    """One of the package's entries as its dataclass, which is frozen: a search asks for the same ones again."""
+    values = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in package_entries(kind)[name].items()
+    }
+    return BOUGHT[kind](name=name, **values)
 
 
 def copied(target: type[T], block: BaseModel, **given: Any) -> T:

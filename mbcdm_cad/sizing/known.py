@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.rules import unknown_entry
 from mbcdm_cad.design.sized import SizingError
+
+
+@cache
+def _parts(field: str) -> tuple[str, ...]:
+    """The names of a dotted field; the same few hundred are asked for some thousand times a design."""
+    return tuple(field.split("."))
 
 
 class KnownFields:
@@ -40,7 +47,7 @@ class KnownFields:
     def peek(self, field: str) -> Any:
         """Value of the field, None where it is open; not noted."""
         at: Any = self.data
-        for part in field.split("."):
+        for part in _parts(field):
             if not isinstance(at, dict):
                 return None
             at = at.get(part)
@@ -48,7 +55,7 @@ class KnownFields:
 
     def put(self, field: str, value: Any) -> None:
         """Fill the field."""
-        *blocks, last = field.split(".")
+        *blocks, last = _parts(field)
         at = self.data
         for part in blocks:
             if not isinstance(at.get(part), dict):

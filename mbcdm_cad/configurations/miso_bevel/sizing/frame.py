@@ -35,6 +35,8 @@ COLLAR_LIFT_MM, SLIT_ABOVE_MM, JOURNAL_LIFT_MM = 0.8, 1.0, 0.5
 SPACE_SPARE_MM = 0.1
 # Diameters of pins, from the one that small drives have.
 STOP_PINS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
+# Of a pin thinner than this share of what the one before it asks for none is tried.
+PIN_SPARE = 0.75
 
 
 def _motor_shelf(given: BevelKnown) -> Found:
@@ -99,11 +101,17 @@ def _coupling_space(given: BevelKnown) -> Found:
 
 def _stop_pin(given: BevelKnown) -> Found:
     """The thinnest pin of the usual sizes that holds both motors stalled."""
+    thinnest = 0.0
     for size in STOP_PINS_MM:
+        if size < thinnest:
+            continue
         with suppress(NoFigureError):
             trial = given.trial(**LATER, drum__stop_pin_mm=size)
-            if stop_pin(BevelUnderTest(trial)).margin >= 0.0:
+            found = stop_pin(BevelUnderTest(trial))
+            if found.margin >= 0.0:
                 return Found(size, "stop_pin", "to a usual size")
+            # Stress goes with the cube of the diameter, and the pin moves outwards a little as it grows.
+            thinnest = PIN_SPARE * size * (found.limit / found.actual) ** (1 / 3)
     return Found(STOP_PINS_MM[-1], "stop_pin", "the thickest of the usual sizes")
 
 

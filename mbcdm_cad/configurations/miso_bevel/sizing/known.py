@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from functools import partial
 from math import atan, hypot, pi, radians, sqrt, tan
 from typing import Any
@@ -48,6 +47,18 @@ LATER = {
     "support__back_y_mm": -100.0,
     "limits__frame_windup_max_mrad": 1.0,
 }
+# Fields that the height of the gearheads' faces rests on.
+_SHELF_RESTS_ON = (
+    "travel",
+    "transmission",
+    "rope",
+    "clearances",
+    "cables",
+    "input_pulleys",
+    "support.bearing_shelf_mm",
+    "support.coupling_space_mm",
+    "support.motor_shelf_mm",
+)
 # The schema's own.
 NOZZLE_MM = 0.4
 # Largest fleet angle on grooves where the file names none: the schema's own.
@@ -59,6 +70,9 @@ LEAD_STEP_MM = 0.01
 
 class BevelKnown(KnownFields):
     """Adds the figures that follow from a few fields each; reading one notes these fields."""
+
+    # What the gearheads' faces were found to rest on, and their height: two rules ask for it.
+    _shelf_bottom: tuple[str, float] | None = None
 
     @property
     def rope(self) -> dict[str, Any]:
@@ -199,10 +213,13 @@ class BevelKnown(KnownFields):
     @property
     def motor_shelf_bottom_mm(self) -> float:
         """z of the gearheads' faces. Raises ``ValueError`` where the pulleys have no place."""
-        try:
-            return stack(self.trial(**LATER)).motor_shelf_bottom_z
-        except NoFigureError as error:
-            raise ValueError(str(error)) from None
+        rests_on = repr([self.peek(field) for field in _SHELF_RESTS_ON])
+        if self._shelf_bottom is None or self._shelf_bottom[0] != rests_on:
+            try:
+                self._shelf_bottom = rests_on, stack(self.trial(**LATER)).motor_shelf_bottom_z
+            except NoFigureError as error:
+                raise ValueError(str(error)) from None
+        return self._shelf_bottom[1]
 
     def trial(self, **open_fields: float) -> BevelDrive:
         """The drive that the fields known so far make, with figures for those that are still open.
@@ -210,7 +227,8 @@ class BevelKnown(KnownFields):
         Of the open fields, ``block__name``, only such may be left to a figure that the asking rule does not depend on.
         Raises ``NoFigureError`` where what is known makes no drive, ``SizingError`` where the file breaks a rule.
         """
-        data = copy.deepcopy(self.data)
+        # Fields are laid into blocks, no deeper: what stands in a block stays shared.
+        data = {block: dict(fields) if isinstance(fields, dict) else fields for block, fields in self.data.items()}
         for field, value in open_fields.items():
             block, name = field.split("__")
             data.setdefault(block, {}).setdefault(name, value)

@@ -218,25 +218,31 @@ def _collar_screw(given: BevelKnown) -> Found:
     return Found(COLLAR_SCREWS[-1], "collar_grip", "the largest screw")
 
 
-def _drum_margins(given: BevelKnown, bearing: Entry, ring: Entry) -> Margins:
-    thread = given.screw(ring["screw"]).thread_mm / 2
-    seat = bearing["outer_diameter_mm"] / 2
-    return {
-        "encoder_fit": -abs(ring["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
-        "encoder_screws": (ring["bolt_circle_mm"] / 2 - thread - seat) / HOLE_WEB_MM - 1.0,
-        "drum_bearings": bearing["static_rating_N"] / (DRUM_TENSIONS * _tension_N(given)) - 1.0,
-        # A shaft that looks right beside its drum: an eighth of the smallest land's radius.
-        "drum_sweep": bearing["bore_mm"] / (given.first_drum_mm / 8.0) - 1.0,
-    }
+def _drum_margins(given: BevelKnown) -> Callable[[Entry, Entry], Margins]:
+    screws, load = given.entries("screws"), DRUM_TENSIONS * _tension_N(given)
+    # A shaft that looks right beside its drum: an eighth of the smallest land's radius.
+    shaft = given.first_drum_mm / 8.0
+
+    def margins(bearing: Entry, ring: Entry) -> Margins:
+        thread = screws[ring["screw"]]["thread_mm"] / 2
+        seat = bearing["outer_diameter_mm"] / 2
+        return {
+            "encoder_fit": -abs(ring["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
+            "encoder_screws": (ring["bolt_circle_mm"] / 2 - thread - seat) / HOLE_WEB_MM - 1.0,
+            "drum_bearings": bearing["static_rating_N"] / load - 1.0,
+            "drum_sweep": bearing["bore_mm"] / shaft - 1.0,
+        }
+
+    return margins
 
 
 def _drum_bearing(given: BevelKnown) -> Found:
-    return _with_partner(given, "bearings", ("encoders", "drive.drum_encoder"), partial(_drum_margins, given))
+    return _with_partner(given, "bearings", ("encoders", "drive.drum_encoder"), _drum_margins(given))
 
 
 def _drum_encoder(given: BevelKnown) -> Found:
-    bearing = given.entry("bearings", "drum.bearing")
-    return _lightest(given, "encoders", lambda entry: _drum_margins(given, bearing, entry))
+    bearing, margins = given.entry("bearings", "drum.bearing"), _drum_margins(given)
+    return _lightest(given, "encoders", lambda entry: margins(bearing, entry))
 
 
 def _guide_bearing(given: BevelKnown) -> Found:
