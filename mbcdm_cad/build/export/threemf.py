@@ -5,10 +5,10 @@ Written by hand: the format's core is one XML file in a ZIP, and no library keep
 
 from __future__ import annotations
 
+import html
 import io
 import zipfile
 from itertools import product
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,11 +74,11 @@ def threemf_bytes(name: str, mesh: TriangleMesh, note: str = "") -> bytes:
     text.write('<?xml version="1.0" encoding="UTF-8"?>\n')
     text.write(f'<model unit="millimeter" xml:lang="en" xmlns="{_CORE}">\n')
     text.write(
-        f' <metadata name="Title">{_escaped(name)}</metadata>\n <metadata name="Application">mbcdm_cad</metadata>\n'
+        f' <metadata name="Title">{html.escape(name)}</metadata>\n <metadata name="Application">mbcdm_cad</metadata>\n'
     )
     if note:
-        text.write(f' <metadata name="Description">{_escaped(note)}</metadata>\n')
-    text.write(f' <resources>\n  <object id="1" type="model" name={quoteattr(name)}>\n   <mesh>\n    <vertices>\n')
+        text.write(f' <metadata name="Description">{html.escape(note)}</metadata>\n')
+    text.write(f' <resources>\n  <object id="1" type="model" name="{html.escape(name)}">\n   <mesh>\n    <vertices>\n')
     text.writelines(f'     <vertex x="{_number(x)}" y="{_number(y)}" z="{_number(z)}"/>\n' for x, y, z in vertices)
     text.write("    </vertices>\n    <triangles>\n")
     text.writelines(f'     <triangle v1="{a}" v2="{b}" v3="{c}"/>\n' for a, b, c in triangles)
@@ -96,10 +96,6 @@ def _sound(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def _number(value: float) -> str:
     return f"{value:.{_DECIMALS}f}".rstrip("0").rstrip(".")
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;")
 
 
 def _zipped(files: dict[str, str]) -> bytes:
