@@ -52,6 +52,10 @@ class SchemaNodes:
 
         Raises ``KeyError`` for a place that the schema has not.
         """
+        for field in schema.model_fields.values():
+            # Blocks are built when they first validate something; a default cannot be written out before.
+            if isinstance(field.default, BaseModel):
+                type(field.default).model_rebuild()
         root: Node = schema.model_json_schema(schema_generator=_InOrder)
         self.root: Node = {"$schema": "https://json-schema.org/draft/2020-12/schema", **root}
         for place, given in reference.items():

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -146,3 +148,10 @@ def test_reference_data_survives_another_yaml_writer() -> None:
 @pytest.mark.parametrize("word", ["schema", "init"])
 def test_page_names_the_commands(word: str) -> None:
     assert f"mbcdm {word}" in reference_page(NODES)
+
+
+def test_reference_is_written_before_any_design_was_read() -> None:
+    """Blocks are built when they first validate something, so only a process of its own shows that none is needed."""
+    code = "from mbcdm_cad.configurations.loader import new_design_text; print(len(new_design_text('new')))"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert found.returncode == 0 and int(found.stdout) > 1000, found.stderr[-500:]
