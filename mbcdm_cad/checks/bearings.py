@@ -116,7 +116,7 @@ def coupling_runout(s: SectorUnderTest) -> Comparison:
         low = float(np.clip(lowest - lower, 0.0, span))
         slope = pull * (span - low) * (span**2 - (span - low) ** 2) / (6 * span * stiffness)
         moved = BEARING_PLAY_MM / 2 + slope * max(overhang, 0.0)
-        note = f"its bearings carry {pull:.4g} N; the gearhead may carry {drive.gearhead.radial_load_N:g} N"
+        note = f"its bearings carry {pull:.4g} N; the {drive.mounted} may carry {drive.gearhead.radial_load_N:g} N"
         found.append(at_most(f"{p.name} pulley pushed aside at the coupling", moved, GEARHEAD_PLAY_MM, "mm", note))
     return worst(found)
 

@@ -67,7 +67,9 @@ def bore_wall(s: SectorUnderTest) -> Comparison:
     """Metal round the gearhead's shaft in the slit journal."""
     p = s.layout.inputs[0]
     limit = s.drive.input_pulleys.material.min_wall_mm
-    return at_least("journal's wall round the gearhead's shaft", p.lower_journal_radius - p.bore_radius, limit, "mm")
+    return at_least(
+        f"journal's wall round the {s.drive.mounted}'s shaft", p.lower_journal_radius - p.bore_radius, limit, "mm"
+    )
 
 
 def bearing_shoulders(s: SectorUnderTest) -> Comparison:
@@ -102,7 +104,7 @@ def bought_depth(s: SectorUnderTest) -> Comparison:
     grip = ring_screw.length_mm - lay.frame.encoder_screw_depth + 0.5
     return worst(
         (
-            at_least("gearhead behind its screws", drive.gearhead.length_mm - in_gear, FLOOR_MM, "mm"),
+            at_least(f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM, "mm"),
             at_least("encoder above its screws", drive.encoder.length_mm - in_encoder, FLOOR_MM, "mm"),
             at_least(
                 "encoder above its shaft", drive.encoder.length_mm - ENCODER_INSERTION_MM - 0.5, FLOOR_MM / 2, "mm"
@@ -123,7 +125,7 @@ def shaft_grip(s: SectorUnderTest) -> Comparison:
     end = s.levels.motor_shelf_bottom_z + gear.shaft_length_mm
     start = max(lay.collar.bottom_z, max(p.journal_bottom_z for p in lay.inputs))
     return at_least(
-        "gearhead shaft inside the clamp collar",
+        f"{s.drive.mounted} shaft inside the clamp collar",
         min(end, lay.collar.top_z) - start,
         GRIP_DIAMETERS * gear.shaft_diameter_mm,
         "mm",
@@ -140,9 +142,12 @@ def pilot_room(s: SectorUnderTest) -> Comparison:
     inside = s.motor_shelf_mm - gear.pilot_height_mm
     return worst(
         (
-            at_least("journal above the gearhead's pilot", bottom - top, running, "mm"),
+            at_least(f"journal above the {s.drive.mounted}'s pilot", bottom - top, running, "mm"),
             at_least(
-                "gearhead's pilot under the shelf's top, or beside the screws' heads", max(inside, beside), 0.0, "mm"
+                f"{s.drive.mounted}'s pilot under the shelf's top, or beside the screws' heads",
+                max(inside, beside),
+                0.0,
+                "mm",
             ),
         )
     )
@@ -167,7 +172,7 @@ def coupling_height(s: SectorUnderTest) -> Comparison:
                 "mm",
             ),
             at_least(
-                "coupling space for the clamp collar on its way over the end of the gearhead's shaft",
+                f"coupling space for the clamp collar on its way over the end of the {drive.mounted}'s shaft",
                 v.bearing_shelf_bottom_z
                 - max(shaft_end, v.motor_shelf_top_z)
                 - collar_width_mm(drive, drive.input_pulleys.collar_screw),

@@ -12,8 +12,9 @@ from mbcdm_cad.parts.boss.dims import EAR_WALL_MM
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
-# The parts are drilled for this many screws, one on each side.
+# The parts are drilled for this many screws of the encoders, one on each side, and of the motor or gearhead.
 SCREWS_DRAWN = 2
+FACE_SCREWS = (2, 3, 4)
 
 
 class HeadUnderTest(SectorUnderTest):
@@ -38,7 +39,7 @@ def engagement(s: HeadUnderTest) -> Comparison:
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
     hub, collar, c = drive.screw(lay.drum.set_screw), drive.screw(lay.collar.screw), lay.collar
     engaged = (
-        ("gearhead screw", gear, gear.length_mm - drive.support.motor_shelf_mm),
+        (f"{drive.mounted} screw", gear, gear.length_mm - drive.support.motor_shelf_mm),
         ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth)),
         ("drum encoder's screw", ring, f.encoder_screw_depth - 0.5),
         ("hub's set screw", hub, min(hub.length_mm, lay.drum.hub_radius - lay.drum.set_screw_radius)),
@@ -51,12 +52,20 @@ def engagement(s: HeadUnderTest) -> Comparison:
 
 
 def screw_counts(s: HeadUnderTest) -> Comparison:
-    """Gearhead and encoders are held by the two screws that the parts are drilled for."""
-    drive = s.drive
-    items = (("gearhead", drive.gearhead), ("encoder", drive.encoder), ("drum encoder", drive.drum_encoder))
+    """Gearhead or motor, and encoders, are held by as many screws as the parts can be drilled for."""
+    drive, count = s.drive, s.drive.gearhead.screw_count
+    items = (("encoder", drive.encoder), ("drum encoder", drive.drum_encoder))
     return worst(
-        at_most(f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws")
-        for name, item in items
+        (
+            *(
+                at_most(
+                    f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws"
+                )
+                for name, item in items
+            ),
+            at_least(f"screws of the {drive.mounted}", count, min(FACE_SCREWS), "screws"),
+            at_most(f"screws of the {drive.mounted}", count, max(FACE_SCREWS), "screws"),
+        )
     )
 
 
@@ -65,7 +74,8 @@ def key_access(s: HeadUnderTest) -> Comparison:
     h = s.layout.head
     inside = h.seat_radius - h.gear_bolt_circle - h.key_hole_radius
     outside = h.gear_bolt_circle - h.key_hole_radius - h.seat_radius - HOLE_WEB_MM
-    return at_least("gearhead screws' key holes from the wall of the bearing's seat", max(inside, outside), 0.0, "mm")
+    what = f"{s.drive.mounted} screws' key holes from the wall of the bearing's seat"
+    return at_least(what, max(inside, outside), 0.0, "mm")
 
 
 def collar_space(s: HeadUnderTest) -> Comparison:
@@ -81,7 +91,7 @@ def collar_space(s: HeadUnderTest) -> Comparison:
         for name, gap in (
             ("clamp collar from walls and motor shelf", low),
             ("clamp collar from walls and bearing shelf", high),
-            ("gearhead screws' heads from the corner", h.inner_x - corner - head),
+            (f"{drive.mounted} screws' heads from the corner", h.inner_x - corner - head),
         )
     )
 
@@ -152,10 +162,10 @@ CHECKS = (
     ),
     Check(
         "screw_counts",
-        "Gearhead and encoders have two screws",
-        "the parts are drilled for two",
+        "Gearhead has two to four screws, encoders have two",
+        "the parts are drilled for them",
         screw_counts,
-        advice="choose a gearhead and encoders held by two screws",
+        advice="choose a gearhead, or motor, of two to four screws and encoders of two",
     ),
     Check(
         "key_access",

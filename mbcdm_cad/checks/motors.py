@@ -55,20 +55,22 @@ def motor_losses(s: DesignUnderTest) -> Comparison:
     """The same with the gearhead's efficiency, the worse direction."""
     limit = rated_input_Nm(s) * s.drive.gearhead.efficiency
     note = f"with the gearhead's efficiency of {s.drive.gearhead.efficiency:g}, which the paper leaves out"
+    if s.drive.gearhead.absent:
+        note = "no gearhead, whose friction would lose any"
     return worst(_against_peak(s, "motor's torque after losses", limit, sign, note) for sign in (1, -1))
 
 
 def gearhead_maximum(s: DesignUnderTest) -> Comparison:
-    """Intermittent rating of the gearhead at peak torque, the worse direction."""
+    """Intermittent rating of the gearhead at peak torque, or the motor's without one, the worse direction."""
     limit = s.drive.gearhead.max_torque_mNm * 1e-3
-    return worst(_against_peak(s, "gearhead's intermittent rating", limit, sign) for sign in (1, -1))
+    return worst(_against_peak(s, f"{s.drive.mounted}'s intermittent rating", limit, sign) for sign in (1, -1))
 
 
 def gearhead_continuous(s: DesignUnderTest) -> Comparison:
-    """Continuous rating of the gearhead at peak torque, the worse direction."""
+    """Continuous rating of the gearhead at peak torque, or the motor's without one, the worse direction."""
     limit = s.drive.gearhead.rated_torque_mNm * 1e-3
     note = "hold more than this only for moments"
-    return worst(_against_peak(s, "gearhead's continuous rating", limit, sign, note) for sign in (1, -1))
+    return worst(_against_peak(s, f"{s.drive.mounted}'s continuous rating", limit, sign, note) for sign in (1, -1))
 
 
 def _less_torque(measure: Callable[[DesignUnderTest], Comparison], otherwise: str, s: DesignUnderTest) -> str:

@@ -58,7 +58,7 @@ def _kind_lines(kind: str, width: int | None) -> list[str]:
         while taken < len(names) and sum(columns[: taken + 1]) + 2 * (taken + 1) <= room:
             taken += 1
         here, names, columns = names[:taken], names[taken:], columns[taken:]
-        rows = tuple((field, *(_exact(entries[name][field]) for name in here)) for field, _, _ in _fields(kind))
+        rows = tuple((field, *(_exact(entries[name].get(field)) for name in here)) for field, _, _ in _fields(kind))
         lines += ["", *ReportTable(("", *here), rows).text()]
     lines += ["", "Sources:"]
     return lines + [line for name, entry in entries.items() for line in _filled(f"  {name}: {entry['source']}", width)]
@@ -76,12 +76,16 @@ def _fields(kind: str) -> tuple[tuple[str, str, str], ...]:
 
 def _values(kind: str) -> ReportTable:
     names = [field[0] for field in _fields(kind)]
-    rows = tuple((entry, *(_exact(values[name]) for name in names)) for entry, values in package_entries(kind).items())
+    rows = tuple(
+        (entry, *(_exact(values.get(name)) for name in names)) for entry, values in package_entries(kind).items()
+    )
     return ReportTable(("name", *names), rows)
 
 
 def _exact(value: object) -> str:
     """A value as the catalogue has it, not rounded to what a table of results shows."""
+    if value is None:
+        return "-"
     if isinstance(value, list | tuple):
         return ", ".join(_exact(item) for item in value)
     return f"{value:g}" if isinstance(value, float) else str(value)

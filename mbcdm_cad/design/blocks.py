@@ -105,7 +105,14 @@ class DriveTrain(Block):
     """Motor, gearhead and encoders, from the catalogue."""
 
     motor: EntryName = choice("motor of each input")
-    gearhead: EntryName = choice("gearhead of each input")
+    gearhead: EntryName = choice("gearhead of each input; none where the motor's own shaft drives it")
+    bus_voltage_V: Number | None = quantity(
+        "voltage of the supply, for motors with a torque constant; left out: what the motor is made for",
+        unit="V",
+        default=None,
+        gt=0.0,
+        le=1000.0,
+    )
     encoder: EntryName = choice("encoder on each input pulley, above the top plate")
     drum_encoder: EntryName = choice("encoder on the drum shaft")
 

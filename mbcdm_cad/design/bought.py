@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,11 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Motor:
-    """Motor body, the shaft hidden in the gearhead."""
+    """A motor. Electrical values and face are None where the catalogue holds none.
+
+    Torque constant and resistance are those of a DC machine between two terminals: torque = constant x current, copper
+    loss = resistance x current^2. A sinusoidal drive of the same torque loses as much.
+    """
 
     name: str
     diameter_mm: float
@@ -117,6 +122,40 @@ class Motor:
     rotor_inertia_g_cm2: float
     mass_g: float
     source: str
+    torque_constant_mNm_A: float | None = None
+    resistance_ohm: float | None = None
+    continuous_current_A: float | None = None
+    peak_current_A: float | None = None
+    voltage_V: float | None = None
+    pole_pairs: int | None = None
+    radial_load_N: float | None = None
+    shaft_diameter_mm: float | None = None
+    shaft_length_mm: float | None = None
+    pilot_diameter_mm: float | None = None
+    pilot_height_mm: float | None = None
+    bolt_circle_mm: float | None = None
+    screw: str | None = None
+    screw_count: int | None = None
+
+    @property
+    def peak_torque_mNm(self) -> float:
+        """Torque at the peak current; the continuous torque where the catalogue has no current."""
+        if self.torque_constant_mNm_A is None or self.peak_current_A is None:
+            return self.rated_torque_mNm
+        return self.torque_constant_mNm_A * self.peak_current_A
+
+
+# What a motor needs to drive an input without a gearhead.
+FACE_FIELDS = (
+    "radial_load_N",
+    "shaft_diameter_mm",
+    "shaft_length_mm",
+    "pilot_diameter_mm",
+    "pilot_height_mm",
+    "bolt_circle_mm",
+    "screw",
+    "screw_count",
+)
 
 
 @dataclass(frozen=True)
@@ -140,6 +179,43 @@ class Gearhead:
     radial_load_N: float
     mass_g: float
     source: str
+
+    @property
+    def absent(self) -> bool:
+        """Whether there is none: the values are those of the motor's own face."""
+        return self.name == NO_GEARHEAD
+
+
+# What a design file names in place of a gearhead where the motor turns the input by itself.
+NO_GEARHEAD = "none"
+
+
+def missing_face_fields(motor: Motor) -> list[str]:
+    """What the motor's entry would need to drive an input without a gearhead, and does not hold."""
+    return [name for name in FACE_FIELDS if getattr(motor, name) is None]
+
+
+def without_gearhead(motor: Motor) -> Gearhead:
+    """The motor's own shaft and face, as what drives the input: a ratio of 1, nothing lost, no length and no mass.
+
+    ``KeyError`` names what the motor's entry lacks for it.
+    """
+    missing = missing_face_fields(motor)
+    if missing:
+        raise KeyError(f"motor {motor.name}: no {', '.join(missing)}")
+    values: dict[str, Any] = {name: getattr(motor, name) for name in FACE_FIELDS}
+    return Gearhead(
+        name=NO_GEARHEAD,
+        ratio=1.0,
+        efficiency=1.0,
+        rated_torque_mNm=motor.rated_torque_mNm,
+        max_torque_mNm=motor.peak_torque_mNm,
+        diameter_mm=motor.diameter_mm,
+        length_mm=0.0,
+        mass_g=0.0,
+        source=motor.source,
+        **values,
+    )
 
 
 @dataclass(frozen=True)

@@ -159,7 +159,8 @@ class Drive:
     dead_turns: float
     cut_tolerance_mm: float
     motor: Motor
-    gearhead: Gearhead
+    gearhead: Gearhead  # the motor's own face where there is none
+    bus_voltage_V: float | None  # None where neither file nor catalogue has one
     encoder: Encoder
     drum_encoder: Encoder
     loads: Loads
@@ -174,6 +175,16 @@ class Drive:
     inserts: tuple[InsertSpec, ...]
     sigmas: Sigmas
     as_built: tuple[AsBuilt, ...]
+
+    @property
+    def mounted(self) -> str:
+        """What is screwed on for each input, in one word: its gearhead, or the motor without one."""
+        return "motor" if self.gearhead.absent else "gearhead"
+
+    @property
+    def face_depth_mm(self) -> float:
+        """Length of the body behind the face that is screwed on: the gearhead's, or the motor's without one."""
+        return self.motor.length_mm if self.gearhead.absent else self.gearhead.length_mm
 
     def screw(self, name: str) -> Screw:
         """The screw of the catalogue called ``name``; KeyError if there is none."""

@@ -17,6 +17,11 @@ def _field(meaning: str, unit: str, uncertain: bool = False, **bounds: Any) -> A
     return Field(..., description=meaning, json_schema_extra=extra, **bounds)
 
 
+def _maybe(meaning: str, unit: str, **bounds: Any) -> Any:
+    """A field that an entry may leave out."""
+    return Field(None, description=meaning, json_schema_extra={"unit": unit}, **bounds)
+
+
 class Entry(Block):
     """Anything in the catalogue."""
 
@@ -61,13 +66,30 @@ class TerminationEntry(Entry):
 
 
 class MotorEntry(Entry):
-    """A motor, its shaft hidden in the gearhead."""
+    """A motor. Those with a shaft and a face of their own can do without a gearhead.
 
-    diameter_mm: Number = _field("body diameter", "mm", ge=3.0, le=100.0)
-    length_mm: Number = _field("body length", "mm", ge=3.0, le=200.0)
-    rated_torque_mNm: Number = _field("continuous torque", "mN m", uncertain=True, gt=0.0, le=1000.0)
-    rotor_inertia_g_cm2: Number = _field("rotor inertia", "g cm2", gt=0.0, le=10000.0)
-    mass_g: Number = _field("mass", "g", gt=0.0, le=5000.0)
+    Torque constant and resistance are those between two terminals (60 / (2 pi Kv), phase to phase).
+    """
+
+    diameter_mm: Number = _field("body diameter", "mm", ge=3.0, le=400.0)
+    length_mm: Number = _field("body length", "mm", ge=3.0, le=300.0)
+    rated_torque_mNm: Number = _field("continuous torque", "mN m", uncertain=True, gt=0.0, le=100000.0)
+    rotor_inertia_g_cm2: Number = _field("rotor inertia", "g cm2", gt=0.0, le=1e6)
+    mass_g: Number = _field("mass", "g", gt=0.0, le=50000.0)
+    torque_constant_mNm_A: Number | None = _maybe("torque over current, 60 / (2 pi Kv)", "mN m/A", gt=0.0, le=1e5)
+    resistance_ohm: Number | None = _maybe("resistance between two terminals", "ohm", gt=0.0, le=1000.0)
+    continuous_current_A: Number | None = _maybe("continuous current", "A", gt=0.0, le=1000.0)
+    peak_current_A: Number | None = _maybe("largest current, for moments", "A", gt=0.0, le=5000.0)
+    voltage_V: Number | None = _maybe("voltage that the motor is made for", "V", gt=0.0, le=1000.0)
+    pole_pairs: Integer | None = _maybe("pairs of magnet poles", "-", ge=1, le=100)
+    radial_load_N: Number | None = _maybe("radial load the shaft takes", "N", gt=0.0, le=10000.0)
+    shaft_diameter_mm: Number | None = _maybe("shaft diameter", "mm", ge=1.0, le=40.0)
+    shaft_length_mm: Number | None = _maybe("shaft length from the face", "mm", ge=1.0, le=80.0)
+    pilot_diameter_mm: Number | None = _maybe("centring boss diameter", "mm", ge=1.0, le=200.0)
+    pilot_height_mm: Number | None = _maybe("centring boss height", "mm", ge=0.1, le=10.0)
+    bolt_circle_mm: Number | None = _maybe("diameter of the screws' circle on the face", "mm", ge=2.0, le=300.0)
+    screw: EntryName | None = _maybe("screw that holds the face", "-")
+    screw_count: Integer | None = _maybe("number of those screws", "-", ge=2, le=12)
 
 
 class GearheadEntry(Entry):

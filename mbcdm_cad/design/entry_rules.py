@@ -11,17 +11,33 @@ from mbcdm_cad.design.entries import (
     Entry,
     GearheadEntry,
     InsertEntry,
+    MotorEntry,
     RopeEntry,
     ScrewEntry,
     TensionerEntry,
     TerminationEntry,
 )
 
+ELECTRICAL_FIELDS = (
+    "torque_constant_mNm_A",
+    "resistance_ohm",
+    "continuous_current_A",
+    "peak_current_A",
+    "voltage_V",
+    "pole_pairs",
+)
+# Rated torque is less than constant x current by friction, and where the iron saturates.
+TORQUE_AGREEMENT = 0.25
+
 _ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
     RopeEntry: (("bend_ratio_minimum", "bend_ratio_desired"),),
     TerminationEntry: (("smallest_mm", "largest_mm"),),
     GearheadEntry: (
         ("rated_torque_mNm", "max_torque_mNm"),
+        ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),
+    ),
+    MotorEntry: (
+        ("continuous_current_A", "peak_current_A"),
         ("shaft_diameter_mm", "pilot_diameter_mm", "bolt_circle_mm", "diameter_mm"),
     ),
     EncoderEntry: (("bore_mm", "bolt_circle_mm", "diameter_mm"),),
@@ -37,8 +53,10 @@ def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
     for names in entry_orders(entry):
         for small, large in pairwise(names):
             low, high = getattr(entry, small), getattr(entry, large)
-            if low > high:
+            if low is not None and high is not None and low > high:
                 yield small, f"larger than {large}", f"{low:g}", f"up to {high:g}", f"check {small} and {large}"
+    if isinstance(entry, MotorEntry):
+        yield from _motor_faults(entry)
     if isinstance(entry, RopeEntry):
         nominal = 0.7854 * entry.diameter_mm**2
         if entry.metallic_area_mm2 > nominal:
@@ -49,6 +67,27 @@ def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
                 f"up to {nominal:.4g} mm2",
                 "a 7x7 rope has about 0.475 d^2",
             )
+
+
+def _motor_faults(entry: MotorEntry) -> Iterator[tuple[str, str, str, str, str]]:
+    """Electrical values come together, and the continuous torque is what the continuous current gives."""
+    values = {name: getattr(entry, name) for name in ELECTRICAL_FIELDS}
+    missing = [name for name, value in values.items() if value is None]
+    if missing and len(missing) < len(values):
+        given = next(name for name, value in values.items() if value is not None)
+        yield given, "given without all that goes with it", "", ", ".join(missing), "give all of them, or none"
+    constant, current = entry.torque_constant_mNm_A, entry.continuous_current_A
+    if constant is None or current is None:
+        return
+    torque = constant * current
+    if abs(entry.rated_torque_mNm / torque - 1.0) > TORQUE_AGREEMENT:
+        yield (
+            "rated_torque_mNm",
+            "not what the continuous current gives",
+            f"{entry.rated_torque_mNm:g} mN m",
+            f"within {TORQUE_AGREEMENT:.0%} of {torque:.4g} mN m, torque constant x current",
+            "check torque_constant_mNm_A and continuous_current_A: both between two terminals",
+        )
 
 
 def entry_orders(entry: Entry) -> tuple[tuple[str, ...], ...]:

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from mbcdm_cad.design import drive as d
 from mbcdm_cad.design.blocks import Cable, Design, Rope
-from mbcdm_cad.design.bought import CableSpec, TerminationSpec
+from mbcdm_cad.design.bought import NO_GEARHEAD, CableSpec, Motor, TerminationSpec, without_gearhead
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 
@@ -27,6 +27,8 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     the built drive are left out; the loader puts them in.
     """
     train, rope, ends = design.drive, _rope(design.rope, catalogue), catalogue.all("terminations")
+    motor: Motor = catalogue.get("motors", train.motor)
+    absent = train.gearhead == NO_GEARHEAD
     return {
         "name": design.name,
         "configuration": design.configuration,
@@ -38,8 +40,9 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "termination": termination(design.rope.termination, ends, rope),
         "friction_coefficient": design.rope.friction_coefficient,
         "cut_tolerance_mm": design.rope.cut_tolerance_mm,
-        "motor": catalogue.get("motors", train.motor),
-        "gearhead": catalogue.get("gearheads", train.gearhead),
+        "motor": motor,
+        "gearhead": without_gearhead(motor) if absent else catalogue.get("gearheads", train.gearhead),
+        "bus_voltage_V": motor.voltage_V if train.bus_voltage_V is None else train.bus_voltage_V,
         "encoder": catalogue.get("encoders", train.encoder),
         "drum_encoder": catalogue.get("encoders", train.drum_encoder),
         "loads": copied(d.Loads, design.loads),

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from mbcdm_cad.design.as_built import CHANGE_VALUES
 from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.bought import NO_GEARHEAD, Motor, missing_face_fields
 from mbcdm_cad.design.entries import KINDS, Entry
 from mbcdm_cad.design.entry_rules import entry_faults
 from mbcdm_cad.design.fieldpath import FieldPath
@@ -43,6 +44,7 @@ def every_broken_rule(
     yield from own
     yield from broken_shared_rules(design)
     yield from broken_names(catalogue, named_by_shared_blocks(design))
+    yield from _motor(design, catalogue)
     yield from broken_names(catalogue, named)
 
 
@@ -73,13 +75,38 @@ def named_by_shared_blocks(design: Design) -> Iterator[NamedEntry]:
     yield NamedEntry(("rope", "inline", "material"), "materials", rope.inline.material if rope.inline else None)
     yield NamedEntry(("rope", "termination"), "terminations", rope.termination)
     yield NamedEntry(("drive", "motor"), "motors", train.motor)
-    yield NamedEntry(("drive", "gearhead"), "gearheads", train.gearhead)
+    yield NamedEntry(("drive", "gearhead"), "gearheads", None if train.gearhead == NO_GEARHEAD else train.gearhead)
     yield NamedEntry(("drive", "encoder"), "encoders", train.encoder)
     yield NamedEntry(("drive", "drum_encoder"), "encoders", train.drum_encoder)
     for kind in KINDS:
         for name, entry in getattr(design.catalogue, kind).items():
             for field, target in (("material", "materials"), ("screw", "screws")):
                 yield NamedEntry(("catalogue", kind, name, field), target, getattr(entry, field, None))
+
+
+def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
+    """A motor without a gearhead needs a face and a shaft; a voltage means nothing without a torque constant."""
+    train = design.drive
+    if train.motor not in catalogue.names("motors"):
+        return
+    motor: Motor = catalogue.get("motors", train.motor)
+    if train.gearhead == NO_GEARHEAD:
+        missing = missing_face_fields(motor)
+        if missing:
+            able = (catalogue.get("motors", name) for name in catalogue.names("motors"))
+            names = ", ".join(each.name for each in able if not missing_face_fields(each))
+            remedy = f"choose a gearhead, one of these motors, or give {', '.join(missing)} under catalogue: motors:"
+            yield Broken(("drive", "gearhead"), f"{motor.name} has no face and shaft of its own", "none", names, remedy)
+        elif motor.screw not in catalogue.names("screws"):
+            yield unknown_entry(("drive", "motor"), "screws", str(motor.screw), catalogue.names("screws"))
+    if train.bus_voltage_V is not None and motor.torque_constant_mNm_A is None:
+        yield Broken(
+            ("drive", "bus_voltage_V"),
+            f"the catalogue has no torque constant of {motor.name}",
+            f"{train.bus_voltage_V:g} V",
+            "a motor with torque_constant_mNm_A",
+            "leave it out, or choose a brushless motor of the catalogue",
+        )
 
 
 def _cables(design: Design) -> Iterator[Broken]:

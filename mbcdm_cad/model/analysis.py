@@ -31,7 +31,8 @@ from mbcdm_cad.model.figures import (
 )
 from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
-from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm, requirements, sigmas_si, tension_limit_N
+from mbcdm_cad.model.motor_figures import motor_figures
+from mbcdm_cad.model.ratings import input_ratings_Nm, motor_ratings, requirements, sigmas_si, tension_limit_N
 from mbcdm_cad.model.si import DriveSI, routed, to_si
 from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
 from mbcdm_cad.model.uncertainty import intervals
@@ -57,7 +58,9 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     limits = torque_limits(d, ratings, strength)
     balanced = balanced_preload_N(d)
     balanced_limits = torque_limits(d.with_(preload_N=balanced), ratings, strength)
-    lossless = lowest_each_way(limits, MOTOR)
+    rated, lossy = motor_ratings(drive)
+    lossless = lowest_each_way(limits, rated)
+    peaks = (load_case(d, peak), load_case(d, -peak))
     mismatch_mm, mismatch_N = pair_mismatch(d, np.radians(drive.half_travel_deg))
     return Analysis(
         name=drive.name,
@@ -73,24 +76,35 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
         pair_mismatch_N=mismatch_N,
         cables=cable_figures(d, test),
         test=(load_case(d, test), load_case(d, -test)),
-        peak=(load_case(d, peak), load_case(d, -peak)),
+        peak=peaks,
         reversal_swing_mrad=float(drum_backlash(endless, test).reversal_swing_rad) * 1e3,
         sticking_stiffness_Nm_rad=float(sticking_stiffness_Nm_rad(d)),
         input_bias_mNm=_floats(input_bias_Nm(d) * 1e3),
         limits=limits,
         peak_torque_Nm=lossless,
-        peak_torque_with_efficiency_Nm=lowest_each_way(limits, MOTOR_LOSSY),
+        peak_torque_with_efficiency_Nm=lowest_each_way(limits, lossy),
         balanced_preload_N=_floats(balanced),
-        balanced_peak_torque_Nm=lowest_each_way(balanced_limits, MOTOR),
+        balanced_peak_torque_Nm=lowest_each_way(balanced_limits, rated),
         torque_to_weight_Nm_kg=(
             None if drive.targets.mass_g is None else torque_to_weight_Nm_kg(min(lossless), drive.targets.mass_g)
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
+        motor=motor_figures(drive, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(limits)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),
         intervals=uncertain_figures(endless, drive),
         notes=notes(drive, d),
     )
+
+
+def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:
+    """Largest torque on an input over some load cases, N m."""
+    return max(abs(torque) for case in cases for torque in case.input_torque_mNm) * 1e-3
+
+
+def _not_the_motor_Nm(limits: tuple[TorqueLimit, ...]) -> float:
+    """Lowest torque at the drum, either way, that strength, slack or slip sets, N m."""
+    return min((limit.torque_Nm for limit in limits if limit.cause in ("strength", "slack", SLIP)), default=np.inf)
 
 
 def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
@@ -207,12 +221,22 @@ def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
         f"E = {drive.cable.modulus_GPa:g} GPa on the {drive.cable.modulus_area} area {drive.cable.area_mm2:.4f} mm^2 "
         f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
         "different one under each reading.",
-        "Peak torque counts the gearhead as lossless, as the paper does; the figure with its efficiency is beside it.",
-        f"Motor {drive.motor.name}: {drive.motor.rated_torque_mNm:g} mN m [{drive.motor.source}].",
-        f"Gearhead {drive.gearhead.name}: {drive.gearhead.ratio:g}:1, efficiency {drive.gearhead.efficiency:g}, "
-        f"{drive.gearhead.rated_torque_mNm:g} mN m continuous, {drive.gearhead.max_torque_mNm:g} at most "
-        f"[{drive.gearhead.source}].",
+        *_train(drive),
         _losses([body.name for body in d.routes.passed]),
+    )
+
+
+def _train(drive: Drive) -> tuple[str, ...]:
+    """Motor and gearhead with their sources."""
+    gear = drive.gearhead
+    motor = f"Motor {drive.motor.name}: {drive.motor.rated_torque_mNm:g} mN m [{drive.motor.source}]."
+    if gear.absent:
+        return motor, "There is no gearhead: the motor's shaft turns the input."
+    return (
+        "Peak torque counts the gearhead as lossless, as the paper does; the figure with its efficiency is beside it.",
+        motor,
+        f"Gearhead {gear.name}: {gear.ratio:g}:1, efficiency {gear.efficiency:g}, {gear.rated_torque_mNm:g} mN m "
+        f"continuous, {gear.max_torque_mNm:g} at most [{gear.source}].",
     )
 
 

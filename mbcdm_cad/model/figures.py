@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from mbcdm_cad.model.capability import TorqueLimit
+from mbcdm_cad.model.motor_figures import MotorFigures
 
 # How an SI figure, named with its unit, is read: (unit, factor) by the end of its name.
 _READABLE = {"_rad": ("mrad", 1e3), "_Nm": ("N m", 1.0), "_N": ("N", 1.0), "_m": ("mm", 1e3)}
@@ -149,6 +150,7 @@ class Analysis:
     balanced_peak_torque_Nm: tuple[float, float]
     torque_to_weight_Nm_kg: float | None  # at the mass that the design asks for; None where it asks for none
     bearings: tuple[BearingFigures, ...]
+    motor: MotorFigures | None  # None where the catalogue has no electrical values of it
     measured_backlash_mrad: float
     implied_modulus: tuple[ModulusReading, ...]
     intervals: tuple[UncertainFigure, ...]

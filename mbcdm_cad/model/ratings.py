@@ -14,10 +14,19 @@ if TYPE_CHECKING:
 
 # Names of the ratings in `Analysis.limits`.
 MOTOR, MOTOR_LOSSY, GEARHEAD, GEARHEAD_PEAK = "motor", "motor_with_efficiency", "gearhead_rated", "gearhead_maximum"
+MOTOR_ALONE, MOTOR_ALONE_PEAK = "motor_alone", "motor_alone_peak"
 
 
 def input_ratings_Nm(drive: Drive) -> dict[str, float]:
-    """Torque limits of one input, N m: motor through the gearhead, without and with losses; the gearhead's own."""
+    """Torque limits of one input, N m: motor through the gearhead, without and with losses; the gearhead's own.
+
+    Without a gearhead: the motor's continuous torque, and that at its peak current.
+    """
+    if drive.gearhead.absent:
+        return {
+            MOTOR_ALONE: drive.motor.rated_torque_mNm * 1e-3,
+            MOTOR_ALONE_PEAK: drive.motor.peak_torque_mNm * 1e-3,
+        }
     lossless = drive.motor.rated_torque_mNm * 1e-3 * drive.gearhead.ratio
     return {
         MOTOR: lossless,
@@ -25,6 +34,11 @@ def input_ratings_Nm(drive: Drive) -> dict[str, float]:
         GEARHEAD: drive.gearhead.rated_torque_mNm * 1e-3,
         GEARHEAD_PEAK: drive.gearhead.max_torque_mNm * 1e-3,
     }
+
+
+def motor_ratings(drive: Drive) -> tuple[str, str]:
+    """Names of the motor's own rating, with a lossless gearhead and with its losses; the same without a gearhead."""
+    return (MOTOR_ALONE, MOTOR_ALONE) if drive.gearhead.absent else (MOTOR, MOTOR_LOSSY)
 
 
 def tension_limit_N(drive: Drive) -> float:
@@ -37,7 +51,7 @@ def requirements(drive: Drive) -> Requirements:
     return Requirements(
         load_Nm=drive.loads.test_torque_Nm,
         half_travel_rad=np.radians(drive.half_travel_deg),
-        input_rating_Nm=input_ratings_Nm(drive)[MOTOR],
+        input_rating_Nm=input_ratings_Nm(drive)[motor_ratings(drive)[0]],
         rope_diameter_m=drive.cable.diameter_mm * MM,
         tension_limit_N=tension_limit_N(drive),
         helix_lead_m=drive.helix_lead_mm * MM,

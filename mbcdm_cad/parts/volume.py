@@ -170,7 +170,7 @@ def motor_head_mm3(d: HeadDims) -> float:
         - ring_mm3(d.shoulder_radius, 0.0, flange - d.seat_depth)
         - ring_mm3(d.seat_radius, 0.0, d.seat_depth)
         # About half of each key hole lies outside the shoulder's bore.
-        - 2
+        - len(d.gear_screws)
         * (ring_mm3(d.gear_screw_clearance, 0.0, shelf) + ring_mm3(d.key_hole_radius, 0.0, flange - d.seat_depth) / 2)
         - len(f.screws) * ring_mm3(d.screw_clearance, 0.0, flange)
         - len(f.dowels) * ring_mm3(d.dowel_radius, 0.0, flange)

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
+from mbcdm_cad.report.motor_words import curve_table, motor_lines
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
 from mbcdm_cad.report.table import ReportTable
 
@@ -27,6 +28,8 @@ _LIMITS = {
     "motor_with_efficiency": "motor, gearhead with its losses",
     "gearhead_rated": "gearhead, continuous",
     "gearhead_maximum": "gearhead, intermittent",
+    "motor_alone": "motor, continuous",
+    "motor_alone_peak": "motor, for moments",
     "strength": "cable at its allowed tension",
     "slack": "a cable goes slack",
     "slip": "the cable slips on its input",
@@ -152,6 +155,13 @@ class AnalysisReport:
             *self._limits().text(width, "  "),
             *(line for text in _torque_notes(a) for line in _filled(text, width)),
         ]
+        if a.motor is not None:
+            first, *rest = motor_lines(asdict(a.motor))
+            yield [
+                *_filled(first, width),
+                *(line for text in rest for line in _filled(f"  {text}", width)),
+                *curve_table(asdict(a.motor)).text(width, "  "),
+            ]
         bearings = tuple(
             (
                 f"{b.load_Nm:+.2f}",
@@ -197,10 +207,13 @@ def _model_notes(a: Analysis) -> Iterator[str]:
 
 
 def _torque_notes(a: Analysis) -> Iterator[str]:
-    yield (
-        f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m (gearhead without losses, as in the paper), "
-        f"{_list(a.peak_torque_with_efficiency_Nm, 3)} N m with its losses"
-    )
+    if any(limit.cause == "motor_alone" for limit in a.limits):
+        yield f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m, the motor's continuous torque, no gearhead"
+    else:
+        yield (
+            f"  peak torque + / -: {_list(a.peak_torque_Nm, 3)} N m (gearhead without losses, as in the paper), "
+            f"{_list(a.peak_torque_with_efficiency_Nm, 3)} N m with its losses"
+        )
     yield (
         f"  with preloads T ~ 1/r ({_list(a.balanced_preload_N)} N): {_list(a.balanced_peak_torque_Nm, 3)} N m; the "
         f"preload alone loads the inputs by {_list(a.input_bias_mNm, 1)} mN m"

@@ -8,6 +8,7 @@ import jinja2
 
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.describe import flow
+from mbcdm_cad.report.motor_words import motor_lines
 
 _AT_DRUM = "_at_drum"
 
@@ -39,4 +40,7 @@ def report_markdown(data: dict[str, Any]) -> str:
         for name, value in moving.items()
         if name.endswith(_AT_DRUM) and name not in ("inputs_at_drum", "rotors_at_drum")
     }
-    return environment.get_template("report.md.j2").render(r=data, a=data["analysis"], paths=paths, passed=passed)
+    motor = data["analysis"]["motor"]
+    return environment.get_template("report.md.j2").render(
+        r=data, a=data["analysis"], paths=paths, passed=passed, motor_lines=motor_lines(motor) if motor else ()
+    )

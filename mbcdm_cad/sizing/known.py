@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from functools import cache
 from typing import Any
 
+from mbcdm_cad.design.bought import NO_GEARHEAD, Motor, missing_face_fields, without_gearhead
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.design.rules import unknown_entry
+from mbcdm_cad.design.rules import Broken, unknown_entry
 from mbcdm_cad.design.sized import SizingError
 
 
@@ -80,6 +82,29 @@ class KnownFields:
     def entry(self, kind: str, field: str) -> dict[str, Any]:
         """The entry that a field names. Raises ``SizingError`` for a name that is not in the catalogue."""
         name, entries = self[field], self.entries(kind)
+        if kind == "gearheads" and name == NO_GEARHEAD:
+            return self._motor_face()
         if name not in entries:
             raise SizingError(unknown_entry(tuple(field.split(".")), kind, str(name), list(entries)))
         return entries[name]
+
+    def motors_with_faces(self) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+        """Motors that need no gearhead: entry, and face and shaft as an entry of a gearhead."""
+        found = {}
+        for name, entry in self.entries("motors").items():
+            motor = Motor(name=name, **entry)
+            if not missing_face_fields(motor):
+                face = asdict(without_gearhead(motor))
+                del face["name"]
+                found[name] = entry, face
+        return found
+
+    def _motor_face(self) -> dict[str, Any]:
+        """The chosen motor's own face, as an entry of a gearhead."""
+        self.entry("motors", "drive.motor")
+        name, able = self["drive.motor"], self.motors_with_faces()
+        if name not in able:
+            what = f"{name} has no face and shaft of its own"
+            remedy = f"choose a gearhead, or one of {', '.join(able)}"
+            raise SizingError(Broken(("drive", "gearhead"), what, NO_GEARHEAD, "", remedy))
+        return able[name][1]

@@ -75,17 +75,20 @@ def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
 
 
 def _drives(layout: Layout) -> tuple[AssemblyStep, ...]:
-    gear, collar_screw = layout.drive.gearhead, layout.collar.screw
+    gear, mounted, collar_screw = layout.drive.gearhead, layout.drive.mounted, layout.collar.screw
+    train = "motors" if gear.absent else "gearheads with their motors"
     return (
         AssemblyStep(
-            "Screw the gearheads with their motors under the motor shelf "
+            f"Screw the {train} under the motor shelf "
             f"({gear.screw_count} x {gear.screw} each). The screws go in through the open front of the coupling space; "
             f"the {_key(layout, gear.screw)} reaches their heads from above, through the key holes in the shoulder of "
             "the empty lower bearing seats.",
-            _each("gearhead", layout) + _each("motor", layout) + _each("gearhead_screw", layout, gear.screw_count),
+            (() if gear.absent else _each("gearhead", layout))
+            + _each("motor", layout)
+            + _each(f"{mounted}_screw", layout, gear.screw_count),
         ),
         AssemblyStep(
-            f"Pass the clamp collars, their screws ({collar_screw}) loose, over the gearhead shafts through the open "
+            f"Pass the clamp collars, their screws ({collar_screw}) loose, over the {mounted} shafts through the open "
             f"front. Press the lower bearings ({layout.drive.bearings.input_lower.name}) into the bearing shelf "
             "from above.",
             _each("collar", layout) + _each("collar_screw", layout) + _each("input_bearing_lower", layout),
@@ -103,7 +106,7 @@ def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
         AssemblyStep(
             "Hook the stops of each cable into the slots in the end faces of its input pulley, wind the dead turns and "
             "half of the live turns and hold them with tape. Lower the pulleys through bearing and collar onto the "
-            f"gearhead shafts and close the collars from the front ({_key(layout, collar_screw)}).",
+            f"{drive.mounted} shafts and close the collars from the front ({_key(layout, collar_screw)}).",
             _each("input_pulley", layout)
             + tuple(f"stop_{name}" for name in names)
             + tuple(cable_item(name) for name in names),

@@ -14,6 +14,7 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, dowel_l
 from mbcdm_cad.design.bought import Bearing, Screw
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.bought.train import add_train
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
@@ -27,8 +28,6 @@ _ALONG_Y = Placement.about(_X, -90.0)
 _AGAINST_Y = Placement.about(_X, 90.0)
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
 # Colours (linear RGB) that tell bought bodies and cables from machined metal.
-_MOTOR_COLOUR = (0.02, 0.02, 0.025)
-_GEARHEAD_COLOUR = (0.22, 0.2, 0.15)
 
 
 def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
@@ -151,24 +150,7 @@ def _drives(b: _Builder) -> None:
     head_depth = encoder_screw.head_height_mm + 0.2
     encoder_depth = encoder_screw.length_mm - (drive.support.top_plate_mm - head_depth) + 0.5
     for p in lay.inputs:
-        b.add(
-            f"gearhead_{p.name}",
-            "mbcdm_cad.parts.bought.draw:create_gearhead",
-            (gear, gear_screw, gear_depth),
-            part="gearhead",
-            material=replace(body, colour=_GEARHEAD_COLOUR),
-            place=_at(p.x, p.y, v.motor_shelf_bottom_z),
-            mass_g=gear.mass_g,
-        )
-        b.add(
-            f"motor_{p.name}",
-            "mbcdm_cad.parts.bought.draw:create_motor",
-            (drive.motor,),
-            part="motor",
-            material=replace(body, colour=_MOTOR_COLOUR),
-            place=_at(p.x, p.y, v.gearhead_bottom_z),
-            mass_g=drive.motor.mass_g,
-        )
+        add_train(b, drive, p.name, gear_depth, _at(p.x, p.y, v.motor_shelf_bottom_z))
         b.add(
             f"encoder_{p.name}",
             "mbcdm_cad.parts.bought.draw:create_encoder",
@@ -185,7 +167,7 @@ def _drives(b: _Builder) -> None:
             if n < len(gear_places):
                 x, y = gear_places[n]
                 at = _at(p.x + x, p.y + y, v.motor_shelf_top_z)
-                b.steel_screw(f"gearhead_screw_{p.name}_{n + 1}", gear_screw, at)
+                b.steel_screw(f"{drive.mounted}_screw_{p.name}_{n + 1}", gear_screw, at)
             if n < len(encoder_places):
                 x, y = encoder_places[n]
                 place = _at(p.x + x, p.y + y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN

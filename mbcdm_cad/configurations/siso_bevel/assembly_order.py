@@ -6,8 +6,9 @@ from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
 from mbcdm_cad.configurations.siso_bevel.support.dims import MOUNT_SCREW, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.configurations.siso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.inserts import insert_items, insert_words
-from mbcdm_cad.parts.motor_head.dims import FLANGE_SCREW
+from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
@@ -80,23 +81,24 @@ def _input(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
 
 def _head(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
     drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
+    flange = flange_screw(drive).name
     gear = drive.gearhead
     return (
         AssemblyStep(
-            f"On the bench, screw the gearhead with its motor on the motor head ({gear.screw_count} x {gear.screw}). "
+            f"On the bench, screw the {train_words(drive)} on the motor head ({gear.screw_count} x {gear.screw}). "
             f"The screws go in through the open front of the coupling space; the {_key(layout, gear.screw)} reaches "
             "their heads from below, through the key holes in the shoulder of the empty bearing seat. Pass the clamp "
-            f"collar, its screw ({collar_screw}) loose, over the gearhead's shaft through the open front, and press "
-            f"the bearing ({drive.bearings.input_lower.name}) into the head from below.",
+            f"collar, its screw ({collar_screw}) loose, over the {drive.mounted}'s shaft through the open front, and "
+            f"press the bearing ({drive.bearings.input_lower.name}) into the head from below.",
             (
-                *("motor_head", f"gearhead_{name}", f"motor_{name}"),
-                *_numbered(f"gearhead_screw_{name}", 2),
+                *("motor_head", *train_items(drive, name)),
+                *_numbered(f"{drive.mounted}_screw_{name}", gear.screw_count),
                 *(f"collar_{name}", f"collar_screw_{name}", f"input_bearing_lower_{name}"),
             ),
         ),
         AssemblyStep(
             "Press the two dowels into the side walls. Lower the head over the pulley's journal and the dowels, "
-            f"tighten four {FLANGE_SCREW} from above ({_key(layout, FLANGE_SCREW)}), then the collar from the front "
+            f"tighten four {flange} from above ({_key(layout, flange)}), then the collar from the front "
             f"({_key(layout, collar_screw)}).",
             (*_numbered("dowel", 2), *_numbered("flange_screw", len(layout.frame.flange_screws))),
         ),

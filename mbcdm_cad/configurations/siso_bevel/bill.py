@@ -10,7 +10,7 @@ from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
-from mbcdm_cad.parts.motor_head.dims import FLANGE_SCREW
+from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.motor_head.items import (
     EncoderShelf,
     add_flange_fixings,
@@ -52,7 +52,7 @@ def _support(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
     insert = frame.flange_insert
     tapped = replace(
         frame,
-        flange_screw_radius=frame.flange_screw_radius if insert else drive.screw(FLANGE_SCREW).tap_drill_mm / 2,
+        flange_screw_radius=frame.flange_screw_radius if insert else flange_screw(drive).tap_drill_mm / 2,
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
     b.drilled("frame", tapped)

@@ -6,8 +6,9 @@ from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
 from mbcdm_cad.configurations.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.configurations.siso_spur.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.bought.train import train_items, train_words
 from mbcdm_cad.parts.inserts import insert_items, insert_words
-from mbcdm_cad.parts.motor_head.dims import FLANGE_SCREW
+from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
@@ -61,6 +62,7 @@ def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
 
 def _input(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
+    flange = flange_screw(drive).name
     gear = drive.gearhead
     how = "in the groove" if drive.input_pulleys.grooved else "side by side"
     return (
@@ -70,21 +72,21 @@ def _input(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
             (f"input_pulley_{name}",),
         ),
         AssemblyStep(
-            f"On the bench, screw the gearhead with its motor on the motor head ({gear.screw_count} x {gear.screw}). "
+            f"On the bench, screw the {train_words(drive)} on the motor head ({gear.screw_count} x {gear.screw}). "
             f"The screws go in through the open side of the coupling space; the {_key(layout, gear.screw)} reaches "
             "their heads from the flange, through the key holes in the shoulder of the empty bearing seat. Pass the "
-            f"clamp collar, its screw ({collar_screw}) loose, over the gearhead's shaft through the open side, and "
-            f"press the bearing ({drive.bearings.input_lower.name}) into the flange.",
+            f"clamp collar, its screw ({collar_screw}) loose, over the {drive.mounted}'s shaft through the open side, "
+            f"and press the bearing ({drive.bearings.input_lower.name}) into the flange.",
             (
-                *("motor_head", f"gearhead_{name}", f"motor_{name}"),
-                *_numbered(f"gearhead_screw_{name}", 2),
+                *("motor_head", *train_items(drive, name)),
+                *_numbered(f"{drive.mounted}_screw_{name}", gear.screw_count),
                 *(f"collar_{name}", f"collar_screw_{name}", f"input_bearing_lower_{name}"),
             ),
         ),
         AssemblyStep(
             "Press the two dowels into the plate. Slide the head from behind over the pulley's journal and the dowels, "
-            f"its open side away from the drum, tighten four {FLANGE_SCREW} from behind "
-            f"({_key(layout, FLANGE_SCREW)}), then the collar through the open side ({_key(layout, collar_screw)}). "
+            f"its open side away from the drum, tighten four {flange} from behind "
+            f"({_key(layout, flange)}), then the collar through the open side ({_key(layout, collar_screw)}). "
             f"Screw the frame to its base with four {MOUNT_SCREW} from behind, into the plate's threads.",
             (*_numbered("dowel", 2), *_numbered("flange_screw", len(layout.frame.flange_screws))),
         ),

@@ -11,7 +11,7 @@ from mbcdm_cad.configurations.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
-from mbcdm_cad.parts.motor_head.dims import FLANGE_SCREW
+from mbcdm_cad.parts.motor_head.dims import flange_screw
 from mbcdm_cad.parts.motor_head.items import (
     EncoderShelf,
     add_flange_fixings,
@@ -48,7 +48,7 @@ def _support(b: BillBuilder, lay: SpurLayout, drive: SpurDrive) -> None:
     insert, own = frame.flange_insert, frame.mount_insert
     tapped = replace(
         frame,
-        flange_screw_radius=frame.flange_screw_radius if insert else drive.screw(FLANGE_SCREW).tap_drill_mm / 2,
+        flange_screw_radius=frame.flange_screw_radius if insert else flange_screw(drive).tap_drill_mm / 2,
         mount_radius=frame.mount_radius if own else drive.screw(MOUNT_SCREW).tap_drill_mm / 2,
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )

@@ -65,10 +65,24 @@ def _circle(count: int, radius: float, first_rad: float = 0.0) -> list[tuple[flo
 def create_gearhead(gearhead: Gearhead, screw: Screw, hole_depth: float) -> cq.Solid:
     """Gearhead below its face at z = 0, pilot and shaft above it, tapped holes for its screws."""
     r = gearhead.diameter_mm / 2
+    back = [(0.0, -gearhead.length_mm), (r, -gearhead.length_mm)]
+    return _with_face(gearhead, screw, hole_depth, back, "gearhead")
+
+
+def create_motor_with_shaft(motor: Motor, face: Gearhead, screw: Screw, hole_depth: float) -> cq.Solid:
+    """Motor that needs no gearhead, below its face at z = 0, pilot and shaft above it, tapped holes for its screws."""
+    r, length = motor.diameter_mm / 2, motor.length_mm
+    return _with_face(face, screw, hole_depth, [(0.0, -length), (r - _EDGE, -length), (r, _EDGE - length)], "motor")
+
+
+def _with_face(
+    gearhead: Gearhead, screw: Screw, hole_depth: float, back: list[tuple[float, float]], name: str
+) -> cq.Solid:
+    """A turned body whose outline begins at its ``back``, with the face, pilot, shaft and threads of ``gearhead``."""
+    r = gearhead.diameter_mm / 2
     body = turned(
         [
-            (0.0, -gearhead.length_mm),
-            (r, -gearhead.length_mm),
+            *back,
             (r, -_EDGE),
             (r - _EDGE, 0.0),
             (gearhead.pilot_diameter_mm / 2, 0.0),
@@ -77,13 +91,13 @@ def create_gearhead(gearhead: Gearhead, screw: Screw, hole_depth: float) -> cq.S
             (gearhead.shaft_diameter_mm / 2, gearhead.shaft_length_mm),
             (0.0, gearhead.shaft_length_mm),
         ],
-        "gearhead",
+        name,
     )
     holes = [
         cylinder_z(screw.thread_mm / 2, x, y, -hole_depth, 1.0)
         for x, y in _circle(gearhead.screw_count, gearhead.bolt_circle_mm / 2, first_screw_rad(gearhead.screw_count))
     ]
-    return cut(body, holes, "gearhead")
+    return cut(body, holes, name)
 
 
 def create_encoder(encoder: Encoder, screw: Screw, bore_depth: float, hole_depth: float) -> cq.Solid:

@@ -1,7 +1,7 @@
 """Dimensions of a motor head: what carries gearhead and motor of one input in line with its pulley.
 
        | motor  |
-       |gearhead|
+       |gearhead|       if there is one
      ==============  motor shelf
      | coupling   |    coupling space, open to the front
    ==================  bearing shelf: the flange on the frame
@@ -15,13 +15,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from mbcdm_cad.design.bought import Material
+from mbcdm_cad.design.bought import Material, Screw
+from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 
-FLANGE_SCREW = "M2x6"
+# Thread of the flange's screws, by the widest body that hangs on them (estimate).
+FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
+FLANGE_THREAD_MOST_MM = 5.0
 DOWEL_MM = 2.0
-DOWEL_LENGTH_MM = 6.0
+DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 16.0)
 # Longest sensible reach of an end mill, in diameters.
 TOOL_SLENDERNESS = 4.0
 
@@ -115,9 +118,26 @@ class HeadDims:
     pilot_radius: float
     gear_screw_clearance: float
     gear_bolt_circle: float
+    gear_screws: Places
     key_hole_radius: float
     screw_clearance: float
     dowel_radius: float
+
+
+def flange_screw(drive: HeadedDrive) -> Screw:
+    """The shortest screw that engages its diameter behind the flange, else the longest of its thread."""
+    wide = 2 * body_radius_mm(drive)
+    thread = next((mm for most, mm in FLANGE_THREADS_MM if wide <= most), FLANGE_THREAD_MOST_MM)
+    sizes = [s for s in drive.screws if s.thread_mm == thread and s.head_height_mm > 0.0]
+    sizes.sort(key=lambda s: s.length_mm)
+    needed = drive.support.bearing_shelf_mm + thread
+    return next((s for s in sizes if s.length_mm >= needed), sizes[-1])
+
+
+def dowel_length_mm(drive: HeadedDrive) -> float:
+    """The shortest dowel that engages its diameter behind the flange, else the longest."""
+    needed = drive.support.bearing_shelf_mm + DOWEL_MM
+    return next((length for length in DOWEL_LENGTHS_MM if length >= needed), DOWEL_LENGTHS_MM[-1])
 
 
 def inner_half_width_mm(drive: HeadedDrive) -> float:
@@ -129,13 +149,24 @@ def inner_half_width_mm(drive: HeadedDrive) -> float:
     return max(collar_sweep_mm(drive, *drive.collar_seat) + running, heads + corner)
 
 
+def face_reach_mm(drive: HeadedDrive) -> float:
+    """How far the motor shelf reaches from the axis: over the face, or past its screws where the face is wider."""
+    gear = drive.gearhead
+    return min(gear.diameter_mm / 2, gear.bolt_circle_mm / 2 + drive.screw(gear.screw).head_diameter_mm)
+
+
+def body_radius_mm(drive: HeadedDrive) -> float:
+    """Half of the wider of gearhead and motor."""
+    return max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
+
+
 def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
     """Dimensions of the motor head."""
     lower, gear, spec = drive.bearings.input_lower, drive.gearhead, drive.support
-    gear_screw, screw = drive.screw(gear.screw), drive.screw(FLANGE_SCREW)
+    gear_screw, screw = drive.screw(gear.screw), flange_screw(drive)
     inner = inner_half_width_mm(drive)
     outer = inner + spec.side_wall_mm / 2
-    front = max(inner, gear.diameter_mm / 2)
+    front = max(inner, face_reach_mm(drive))
     depth = front + inner
     return HeadDims(
         bottom_z=-levels.bearing_shelf_top_z,
@@ -154,6 +185,8 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
         pilot_radius=gear.pilot_diameter_mm / 2,
         gear_screw_clearance=gear_screw.clearance_mm / 2,
         gear_bolt_circle=gear.bolt_circle_mm / 2,
+        # Seen from the flange; the gearhead is drawn as seen from its face.
+        gear_screws=tuple((x, -y + 0.0) for x, y in screw_places(gear.screw_count, gear.bolt_circle_mm / 2)),
         # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is in.
         key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
         screw_clearance=screw.clearance_mm / 2,

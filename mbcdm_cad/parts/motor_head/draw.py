@@ -21,10 +21,9 @@ def create_motor_head(dims: HeadDims) -> cq.Solid:
         cylinder_z(d.shoulder_radius, 0, 0, d.bottom_z, d.flange_top_z + 1.0),
         cylinder_z(d.seat_radius, 0, 0, d.bottom_z - 1.0, d.bottom_z + d.seat_depth),
     ]
-    for sign in (-1, 1):
-        x = sign * d.gear_bolt_circle
-        tools.append(cylinder_z(d.gear_screw_clearance, x, 0, d.shelf_bottom_z - 1.0, d.top_z + 1.0))
-        tools.append(cylinder_z(d.key_hole_radius, x, 0, d.bottom_z, d.flange_top_z + 1.0))
+    for x, y in d.gear_screws:
+        tools.append(cylinder_z(d.gear_screw_clearance, x, y, d.shelf_bottom_z - 1.0, d.top_z + 1.0))
+        tools.append(cylinder_z(d.key_hole_radius, x, y, d.bottom_z, d.flange_top_z + 1.0))
     tools += [cylinder_z(d.screw_clearance, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.screws]
     tools += [cylinder_z(d.dowel_radius, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.dowels]
     return cut(fuse(rounded, "motor head"), tools, "motor head")  # type: ignore[arg-type]

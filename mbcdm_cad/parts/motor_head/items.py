@@ -9,14 +9,12 @@ from dataclasses import dataclass, replace
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.bill import BillBuilder
+from mbcdm_cad.parts.bought.train import add_train
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
-from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, FLANGE_SCREW, HeadDims, HeadedDrive
+from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive, dowel_length_mm, flange_screw
 from mbcdm_cad.parts.placement import Placement
 
-# Linear RGB.
-_MOTOR_COLOUR = (0.02, 0.02, 0.025)
-_GEARHEAD_COLOUR = (0.22, 0.2, 0.15)
 _TURNED = Placement.about((1.0, 0.0, 0.0), 180.0)
 
 
@@ -49,18 +47,18 @@ def add_flange_fixings(
     b: BillBuilder, drive: HeadedDrive, head: HeadDims, insert: InsertSpec | None, stand: Placement
 ) -> None:
     """Dowels and screws that locate and hold the head on the frame, and what the screws find there if no thread."""
-    steel, top = drive.material("steel"), head.flange_top_z
+    steel, top, pin = drive.material("steel"), head.flange_top_z, dowel_length_mm(drive)
     for n, (x, y) in enumerate(head.flange.dowels, 1):
         b.add(
             f"dowel_{n}",
             "mbcdm_cad.parts.ring:create_pin",
-            (head.dowel_radius, DOWEL_LENGTH_MM),
+            (head.dowel_radius, pin),
             part="dowel",
             material=steel,
-            place=_at(stand, x, y, top - DOWEL_LENGTH_MM),
+            place=_at(stand, x, y, top - pin),
         )
     for n, (x, y) in enumerate(head.flange.screws, 1):
-        b.screw(f"flange_screw_{n}", drive.screw(FLANGE_SCREW), steel, _at(stand, x, y, top))
+        b.screw(f"flange_screw_{n}", flange_screw(drive), steel, _at(stand, x, y, top))
         if insert is not None:
             b.insert(f"flange_insert_{n}", insert, drive.material("brass"), _at(stand, x, y, head.bottom_z))
 
@@ -71,23 +69,12 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
     gear, encoder = drive.gearhead, drive.encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
     name = drive.input_names[0]
-    b.add(
-        f"gearhead_{name}",
-        "mbcdm_cad.parts.bought.draw:create_gearhead",
-        (gear, gear_screw, gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0),
-        part="gearhead",
-        material=replace(body, colour=_GEARHEAD_COLOUR),
-        place=_at(stand, 0.0, 0.0, head.top_z) @ _TURNED,
-        mass_g=gear.mass_g,
-    )
-    b.add(
-        f"motor_{name}",
-        "mbcdm_cad.parts.bought.draw:create_motor",
-        (drive.motor,),
-        part="motor",
-        material=replace(body, colour=_MOTOR_COLOUR),
-        place=_at(stand, 0.0, 0.0, head.top_z + gear.length_mm) @ _TURNED,
-        mass_g=drive.motor.mass_g,
+    add_train(
+        b,
+        drive,
+        name,
+        gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0,
+        _at(stand, 0.0, 0.0, head.top_z) @ _TURNED,
     )
     sunk, thick = shelf.head_depth, shelf.top_z - shelf.bottom_z
     b.add(
@@ -99,11 +86,14 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
         place=_at(stand, 0.0, 0.0, shelf.bottom_z) @ _TURNED,
         mass_g=encoder.mass_g,
     )
-    for n, sign in enumerate((-1, 1), 1):
-        place = _at(stand, sign * head.gear_bolt_circle, 0.0, head.shelf_bottom_z) @ _TURNED
-        b.screw(f"gearhead_screw_{name}_{n}", gear_screw, steel, place)
-        place = _at(stand, sign * shelf.screw_circle, 0.0, shelf.top_z - sunk)
-        b.screw(f"encoder_screw_{name}_{n}", encoder_screw, steel, place)
+    for n in range(max(2, len(head.gear_screws))):
+        if n < len(head.gear_screws):
+            x, y = head.gear_screws[n]
+            place = _at(stand, x, y, head.shelf_bottom_z) @ _TURNED
+            b.screw(f"{drive.mounted}_screw_{name}_{n + 1}", gear_screw, steel, place)
+        if n < 2:
+            place = _at(stand, (-1, 1)[n] * shelf.screw_circle, 0.0, shelf.top_z - sunk)
+            b.screw(f"encoder_screw_{name}_{n + 1}", encoder_screw, steel, place)
 
 
 def add_input_bearings(

@@ -12,7 +12,6 @@ from mbcdm_cad.parts.sheets.words import mm
 
 def _holes(d: HeadDims) -> tuple[Holes, ...]:
     """Bored along Z; the axis of A is the input's."""
-    beside = tuple((s * d.gear_bolt_circle, 0.0) for s in (-1, 1))
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
     return (
         Holes("A", 2 * d.shoulder_radius, THROUGH, ((0.0, 0.0, d.bottom_z),), "below", "bearing", counterbore=seat),
@@ -22,24 +21,24 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             THROUGH,
             ((0.0, 0.0, d.top_z),),
             "motor shelf",
-            "gearhead",
+            "pilot of the drive",
             fit=FITS["pilot"].code,
         ),
         Holes(
             "C",
             2 * d.gear_screw_clearance,
             THROUGH,
-            tuple((x, y, d.top_z) for x, y in beside),
+            tuple((x, y, d.top_z) for x, y in d.gear_screws),
             "motor shelf",
-            "gearhead screws",
+            "screws of the drive",
         ),
         Holes(
             "D",
             2 * d.key_hole_radius,
             THROUGH,
-            tuple((x, y, d.bottom_z) for x, y in beside),
+            tuple((x, y, d.bottom_z) for x, y in d.gear_screws),
             "below",
-            "key for gearhead screws",
+            "key for screws of the drive",
         ),
         Holes(
             "E",

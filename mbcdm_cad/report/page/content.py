@@ -13,6 +13,8 @@ CAUSES = {
     "motor_with_efficiency": "motor's rated torque, gearhead's efficiency counted",
     "gearhead_rated": "gearhead's continuous rating",
     "gearhead_maximum": "gearhead's intermittent rating",
+    "motor_alone": "motor's continuous torque",
+    "motor_alone_peak": "motor's torque at its peak current",
     "strength": "tension limit of a cable",
     "slack": "a cable goes slack",
     "slip": "the cable slips on its input",
@@ -142,10 +144,54 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
             "weaker direction over the mass as drawn",
         ),
     ]
+    if a["motor"]:
+        rows += _motor_rows(a["motor"])
     if report["frame"]:
         windup = report["frame"]["windup_urad_Nm"]
         rows.append(("frame's windup", f"{windup:.4g} µrad per N m", "stiffness of the support's walls"))
     return [{"what": what, "value": value, "from": source} for what, value, source in rows]
+
+
+def _motor_rows(m: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """What the motor itself allows."""
+    return [
+        (
+            "speed of the drum, no load",
+            f"{m['drum_no_load_speed_deg_s']:.4g} deg/s",
+            f"{m['bus_voltage_V']:g} V over torque constant and whole ratio",
+        ),
+        (
+            "motor at the peak torque",
+            f"{m['at_peak_load_torque_mNm']:.4g} mN m, {m['at_peak_load_current_A']:.3g} A, "
+            f"{m['at_peak_load_loss_W']:.3g} W lost",
+            "torque constant and resistance, copper alone",
+        ),
+        (
+            "motor's continuous torque",
+            f"{m['continuous_torque_mNm']:.4g} mN m, {m['continuous_loss_W']:.3g} W lost",
+            "catalogue; copper alone",
+        ),
+        (
+            "rotors seen at the drum",
+            f"{m['reflected_inertia_kg_m2'] * 1e3:.4g} g m²",
+            "rotor times the whole ratio squared, all inputs",
+        ),
+    ]
+
+
+def speed_chart(report: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Torque at the drum over its speed, as a chart of the page; None where the motor's values are not known."""
+    m = report["analysis"]["motor"]
+    if not m:
+        return None
+    speeds = [point["drum_speed_deg_s"] for point in m["curve"]]
+    lines = (("continuous", "continuous_Nm"), ("for moments", "peak_Nm"))
+    return {
+        "title": f"Torque at the drum over its speed, {m['bus_voltage_V']:g} V",
+        "x": {"label": "speed of the drum", "unit": "deg/s"},
+        "y": {"label": "torque", "unit": "N m"},
+        "lines": [{"label": label, "x": speeds, "y": [point[key] for point in m["curve"]]} for label, key in lines],
+    }
 
 
 # Units at the end of a field's name, as they are shown, with the digits after the point.

@@ -43,6 +43,7 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
             counts=content.check_counts(report["checks"]),
             tightest=content.tightest(report["checks"]),
             capability=content.capability(report),
+            speed_chart=content.speed_chart(report),
             derived=content.derived(report, view.data["bodies"]),
             cables=content.cable_rows(report),
             limits=content.travel_limits(report),

@@ -98,6 +98,8 @@ def cables(**changes: dict[str, Any]) -> list[dict[str, Any]]:
         ),
         ({("rope", "type"): "FF-082"}, "rope.type", "did you mean FF-081?"),
         ({("drive", "motor"): "motor"}, "drive.motor", "not in the catalogue of motors"),
+        ({("drive", "gearhead"): "none"}, "drive.gearhead", "motor-2.9mNm-15 has no face and shaft of its own"),
+        ({("drive", "bus_voltage_V"): 24.0}, "drive.bus_voltage_V", "no torque constant of motor-2.9mNm-15"),
         ({("drive", "drum_encoder"): "x"}, "drive.drum_encoder", "not in the catalogue of encoders"),
         ({("drum", "tensioner"): "M1.7"}, "drum.tensioner", "not in the catalogue of tensioners"),
         ({("input_pulleys", "upper_bearing"): "x"}, "input_pulleys.upper_bearing", "not in the catalogue of bearings"),

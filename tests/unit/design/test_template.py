@@ -125,6 +125,10 @@ UNITS = {
     "_g_m": "g/m",
     "_g_cm3": "g/cm3",
     "_g_cm2": "g cm2",
+    "_mNm_A": "mN m/A",
+    "_ohm": "ohm",
+    "_A": "A",
+    "_V": "V",
 }
 
 

@@ -35,7 +35,7 @@ def engagement(s: BevelUnderTest) -> Comparison:
     c, v, insert = lay.collar, s.levels, lay.frame.plate_insert
     in_frame = plate.length_mm - (support.top_plate_mm - plate.head_height_mm)
     engaged = (
-        ("gearhead screw", gear, gear.length_mm - support.motor_shelf_mm),
+        (f"{drive.mounted} screw", gear, gear.length_mm - support.motor_shelf_mm),
         ("encoder screw", encoder, encoder.length_mm - (support.top_plate_mm - encoder.head_height_mm - 0.2)),
         ("drum encoder's screw", ring, lay.frame.encoder_screw_depth - 0.5),
         ("top plate's screw", plate, min(in_frame, insert.length_mm) if insert else in_frame),
@@ -64,8 +64,8 @@ def screw_counts(s: BevelUnderTest) -> Comparison:
     drive = s.drive
     return worst(
         (
-            at_least("screws of the gearhead", drive.gearhead.screw_count, min(GEARHEAD_SCREWS), "screws"),
-            at_most("screws of the gearhead", drive.gearhead.screw_count, max(GEARHEAD_SCREWS), "screws"),
+            at_least(f"screws of the {drive.mounted}", drive.gearhead.screw_count, min(GEARHEAD_SCREWS), "screws"),
+            at_most(f"screws of the {drive.mounted}", drive.gearhead.screw_count, max(GEARHEAD_SCREWS), "screws"),
             *(
                 at_most(
                     f"screws of the {name}, off the two drilled", abs(item.screw_count - SCREWS_DRAWN), 0.0, "screws"

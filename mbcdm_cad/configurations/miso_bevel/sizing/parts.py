@@ -16,6 +16,7 @@ from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_input_mm, take_up_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, DOWEL_MM
+from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.parts.collar.dims import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.sizing.rule import Found, Rule
@@ -74,6 +75,8 @@ def _with_partner(
     best = _first(
         (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", partial(margins, entry, other))
         for name, entry in given.entries(kind).items()
+        # A motor with a shaft of its own is chosen where no gearhead is wanted.
+        if "shaft_diameter_mm" not in entry
         for other_name, other in others.items()
     )
     return Found(best.value.split(" ")[0], best.driver, best.rounding)
@@ -110,6 +113,11 @@ def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
 
 
 def _motor(given: BevelKnown) -> Found:
+    if given.get("drive.gearhead") == NO_GEARHEAD:
+        return _first(
+            (motor["mass_g"], name, partial(_motor_margins, given, motor, face))
+            for name, (motor, face) in given.motors_with_faces().items()
+        )
     return _with_partner(given, "motors", ("gearheads", "drive.gearhead"), partial(_motor_margins, given))
 
 

@@ -10,7 +10,7 @@ from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.configurations.siso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
-from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, FLANGE_SCREW
+from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
 # Room beside a mounting screw's head for its washer face (estimate).
 HEAD_ROOM_MM = 0.5
@@ -128,7 +128,7 @@ def flange(s: DirectUnderTest) -> Comparison:
     """The motor head's screws and dowels stand inside the side walls, engage over their diameter, and apart."""
     f, drive = s.layout.frame, s.drive
     limit, wall = drive.support.material.min_wall_mm, drive.support.side_wall_mm
-    screw, shelf = drive.screw(FLANGE_SCREW), drive.support.bearing_shelf_mm
+    screw, shelf = flange_screw(drive), drive.support.bearing_shelf_mm
     (x, front), _, (_, back), _ = f.flange_screws
     dowel_y, gap = f.dowels[0][1], f.flange_screw_radius + f.dowel_radius
     heads = abs(x) - screw.head_diameter_mm / 2 - s.layout.head.outer_x
@@ -149,7 +149,10 @@ def flange(s: DirectUnderTest) -> Comparison:
                 "mm",
             ),
             at_least(
-                "engaged length of a dowel over its diameter", DOWEL_LENGTH_MM - shelf - 2 * f.dowel_radius, 0.0, "mm"
+                "engaged length of a dowel over its diameter",
+                dowel_length_mm(drive) - shelf - 2 * f.dowel_radius,
+                0.0,
+                "mm",
             ),
             at_least("heads of the flange screws from the motor head's wall", heads, 0.1, "mm"),
         )

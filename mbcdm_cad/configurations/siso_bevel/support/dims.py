@@ -25,7 +25,8 @@ from mbcdm_cad.configurations.siso_bevel.stack import DirectStack
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.boss.dims import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
-from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, DOWEL_MM, FLANGE_SCREW, TOOL_SLENDERNESS, Flange
+from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, TOOL_SLENDERNESS, Flange, dowel_length_mm
+from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 
 STOP_SHELF_MM = 6.0
 STOP_PIN_DEPTH_MM = 10.0
@@ -108,7 +109,7 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
     """Dimensions of the frame."""
     round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
     encoder, upper = drive.encoder, drive.bearings.input_upper
-    encoder_screw, flange_screw = drive.screw(encoder.screw), drive.screw(FLANGE_SCREW)
+    encoder_screw, flange_screw = drive.screw(encoder.screw), screw_of_flange(drive)
     insert = drive.insert(drive.support.material, flange_screw.thread_mm)
     radius = corner_radius_mm(drive, levels)
     shelf_bottom = -levels.top_plate_top_z
@@ -154,7 +155,7 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
         flange_screws=head_flange.screws,
         dowels=head_flange.dowels,
         dowel_radius=DOWEL_MM / 2,
-        dowel_depth=DOWEL_LENGTH_MM - drive.support.bearing_shelf_mm + 0.5,
+        dowel_depth=dowel_length_mm(drive) - drive.support.bearing_shelf_mm + 0.5,
         mounts=(
             *((s * mount_x, (shelf_bottom + stop_top) / 2) for s in (-1, 1)),
             *((s * mount_x, (stop_bottom + low) / 2) for s in (-1, 1)),

@@ -14,6 +14,7 @@ from mbcdm_cad.configurations.siso_spur.bill import bill
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.configurations.siso_spur.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 
 
 def frame_front(s: SpurUnderTest) -> Comparison:
@@ -41,16 +42,30 @@ def drum_and_input(s: SpurUnderTest) -> Comparison:
     )
 
 
+def bodies_behind(s: SpurUnderTest) -> Comparison:
+    """Motor and gearhead stand clear of what the drum has behind the plate: boss and encoder."""
+    drive, boss = s.drive, s.layout.frame.boss
+    beside = max(boss.radius, boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
+    gap = drive.centre_distance_mm - body_radius_mm(drive) - beside
+    behind = s.levels.back_y - s.levels.motor_shelf_bottom_z
+    return at_least(
+        "motor from the drum's boss and encoder, beside or behind them",
+        max(gap, behind),
+        drive.clearances.running_mm,
+        "mm",
+    )
+
+
 def box_mm(s: SpurUnderTest) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
     d, f = lay.drum, lay.frame
     cloud = np.concatenate([rim_points(d), *(o for t in d.tensioners for _, o, _, _ in bodies_of(s, t, moved=False))])
-    wide = max(f.half_width, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
+    bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm, drive.encoder.diameter_mm) / 2
+    wide = max(f.half_width, f.boss.ear_reach, drive.drum_encoder.diameter_mm / 2, bodies)
     left, right = min(float(cloud[:, 0].min()), -wide), max(float(cloud[:, 0].max()), wide)
     encoder = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
     bottom = min(float(cloud[:, 1].min()), -f.half_width, -d.hub_radius, -encoder)
-    bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm, drive.encoder.diameter_mm) / 2
     top = max(f.top_z, float(cloud[:, 1].max()), f.axis_z + max(bodies, lay.head.front_y))
     return right - left, top - bottom, max(v.hub_face_y, v.encoder_top_z) - min(v.motor_bottom_z, v.back_y)
 
@@ -72,6 +87,13 @@ CHECKS = (
         "clearances.running_mm",
         drum_and_input,
         adjust=_Z[1:],
+    ),
+    Check(
+        "bodies_behind",
+        "Motor stands clear of the drum's boss and encoder",
+        "clearances.running_mm",
+        bodies_behind,
+        adjust=(up("transmission.centre_distance_mm"), up("support.coupling_space_mm")),
     ),
     *box_checks(box_mm, "targets.envelope_mm", (_X, _Z, _Y)),
     mass_check(bill, VOLUMES),

@@ -8,7 +8,7 @@ from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, FLANGE_SCREW
+from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
 # Room over the pulley to lead the cable round it (estimate).
 WINDING_ROOM_MM = 2.0
@@ -66,7 +66,7 @@ def _wall(insert: InsertSpec | None) -> float:
 def flange(s: SpurUnderTest) -> Comparison:
     """The motor head's screws and dowels engage over their diameter in the plate, and leave metal round them."""
     f, drive, head = s.layout.frame, s.drive, s.layout.head
-    screw, shelf, plate = drive.screw(FLANGE_SCREW), drive.support.bearing_shelf_mm, drive.support.plate_mm
+    screw, shelf, plate = flange_screw(drive), drive.support.bearing_shelf_mm, drive.support.plate_mm
     v = s.levels
     holes: list[tuple[str, float, float, float, float, float]] = [
         ("opening", 0.0, f.axis_z, f.opening_radius, v.plate_back_y, v.front_y),
@@ -83,7 +83,10 @@ def flange(s: SpurUnderTest) -> Comparison:
         at_least("engaged length of a flange screw over its diameter", grip - screw.thread_mm, 0.0, "mm"),
         at_least("plate behind the flange screws", plate - into, 0.0, "mm"),
         at_least(
-            "engaged length of a dowel over its diameter", DOWEL_LENGTH_MM - shelf - 2 * f.dowel_radius, 0.0, "mm"
+            "engaged length of a dowel over its diameter",
+            dowel_length_mm(drive) - shelf - 2 * f.dowel_radius,
+            0.0,
+            "mm",
         ),
         at_least(
             "plate beside a flange screw", f.half_width - reach - f.flange_screw_radius, _wall(f.flange_insert), "mm"

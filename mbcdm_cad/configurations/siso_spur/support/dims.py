@@ -22,7 +22,15 @@ from mbcdm_cad.configurations.siso_spur.stack import SpurStack, groove_depth_mm,
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.boss.dims import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
-from mbcdm_cad.parts.motor_head.dims import DOWEL_LENGTH_MM, DOWEL_MM, FLANGE_SCREW, Flange, inner_half_width_mm
+from mbcdm_cad.parts.motor_head.dims import (
+    DOWEL_MM,
+    Flange,
+    body_radius_mm,
+    dowel_length_mm,
+    face_reach_mm,
+    flange_screw,
+    inner_half_width_mm,
+)
 
 # Thread of the encoder's screws in its housing, in diameters.
 ENCODER_GRIP = 1.25
@@ -99,10 +107,12 @@ def flange(drive: SpurDrive) -> Flange:
     """The motor head's flange on the back of the plate; its y is away from the drum."""
     inner = inner_half_width_mm(drive)
     outer = inner + drive.support.side_wall_mm / 2
-    screw = drive.screw(FLANGE_SCREW)
+    screw = flange_screw(drive)
     wall = SCREW_WALL * screw.thread_mm + screw.thread_mm / 2
-    x = outer + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
-    front = max(inner, drive.gearhead.diameter_mm / 2)
+    # The screws go in from behind, past the motor.
+    beside = body_radius_mm(drive) + drive.clearances.running_mm
+    x = max(outer, beside) + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
+    front = max(inner, face_reach_mm(drive))
     back = -outer
     high, low = front - wall, back + wall
     return Flange(
@@ -117,7 +127,7 @@ def flange(drive: SpurDrive) -> Flange:
 def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
     """Dimensions of the frame."""
     s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
-    encoder_screw, screw = drive.screw(encoder.screw), drive.screw(FLANGE_SCREW)
+    encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
     round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
     head, z = flange(drive), drive.centre_distance_mm
     land = drive.input_radius_mm + max(groove_depth_mm(drive) - drive.cable.diameter_mm / 2, 0.0)
@@ -154,7 +164,7 @@ def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
         flange_screws=tuple((x, z + y) for x, y in head.screws),
         dowels=tuple((x, z + y) for x, y in head.dowels),
         dowel_radius=DOWEL_MM / 2,
-        dowel_depth=DOWEL_LENGTH_MM - s.bearing_shelf_mm + 0.5,
+        dowel_depth=dowel_length_mm(drive) - s.bearing_shelf_mm + 0.5,
         mounts=((-beside, lowest), (beside, lowest), (-beside, highest), (beside, highest)),
         mount_radius=(mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2,
         mount_insert=mount_insert,
