@@ -1,4 +1,4 @@
-"""The quasi-static rig beside the analytic model: where they must agree, where they part, and how the rig converges.
+"""Compare the quasi-static rig with the analytic model: where they agree, where they differ, and the convergence.
 
     python benchmarks/rig_against_model.py [--write docs/rig.md]
 
@@ -164,7 +164,7 @@ def winding(drive: Drive, piece_rad: float = chain.PIECE_RAD) -> list[Row]:
         carried, _ = rig_drum_rad(drive, inputs, load, piece_rad=piece_rad, transport=True)
         rows.append(
             Row(
-                f"extremes, {name}, both with carried rope",
+                f"extremes, {name}, both with rope carried along",
                 "urad",
                 extremes_urad(modelled),
                 extremes_urad(carried - inputs[0] / 9.0),
@@ -218,7 +218,7 @@ def table(rows: list[Row]) -> str:
     """The rows in Markdown."""
     lines = ["| figure | unit | model | rig | difference | tolerance |", "| --- | --- | --- | --- | --- | --- |"]
     for row in rows:
-        limit = "they part" if row.tolerance is None else f"{row.tolerance:.1%}"
+        limit = "none: they differ" if row.tolerance is None else f"{row.tolerance:.1%}"
         lines.append(f"| {row.name} | {row.unit} | {row.model:.5g} | {row.rig:.5g} | {row.difference:+.3%} | {limit} |")
     return "\n".join(lines)
 
@@ -229,7 +229,7 @@ def page(drive: Drive) -> str:
         [
             "### Where the assumptions hold",
             table(agreement(drive) + winding(drive)),
-            "### Where they part",
+            "### Where they differ on purpose",
             table(parting(drive)),
             "### Convergence",
             convergence(drive),

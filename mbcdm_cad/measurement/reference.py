@@ -16,7 +16,8 @@ _INTRO = f"""\
 Written by `mbcdm schema --measurement --reference` from the schema; do not edit by hand. `mbcdm schema --measurement`
 gives the JSON Schema for completion in an editor.
 
-A small YAML file beside a logger's data. It says which column is what; the data stay as the logger wrote them.
+The measurement file is a small YAML file beside a logger's data. It says what each column contains, so the data file
+stays as the logger wrote it. `mbcdm measurement-init` drafts it from a CSV.
 
 ```yaml
 data: run.csv                 # path relative to this file
@@ -31,8 +32,8 @@ sensors:                                      # optional; the noise floor follow
   output_resolution_rad: 1.3635e-6
 ```
 
-A logger as it is: names in the last of its comment lines, encoders in counts, one of them the wrong way round, a
-torque sensor with a tare, rows that broke off.
+The next example describes a logger whose last comment line has the names of the columns. The encoders are in counts,
+one of them has the opposite sign, the torque sensor shows a value at zero load, and some rows are incomplete.
 
 ```yaml
 data: log.txt
@@ -47,20 +48,29 @@ columns:
 ratio: 35                     # only the ratio of this drive is known
 ```
 
-A drive with one input has `input`; one with more has a column `input_<name>` for each, by the names that the design
-file gives its inputs. `input_left` and `input_right` may also stand for the inputs at -x and at +x, whatever they are
-called.
+A drive with one input has the column `input`. A drive with several inputs has a column `input_<name>` for each input,
+with the name that the design file gives it. `input_left` and `input_right` always mean the inputs at -x and at +x,
+whatever their names are.
 
-A figure becomes `(figure - zero) * scale` in the column's unit. Inputs are positive when they drive the drum positive.
-Rows are told from their file: comments and blank lines may stand anywhere, cells may be in quotes, line ends may be of
-any system, bytes beyond ASCII matter only in names. Rows of units below the names are left out; where they, or
-brackets in a name, say another unit than this file, that is told as a doubt.
+Each number of a column becomes `(number - zero) * scale` in the column's unit. Inputs are positive when they drive the
+drum positive.
 
-Refused, with file, line and remedy: a file that is no text, a column that is not there or is there twice or serves for
-two quantities, an unknown unit, a row of another length, text, NaN, a date or an overload (9.9e37) in a cell that is
-used, decimal commas not declared, time that runs backwards or stands still, fewer than {FEWEST_SAMPLES} samples, single
-figures far from all others, an input or output that turns by less than {FEWEST_STEPS} of its steps. With `broken_rows:
-skip` broken rows are left out and counted; more than {MOST_BROKEN:.0%} of them is taken for another format and refused.
+The data file may have comments and blank lines anywhere, cells in quotes, and the line ends of any system. Bytes beyond
+ASCII matter only in names. A row of units below the names is left out. Where this row, or brackets in a name, state
+another unit than the measurement file, the loop reports a doubt.
+
+The following is refused, with file, line and remedy:
+
+- a file that is not text; an unknown unit;
+- a column that does not exist, exists twice, or is used for two quantities;
+- in a cell that is used: text, NaN, a date, or an overload (9.9e37); decimal commas that are not declared;
+- a row of another length;
+- time that runs backwards or stands still, fewer than {FEWEST_SAMPLES} samples;
+- single numbers far from all others;
+- an input or output that turns by less than {FEWEST_STEPS} of its encoder's steps.
+
+With `broken_rows: skip` broken rows are left out and counted. More than {MOST_BROKEN:.0%} of them means that the
+format is another one, and the file is refused.
 """
 
 
@@ -72,7 +82,7 @@ def measurement_page() -> str:
     lines = [_INTRO, "## Top level", "", *_table(top, schema)]
     lines += ["## columns", "", "| quantity | needed | meaning |", "| --- | --- | --- |"]
     for key, node in columns["properties"].items():
-        needed = "yes" if key in columns["required"] else "one or two inputs" if key.startswith("input") else "no"
+        needed = "yes" if key in columns["required"] else "one for each input" if key.startswith("input") else "no"
         lines.append(f"| `{key}` | {needed} | {node.get('description', '')} |")
     lines += ["", "Each is a block of these fields:", ""]
     lines += _table(columns["properties"]["time"]["properties"], columns["properties"]["time"])

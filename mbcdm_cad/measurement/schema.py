@@ -23,9 +23,9 @@ class Column(Block):
     """One column of the data."""
 
     column: Text | Integer = choice("name in the header, or number from 1", source=LOGGER, example="q_left")
-    unit: Text = choice("unit of the figures, after zero and scale", source=LOGGER, example="rad")
+    unit: Text = choice("unit of the numbers, after zero and scale are applied", source=LOGGER, example="rad")
     scale: Number = figure(
-        "factor on the figures; -1 turns the sign round",
+        "factor on the numbers; -1 reverses the sign",
         unit="-",
         source=LOGGER,
         example=-1.0,
@@ -34,14 +34,14 @@ class Column(Block):
         le=1e12,
     )
     zero: Number = figure(
-        "figure that the sensor shows at zero, taken off before scale",
+        "value that the sensor shows at zero; it is subtracted before scale is applied",
         unit="-",
         source=LOGGER,
         example=338.56,
         default=0.0,
     )
     side: Literal["drive", "motor"] = choice(
-        "of an input's encoder: motor where it sits before the gearhead, whose ratio is then taken from the design",
+        "place of an input encoder: motor if it sits before the gearhead, whose ratio is then taken from the design",
         source=LOGGER,
         example="motor",
         default="drive",
@@ -56,7 +56,7 @@ class Column(Block):
         le=1e5,
     )
     counts_per_turn: Number | None = figure(
-        "counts a turn, for unit counts",
+        "counts for one turn, if the unit is counts",
         unit="1/turn",
         source=SENSORS,
         example=8192.0,
@@ -76,12 +76,12 @@ class Columns(Block):
     __pydantic_extra__: dict[str, Column]
 
     time: Column = choice("time", source=LOGGER, example="{column: t, unit: s}")
-    input_left: Column | None = choice("input at -x", source=LOGGER, default=None)
-    input_right: Column | None = choice("input at +x", source=LOGGER, default=None)
-    input: Column | None = choice("the input of a drive that has one", source=LOGGER, default=None)
-    output: Column = choice("drum", source=LOGGER, example="{column: q_out, unit: rad}")
+    input_left: Column | None = choice("angle of the input at -x", source=LOGGER, default=None)
+    input_right: Column | None = choice("angle of the input at +x", source=LOGGER, default=None)
+    input: Column | None = choice("angle of the input of a drive with one input", source=LOGGER, default=None)
+    output: Column = choice("angle of the drum", source=LOGGER, example="{column: q_out, unit: rad}")
     load_torque: Column | None = choice(
-        "load on the drum, > 0 where it opposes positive rotation; without it load-driven effects are not testable",
+        "load on the drum, > 0 where it opposes positive rotation; without it, effects of the load cannot be tested",
         source=LOGGER,
         default=None,
     )
@@ -126,7 +126,7 @@ class SensorFigures(Block):
         le=1.0,
     )
     input_noise_rad: Number | None = figure(
-        "RMS noise of the input encoders beside their steps",
+        "RMS noise of the input encoders in addition to their steps",
         unit="rad",
         source=SENSORS,
         example=5e-5,
@@ -135,7 +135,7 @@ class SensorFigures(Block):
         le=1.0,
     )
     output_noise_rad: Number | None = figure(
-        "RMS noise of the output encoder beside its steps",
+        "RMS noise of the output encoder in addition to its steps",
         unit="rad",
         source=SENSORS,
         example=2e-6,
@@ -158,7 +158,7 @@ Quantity = Literal["peak_torque", "mass", "backlash", "ripple_amplitude", "rippl
 
 
 class Conditions(Block):
-    """Under which a figure was measured."""
+    """Conditions of a published measurement."""
 
     preload_N: Number | None = figure(
         "tension in every cable", unit="N", source="paper", example=70.0, default=None, gt=0.0, le=1e5
@@ -175,12 +175,18 @@ class Published(Block):
     """One figure that was printed instead of a run."""
 
     quantity: Quantity = choice("what was measured", source="paper", example="backlash")
-    value: Number = figure("measured", unit="-", source="paper", example=0.33, gt=0.0, le=1e12)
-    unit: Text = choice("unit of the figures", source="paper", example="mrad")
+    value: Number = figure("measured value", unit="-", source="paper", example=0.33, gt=0.0, le=1e12)
+    unit: Text = choice("unit of the value", source="paper", example="mrad")
     stated_theory: Number | None = figure(
-        "what the authors expected, same unit", unit="-", source="paper", example=3.9, default=None, gt=0.0, le=1e12
+        "value that the authors expected, in the same unit",
+        unit="-",
+        source="paper",
+        example=3.9,
+        default=None,
+        gt=0.0,
+        le=1e12,
     )
-    conditions: Conditions = choice("under which it was measured", source="paper", default=Conditions())
+    conditions: Conditions = choice("conditions of the measurement", source="paper", default=Conditions())
     where: Text = choice("page, section or figure", source="paper", example="section 5.3")
 
 
@@ -190,7 +196,7 @@ class Measurement(Block):
     data: Text | None = choice(
         "the logger's file, its path relative to this file", source=LOGGER, example="run.csv", default=None
     )
-    columns: Columns | None = choice("what stands in which column", source=LOGGER, default=None)
+    columns: Columns | None = choice("what each column contains", source=LOGGER, default=None)
     sensors: SensorFigures = choice("what the sensors resolve", source=SENSORS, default=SensorFigures())
     ratio: Number | None = figure(
         "total ratio, for a drive of which nothing else is known; the design file is then not used",
@@ -202,27 +208,33 @@ class Measurement(Block):
         le=1e6,
     )
     delimiter: Literal["auto", "comma", "semicolon", "tab", "space"] = choice(
-        "what stands between two columns", source=LOGGER, example="semicolon", default="auto"
+        "character between two columns", source=LOGGER, example="semicolon", default="auto"
     )
     decimal: Literal["point", "comma"] = choice("decimal sign", source=LOGGER, example="comma", default="point")
     comment: Text = choice("sign that begins a comment line", source=LOGGER, example="%", default="#")
     skip_rows: Integer = figure(
-        "lines before anything else", unit="lines", source=LOGGER, example=2, default=0, ge=0, le=100_000
+        "number of lines to skip at the start of the file",
+        unit="lines",
+        source=LOGGER,
+        example=2,
+        default=0,
+        ge=0,
+        le=100_000,
     )
     header: Literal["auto", "row", "comment", "none"] = choice(
-        "where the names stand: the first row, the last comment line before the data, nowhere; auto looks",
+        "place of the names: row (first row), comment (last comment line before the data) or none; auto finds it",
         source=LOGGER,
         example="comment",
         default="auto",
     )
     broken_rows: Literal["refuse", "skip"] = choice(
-        "what to do with rows of another length, with text or with NaN: skip leaves out up to one in fifty and says so",
+        "rows of another length, with text or with NaN: refuse the file, or skip up to one row in fifty and report it",
         source=LOGGER,
         example="skip",
         default="refuse",
     )
     published: tuple[Published, ...] | None = choice(
-        "figures printed in a paper, in place of data", source="paper", default=None, min_length=1, max_length=100
+        "values printed in a paper, in place of data", source="paper", default=None, min_length=1, max_length=100
     )
 
 

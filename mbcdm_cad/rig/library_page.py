@@ -1,9 +1,9 @@
-"""The page that shows what the ready experiments look like: a table and small multiples.
+"""Write docs/experiments.md: the ready experiments as a table and a picture with one panel for each.
 
     python -m mbcdm_cad.rig.library_page params/mbcdm.yaml params/experiments docs
 
-Writes ``experiments.md`` and ``pictures/experiments.png`` below the last folder. Shown is what each experiment's faults
-and physics add to the transmission error, with perfect sensors, over the same run without any.
+Writes ``experiments.md`` and ``pictures/experiments.png`` below the last folder. For each experiment it shows the
+difference in transmission error to the same run without any effect, with perfect sensors.
 """
 
 from __future__ import annotations
@@ -33,26 +33,29 @@ _SHOWN = 1500
 _HEAD = """\
 # Ready experiments
 
-{count} experiment files for the quasi-static rig (`rig.md`), in `params/experiments/`. Run one with
+This page lists the {count} experiment files for the [quasi-static rig](rig.md) in `params/experiments/`. Run one with
 `mbcdm simulate params/mbcdm.yaml params/experiments/NAME.yaml`. This page is made by
 `python -m mbcdm_cad.rig.library_page params/mbcdm.yaml params/experiments docs`.
 
-Names begin with what they test: `null` (the declared model as it is), `winding` (rope carried along alone), single
-effects, `pair` and `three`, `out` (outside the loop's vocabulary), `none` (an effect that the readings explain by
-themselves). "Adds" is what faults and physics add to the transmission error of the same run without any, with perfect
-sensors: standard deviation and spread after the first eighth of the run.
+A file's name begins with what it tests: `null` (no effect: the declared model), `winding` (only rope that is carried
+along), the name of a single effect, `pair` and `three` (several effects), `out` (an effect that the loop has no name
+for), `none` (an effect that the logged signals contain, so that nothing is left to explain).
 
-![what each adds](pictures/experiments.png)
+The column "adds" is the difference in transmission error between this run and the same run without any effect, with
+perfect sensors: its standard deviation and its spread (largest minus smallest), after the first eighth of the run.
 
-In the picture each panel shows what an experiment adds (urad) over the drum's angle (mrad), or over time (s) where it
-acts in time; the panel's title is the file's name.
+![the transmission error that each experiment adds](pictures/experiments.png)
 
-| experiment | what it is | truth | adds: std (urad) | spread (urad) |
+In the picture each panel shows this difference (urad) over the drum's angle (mrad), or over time (s) if the effect
+acts in time. The title of a panel is the name of the file.
+
+| experiment | description | truth | adds: std (urad) | spread (urad) |
 | --- | --- | --- | --- | --- |
 """
 _EFFECTS = """
 ## Effects
-What `effects:` may list, one block each, any number; the physics is told in the files of `mbcdm_cad/rig/effects`.
+The list `effects:` of an experiment may have any number of these blocks. The physics of each is explained in its file
+in `mbcdm_cad/rig/effects`.
 
 """
 
@@ -111,7 +114,7 @@ def picture(all_added: list[Added], path: Path) -> None:
 
 def effects_table() -> str:
     """All effects with the fields they take, their bounds and defaults, in Markdown."""
-    lines = ["| effect | what it is | fields |", "| --- | --- | --- |"]
+    lines = ["| effect | description | fields |", "| --- | --- | --- |"]
     for kind in get_args(get_args(AnyEffect)[0]):
         schema = kind.model_json_schema()["properties"]
         name = schema.pop("effect")["const"]
@@ -128,7 +131,7 @@ def _bounds(node: dict[str, Any]) -> str:
     words += [" or ".join(node["enum"])] if "enum" in node else []
     default = node.get("default")
     if default is not None:
-        words.append("all if none" if default in ([], ()) else f"default {default}")
+        words.append("default all" if default in ([], ()) else f"default {default}")
     return f" ({'; '.join(words)})" if words else ""
 
 

@@ -19,7 +19,7 @@ PASSED = AliasChoices("passed_mNm", "guide_mNm")
 
 
 class BearingFriction(RigEffect):
-    """Drag of bearings."""
+    """Friction torque of bearings."""
 
     effect: Literal["bearing_friction"]
     drum_mNm: Annotated[float, Field(ge=0.0, le=5000.0)] = 0.0

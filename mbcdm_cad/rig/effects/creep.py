@@ -12,7 +12,7 @@ from mbcdm_cad.rig.effects.base import CableNames, RigEffect
 
 
 class Creep(RigEffect):
-    """Creep of ropes."""
+    """Creep of ropes: they grow longer under tension."""
 
     effect: Literal["creep"]
     strain_ppm: Annotated[float, Field(ge=0.0, le=5000.0)]

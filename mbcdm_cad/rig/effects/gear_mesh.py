@@ -17,7 +17,7 @@ from mbcdm_cad.rig.effects.base import Phase, RigEffect, Stage
 
 
 class GearMesh(RigEffect):
-    """Mesh ripple of a gearhead."""
+    """Ripple from the tooth mesh of a gearhead."""
 
     effect: Literal["gear_mesh"]
     stage: Stage

@@ -16,7 +16,7 @@ from mbcdm_cad.rig.effects.base import RigEffect, Stage
 
 
 class GearheadLash(RigEffect):
-    """Lash of the gearhead or coupling of an input."""
+    """Lash (play) of the gearhead or coupling of an input."""
 
     effect: Literal["gearhead_lash"]
     stage: Stage

@@ -19,7 +19,7 @@ from mbcdm_cad.routes import Floats
 
 
 class LandWear(RigEffect):
-    """Uneven wear of a drum land."""
+    """Uneven wear of a drum land, the surface that carries a cable."""
 
     effect: Literal["land_wear"]
     cable: str

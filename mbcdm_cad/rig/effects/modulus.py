@@ -9,7 +9,7 @@ from mbcdm_cad.rig.effects.base import RigEffect, Share
 
 
 class Modulus(RigEffect):
-    """Cable modulus off."""
+    """Modulus of the rope differs from the declared one."""
 
     effect: Literal["modulus"]
     share: Share

@@ -9,7 +9,7 @@ from mbcdm_cad.rig.effects.base import CableNames, RigEffect, Share
 
 
 class Preload(RigEffect):
-    """Preload off."""
+    """Preload differs from the declared one."""
 
     effect: Literal["preload"]
     share: Share

@@ -14,7 +14,7 @@ from mbcdm_cad.rig.effects.base import CableNames, RigEffect
 
 
 class RadiusError(RigEffect):
-    """Pitch radius error."""
+    """Pitch radius differs from the declared one."""
 
     effect: Literal["radius_error"]
     stage: Literal["drum", "inputs"]

@@ -9,7 +9,7 @@ from mbcdm_cad.rig.effects.base import RigEffect, Share
 
 
 class RopeFriction(RigEffect):
-    """Friction of rope on pulleys off."""
+    """Friction of the rope on the pulleys differs from the declared one."""
 
     effect: Literal["rope_friction"]
     share: Share

@@ -19,7 +19,7 @@ from mbcdm_cad.routes import Floats
 
 
 class RopeLay(RigEffect):
-    """Ripple by the lay of the rope."""
+    """Ripple from the twist (lay) of the strands of a rope."""
 
     effect: Literal["rope_lay"]
     amplitude_um: Annotated[float, Field(ge=0.0, le=500.0)]

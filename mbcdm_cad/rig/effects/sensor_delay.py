@@ -11,7 +11,7 @@ from mbcdm_cad.rig.effects.base import RigEffect
 
 
 class SensorDelay(RigEffect):
-    """Latency of encoders."""
+    """Delay of encoders."""
 
     effect: Literal["sensor_delay"]
     sensor: Literal["output", "inputs"] = "output"

@@ -19,7 +19,7 @@ from mbcdm_cad.routes import Floats
 
 
 class StepClimb(RigEffect):
-    """A cable that climbs its step."""
+    """A cable that climbs up the flank of its step."""
 
     effect: Literal["step_climb"]
     cable: str

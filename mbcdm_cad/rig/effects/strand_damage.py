@@ -20,7 +20,7 @@ from mbcdm_cad.routes import Floats
 
 
 class StrandDamage(RigEffect):
-    """Local bump of a rope."""
+    """Damaged strand: a local bump on a rope."""
 
     effect: Literal["strand_damage"]
     cable: str

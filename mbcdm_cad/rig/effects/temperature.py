@@ -21,7 +21,7 @@ Expansion = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Temperature(RigEffect):
-    """Expansion of cables against frame and pulleys."""
+    """Thermal expansion of cables relative to frame and pulleys."""
 
     effect: Literal["temperature"]
     rise_K: Annotated[float, Field(ge=-100.0, le=100.0)]
