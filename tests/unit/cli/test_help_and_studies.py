@@ -15,7 +15,9 @@ import click
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.cli.commands import CATALOGUE_KINDS, VIEW_NAMES, mbcdm
+from mbcdm_cad.cli.commands import mbcdm
+from mbcdm_cad.cli.commands_on_designs import CATALOGUE_KINDS
+from mbcdm_cad.cli.commands_that_draw import VIEW_NAMES
 from mbcdm_cad.design.entries import KINDS
 
 ROOT = Path(__file__).parents[3]

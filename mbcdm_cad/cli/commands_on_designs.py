@@ -1,0 +1,141 @@
+"""Commands on the design file: write it, check it, explain it, solve it, and what it may say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from mbcdm_cad.cli.group import mbcdm
+from mbcdm_cad.cli.options import DESIGN, FILE, examples
+
+# Of mbcdm_cad.design.entries.KINDS, which takes long to import; a test compares them.
+CATALOGUE_KINDS = (
+    "ropes",
+    "terminations",
+    "motors",
+    "gearheads",
+    "encoders",
+    "bearings",
+    "screws",
+    "inserts",
+    "tensioners",
+    "materials",
+)
+
+_CONFIGURATION = click.option(
+    "--configuration", metavar="NAME", help="Layout of the drive; that of the reference design by default."
+)
+
+
+@mbcdm.command(
+    epilog=examples("mbcdm check my_drive.yaml", "mbcdm check --failed *.yaml", "mbcdm check my_drive.yaml --json")
+)
+@click.argument("designs", metavar="DESIGN...", type=FILE, nargs=-1, required=True)
+@click.option("--failed", "only_failed", is_flag=True, help="Show the failing checks only, without warnings.")
+@click.option("--all", "show_all", is_flag=True, help="Show the passing checks too.")
+@click.option("--json", "as_json", is_flag=True, help="Print all results as JSON; a list for several designs.")
+def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json: bool) -> int:
+    """Check designs without drawing them.
+
+    Prints what warns and what fails, with the figure that would pass, and a summary. Exit 1 if a check fails.
+    """
+    if only_failed and show_all:
+        raise click.UsageError("--failed and --all exclude each other; give one of them")
+    from mbcdm_cad.cli.checking import check_command
+
+    return check_command(designs, as_json=as_json, show="failed" if only_failed else "all" if show_all else "findings")
+
+
+@mbcdm.command(
+    epilog=examples(
+        "mbcdm explain my_drive.yaml",
+        "mbcdm explain my_drive.yaml drum.outer_face_y_mm",
+        "mbcdm explain my_drive.yaml --graph why.svg",
+    )
+)
+@DESIGN
+@click.argument("field", required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@click.option("--graph", type=FILE, metavar="FILE.svg", help="Draw what follows from what into this file.")
+def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) -> int:
+    """Say why a field has its value.
+
+    Without FIELD all fields that have a rule; with it the rule, what it rests on, and what drives it.
+    """
+    if graph is not None and (field or as_json):
+        raise click.UsageError("--graph draws all fields; leave out FIELD and --json")
+    from mbcdm_cad.cli.explaining import explain_command
+
+    return explain_command(design, field, as_json=as_json, graph=graph)
+
+
+@mbcdm.command(epilog=examples("mbcdm solve my_drive.yaml", "mbcdm solve my_drive.yaml --apply my_drive_solved.yaml"))
+@DESIGN
+@click.option("--apply", type=FILE, metavar="FILE", help="Write the passing design there, comments kept.")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def solve(design: Path, apply: Path | None, as_json: bool) -> int:
+    """Look for the nearest design that passes every check.
+
+    Moves only what the file leaves free or gives as a range, {min: 30, max: 60} or min; prints the change as a patch.
+    Where there is none: which requirements exclude each other, and how far each must give. Exit 1 then.
+    """
+    from mbcdm_cad.cli.solving import solve_command
+
+    return solve_command(design, apply=apply, as_json=as_json)
+
+
+@mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --short"))
+@click.argument("new", type=FILE)
+@_CONFIGURATION
+@click.option("--short", is_flag=True, help="Only the requirements: all else follows from them by rules.")
+@click.option("--derived", is_flag=True, help="The requirements, and every value that follows as a comment.")
+def init(new: Path, configuration: str | None, short: bool, derived: bool) -> int:
+    """Write a new design file with the reference values.
+
+    Each value has its unit, meaning and source beside it. Never overwrites a file.
+    """
+    from mbcdm_cad.cli.files import init_command
+
+    return init_command(new, configuration, "derived" if derived else "short" if short else "whole")
+
+
+@mbcdm.command(epilog=examples("mbcdm schema > design.schema.json", "mbcdm schema --reference --measurement | less"))
+@click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
+@click.option("--measurement", is_flag=True, help="Of measurement files, which 'mbcdm loop' reads.")
+@_CONFIGURATION
+def schema(reference: bool, measurement: bool, configuration: str | None) -> int:
+    """Print the JSON Schema of design files.
+
+    An editor completes and checks a design file with it.
+    """
+    from mbcdm_cad.cli.files import schema_command
+
+    return schema_command(reference=reference, measurement=measurement, configuration=configuration)
+
+
+@mbcdm.command(
+    epilog=examples("mbcdm catalogue", "mbcdm catalogue ropes", "mbcdm catalogue --markdown > docs/catalogue.md")
+)
+@click.argument("kind", type=click.Choice(CATALOGUE_KINDS), required=False)
+@click.option("--markdown", is_flag=True, help="Print a page in Markdown, all kinds if none is given.")
+def catalogue(kind: str | None, markdown: bool) -> int:
+    """Ropes, motors, bearings and more that a design can name.
+
+    Without KIND the names of all entries; with it the values of that kind's entries.
+    """
+    from mbcdm_cad.cli.catalogue import catalogue_command
+
+    return catalogue_command(kind, markdown=markdown)
+
+
+@mbcdm.command(epilog=examples("mbcdm doctor"))
+@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
+def doctor(as_json: bool) -> int:
+    """What this machine has of what the program can use.
+
+    Exit 1 if something is missing without which designs cannot be built.
+    """
+    from mbcdm_cad.cli.doctor import doctor_command
+
+    return doctor_command(as_json=as_json)

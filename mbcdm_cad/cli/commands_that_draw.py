@@ -1,0 +1,186 @@
+"""Commands that draw a design: parts and assembly, pictures, pages, drawings, files for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from mbcdm_cad.cli.group import mbcdm
+from mbcdm_cad.cli.options import ANGLE, DESIGN, FILE, NO_CACHE, examples, out_folder
+
+# The names of VIEWS in mbcdm_cad.build.export.picture, which needs the drawing library; a test compares them.
+VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "top", "bottom")
+
+
+@mbcdm.command(epilog=examples("mbcdm build my_drive.yaml", "mbcdm build my_drive.yaml --angle 20 --out /tmp/drives"))
+@DESIGN
+@ANGLE
+@click.option("--force", is_flag=True, help="Build although a check fails; every output then says so.")
+@out_folder("Folder that the design's folder is written into.")
+@NO_CACHE
+@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool, jobs: int | None) -> int:
+    """Build parts, assembly and report of a design.
+
+    Writes STEP and STL of each part, STEP and GLB of the assembly, and the report. Exit 1 if a check fails.
+    """
+    from mbcdm_cad.cli.building import build_command
+
+    return build_command(design, angle_deg=angle_deg, force=force, out=out, use_cache=not no_cache, jobs=jobs)
+
+
+@mbcdm.command(
+    epilog=examples(
+        "mbcdm compare params/mbcdm.yaml params/siso_bevel.yaml",
+        "mbcdm compare my_drive.yaml my_other.yaml --page compared.html",
+    )
+)
+@click.argument("designs", metavar="DESIGN...", type=FILE, nargs=-1, required=True)
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, a list with one object a design.")
+@click.option("--markdown", is_flag=True, help="Print the table as Markdown.")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a page with pictures, figures and plots there.")
+@out_folder("Folder that the designs are built into where they are not yet.")
+@NO_CACHE
+@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+def compare(
+    designs: tuple[Path, ...],
+    as_json: bool,
+    markdown: bool,
+    page: Path | None,
+    out: Path,
+    no_cache: bool,
+    jobs: int | None,
+) -> int:
+    """Compare designs side by side, as built.
+
+    Torque both ways, mass, box, backlash, stiffness, lowest mode, parts, tightest margin. Builds those that are not
+    built yet; a design that fails a check is not compared.
+    """
+    if as_json and markdown:
+        raise click.UsageError("--json and --markdown exclude each other; give one of them")
+    from mbcdm_cad.cli.comparing import compare_command
+
+    return compare_command(
+        designs, out=out, as_json=as_json, markdown=markdown, page=page, use_cache=not no_cache, jobs=jobs
+    )
+
+
+@mbcdm.command(
+    epilog=examples(
+        "mbcdm picture my_drive.yaml my_drive.png --view iso --angle 20",
+        "mbcdm picture my_drive.yaml my_drive.gif --travel",
+    )
+)
+@DESIGN
+@click.argument("png", metavar="PNG", type=FILE)
+@ANGLE
+@click.option("--travel", is_flag=True, help="A moving picture of the drum's swing, into a GIF file.")
+@click.option(
+    "--view", type=click.Choice(VIEW_NAMES), default="output", show_default=True, help="Where the camera stands."
+)
+@NO_CACHE
+def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> int:
+    """Draw a design into a PNG or GIF file; needs no display."""
+    if travel:
+        from mbcdm_cad.cli.building import moving_picture_command
+
+        return moving_picture_command(design, png, view=view, use_cache=not no_cache)
+    from mbcdm_cad.cli.building import picture_command
+
+    return picture_command(design, png, angle_deg=angle_deg, view=view, use_cache=not no_cache)
+
+
+@mbcdm.command(epilog=examples("mbcdm page my_drive.yaml"))
+@DESIGN
+@click.option("--force", is_flag=True, help="Make the page although a check fails; it then says so.")
+@out_folder("Folder that the design's folder is written into.")
+@NO_CACHE
+def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
+    """Write a page with the drive in 3D and all figures.
+
+    Builds the design and writes report.html: checks, figures, plots and lists in one file that needs no network.
+    """
+    from mbcdm_cad.cli.page import page_command
+
+    return page_command(design, out=out, force=force, use_cache=not no_cache)
+
+
+@mbcdm.command(epilog=examples("mbcdm watch my_drive.yaml"))
+@DESIGN
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Any free port by default.")
+@out_folder("Folder that the design's folders are written into.")
+@NO_CACHE
+def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
+    """Follow a design file: new checks and page at each save.
+
+    Prints the address of a page that loads itself again. The parts drawn at once go into DIR/NAME-live, the whole build
+    into DIR/NAME. Ctrl-C ends it.
+    """
+    from mbcdm_cad.cli.watch import watch_command
+
+    return watch_command(design, out=out, port=port, use_cache=not no_cache)
+
+
+@mbcdm.command(
+    epilog=examples("mbcdm export my_drive.yaml --format urdf", "mbcdm export my_drive.yaml --format mjcf --elastic")
+)
+@DESIGN
+@click.option("--format", "form", type=click.Choice(("urdf", "mjcf")), required=True, help="For which simulators.")
+@click.option("--elastic", is_flag=True, help="Cables as springs instead of a rigid ratio (MJCF only).")
+@out_folder("Folder that the description's folder, NAME-FORMAT, is written into.")
+@NO_CACHE
+def export(design: Path, form: str, elastic: bool, out: Path, no_cache: bool) -> int:
+    """Describe a design for robot simulators.
+
+    Links with mass and inertia, joints with the drive's ratios, meshes in metres; see docs/robot-formats.md.
+    """
+    if elastic and form != "mjcf":
+        raise click.UsageError("--elastic: URDF has no springs between joints; give --format mjcf")
+    from mbcdm_cad.cli.robot import export_command
+
+    return export_command(design, form=form, elastic=elastic, out=out, use_cache=not no_cache)
+
+
+@mbcdm.command(epilog=examples("mbcdm pictures my_drive.yaml"))
+@DESIGN
+@out_folder("Folder that the pictures' folder, NAME-pictures, is written into.")
+@NO_CACHE
+def pictures(design: Path, out: Path, no_cache: bool) -> int:
+    """Draw the pictures that a builder uses.
+
+    One for each step of the order of assembly, an exploded view, a section through the transfer to the drum.
+    """
+    from mbcdm_cad.cli.building import pictures_command
+
+    return pictures_command(design, out, use_cache=not no_cache)
+
+
+@mbcdm.command(epilog=examples("mbcdm prints my_drive.yaml"))
+@DESIGN
+@out_folder("Folder that the folder of 3MF files, NAME-prints, is written into.")
+@NO_CACHE
+def prints(design: Path, out: Path, no_cache: bool) -> int:
+    """Write the made parts for a 3D printer.
+
+    One 3MF file for each part, in millimetres, with its name, lying on its largest flat face.
+    """
+    from mbcdm_cad.cli.building import prints_command
+
+    return prints_command(design, out, use_cache=not no_cache)
+
+
+@mbcdm.command(epilog=examples("mbcdm drawings my_drive.yaml", "mbcdm drawings my_drive.yaml --part input_pulley_left"))
+@DESIGN
+@out_folder("Folder that the drawings' folder, NAME-drawings, is written into.")
+@click.option("--part", metavar="NAME", help="Only the sheet of this part.")
+@click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
+@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: int | None) -> int:
+    """Draw the workshop drawings of all made parts.
+
+    One sheet for each part, as DXF with real dimensions, as PDF and as SVG.
+    """
+    from mbcdm_cad.cli.building import drawings_command
+
+    return drawings_command(design, out, part=part, use_cache=not no_cache, jobs=jobs)
