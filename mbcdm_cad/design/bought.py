@@ -58,6 +58,10 @@ class CableSpec:
     bend_ratio_desired: float
     material: str
     source: str
+    creep_per_decade: float = 0.0  # strain, extrapolated to the breaking load
+    creep_per_year: float = 0.0  # steady strain at 0.3 of the breaking load and 20 degrees C
+    creep_load_exponent: float = 1.0
+    creep_activation_kJ_mol: float = 0.0
 
     @property
     def area_mm2(self) -> float:

@@ -22,6 +22,11 @@ def _maybe(meaning: str, unit: str, **bounds: Any) -> Any:
     return Field(None, description=meaning, json_schema_extra={"unit": unit}, **bounds)
 
 
+def _with_default(default: float, meaning: str, unit: str, **bounds: Any) -> Any:
+    """A figure that an entry may leave out, with the value it then has."""
+    return Field(default, description=meaning, json_schema_extra={"unit": unit}, **bounds)
+
+
 class Entry(Block):
     """Anything in the catalogue."""
 
@@ -44,6 +49,16 @@ class RopeEntry(Entry):
         json_schema_extra={"unit": "-"},
         ge=0.0,
         le=0.05,
+    )
+    creep_per_decade: Number = _with_default(
+        0.0, "strain a decade of time, extrapolated to the breaking load; none for wire", "-", ge=0.0, le=0.1
+    )
+    creep_per_year: Number = _with_default(
+        0.0, "steady strain a year at 0.3 of the breaking load and 20 degrees C", "-", ge=0.0, le=1.0
+    )
+    creep_load_exponent: Number = _with_default(1.0, "power of the load in the steady creep", "-", ge=1.0, le=20.0)
+    creep_activation_kJ_mol: Number = _with_default(
+        0.0, "activation energy of the steady creep", "kJ/mol", ge=0.0, le=500.0
     )
     bend_ratio_minimum: Number = _field("smallest D/d the maker allows", "-", ge=1.0, le=200.0)
     bend_ratio_desired: Number = _field("D/d the maker asks for", "-", ge=1.0, le=200.0)

@@ -17,6 +17,7 @@ from mbcdm_cad.model.capability import (
     torque_limits,
     torque_to_weight_Nm_kg,
 )
+from mbcdm_cad.model.creep import preload_left
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.figures import (
     Analysis,
@@ -89,6 +90,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
             None if drive.targets.mass_g is None else torque_to_weight_Nm_kg(min(lossless), drive.targets.mass_g)
         ),
         bearings=tuple(bearing_figures(d, load) for load in (0.0, peak, -peak)),
+        creep=preload_left(drive.cable, max(c.preload_N for c in drive.cables)),
         motor=motor_figures(drive, d, _most_of_an_input_Nm(peaks), _not_the_motor_Nm(limits)),
         measured_backlash_mrad=BACKLASH_RAD * 1e3,
         implied_modulus=modulus_readings(endless),

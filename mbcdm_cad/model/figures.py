@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from mbcdm_cad.model.capability import TorqueLimit
+from mbcdm_cad.model.creep import PreloadLeft
 from mbcdm_cad.model.motor_figures import MotorFigures
 
 # How an SI figure, named with its unit, is read: (unit, factor) by the end of its name.
@@ -150,6 +151,7 @@ class Analysis:
     balanced_peak_torque_Nm: tuple[float, float]
     torque_to_weight_Nm_kg: float | None  # at the mass that the design asks for; None where it asks for none
     bearings: tuple[BearingFigures, ...]
+    creep: tuple[PreloadLeft, ...]  # preload left over time by temperature; empty for a rope that does not creep
     motor: MotorFigures | None  # None where the catalogue has no electrical values of it
     measured_backlash_mrad: float
     implied_modulus: tuple[ModulusReading, ...]

@@ -155,6 +155,8 @@ class AnalysisReport:
             *self._limits().text(width, "  "),
             *(line for text in _torque_notes(a) for line in _filled(text, width)),
         ]
+        if a.creep:
+            yield ["Share of the preload that is left between fixed ends:", *_creep_table(a).text(width, "  ")]
         if a.motor is not None:
             first, *rest = motor_lines(asdict(a.motor))
             yield [
@@ -220,6 +222,13 @@ def _torque_notes(a: Analysis) -> Iterator[str]:
     )
     if a.torque_to_weight_Nm_kg is not None:
         yield f"  torque to weight at the target mass: {a.torque_to_weight_Nm_kg:.3f} N m/kg"
+
+
+def _creep_table(a: Analysis) -> ReportTable:
+    """Share of the preload left over time, a row a temperature."""
+    days = tuple(f"{day:.0f} days" for day in a.creep[0].days)
+    rows = tuple((f"{line.temperature_C:g} C", *(f"{share:.1%}" for share in line.share)) for line in a.creep)
+    return ReportTable(("at", *days), rows)
 
 
 def _limit(limit: TorqueLimit) -> str:

@@ -144,6 +144,10 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
             "weaker direction over the mass as drawn",
         ),
     ]
+    for line in a["creep"]:
+        days, share = line["days"][2], line["share"][2]
+        told = (f"preload left after {days:.0f} days at {line['temperature_C']:g} °C", f"{share:.1%}")
+        rows.append((*told, "creep of the rope between fixed ends"))
     if a["motor"]:
         rows += _motor_rows(a["motor"])
     if report["frame"]:

@@ -82,6 +82,7 @@ WAYS: dict[str, Way] = {
     "motor_torque_forward": Way(to(PEAK), 3.15, 5.0),
     "motor_torque_back": Way(to(PEAK), 3.15, 5.0),
     "gearhead_maximum": Way(to(PEAK), 3.15, 6.0),
+    "retension": Way(to("cable.creep_per_decade"), 1e-4, 0.1),
     "motor_losses": Way(to(PEAK), 1.0, 3.15),
     "gearhead_continuous": Way(to(PEAK), 0.5, 3.15),
     "input_bearings": Way(to("bearings.input_lower.static_rating_N"), 255.0, 10.0),

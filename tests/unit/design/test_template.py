@@ -126,6 +126,7 @@ UNITS = {
     "_g_cm3": "g/cm3",
     "_g_cm2": "g cm2",
     "_mNm_A": "mN m/A",
+    "_kJ_mol": "kJ/mol",
     "_ohm": "ohm",
     "_A": "A",
     "_V": "V",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import drum_sector, fixings, motors, strength, take_up, terminals
+from mbcdm_cad.checks import creep, drum_sector, fixings, motors, strength, take_up, terminals
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.configurations.miso_bevel.checks import (
     bearings,
@@ -33,6 +33,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     tolerances,
     wraps,
     strength,
+    creep,
     motors,
     bearings,
     fixings,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
+from mbcdm_cad.checks import bearings, creep, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
 from mbcdm_cad.configurations.siso_bevel.checks import (
     input_turn,
     pulley_fits,
@@ -24,6 +24,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     tolerances,
     wraps,
     strength,
+    creep,
     motors,
     bearings,
     fixings,

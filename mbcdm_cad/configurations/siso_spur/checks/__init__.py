@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from mbcdm_cad.checks import bearings, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
+from mbcdm_cad.checks import bearings, creep, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
 from mbcdm_cad.configurations.siso_spur.checks import (
     pulley_fits,
     ratios,
@@ -22,6 +22,7 @@ FAMILIES: tuple[ModuleType, ...] = (
     tolerances,
     wraps,
     strength,
+    creep,
     motors,
     bearings,
     fixings,
