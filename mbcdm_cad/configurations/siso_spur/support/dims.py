@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, groove_depth_mm, least_wall_z_mm
-from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.parts.boss.dims import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 from mbcdm_cad.parts.motor_head.dims import (
@@ -42,6 +42,8 @@ WINDING_ROOM_MM = 3.0
 MOUNT_SCREW = "M3x8"
 # Wall beside a flange screw's thread, in its diameters.
 SCREW_WALL = 0.65
+# Between that opening and the nearest of the flange's holes.
+OPENING_WEB_MM = 0.6
 # Between the heads of the flange's screws and the motor head's wall.
 HEAD_ROOM_MM = 0.15
 # The stop pin's middle over the boss, in pin diameters beyond the threads of the plate's lower mounts.
@@ -103,15 +105,31 @@ class YokeDims:
         return self.axis_z - self.seat_radius
 
 
+def _round_thread_mm(drive: SpurDrive, screw: Screw, cut_mm: float) -> float:
+    """From the axis of a screw's thread to the next edge: ``cut_mm`` where it is cut, what its insert asks for else."""
+    insert = drive.insert(drive.support.material, screw.thread_mm)
+    return cut_mm if insert is None else max(cut_mm, insert.hole_mm / 2 + insert.wall_mm)
+
+
+def opening_radius_mm(drive: SpurDrive) -> float:
+    """Opening of the plate: pulley, bearing and the keys for the encoder's screws pass through."""
+    encoder, screw = drive.encoder, drive.screw(drive.encoder.screw)
+    land = drive.input_radius_mm + max(groove_depth_mm(drive) - drive.cable.diameter_mm / 2, 0.0)
+    heads = encoder.bolt_circle_mm / 2 + screw.head_diameter_mm / 2 + 0.1
+    return max(land + 0.3, drive.bearings.input_upper.outer_diameter_mm / 2 + 0.3, heads + 0.1)
+
+
 def flange(drive: SpurDrive) -> Flange:
     """The motor head's flange on the back of the plate; its y is away from the drum."""
     inner = inner_half_width_mm(drive)
     outer = inner + drive.support.side_wall_mm / 2
     screw = flange_screw(drive)
-    wall = SCREW_WALL * screw.thread_mm + screw.thread_mm / 2
+    wall = _round_thread_mm(drive, screw, (SCREW_WALL + 0.5) * screw.thread_mm)
     # The screws go in from behind, past the motor.
     beside = body_radius_mm(drive) + drive.clearances.running_mm
     x = max(outer, beside) + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
+    # Screws and dowels stand round the opening that the pulley passes through.
+    x = max(x, opening_radius_mm(drive) + OPENING_WEB_MM + max(screw.thread_mm, DOWEL_MM) / 2)
     front = max(inner, face_reach_mm(drive))
     back = -outer
     high, low = front - wall, back + wall
@@ -130,14 +148,14 @@ def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
     encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
     round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
     head, z = flange(drive), drive.centre_distance_mm
-    land = drive.input_radius_mm + max(groove_depth_mm(drive) - drive.cable.diameter_mm / 2, 0.0)
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
     bridge = max(bridge, z + head.front_y - s.bridge_mm, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
     mount = drive.screw(MOUNT_SCREW)
     insert, mount_insert = (drive.insert(s.material, each.thread_mm) for each in (screw, mount))
-    beside = head.half_x - mount.thread_mm
-    lowest, highest = round_boss.radius + mount.thread_mm, z + head.back_y - mount.thread_mm
+    edge = _round_thread_mm(drive, mount, mount.thread_mm)
+    beside = head.half_x - edge
+    lowest, highest = round_boss.radius + edge, z + head.back_y - edge
     return YokeDims(
         levels=levels,
         boss=round_boss,
@@ -147,8 +165,7 @@ def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
         shelf_bottom_z=least_wall_z_mm(drive),
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,
-        # Pulley, bearing and the keys for the encoder's screws pass through.
-        opening_radius=max(land + 0.3, upper.outer_diameter_mm / 2 + 0.3, circle + head_radius + 0.1),
+        opening_radius=opening_radius_mm(drive),
         corner_radius=max(CORNER_MM, s.material.min_internal_radius_mm),
         seat_radius=upper.outer_diameter_mm / 2,
         seat_depth=upper.width_mm,

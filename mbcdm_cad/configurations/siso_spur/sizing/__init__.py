@@ -1,0 +1,130 @@
+"""Sizing rules of siso_spur, in the order of the drive.
+
+Many rules ask checks on a trial drive, whose open fields hold the values of the pass before. Passes are repeated until
+no field changes; the first begins with those of a drive of middle size.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from typing import Any
+
+from mbcdm_cad.configurations.siso_spur.sizing.basis import (
+    LIMITS,
+    METALS,
+    NAMES,
+    PRELOAD,
+    RADIUS,
+    RATIO,
+    ROPE,
+    TRAIN,
+    WINDING,
+    WINDUP,
+)
+from mbcdm_cad.configurations.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME
+from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.configurations.siso_spur.sizing.parts import PARTS
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.sizing.engine import fill
+from mbcdm_cad.sizing.rule import Rule
+
+_MOST_PASSES = 4
+DERIVED = tuple(
+    rule.field for rule in (*WINDING, *FRAME, *DISTANCE, *DRUM, *BACK) if rule.field != "transmission.turns"
+)
+
+
+def rules() -> tuple[Rule, ...]:
+    """All rules: requirements, rope, train, radii, parts, frame, drum."""
+    return (
+        *NAMES,
+        *LIMITS,
+        *METALS,
+        # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
+        *TRAIN,
+        *RATIO,
+        *ROPE,
+        *RADIUS,
+        *PRELOAD,
+        *PARTS,
+        *FRAME,
+        *WINDING,
+        *DISTANCE,
+        *DRUM,
+        *BACK,
+        *WINDUP,
+    )
+
+
+def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+    """The data with its gaps filled, values that rules find as ``moved`` makes them.
+
+    Raises ``SizingError`` where a requirement is missing.
+    """
+    missing = list(_missing(SpurKnown(data, {})))
+    if missing:
+        raise SizingError(*missing)
+    guesses: dict[str, Any] = _first_guesses(data)
+    for _ in range(_MOST_PASSES):
+        sizing = fill(SpurKnown(copy.deepcopy(data), guesses), rules(), moved)
+        found = {value.field: value.value for value in sizing.values}
+        if all(guesses.get(field) == value for field, value in found.items()):
+            break
+        guesses = guesses | found
+    return sizing
+
+
+def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
+    """Figures of a drive of middle size, for what the first pass does not know yet."""
+    given = SpurKnown(data, {})
+    radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
+    return {
+        "rope.helix_lead_mm": 1.5,
+        "transmission.turns": 5,
+        "transmission.centre_distance_mm": 1.4 * radius,
+        "drive.encoder": "encoder-20-5",
+        "drive.drum_encoder": "encoder-24-ring",
+        "drum.tensioner": "M3",
+        "drum.bearing": "618/8",
+        "drum.web_thickness_mm": 2.0,
+        "drum.shaft_bore_mm": 2.0,
+        "drum.hub_diameter_mm": 20.0,
+        "drum.sector_half_angle_deg": 110.0,
+        "drum.rim_inner_radius_mm": 0.8 * radius,
+        "drum.outer_face_y_mm": 20.0,
+        "drum.hub_face_y_mm": 30.0,
+        "input_pulleys.lower_bearing": "618/8",
+        "input_pulleys.upper_bearing": "625",
+        "support.motor_shelf_mm": 4.0,
+        "support.side_wall_mm": 4.0,
+        "support.bridge_mm": 4.0,
+        "support.bearing_shelf_mm": 6.0,
+        "support.encoder_shelf_mm": 6.0,
+        "support.coupling_space_mm": 15.0,
+        "support.plate_mm": 8.0,
+        "support.back_y_mm": -60.0,
+        "limits.frame_windup_max_mrad": 1.0,
+    }
+
+
+def _missing(given: SpurKnown) -> Iterator[Broken]:
+    for field, meaning, example in (
+        ("travel.half_angle_deg", "travel each way from the centred drum, deg", "35.0"),
+        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "2.15"),
+    ):
+        if not given.has(field):
+            yield _needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    known = any(given.has(f"transmission.{name}") for name in ("input_to_drum", "input_radius_mm"))
+    if not known and not given.has("drive.motor"):
+        remedy = "add input_to_drum: 9.9 (drum radius over input radius), or name the motor under drive:"
+        yield _needed("transmission.input_to_drum", remedy)
+    if given.has("transmission.input_radius_mm") and not given.has("transmission.drum_radius_mm"):
+        yield _needed("transmission.drum_radius_mm", "add drum_radius_mm: 59.4 (drum pitch radius)")
+
+
+def _needed(field: str, remedy: str) -> Broken:
+    return Broken(
+        tuple(field.split(".")), "missing, and no rule can fill it: it is what the drive is for", "", "", remedy
+    )

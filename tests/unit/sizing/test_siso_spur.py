@@ -1,0 +1,84 @@
+"""Short files of siso_spur: every dimension follows, and what is given stays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from mbcdm_cad.configurations.check_design import run_checks
+from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.configurations.siso_spur.sizing import DERIVED, size
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import InputError
+
+PARAMS = Path(__file__).parents[3] / "params"
+
+
+def short(half_deg: float, ratio: float, radius_mm: float, peak_Nm: float, **more: Any) -> str:
+    data = {
+        "name": "short",
+        "configuration": "siso_spur",
+        "travel": {"half_angle_deg": half_deg},
+        "transmission": {"input_to_drum": ratio, "drum_radius_mm": radius_mm},
+        "loads": {"peak_torque_Nm": peak_Nm},
+    }
+    return yaml.safe_dump(data | more)
+
+
+def failed(drive: Drive) -> dict[str, str]:
+    return {check.id: check.message for check in run_checks(drive) if check.status == "fail"}
+
+
+@pytest.mark.parametrize(
+    ("half_deg", "ratio", "radius_mm", "peak_Nm", "more"),
+    [
+        (35.0, 9.9, 60.0, 2.0, {}),
+        (60.0, 6.9, 30.0, 0.28, {}),
+        (90.0, 7.9, 80.0, 2.0, {}),
+        (20.0, 4.0, 100.0, 3.0, {"rope": {"type": "uhmwpe-1.5"}, "input_pulleys": {"surface": "smooth"}}),
+        (60.0, 8.0, 70.0, 2.0, {"drum": {"material": "pla"}, "support": {"material": "pla"}}),
+    ],
+)
+def test_a_short_file_passes_every_check(
+    half_deg: float, ratio: float, radius_mm: float, peak_Nm: float, more: dict[str, Any]
+) -> None:
+    found = failed(load_text(short(half_deg, ratio, radius_mm, peak_Nm, **more)).drive)
+    assert not found, found
+
+
+def test_motor_alone_gives_ratio_and_radius() -> None:
+    """6 N m from 0.74 N m: 8.3 to 1, on the smallest input that a 2 mm rope and the shaft allow."""
+    data = yaml.safe_load(short(60.0, 1.0, 1.0, 6.0)) | {
+        "transmission": {},
+        "rope": {"type": "uhmwpe-2"},
+        "drive": {"motor": "eaglepower-8308-90kv"},
+    }
+    drive: Any = load_text(yaml.safe_dump(data)).drive
+    assert drive.gearhead.absent and drive.total_ratio == pytest.approx(6.0 / 0.74, rel=0.03)
+    assert 2 * drive.input_radius_mm / drive.cable.diameter_mm >= drive.limits.bend_ratio_min
+    assert drive.drum_radius_mm < 75.0
+    assert not failed(drive), failed(drive)
+
+
+def test_what_is_given_stays_and_a_whole_file_has_no_gaps() -> None:
+    data = yaml.safe_load((PARAMS / "siso_spur.yaml").read_text())
+    values = {value.field: value.value for value in size(data).values}
+    assert values == {"input_pulleys.collar_screw": "M1.6x6", "drum.stop_pin_mm": 3.0}, "other than the schema's own"
+    pinned: Any = load_text(short(35.0, 9.9, 60.0, 2.0, support={"plate_mm": 7.3})).drive
+    assert pinned.support.plate_mm == 7.3
+
+
+def test_every_dimension_has_a_rule() -> None:
+    """Each block's numbers of the reference that the short file leaves out come from a rule, and are named derived."""
+    named = {value.field for value in size(yaml.safe_load(short(35.0, 9.9, 60.0, 2.0))).values}
+    assert set(DERIVED) <= named, set(DERIVED) - named
+
+
+def test_a_missing_requirement_is_told_with_what_to_add() -> None:
+    with pytest.raises(InputError) as caught:
+        load_text("name: x\nconfiguration: siso_spur\ntravel: {half_angle_deg: 30.0}\n")
+    told = str(caught.value)
+    assert "loads.peak_torque_Nm" in told and "input_to_drum: 9.9" in told, told
