@@ -2,6 +2,7 @@
 
     python tests/random_designs.py --count 200 --seed 1 --jobs 2
     python tests/random_designs.py --count 100 --workshop
+    python tests/random_designs.py --count 50 --configuration siso_spur
 
 With ``--workshop``: is the take-up proved, is each made part to be made from its drawing, is the 3MF read back, are the
 tables of holes the solids' cylinders, and does a build forced with odd sizes never end in the kernel's words?
@@ -32,17 +33,17 @@ sys.path.insert(0, str(Path(__file__).parent / "support"))
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from interference_of_solids import interferences
-from random_generator import Passing, load, passing
+from random_generator import SPUR, USUAL, Passing, load, passing
 
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.layout import layout
-from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
+from mbcdm_cad.configurations.miso_bevel.checks import envelope
+from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES as BEVEL_VOLUMES
+from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.configurations.siso_spur.checks import room
+from mbcdm_cad.configurations.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.make import make
@@ -55,6 +56,18 @@ BOX_MM = 0.2
 # How far the mass worked out before anything is drawn may be from that of the solids, as a share.
 MASS_SHARE = 0.03
 MESH_MM = 0.05
+
+
+SPACES = {"miso_bevel": USUAL, "siso_spur": SPUR}
+# What foresees box and volumes before anything is drawn.
+BOXES = {"miso_bevel": envelope.box_mm, "siso_spur": room.box_mm}
+VOLUMES = {"miso_bevel": BEVEL_VOLUMES, "siso_spur": SPUR_VOLUMES}
+
+
+def box_mm(drive: Any) -> tuple[float, float, float]:
+    """Box (X, Z, Y) worked out before anything is drawn, mm."""
+    size: tuple[float, float, float] = BOXES[drive.configuration](configuration_of(drive).design_under_test(drive))
+    return size
 
 
 @dataclass(frozen=True)
@@ -80,11 +93,12 @@ def figures(found: Passing) -> dict[str, float]:
     """What varies, for the table of the spread."""
     d = found.loaded.drive
     first, last = d.cables[0], d.cables[-1]
+    guide = {"smallest guide radius, mm": first.guide_radius_mm} if hasattr(first, "guide_radius_mm") else {}
     return {
         "rope diameter, mm": d.cable.diameter_mm,
         "centre distance, mm": d.centre_distance_mm,
         "smallest input radius, mm": first.input_radius_mm,
-        "smallest guide radius, mm": first.guide_radius_mm,
+        **guide,
         "largest drum radius, mm": last.drum_radius_mm,
         "drum step, mm": d.cables[1].drum_radius_mm - first.drum_radius_mm,
         "total ratio": first.drum_radius_mm / first.input_radius_mm,
@@ -92,14 +106,15 @@ def figures(found: Passing) -> dict[str, float]:
         "lead over diameter": d.helix_lead_mm / d.cable.diameter_mm,
         "sector half angle, deg": d.drum.sector_half_angle_deg,
         "preload, N": first.preload_N,
-        **{f"box {axis}, mm": side for axis, side in zip("XZY", box_mm(BevelUnderTest(d)), strict=True)},
+        **{f"box {axis}, mm": side for axis, side in zip("XZY", box_mm(d), strict=True)},
     }
 
 
 def exercise(found: Passing, poses: int) -> Iterator[Failure]:
     """Draw, test, mesh and turn one design; yields what fails."""
-    dims = layout(found.loaded.drive)
-    b = bill(dims)
+    kind = configuration_of(found.loaded.drive)
+    dims: Any = kind.layout(found.loaded.drive)
+    b = kind.bill(dims)
     material = {item.part: item.material for item in b.items}
     solids: dict[str, Any] = {}
     for name, spec in b.parts.items():
@@ -132,7 +147,7 @@ def exercise(found: Passing, poses: int) -> Iterator[Failure]:
     if len(solids) == len(b.parts):
         corners = np.array([bounding_box(solids[item.part], item.location) for item in b.items])
         size = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
-        foreseen = box_mm(BevelUnderTest(found.loaded.drive))
+        foreseen = box_mm(found.loaded.drive)
         off = np.abs(size[[0, 2, 1]] - foreseen)
         if off.max() > BOX_MM:
             yield Failure(found.seed, "box", f"X, Z, Y {size[[0, 2, 1]].round(2)}, foreseen {np.round(foreseen, 2)} mm")
@@ -147,13 +162,14 @@ def masses_g(found: Passing, b: Bill, solids: dict[str, Any]) -> tuple[float, fl
         solids[item.part].Volume() * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
         for item in b.items
     )
-    return estimated_mass_g(b, VOLUMES), drawn
+    return estimated_mass_g(b, VOLUMES[found.loaded.drive.configuration]), drawn
 
 
 def exercise_workshop(found: Passing, undrawn: tuple[str, ...] = ()) -> Iterator[Failure]:
     """What the workshop asks of one design, and of one forced in its place; yields what fails."""
-    dims = layout(found.loaded.drive)
-    b = bill(dims)
+    kind = configuration_of(found.loaded.drive)
+    dims: Any = kind.layout(found.loaded.drive)
+    b = kind.bill(dims)
     try:
         solids = at_rest(b)
     except Exception as error:  # the kernel raises what it likes
@@ -170,19 +186,19 @@ def exercise_workshop(found: Passing, undrawn: tuple[str, ...] = ()) -> Iterator
         yield Failure(found.seed, stage, what)
 
 
-def attempt(task: tuple[int, int]) -> Outcome:
+def attempt(task: tuple[int, int, str]) -> Outcome:
     """One seed: a design that passes, and what comes of it; the workshop's part where there are no poses."""
-    seed, poses = task
-    found = passing(seed)
+    seed, poses, configuration = task
+    found = passing(seed, SPACES[configuration])
     if isinstance(found, str):
         return Outcome(seed, found, {}, ())
     return Outcome(seed, "", figures(found), tuple(exercise(found, poses) if poses else exercise_workshop(found)))
 
 
-def attempts(first: int, wanted: int, poses: int, jobs: int) -> Iterator[Outcome]:
+def attempts(first: int, wanted: int, poses: int, jobs: int, configuration: str = "miso_bevel") -> Iterator[Outcome]:
     """Outcomes of seeds from ``first`` on, until ``wanted`` of them have passed the checks."""
     passed = 0
-    tasks = ((seed, poses) for seed in count(first))
+    tasks = ((seed, poses, configuration) for seed in count(first))
     if jobs <= 1:
         for task in tasks:
             if passed == wanted:
@@ -236,15 +252,16 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--poses", type=int, default=9, help="poses of the interference run")
     parser.add_argument("--workshop", action="store_true", help="take-up, drawings, 3MF and tables of holes instead")
+    parser.add_argument("--configuration", choices=sorted(SPACES), default="miso_bevel", help="layout to draw from")
     parser.add_argument("--only", type=int, help="this seed alone")
     parser.add_argument("--save", type=Path, help="folder for the design files of all that pass")
     options = parser.parse_args()
     start = time.monotonic()
     options.poses = 0 if options.workshop else options.poses
     if options.only is not None:
-        stream: Iterator[Outcome] = iter([attempt((options.only, options.poses))])
+        stream: Iterator[Outcome] = iter([attempt((options.only, options.poses, options.configuration))])
     else:
-        stream = attempts(options.seed, options.count, options.poses, options.jobs)
+        stream = attempts(options.seed, options.count, options.poses, options.jobs, options.configuration)
     outcomes = []
     for outcome in stream:
         outcomes.append(outcome)
@@ -253,7 +270,7 @@ def main() -> int:
         for failure in outcome.failures:
             print(f"seed {failure.seed}, {failure.stage}: {failure.what}", flush=True)
         if options.save and not outcome.rejected:
-            found = passing(outcome.seed)
+            found = passing(outcome.seed, SPACES[options.configuration])
             assert isinstance(found, Passing)
             options.save.mkdir(parents=True, exist_ok=True)
             text = yaml.safe_dump(found.data, sort_keys=False)

@@ -27,6 +27,7 @@ PRINTED = {"drum": {"material": "pa12"}, "guide": {"material": "pa12"}, "support
 class Space:
     """What is drawn: ranges, and how often a file states what it may leave free.
 
+    With ``configuration`` siso_spur torque is drawn for a drum of 60 mm and grows with the radius squared; no distance.
     ``distance`` is a fixed centre distance in radii of the drum's first step; ``ropes`` are those that a file may name.
     """
 
@@ -37,6 +38,7 @@ class Space:
     distance: tuple[float, float]
     ropes: tuple[str, ...]
     stated: float = 0.5
+    configuration: str = "miso_bevel"
 
 
 # All that is aimed at.
@@ -49,8 +51,45 @@ USUAL = Space(
 )
 
 
+# The plain capstan drive, out to what one motor of the catalogue holds.
+SPUR = Space(
+    (3.0, 12.0),
+    (10.0, 90.0),
+    (25.0, 120.0),
+    (0.2, 1.6),
+    (0.0, 0.0),
+    ("7x7-0.61", "FF-081", "7x7-1.0", "7x19-0.81", "uhmwpe-0.8", "uhmwpe-1.5", "uhmwpe-2", "vectran-1"),
+    0.4,
+    "siso_spur",
+)
+
+
+def _spur(seed: int, space: Space) -> Data:
+    """A file of requirements for siso_spur."""
+    rng = random.Random(seed)
+    torque = exp(rng.uniform(*map(log, space.torque_Nm)))
+    radius = round(exp(rng.uniform(*map(log, space.drum_radius_mm))), 1)
+    data: Data = {
+        "name": f"random-{seed}",
+        "configuration": "siso_spur",
+        "travel": {"half_angle_deg": round(rng.uniform(*space.half_travel_deg), 1)},
+        "transmission": {"input_to_drum": round(rng.uniform(*space.ratio), 2), "drum_radius_mm": radius},
+        "loads": {"peak_torque_Nm": float(f"{torque * (radius / 60.0) ** 2:.2g}")},
+    }
+    if rng.random() < space.stated:
+        data["rope"] = {"type": rng.choice(space.ropes)}
+    if rng.random() < space.stated:
+        data["input_pulleys"] = {"surface": rng.choice(("smooth", "grooved"))}
+    if rng.random() < space.stated:
+        metal = rng.choice(("pla", "pa12"))
+        data |= {"drum": {"material": metal}, "support": {"material": metal}}
+    return data
+
+
 def requirements(seed: int, space: Space = USUAL) -> Data:
     """One file of requirements: ratio, radius and torque spread evenly over their decades, travel over its degrees."""
+    if space.configuration == "siso_spur":
+        return _spur(seed, space)
     rng = random.Random(seed)
 
     def decades(low: float, high: float) -> float:
