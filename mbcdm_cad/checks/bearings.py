@@ -1,4 +1,4 @@
-"""Bearing loads against static ratings, and what reaches the gearhead in spite of the pulley's own bearings.
+"""Bearing loads against static ratings, and the deflection at the gearhead in spite of the pulley's own bearings.
 
 A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cable's pull of well
 over 100 N on each input pulley is more than a gearhead of this size takes, so each pulley has a bearing at both ends.
@@ -83,17 +83,17 @@ def drum_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
 
 
 def input_bearings(s: SectorUnderTest) -> Comparison:
-    """Bearings at both ends of the input pulleys."""
+    """Static safety of the bearings at both ends of the input pulleys."""
     return worst(input_safety(s, STATIC_SAFETY))
 
 
 def drum_bearings(s: SectorUnderTest) -> Comparison:
-    """Bearings of the drum's shaft."""
+    """Static safety of the bearings of the drum's shaft."""
     return worst(drum_safety(s, STATIC_SAFETY))
 
 
 def drum_bearing_spacing(s: SectorUnderTest) -> Comparison:
-    """Drum bearings stand apart by their own width, the spring between them not counted."""
+    """Distance between the drum's bearings, without the spring between them: at least one bearing width."""
     shaft = s.layout.drum_shaft
     width = s.drive.bearings.drum.width_mm
     between = shaft.front_bearing_y - shaft.rear_bearing_y - width - s.layout.preload_spring.height
@@ -101,7 +101,7 @@ def drum_bearing_spacing(s: SectorUnderTest) -> Comparison:
 
 
 def coupling_runout(s: SectorUnderTest) -> Comparison:
-    """How far the cables push the pulley aside at the coupling: more than the gearhead's play would load its shaft."""
+    """Sideways movement of the pulley at the coupling from the cables; beyond its play it loads the gearhead."""
     v, lay, drive = s.levels, s.layout, s.drive
     lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
     upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2

@@ -1,4 +1,4 @@
-"""How sharply the cable is bent: against the design's own limit, and against the rope's catalogue, which only warns.
+"""Bend ratio D/d of the cable: against the design's own limit, and against the rope's catalogue, which only warns.
 
 The paper's own design (14.8 at its smallest pulley) falls below every rope maker's minimum for 7x7.
 """
@@ -40,19 +40,19 @@ def _cost(ratio: float) -> str:
 
 
 def bend_ratio(s: DesignUnderTest) -> Comparison:
-    """Pitch diameter over cable diameter against the design's limit."""
+    """Pitch diameter over cable diameter is compared with the limit of the design."""
     limit = s.drive.limits.bend_ratio_min
     return worst(at_least(name, ratio, limit, "D/d") for name, ratio in _ratios(s))
 
 
 def bend_ratio_minimum(s: DesignUnderTest) -> Comparison:
-    """The same against the rope's catalogue minimum."""
+    """Pitch diameter over cable diameter is compared with the minimum in the rope's catalogue."""
     limit = s.drive.cable.bend_ratio_minimum
     return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
 
 
 def bend_ratio_desired(s: DesignUnderTest) -> Comparison:
-    """The same against what the catalogue asks for."""
+    """Pitch diameter over cable diameter is compared with the value that the catalogue recommends."""
     limit = s.drive.cable.bend_ratio_desired
     return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
 

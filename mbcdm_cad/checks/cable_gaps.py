@@ -58,7 +58,7 @@ def _pieces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def cables_apart(s: SectorUnderTest) -> Comparison:
-    """Centre lines of different cables stay apart, at centre and both ends of travel."""
+    """Gap between different cables with the drum centred and at both ends of travel."""
     d, step, names, found = s.drive.cable.diameter_mm, step_mm(s), [c.name for c in s.drive.cables], []
     for angle, lines in s.once("sampled", sampled):
         for (i, first), (j, second) in combinations(enumerate(lines), 2):

@@ -21,7 +21,7 @@ SPIGOT_MM = 0.3
 
 
 def rim_height(s: SectorUnderTest) -> Comparison:
-    """Rim left under the deepest pocket and the smallest land."""
+    """Height of the rim below the deepest pocket and the smallest land."""
     d = s.layout.drum
     floors = [(f"pocket of {t.cable_name}", t.radius_mm - d.nut_pocket) for t in d.tensioners]
     floors.append(("land of step 1", d.lands[0].surface_radius_mm))
@@ -30,7 +30,7 @@ def rim_height(s: SectorUnderTest) -> Comparison:
 
 
 def web_inside_rim(s: SectorUnderTest) -> Comparison:
-    """Web lies within the rim's width and is no thinner than can be made."""
+    """The web lies within the width of the rim and is at least as thick as the material allows."""
     d = s.layout.drum
     return worst(
         (
@@ -46,7 +46,7 @@ def web_inside_rim(s: SectorUnderTest) -> Comparison:
 
 
 def land_thickness(s: SectorUnderTest) -> Comparison:
-    """Every land has width: walls follow each other along y."""
+    """Width of every land along y, at least half a cable."""
     return worst(
         at_least(f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm, "mm")
         for land in s.layout.drum.lands
@@ -54,7 +54,7 @@ def land_thickness(s: SectorUnderTest) -> Comparison:
 
 
 def hub_walls(s: SectorUnderTest) -> Comparison:
-    """Hub takes the payload's threads between shaft and outside, and its set screws' threads."""
+    """Walls of the hub round the payload's threads and round the threads of its set screws."""
     d = s.layout.drum
     screw = s.drive.screw(d.set_screw)
     insert = d.payload_insert
@@ -72,7 +72,7 @@ def hub_walls(s: SectorUnderTest) -> Comparison:
 
 
 def hub_length(s: SectorUnderTest) -> Comparison:
-    """Hub holds the shaft over its diameter, and has room for the set screws before the web."""
+    """The hub holds the shaft over at least one diameter, and has room for the set screws in front of the web."""
     d = s.layout.drum
     screw = s.drive.screw(d.set_screw)
     beyond = d.hub_face_y - d.web_end_y
@@ -96,7 +96,7 @@ def hub_length(s: SectorUnderTest) -> Comparison:
 
 
 def hub_spigot(s: SectorUnderTest) -> Comparison:
-    """Spigot bears on the inner ring of the front bearing and stays inside the hub."""
+    """The spigot presses on the inner ring of the front bearing only, and stays inside the hub."""
     d = s.layout.drum
     return worst(
         (
@@ -107,7 +107,7 @@ def hub_spigot(s: SectorUnderTest) -> Comparison:
 
 
 def shaft_wall(s: SectorUnderTest) -> Comparison:
-    """Wall of the hollow drum shaft."""
+    """Wall thickness of the hollow drum shaft."""
     shaft = s.layout.drum_shaft
     return at_least(
         "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.drum.shaft_material.min_wall_mm, "mm"
@@ -115,7 +115,7 @@ def shaft_wall(s: SectorUnderTest) -> Comparison:
 
 
 def stop_slot(s: SectorUnderTest) -> Comparison:
-    """Stop's slot lies in the web between hub and rim and ends before the sector does."""
+    """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
     d = s.layout.drum
     half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum.material.min_wall_mm
     end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
@@ -141,12 +141,12 @@ def _stop_angle_deg(s: SectorUnderTest) -> float:
 
 
 def stop_late(s: SectorUnderTest) -> Comparison:
-    """Stops engage no earlier than the travel ends."""
+    """Angle between the end of the travel and the stop: not less than zero."""
     return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
 
 
 def stop_early(s: SectorUnderTest) -> Comparison:
-    """Stops engage within half a degree of the travel's end."""
+    """Angle between the end of the travel and the stop: at most half a degree."""
     return at_most("stops engage beyond the travel by", _stop_angle_deg(s), STOP_WINDOW_DEG, "deg")
 
 

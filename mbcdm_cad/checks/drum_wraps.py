@@ -1,6 +1,6 @@
-"""Wrap on the drum over the travel: real, less than a turn, and how it compares with the model's slip zones.
+"""Wrap on the drum over the travel: more than zero, less than a turn, and compared with the model's slip zones.
 
-Both ends of a cable are anchored, so a wrap shorter than the slip zone is legal; only Eq. (5) and (6) stop holding.
+Both ends of a cable are anchored, so a wrap shorter than the slip zone is allowed; Eq. (5) and (6) do not hold then.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ FULL_TURN_DEG = 360.0
 
 
 def wrap_left(s: SectorUnderTest) -> Comparison:
-    """Anchors lie beyond the travel: some wrap is left at both ends."""
+    """The cable still wraps the drum at both ends of the travel."""
     return worst(
         at_least(
             f"wrap left of {c.name} (anchor at {degrees(s.anchor_rad(c)):.4g} deg)",
@@ -35,7 +35,7 @@ def wrap_left(s: SectorUnderTest) -> Comparison:
 
 
 def wrap_under_a_turn(s: SectorUnderTest) -> Comparison:
-    """Cable and terminal stay under a full turn: beyond it they would come round to the transfer point again."""
+    """Cable and terminal take less than a full turn; otherwise they would reach the transfer point a second time."""
     return worst(
         at_most(
             f"largest wrap of {t.cable_name}, terminal included",
@@ -67,13 +67,13 @@ def _wrap_against_slip(s: SectorUnderTest, load: str, states: tuple[np.ndarray, 
 
 
 def slip_at_test(s: SectorUnderTest) -> Comparison:
-    """Wrap left against the slip zone of the backlash test."""
+    """The smallest wrap on the drum is compared with the slip angle at the test torque."""
     load = f"{s.drive.loads.test_torque_Nm:g} N m"
     return _wrap_against_slip(s, load, (s.loads.test_forward, s.loads.test_back))
 
 
 def slip_at_peak(s: SectorUnderTest) -> Comparison:
-    """Wrap left against the slip zone at peak torque."""
+    """The smallest wrap on the drum is compared with the slip angle at peak torque."""
     load = f"{s.drive.loads.peak_torque_Nm:g} N m"
     return _wrap_against_slip(s, load, (s.loads.peak_forward, s.loads.peak_back))
 

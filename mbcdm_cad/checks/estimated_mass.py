@@ -30,7 +30,7 @@ def estimated_mass_g(bill: Bill, own: Mapping[str, Volume]) -> float:
 
 
 def _mass(bill_of: BillOf, own: Mapping[str, Volume], s: Any) -> Comparison:
-    """Mass of all parts from their dimensions, within 1 % of that of the solids; these the build weighs."""
+    """Mass of all parts from their dimensions, within 1 % of the mass of the solids, which the build computes."""
     try:
         mass, targets = estimated_mass_g(bill_of(s.layout), own), s.drive.targets
     except (ValueError, ZeroDivisionError) as error:

@@ -1,4 +1,4 @@
-"""What holds by friction or by a pin: clamp collar, set screws, stop pin; and stresses in pulley and shaft."""
+"""Joints that hold by friction or by a pin: clamp collar, set screws, stop pin; and stresses in pulley and shaft."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
 
 
 def collar_grip(s: SectorUnderTest) -> Comparison:
-    """Clamp collar holds the largest torque of an input.
+    """Torque that a clamp collar holds, over the largest torque of an input.
 
     The ring hinges opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the distances of
     screw and hinge from the axis; two zones of contact carry mu N d together. What ring and slit journal keep of the
@@ -59,7 +59,7 @@ def collar_grip(s: SectorUnderTest) -> Comparison:
 
 
 def hub_set_screws(s: SectorUnderTest) -> Comparison:
-    """Set screws turn the drum's shaft against bearing friction; the load itself never passes through the shaft."""
+    """The set screws turn the drum's shaft against bearing friction only; the load does not pass through the shaft."""
     radius = s.layout.drum_shaft.radius
     holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.layout.drum.set_screw)) * radius
     needed = (
@@ -75,7 +75,7 @@ def hub_set_screws(s: SectorUnderTest) -> Comparison:
 
 
 def stop_pin(s: SectorUnderTest) -> Comparison:
-    """Pin in bending from the frame's front to the web, both motors stalled against it."""
+    """Bending of the pin between the frame's front and the web, with both motors stalled against it."""
     lay = s.layout
     stall = max(
         s.drive.loads.peak_torque_Nm,
@@ -93,7 +93,7 @@ def stop_pin(s: SectorUnderTest) -> Comparison:
 
 
 def pulley_stress(s: SectorUnderTest) -> Comparison:
-    """Bending and torsion of the input pulley's necks."""
+    """Stress in the input pulley's necks from bending and torsion, against the yield stress."""
     v, strength = s.levels, s.drive.input_pulleys.material.yield_MPa
     torque = s.loads.highest_input_Nm * 1e3
     found = []
@@ -115,7 +115,7 @@ def pulley_stress(s: SectorUnderTest) -> Comparison:
 
 
 def shaft_twist(s: SectorUnderTest) -> Comparison:
-    """Twist of the drum's shaft if the load were taken at its far end."""
+    """Twist of the drum's shaft for a load at its far end."""
     shaft, metal = s.layout.drum_shaft, s.drive.drum.shaft_material
     length = shaft.y_end - shaft.y_start
     shear = metal.youngs_modulus_GPa * 1e3 / (2 * (1 + metal.poisson_ratio))

@@ -1,4 +1,4 @@
-"""Input pulley, its stops and its coupling: bores, walls and room for what goes on and around it."""
+"""Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _slots(s: SectorUnderTest) -> list[tuple[InputPulleyDims, StopSlot, float]]:
 
 
 def stop_pocket_wall(s: SectorUnderTest) -> Comparison:
-    """Metal between the corner of a stop's pocket and the land's surface."""
+    """Wall between the corner of a stop's pocket and the surface of the land."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     return worst(
         at_least(
@@ -40,7 +40,7 @@ def stop_pocket_wall(s: SectorUnderTest) -> Comparison:
 
 
 def stop_pocket_floor(s: SectorUnderTest) -> Comparison:
-    """Metal between the pockets milled from both end faces of a pulley."""
+    """Wall between the pockets that are milled from both end faces of a pulley."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
     for p in s.layout.inputs:
@@ -53,7 +53,7 @@ def stop_pocket_floor(s: SectorUnderTest) -> Comparison:
 
 
 def stop_pocket_bore(s: SectorUnderTest) -> Comparison:
-    """Metal between a stop's pocket and the bore for the gearhead's shaft, or the bore's end below the pockets."""
+    """Wall between a stop's pocket and the bore for the gearhead's shaft, or between the pockets and the bore's end."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
     for p, slot, _ in _slots(s):
@@ -64,7 +64,7 @@ def stop_pocket_bore(s: SectorUnderTest) -> Comparison:
 
 
 def bore_wall(s: SectorUnderTest) -> Comparison:
-    """Metal round the gearhead's shaft in the slit journal."""
+    """Wall of the slit journal round the gearhead's shaft."""
     p = s.layout.inputs[0]
     limit = s.drive.input_pulleys.material.min_wall_mm
     return at_least(
@@ -73,7 +73,7 @@ def bore_wall(s: SectorUnderTest) -> Comparison:
 
 
 def bearing_shoulders(s: SectorUnderTest) -> Comparison:
-    """Necks stand out over the journals, so that the bearings' inner rings rest on them."""
+    """The necks are higher than the journals, so that the bearings' inner rings rest on them."""
     return worst(
         at_least(f"{end} neck of {p.name} over its journal", neck - journal, SHOULDER_MM, "mm")
         for p in s.layout.inputs
@@ -85,7 +85,7 @@ def bearing_shoulders(s: SectorUnderTest) -> Comparison:
 
 
 def encoder_fit(s: SectorUnderTest) -> Comparison:
-    """Encoders are bored for the shafts they sit on."""
+    """The bore of each encoder equals the diameter of the shaft that it sits on."""
     drive = s.drive
     pairs = (
         ("input encoder's bore from the upper journal", drive.encoder.bore_mm - drive.bearings.input_upper.bore_mm),
@@ -95,7 +95,7 @@ def encoder_fit(s: SectorUnderTest) -> Comparison:
 
 
 def bought_depth(s: SectorUnderTest) -> Comparison:
-    """Bought parts are deep enough for the holes that are used in them."""
+    """Material behind the threaded holes that the drive uses in bought parts."""
     drive, lay = s.drive, s.layout
     gear_screw, encoder_screw = drive.screw(drive.gearhead.screw), drive.screw(drive.encoder.screw)
     ring_screw = drive.screw(drive.drum_encoder.screw)
@@ -120,7 +120,7 @@ def bought_depth(s: SectorUnderTest) -> Comparison:
 
 
 def shaft_grip(s: SectorUnderTest) -> Comparison:
-    """Length over which the collar squeezes journal and shaft."""
+    """Length over which the collar clamps journal and shaft."""
     lay, gear = s.layout, s.drive.gearhead
     end = s.levels.motor_shelf_bottom_z + gear.shaft_length_mm
     start = max(lay.collar.bottom_z, max(p.journal_bottom_z for p in lay.inputs))
@@ -133,7 +133,7 @@ def shaft_grip(s: SectorUnderTest) -> Comparison:
 
 
 def pilot_room(s: SectorUnderTest) -> Comparison:
-    """Gearhead's centring boss stays below the pulley's journal, and in the shelf or beside the screws' heads."""
+    """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
     top = s.levels.motor_shelf_bottom_z + gear.pilot_height_mm
     bottom = min(p.journal_bottom_z for p in s.layout.inputs)
@@ -154,7 +154,7 @@ def pilot_room(s: SectorUnderTest) -> Comparison:
 
 
 def coupling_height(s: SectorUnderTest) -> Comparison:
-    """Coupling space takes collar and slit below the bearing; gearhead screws and collar pass on their way in."""
+    """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""
     lay, v, drive = s.layout, s.levels, s.drive
     shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
     screw = drive.screw(drive.gearhead.screw)

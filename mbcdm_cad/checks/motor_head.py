@@ -34,7 +34,7 @@ class HeadUnderTest(SectorUnderTest):
 
 
 def engagement(s: HeadUnderTest) -> Comparison:
-    """Every screw is engaged over its own diameter at least."""
+    """Engaged thread of every screw minus its diameter."""
     drive, lay, f = s.drive, s.layout, s.layout.frame
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
     hub, collar, c = drive.screw(lay.drum.set_screw), drive.screw(lay.collar.screw), lay.collar
@@ -70,7 +70,7 @@ def screw_counts(s: HeadUnderTest) -> Comparison:
 
 
 def key_access(s: HeadUnderTest) -> Comparison:
-    """Key holes for the gearhead's screws lie inside the bearing's seat, or clear of it."""
+    """The holes for the key of the gearhead's screws lie completely inside the bearing's seat, or outside it."""
     h = s.layout.head
     inside = h.seat_radius - h.gear_bolt_circle - h.key_hole_radius
     outside = h.gear_bolt_circle - h.key_hole_radius - h.seat_radius - HOLE_WEB_MM
@@ -119,7 +119,7 @@ def encoder_shelf(s: HeadUnderTest) -> Comparison:
 
 
 def boss_walls(s: HeadUnderTest) -> Iterator[Comparison]:
-    """Drum bearings sit apart in the boss with a shoulder between, its ears take the encoder's screws."""
+    """The boss has room for both drum bearings and a shoulder between them, its ears for the encoder's screws."""
     b, encoder = s.layout.frame.boss, s.drive.drum_encoder
     limit = s.drive.support.material.min_wall_mm
     for name, wall, least in (

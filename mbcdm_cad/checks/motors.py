@@ -1,4 +1,4 @@
-"""Motor and gearhead against peak torque, each way: the preload's bias helps one direction and costs the other.
+"""Motor and gearhead at peak torque in both directions: the bias torque of the preload helps one and hinders the other.
 
 Positive is a load that opposes positive rotation of the drum. The paper counts the gearhead as lossless; so does what
 fails here. What its efficiency and its continuous rating cost is a warning.
@@ -44,7 +44,7 @@ def _against_peak(s: DesignUnderTest, what: str, limit_Nm: float, direction: int
 
 
 def motor_torque(direction: int, s: DesignUnderTest) -> Comparison:
-    """The motors' rated torque carries peak torque in one direction."""
+    """The motors hold peak torque in this direction at their rated torque, with lossless gearheads."""
     bias = s.loads.input_torque_Nm[0] * 1e3
     listed = ", ".join(f"{name} {value:+.4g}" for name, value in zip(s.drive.input_names, bias, strict=True))
     note = f"preload bias {listed} mN m included"
@@ -52,7 +52,7 @@ def motor_torque(direction: int, s: DesignUnderTest) -> Comparison:
 
 
 def motor_losses(s: DesignUnderTest) -> Comparison:
-    """The same with the gearhead's efficiency, the worse direction."""
+    """The torque that the motors hold with the gearhead's efficiency, in the worse direction."""
     limit = rated_input_Nm(s) * s.drive.gearhead.efficiency
     note = f"with the gearhead's efficiency of {s.drive.gearhead.efficiency:g}, which the paper leaves out"
     if s.drive.gearhead.absent:
@@ -61,13 +61,13 @@ def motor_losses(s: DesignUnderTest) -> Comparison:
 
 
 def gearhead_maximum(s: DesignUnderTest) -> Comparison:
-    """Intermittent rating of the gearhead at peak torque, or the motor's without one, the worse direction."""
+    """Drum torque at the intermittent rating of the gearhead (of the motor if there is none), worse direction."""
     limit = s.drive.gearhead.max_torque_mNm * 1e-3
     return worst(_against_peak(s, f"{s.drive.mounted}'s intermittent rating", limit, sign) for sign in (1, -1))
 
 
 def gearhead_continuous(s: DesignUnderTest) -> Comparison:
-    """Continuous rating of the gearhead at peak torque, or the motor's without one, the worse direction."""
+    """Drum torque at the continuous rating of the gearhead (of the motor if there is none), worse direction."""
     limit = s.drive.gearhead.rated_torque_mNm * 1e-3
     note = "hold more than this only for moments"
     return worst(_against_peak(s, f"{s.drive.mounted}'s continuous rating", limit, sign, note) for sign in (1, -1))

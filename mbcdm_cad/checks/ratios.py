@@ -32,7 +32,7 @@ def spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note:
 
 
 def pair_mismatch(s: DesignUnderTest) -> Comparison:
-    """Tension that the two cables of an input put on each other over the travel, from the model."""
+    """Tension that the two cables of an input cause in each other over the travel, from the model."""
 
     si, idle = s.loads.si, s.loads.idle
     one_of_each = [si.input_of.index(i) for i in range(si.n_inputs)]

@@ -1,4 +1,4 @@
-"""Margins against what the tolerances of the parts add up to, and the transmission error that they cause."""
+"""Gaps against the sum of the tolerances of the parts, and the transmission error that the tolerances cause."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ MOST_DRIVES = 1.96
 
 
 def _against_stack(of: Stacks, s: Any) -> Comparison:
-    """Margin against the root sum of squares of the tolerances."""
+    """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
     stack = tightest(of(s))
     note = f"tolerances add up to that (RSS), worst case {stack.worst_case:.3g} mm, most by the {stack.costliest.name}"
     return at_least(stack.figure.removesuffix(", mm"), stack.margin, stack.rss, "mm", note)
 
 
 def transmission_error(s: DesignUnderTest) -> Comparison:
-    """How far the drum may stand from where the ratio says, over the travel: linear theory, two sigma."""
+    """Largest error of the drum's angle over the travel that the tolerances cause: linear theory, two sigma."""
     from mbcdm_cad.model.tolerance import linear_error
 
     names, error = linear_error(s.loads.si, s.half_travel_rad, model_tolerances(s.drive))

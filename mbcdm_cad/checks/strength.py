@@ -1,4 +1,4 @@
-"""Cables under load: none slack, none near breaking, and what equal preloads cost each input."""
+"""Cables under load: no cable slack, no cable near breaking, and the torque on each input from the preloads."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BIAS_SHARE = 0.1
 
 
 def no_slack(s: DesignUnderTest) -> Comparison:
-    """Lowest tension at peak torque, both ways, at both ends of travel with the wraps that are left there."""
+    """Lowest tension at peak torque in both directions, at both ends of travel, with the wraps that are left there."""
     peak = s.drive.loads.peak_torque_Nm
     si = s.loads.si
     found = []
@@ -39,7 +39,7 @@ def no_slack(s: DesignUnderTest) -> Comparison:
 
 
 def tension(s: DesignUnderTest) -> Comparison:
-    """Breaking load over the largest tension at peak torque."""
+    """Breaking load divided by the largest tension at peak torque."""
     highest = s.loads.highest_N
     return at_least(
         f"breaking load {s.drive.cable.breaking_load_N:g} N over the largest tension {highest:.4g} N",
@@ -50,7 +50,7 @@ def tension(s: DesignUnderTest) -> Comparison:
 
 
 def preload_share(s: DesignUnderTest) -> Comparison:
-    """Preload over breaking load."""
+    """Preload divided by breaking load."""
     most = max(s.drive.cables, key=lambda c: c.preload_N)
     return at_most(
         f"preload of {most.name} over the breaking load",
@@ -61,7 +61,7 @@ def preload_share(s: DesignUnderTest) -> Comparison:
 
 
 def termination_fits(s: DesignUnderTest) -> Comparison:
-    """Whether the ends of this rope can be made so: its construction, and its diameter within the range."""
+    """The chosen termination suits the rope's construction, and the rope's diameter lies within its range."""
     end, rope = s.drive.termination, s.drive.cable
     if rope.construction not in end.constructions:
         what = f"{end.name} ends are made on {', '.join(end.constructions)}, not on {rope.construction}:"
@@ -85,7 +85,7 @@ def _other_termination(s: DesignUnderTest) -> str:
 
 
 def cable_ends(s: DesignUnderTest) -> Comparison:
-    """Terminal, and the stop behind its dead turn where cables end on their inputs, against the cable's force."""
+    """Strength of the terminal, and of the stop on the input behind its dead turn, against the cable's force."""
     highest, end = s.loads.highest_N, s.drive.termination
     grip, factor = end.strength_share * s.drive.cable.breaking_load_N, s.drive.limits.tension_safety_factor
     terminal = at_least(f"{end.name} terminal: {grip:.4g} N over {highest:.4g} N", grip / highest, factor, "times")
@@ -106,7 +106,7 @@ def rated_input_Nm(s: DesignUnderTest) -> float:
 
 
 def preload_bias(s: DesignUnderTest) -> Comparison:
-    """Torque on each input from the preload alone, T_2 r_2 - T_1 r_1: equal preloads on unequal radii never cancel."""
+    """Torque on each input from the preload alone, T_2 r_2 - T_1 r_1; equal preloads on unequal radii do not cancel."""
     bias = s.loads.input_torque_Nm[0]
     rated = rated_input_Nm(s)
     listed = ", ".join(f"{name} {value * 1e3:+.4g} mN m" for name, value in zip(s.drive.input_names, bias, strict=True))

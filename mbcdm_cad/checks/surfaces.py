@@ -1,4 +1,4 @@
-"""Pitch radii against surface radii: metal is cut at r - d/2, and there must be metal to cut."""
+"""Pitch radii and surface radii: the surface is cut at r - d/2, which must be a radius that can be machined."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Terminals can be tensioned: take-up from slack to the highest preload, thread under both nuts, flats that hold."""
+"""Adjustment of the terminals: take-up from slack to the highest preload, thread under both nuts, flats that hold."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TWIST_DEG = 20.0
 
 
 def take_up(s: SectorUnderTest) -> Comparison:
-    """Way of each terminal with thread under nut and lock nut, against what its cable asks of it.
+    """Adjustment length of each terminal with thread under nut and lock nut, against the length that its cable needs.
 
     Asked: stretch at the highest preload, bedding-in, both ends of the cut length's tolerance.
     """
@@ -36,7 +36,7 @@ def take_up(s: SectorUnderTest) -> Comparison:
 
 
 def thread_at_end(s: SectorUnderTest) -> Comparison:
-    """With the terminal drawn in all the way, the nut still finds thread at the lug."""
+    """Thread that is left at the lug for the nut when the terminal is drawn in completely."""
     spec = s.drive.tensioner
     return worst(
         at_least(
@@ -50,7 +50,7 @@ def thread_at_end(s: SectorUnderTest) -> Comparison:
 
 
 def terminal_twist(s: SectorUnderTest) -> Comparison:
-    """How far a terminal turns with its nut before the flat of its sleeve lies against the pocket's wall."""
+    """Angle by which a terminal turns with its nut before the flat of its sleeve touches the wall of the pocket."""
     spec, wall = s.drive.tensioner, s.layout.drum.flat_wall
     corner, flat = spec.swage_diameter_mm / 2, spec.swage_flats_mm / 2
     # Turned by a, the flat's corner lies corner cos(h - a) below the axis, h its angle from the flat's middle.

@@ -1,4 +1,4 @@
-"""Tensioners on the drum: neighbours apart, lands and lugs on solid rim, studs and lugs strong enough."""
+"""Terminals on the drum: distance to each other, lands and lugs on solid rim, strength of studs and lugs."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _pairs(d: DrumDims) -> Iterator[tuple[Tensioner, Tensioner]]:
 
 
 def sleeve_fits(s: SectorUnderTest) -> Comparison:
-    """Sleeve of the terminal against the rope that ends in it: thick enough round it, and long enough to hold it."""
+    """The terminal's sleeve has enough wall round the rope, and is long enough to hold it."""
     end, spec, d = s.drive.termination, s.drive.tensioner, s.drive.cable.diameter_mm
     return worst(
         (
@@ -90,7 +90,7 @@ def _fitting_tensioner(s: SectorUnderTest) -> str:
 
 
 def terminals_apart(s: SectorUnderTest) -> Comparison:
-    """Terminals and lugs of neighbours on one side do not touch, nut corners included."""
+    """Gap between neighbouring terminals and lugs on one side, including the corners of the nuts."""
     found = []
     for a, b in _pairs(s.layout.drum):
         for name, outline, low, high in bodies_of(s, a):
@@ -103,7 +103,7 @@ def terminals_apart(s: SectorUnderTest) -> Comparison:
 
 
 def lands_intact(s: SectorUnderTest) -> Comparison:
-    """No pocket takes the land, the lug's root or the way of a neighbour's cable."""
+    """No pocket cuts into a land, into the root of a lug, or into the path of a neighbouring cable."""
     d, half, wall = s.layout.drum, s.flank_mm, s.drive.drum.material.min_wall_mm
     lands = {c.name: d.lands[k] for k, c in enumerate(s.steps)}
     found = []
@@ -142,7 +142,7 @@ def lands_intact(s: SectorUnderTest) -> Comparison:
 
 
 def outer_face(s: SectorUnderTest) -> Comparison:
-    """Rim's outer face lies beyond every nut and lug."""
+    """Distance from the rim's outer face to the outermost nut or lug."""
     d = s.layout.drum
     half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum.material.min_wall_mm)
     return worst(
@@ -152,7 +152,7 @@ def outer_face(s: SectorUnderTest) -> Comparison:
 
 
 def pocket_corners(s: SectorUnderTest) -> Comparison:
-    """Rooms for swage and nuts are longer and wider than the two corners that their cutter leaves."""
+    """The pockets for swage and nuts are longer and wider than the rounded corners that the cutter leaves."""
     d = s.layout.drum
     rooms = [
         (f"{name} of {t.cable_name}", min(length, half + t.pocket_top))
@@ -169,7 +169,7 @@ def pocket_corners(s: SectorUnderTest) -> Comparison:
 
 
 def stud_stress(s: SectorUnderTest) -> Comparison:
-    """Tension of the stud at the largest cable force."""
+    """Tensile stress of the stud at the largest cable force, against the yield stress."""
     spec = s.drive.tensioner
     strength = s.drive.material(spec.material).yield_MPa
     stress = s.loads.highest_N / spec.stress_area_mm2
@@ -182,7 +182,7 @@ def stud_stress(s: SectorUnderTest) -> Comparison:
 
 
 def lug_stress(s: SectorUnderTest) -> Comparison:
-    """Bending of the lug about its root: only the metal beyond the slot, towards the outer face, is counted."""
+    """Bending stress at the root of the lug; only the metal between the slot and the outer face counts."""
     d = s.layout.drum
     strength = s.drive.drum.material.yield_MPa
     found = []

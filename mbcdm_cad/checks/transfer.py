@@ -1,4 +1,4 @@
-"""The transfer point: step planes on one pitch line, lands wide enough, bodies close but clear.
+"""The transfer point: step planes on one pitch line, lands wide enough, bodies close but not touching.
 
 Step k's transfer point is (0, +r_k, r_ok), r_k the radius of the pulley before the drum: its step is the plane
 z = r_ok, the drum's step the plane y = r_k. By Eq. (1) all lie on a line through the apex, the pitch line of a bevel
@@ -37,7 +37,7 @@ def pitch_line(s: SectorUnderTest) -> Comparison:
 
 
 def radii_rise(s: SectorUnderTest) -> Comparison:
-    """Radii of both bodies rise together from step to step."""
+    """From step to step the radii of both bodies increase together."""
     return worst(
         at_least(f"{body} radius of step {b.step} over step {a.step}", rise, EDGE_BREAK_MM, "mm")
         for a, b in zip(s.steps[:-1], s.steps[1:], strict=True)
@@ -49,7 +49,7 @@ def radii_rise(s: SectorUnderTest) -> Comparison:
 
 
 def land_width(s: SectorUnderTest) -> Comparison:
-    """Step of the radius before the drum against half a cable plus the edge margin: what is left is the flank's gap.
+    """The radius increases from step to step by at least half a cable plus the edge margin; the rest is a gap.
 
     The land's edge must lie between a cable's flank and the next cable's contact line: delta r_k >= d/2 + edge margin.
     """
@@ -68,7 +68,7 @@ def land_width(s: SectorUnderTest) -> Comparison:
 
 
 def land_edge(s: SectorUnderTest) -> Comparison:
-    """Contact line of every cable clear of the broken edge of its land."""
+    """Distance from the contact line of every cable to the broken edge of its land."""
     lands = s.layout.drum.lands
     return worst(
         at_least(f"contact line of {c.name} from its land's edge", c.land_y_mm - land.y_start, EDGE_BREAK_MM, "mm")
@@ -77,7 +77,7 @@ def land_edge(s: SectorUnderTest) -> Comparison:
 
 
 def outermost_land(s: SectorUnderTest) -> Comparison:
-    """The last land carries its cable's whole flank before the drum's outer face."""
+    """The outermost land is wide enough for its cable up to the drum's outer face."""
     c = s.steps[-1]
     return at_least(
         f"drum's outer face beyond the flank of {c.name}",
@@ -104,12 +104,12 @@ def body_gaps_mm(s: SectorUnderTest) -> list[tuple[str, int, float]]:
 
 
 def bodies_clear(s: SectorUnderTest) -> Comparison:
-    """Both bodies never touch, walls included."""
+    """The smallest gap between the two bodies, including the walls of their steps."""
     return worst(at_least(name, gap, RUN_OUT_MM, "mm") for name, _, gap in body_gaps_mm(s))
 
 
 def transfer_gap(s: SectorUnderTest) -> Comparison:
-    """At every transfer point both bodies stand closer than half a cable, so that none slips in between."""
+    """At every transfer point the gap between the bodies is less than half a cable, so that no cable slips into it."""
     return worst(
         at_most(f"gap at the transfer of step {land.step}", land.y_start - surface, s.flank_mm, "mm")
         for land, (surface, _) in zip(s.layout.drum.lands, s.steps_before_drum, strict=True)

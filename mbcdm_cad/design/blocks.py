@@ -21,8 +21,10 @@ Length = Annotated[Number, Field(ge=0.5, le=500.0)]
 class Travel(Block):
     """How far the drum turns."""
 
-    half_angle_deg: Number = quantity("travel each way from the centred drum", unit="deg", ge=1.0, le=120.0)
-    stop_clearance_deg: Number = quantity("how much later the hard stops engage", unit="deg", ge=0.0, le=5.0)
+    half_angle_deg: Number = quantity("travel from the centre to each side", unit="deg", ge=1.0, le=120.0)
+    stop_clearance_deg: Number = quantity(
+        "angle from the end of the travel to the hard stops", unit="deg", ge=0.0, le=5.0
+    )
 
 
 class Input(Block):
@@ -35,7 +37,7 @@ class Cable(Block):
     """A cable from an input pulley to the drum."""
 
     name: Slug = choice("name, used in part names")
-    input: Slug = choice("the input pulley it is anchored on")
+    input: Slug = choice("the input pulley on which it ends")
     preload_N: Number | None = quantity(
         "preload of this cable alone, in place of the rope's",
         unit="N",
@@ -62,16 +64,18 @@ class Rope(Block):
         "area that modulus_GPa refers to: metallic (the wires) or nominal (pi d^2 / 4)", default=None
     )
     termination: EntryName | None = choice(
-        "how its ends are made, of the catalogue; left out: the strongest that fits the rope",
+        "catalogue entry for how its ends are made; if left out, the strongest that fits the rope",
         example="swaged",
         default=None,
     )
-    friction_coefficient: Number = quantity("rope on pulley, mu", unit="-", uncertain=True, ge=0.01, le=1.0)
+    friction_coefficient: Number = quantity(
+        "friction coefficient mu of the rope on a pulley", unit="-", uncertain=True, ge=0.01, le=1.0
+    )
     preload_N: Number = quantity(
         "tension of each cable with the drum centred and unloaded", unit="N", uncertain=True, ge=0.1, le=20000.0
     )
     cut_tolerance_mm: Number = quantity(
-        "how far the length of a finished cable, stop to terminal, may be from the one listed",
+        "tolerance of the length of a finished cable from stop to terminal, plus or minus",
         unit="mm",
         default=0.5,
         ge=0.0,
@@ -96,7 +100,7 @@ class WoundRope(Rope):
     )
 
     helix_lead_mm: Number = quantity(
-        "axial advance per turn on the input pulley, above the rope's diameter", unit="mm", ge=0.2, le=10.0
+        "axial distance from turn to turn on the input pulley; more than the rope's diameter", unit="mm", ge=0.2, le=10.0
     )
     dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", unit="-", ge=0.0, le=10.0)
 
@@ -107,7 +111,7 @@ class DriveTrain(Block):
     motor: EntryName = choice("motor of each input")
     gearhead: EntryName = choice("gearhead of each input; none where the motor's own shaft drives it")
     bus_voltage_V: Number | None = quantity(
-        "voltage of the supply, for motors with a torque constant; left out: what the motor is made for",
+        "voltage of the supply, for motors with a torque constant; if left out, the voltage that the motor is made for",
         unit="V",
         default=None,
         gt=0.0,
@@ -118,14 +122,16 @@ class DriveTrain(Block):
 
 
 class Loads(Block):
-    """External torques on the drum that the design is judged at."""
+    """External torques on the drum at which the design is checked."""
 
     test_torque_Nm: Number = quantity("torque of the backlash test", unit="N m", uncertain=True, gt=0.0, le=1000.0)
-    peak_torque_Nm: Number = quantity("torque the design must hold both ways", unit="N m", gt=0.0, le=1000.0)
+    peak_torque_Nm: Number = quantity(
+        "torque that the design must hold in both directions", unit="N m", gt=0.0, le=1000.0
+    )
 
 
 class Limits(Block):
-    """Limits of this design that the checks hold it against."""
+    """Limits of this design, which the checks use."""
 
     bend_ratio_min: Number = quantity(
         "smallest D/d on any pulley; the rope's own minimum is a warning", unit="-", ge=1.0, le=200.0
@@ -133,12 +139,12 @@ class Limits(Block):
     tension_safety_factor: Number = quantity("breaking load over largest tension", unit="-", ge=1.0, le=100.0)
     preload_share_max: Number = quantity("preload over breaking load", unit="-", gt=0.0, le=1.0)
     frame_windup_max_mrad: Number = quantity(
-        "turning of the drum by the frame's deflection at the test torque", unit="mrad", gt=0.0, le=100.0
+        "turn of the drum from the frame's deflection at the test torque", unit="mrad", gt=0.0, le=100.0
     )
 
 
 class Making(Block):
-    """How exactly the parts are made: half of each band; a margin smaller than their stack is a warning."""
+    """Tolerances of the parts, each half of its band; a gap smaller than their sum gives a warning."""
 
     rope_diameter_share: Number = quantity(
         "rope's diameter, plus or minus, over the diameter", unit="-", default=0.03, ge=0.0, le=0.2
@@ -163,10 +169,10 @@ class Making(Block):
 
 
 class Printing(Block):
-    """How parts of printed materials are made; parts of other materials ignore it."""
+    """Settings for parts of printed materials; other parts do not use them."""
 
     hole_allowance_mm: Number = quantity(
-        "how much wider than drawn round holes are in the 3MF files, on the diameter",
+        "added to the diameter of round holes in the 3MF files",
         unit="mm",
         default=0.2,
         ge=0.0,
@@ -183,7 +189,7 @@ class Printing(Block):
 
 
 class SpanLimits(Limits):
-    """Limits of this design that the checks hold it against."""
+    """Limits of this design, which the checks use."""
 
     ORDER: ClassVar[tuple[str, ...]] = (
         "bend_ratio_min",
@@ -196,7 +202,7 @@ class SpanLimits(Limits):
 
     fleet_angle_max_deg: Number = quantity("largest fleet angle on a smooth pulley", unit="deg", gt=0.0, le=20.0)
     fleet_angle_grooved_max_deg: Number = quantity(
-        "largest fleet angle on a grooved pulley; wire rope handbooks ask for 2, 4 at the very most",
+        "largest fleet angle on a grooved pulley; wire rope handbooks recommend 2, and 4 at most",
         unit="deg",
         default=2.0,
         gt=0.0,
@@ -205,7 +211,7 @@ class SpanLimits(Limits):
 
 
 class Targets(Block):
-    """What mass and box must come to; what is left out is not asked."""
+    """Mass and box to reach; a target that is left out is not checked."""
 
     mass_g: Number | None = quantity("mass of the whole", unit="g", default=None, gt=0.0, le=1e6)
     mass_tolerance_g: Number = quantity("how far it may differ", unit="g", default=10.0, gt=0.0, le=1e6)
@@ -232,7 +238,7 @@ class Waiver(Block):
     """A check that may fail, with the reason, which the report prints."""
 
     check: CheckId = choice("id of the check")
-    reason: Text = choice("why it is accepted")
+    reason: Text = choice("reason why the failure is accepted")
 
 
 class AsBuiltValue(Block):
@@ -248,11 +254,11 @@ class AsBuilt(Block):
     """An effect that the built drive was found to have, written by 'mbcdm loop --apply'."""
 
     name: Slug = choice("name of the effect, as in docs/loop.md")
-    form: Text = choice("which physical form of it")
-    stage: Slug | None = choice("the shaft that it sits on", default=None)
+    form: Text = choice("physical form of the effect")
+    stage: Slug | None = choice("shaft on which the effect acts", default=None)
     cables: tuple[Slug, ...] = choice("the cables that have it; all where none is named", default=())
     values: tuple[AsBuiltValue, ...] = choice(
-        "its figures: {name: share, value: 0.12, low: 0.11, high: 0.13}",
+        "its values: {name: share, value: 0.12, low: 0.11, high: 0.13}",
         example=[{"name": "share", "value": 0.12, "low": 0.11, "high": 0.13}],
         min_length=1,
         max_length=8,

@@ -35,7 +35,7 @@ class CableRun:
 
 @dataclass(frozen=True)
 class Loads:
-    """External torques on the drum that the design is judged at."""
+    """External torques on the drum at which the design is checked."""
 
     test_torque_Nm: float
     peak_torque_Nm: float
@@ -43,7 +43,7 @@ class Loads:
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of this design that the checks hold it against."""
+    """Limits of this design, which the checks use."""
 
     bend_ratio_min: float
     tension_safety_factor: float

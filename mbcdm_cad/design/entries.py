@@ -30,11 +30,11 @@ def _with_default(default: float, meaning: str, unit: str, **bounds: Any) -> Any
 class Entry(Block):
     """Anything in the catalogue."""
 
-    source: Text = _field("where the figures come from; says 'estimate' where they are one", "-")
+    source: Text = _field("source of the values; says 'estimate' for a value that is estimated", "-")
 
 
 class RopeEntry(Entry):
-    """A rope. The modulus is never given without the area it refers to."""
+    """A rope. Its modulus always comes with the area to which it refers."""
 
     construction: Literal["7x7", "7x19", "1x19", "braid"] = _field("strands x wires, or braid for fibre", "-")
     diameter_mm: Number = _field("nominal diameter", "mm", uncertain=True, ge=0.2, le=5.0)
@@ -45,7 +45,7 @@ class RopeEntry(Entry):
     mass_g_m: Number = _field("mass per length", "g/m", gt=0.0, le=200.0)
     bedding_in_share: Number = Field(
         0.003,
-        description="lasting stretch in the first runs under load, over the length (constructional stretch)",
+        description="permanent stretch in the first runs under load, over the length (constructional stretch)",
         json_schema_extra={"unit": "-"},
         ge=0.0,
         le=0.05,
@@ -60,28 +60,32 @@ class RopeEntry(Entry):
     creep_activation_kJ_mol: Number = _with_default(
         0.0, "activation energy of the steady creep", "kJ/mol", ge=0.0, le=500.0
     )
-    bend_ratio_minimum: Number = _field("smallest D/d the maker allows", "-", ge=1.0, le=200.0)
-    bend_ratio_desired: Number = _field("D/d the maker asks for", "-", ge=1.0, le=200.0)
+    bend_ratio_minimum: Number = _field("smallest D/d that the maker allows", "-", ge=1.0, le=200.0)
+    bend_ratio_desired: Number = _field("D/d that the maker recommends", "-", ge=1.0, le=200.0)
     material: EntryName = _field("material of the wires", "-")
 
 
 class TerminationEntry(Entry):
-    """A way of ending a rope: in the sleeve of its terminal at one end, with a stop at the other."""
+    """A way to make the ends of a rope: a terminal's sleeve at one end, a stop at the other."""
 
     constructions: tuple[Literal["7x7", "7x19", "1x19", "braid"], ...] = _field(
-        "ropes that it holds", "-", min_length=1, max_length=4
+        "constructions of rope for which it is made", "-", min_length=1, max_length=4
     )
-    smallest_mm: Number = _field("thinnest rope that it is made on", "mm", ge=0.1, le=20.0)
-    largest_mm: Number = _field("thickest rope that it is made on", "mm", ge=0.1, le=20.0)
-    strength_share: Number = _field("strength of the end over the rope's breaking load", "-", gt=0.0, le=1.0)
-    sleeve_ratio: Number = _field("smallest diameter of the terminal's sleeve over the rope's", "-", ge=1.1, le=10.0)
-    grip_ratio: Number = _field("smallest length in the sleeve over the rope's diameter", "-", ge=0.5, le=30.0)
+    smallest_mm: Number = _field("thinnest rope for which it is made", "mm", ge=0.1, le=20.0)
+    largest_mm: Number = _field("thickest rope for which it is made", "mm", ge=0.1, le=20.0)
+    strength_share: Number = _field("strength of the end divided by the rope's breaking load", "-", gt=0.0, le=1.0)
+    sleeve_ratio: Number = _field(
+        "smallest diameter of the terminal's sleeve divided by the rope's", "-", ge=1.1, le=10.0
+    )
+    grip_ratio: Number = _field(
+        "smallest length of rope in the sleeve divided by the rope's diameter", "-", ge=0.5, le=30.0
+    )
     stop_radius_ratio: Number = _field("radius of the stop over the rope's diameter", "-", ge=0.6, le=5.0)
     stop_length_ratio: Number = _field("length of the stop over the rope's diameter", "-", ge=0.5, le=20.0)
 
 
 class MotorEntry(Entry):
-    """A motor. Those with a shaft and a face of their own can do without a gearhead.
+    """A motor. A motor with a shaft and a mounting face can be used without a gearhead.
 
     Torque constant and resistance are those between two terminals (60 / (2 pi Kv), phase to phase).
     """
@@ -94,16 +98,16 @@ class MotorEntry(Entry):
     torque_constant_mNm_A: Number | None = _maybe("torque over current, 60 / (2 pi Kv)", "mN m/A", gt=0.0, le=1e5)
     resistance_ohm: Number | None = _maybe("resistance between two terminals", "ohm", gt=0.0, le=1000.0)
     continuous_current_A: Number | None = _maybe("continuous current", "A", gt=0.0, le=1000.0)
-    peak_current_A: Number | None = _maybe("largest current, for moments", "A", gt=0.0, le=5000.0)
+    peak_current_A: Number | None = _maybe("largest current for a short time", "A", gt=0.0, le=5000.0)
     voltage_V: Number | None = _maybe("voltage that the motor is made for", "V", gt=0.0, le=1000.0)
     pole_pairs: Integer | None = _maybe("pairs of magnet poles", "-", ge=1, le=100)
-    radial_load_N: Number | None = _maybe("radial load the shaft takes", "N", gt=0.0, le=10000.0)
+    radial_load_N: Number | None = _maybe("radial load that the shaft can take", "N", gt=0.0, le=10000.0)
     shaft_diameter_mm: Number | None = _maybe("shaft diameter", "mm", ge=1.0, le=40.0)
     shaft_length_mm: Number | None = _maybe("shaft length from the face", "mm", ge=1.0, le=80.0)
     pilot_diameter_mm: Number | None = _maybe("centring boss diameter", "mm", ge=1.0, le=200.0)
     pilot_height_mm: Number | None = _maybe("centring boss height", "mm", ge=0.1, le=10.0)
     bolt_circle_mm: Number | None = _maybe("diameter of the screws' circle on the face", "mm", ge=2.0, le=300.0)
-    screw: EntryName | None = _maybe("screw that holds the face", "-")
+    screw: EntryName | None = _maybe("screw that holds it at the face", "-")
     screw_count: Integer | None = _maybe("number of those screws", "-", ge=2, le=12)
 
 
@@ -114,7 +118,7 @@ class GearheadEntry(Entry):
     efficiency: Number = _field("efficiency at rated torque", "-", gt=0.0, le=1.0)
     rated_torque_mNm: Number = _field("continuous output torque", "mN m", gt=0.0, le=1e6)
     max_torque_mNm: Number = _field("intermittent output torque", "mN m", gt=0.0, le=1e6)
-    radial_load_N: Number = _field("radial load the output shaft takes", "N", gt=0.0, le=10000.0)
+    radial_load_N: Number = _field("radial load that the output shaft can take", "N", gt=0.0, le=10000.0)
     diameter_mm: Number = _field("body diameter", "mm", ge=3.0, le=100.0)
     length_mm: Number = _field("body length", "mm", ge=3.0, le=200.0)
     shaft_diameter_mm: Number = _field("output shaft diameter", "mm", ge=1.0, le=20.0)
@@ -122,7 +126,7 @@ class GearheadEntry(Entry):
     pilot_diameter_mm: Number = _field("centring boss diameter", "mm", ge=1.0, le=60.0)
     pilot_height_mm: Number = _field("centring boss height", "mm", ge=0.1, le=10.0)
     bolt_circle_mm: Number = _field("diameter of the screws' circle on the face", "mm", ge=2.0, le=90.0)
-    screw: EntryName = _field("screw that holds the face", "-")
+    screw: EntryName = _field("screw that holds it at the face", "-")
     screw_count: Integer = _field("number of those screws", "-", ge=1, le=12)
     mass_g: Number = _field("mass", "g", gt=0.0, le=5000.0)
 
@@ -201,14 +205,14 @@ Fraction = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 
 class MaterialEntry(Entry):
-    """A material with what it needs to be made."""
+    """A material and the limits of its process."""
 
     density_g_cm3: Number = _field("density", "g/cm3", ge=0.1, le=25.0)
     youngs_modulus_GPa: Number = _field("Young's modulus", "GPa", ge=0.01, le=1000.0)
     poisson_ratio: Number = _field("Poisson's ratio", "-", ge=0.0, lt=0.5)
     yield_MPa: Number = _field("yield strength", "MPa", ge=1.0, le=5000.0)
     process: Literal["milled", "turned", "printed", "sintered", "bought"] = _field(
-        "how parts of it are made; printed is of filament, sintered of powder", "-"
+        "process by which parts are made; printed: from filament, sintered: from powder", "-"
     )
     min_wall_mm: Number = _field("thinnest wall that can be made", "mm", ge=0.0, le=10.0)
     min_internal_radius_mm: Number = _field("smallest internal corner radius", "mm", ge=0.0, le=10.0)

@@ -14,15 +14,20 @@ _INTRO = """\
 Written by `mbcdm schema --reference` from the schema; do not edit by hand. `mbcdm init NEW.yaml` writes a file with the
 reference values to start from, `mbcdm schema` the JSON Schema for completion in an editor.
 
-Fields marked "+- sigma" may be given as `{value: 70.0, sigma: 3.0}`, each item of a list for itself; `mbcdm analyse`
-and the report then give backlash and torque with a 95 % interval. Sigma is one standard deviation, 0 to a third of the
-value. A ratio carries none: give the radii explicitly to give sigmas of guide and inputs.
+This page describes the configuration `miso_bevel`. For another one: `mbcdm schema --reference --configuration
+siso_bevel` (or `siso_spur`). Most fields of a `miso_bevel` file may be left out: sizing rules then compute them
+([size a drive](how-to/size-a-drive.md)).
 
-Lengths are in mm, angles in degrees, as the names say. "Paper", "Table", "section" and "Fig." refer to the paper that
-describes the mechanism; "estimate" marks what is one. Fields without a reference value are optional.
+Fields marked "+- sigma" may be given as `{value: 70.0, sigma: 3.0}`, also single items of a list; `mbcdm analyse` and
+the report then give backlash and torque with a 95 % interval. Sigma is one standard deviation, from 0 to a third of
+the value. A ratio has no sigma: state the radii to give sigmas for guide and inputs.
 
-What no single field can show is checked too: names, steps and sides are used as the layout needs them, references lead
-to catalogue entries, radii are given either by ratios or explicitly, a modulus comes with its area.
+Lengths are in mm and angles in degrees; the unit is part of each name. "Paper", "Table", "section" and "Fig." refer to
+the paper that describes the mechanism; "estimate" marks an estimated value. Fields without a reference value are
+optional.
+
+Some rules concern several fields and are checked too: names, steps and sides must suit the layout, references must name
+catalogue entries, radii are given either by ratios or explicitly, and a modulus is given with its area.
 """
 
 

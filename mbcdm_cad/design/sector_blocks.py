@@ -17,8 +17,12 @@ class SectorClearances(Block):
         ge=0.01,
         le=5.0,
     )
-    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0)
-    running_mm: Number = quantity("any moving solid to any fixed one, elsewhere", unit="mm", ge=0.01, le=5.0)
+    land_edge_mm: Number = quantity(
+        "edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0
+    )
+    running_mm: Number = quantity(
+        "gap between any moving part and any fixed part elsewhere", unit="mm", ge=0.01, le=5.0
+    )
 
 
 class SectorDrum(Block):

@@ -16,25 +16,27 @@ _HEAD = """\
 # The checks
 
 `mbcdm check DESIGN` runs them in this order; `mbcdm build` runs them before it draws anything and refuses a design that
-fails one, unless `--force` is given. Figures below are those of the reference design.
+fails one, unless `--force` is given. This page lists the checks of `miso_bevel` with the
+figures of the reference design. The other configurations have most of these checks and some of their own.
 
-- A check gives the worst case it finds: `actual` against `limit`, and `margin`, in the unit of both, positive inside.
-- Status: `pass`, `warn` (worth knowing, never stops a build) or `fail`. Checks marked *warn* never fail.
-- The remedy's figures were tried on the design: with that one change the check passes. What else the change does, the
-  next run says.
+- A check reports the worst case that it finds: `actual`, `limit` and `margin` in one unit; the margin is positive
+  inside the limit.
+- Status: `pass`, `warn` (does not stop a build) or `fail`. Checks marked *warn* never fail.
+- Each remedy was tried on the design: with that one change the check passes. Run the command again to see what the
+  change does to the other checks.
 - A waiver in the design file (`waivers: [{check: ID, reason: WHY}]`) lets a failing check pass; every output prints the
   reason. A figure that does not exist ("not evaluated because ...") cannot be waived.
-- Thresholds that are not in the design file stand as named constants beside the check, with their source; "estimate"
-  says that nobody else gave them.
+- Limits that are not in the design file are named constants beside the check, with their source. "Estimate" means that
+  the limit was chosen for this program and has no other source.
 
 """
 _BUILD = {
     "mass": "mass of all items against `targets.mass_g`",
     "envelope": "box of all solids, drum centred, against `targets.envelope_mm`",
-    "interference": "no two bodies overlap at nine poses over the travel",
-    "frame_windup": "what the support's deflection adds to the drum's turn, against `limits.frame_windup_max_mrad`",
-    "printed_walls": "*(warn)* thinnest wall of each printed part, by rays through its mesh, against its material's",
-    "overhang": "*(warn)* faces of parts of filament that lean out by more than 45 degrees, as they lie in their 3MF",
+    "interference": "no two bodies overlap at nine drum angles over the travel",
+    "frame_windup": "the drum's turn from the frame's deflection, against `limits.frame_windup_max_mrad`",
+    "printed_walls": "*(warn)* thinnest wall of each printed part, by rays in its mesh, against its material's minimum",
+    "overhang": "*(warn)* faces of filament parts that overhang by more than 45 degrees in the position of their 3MF",
 }
 
 

@@ -1,4 +1,4 @@
-"""Bearing loads against static ratings, and what reaches the gearhead in spite of the pulley's own bearings.
+"""Bearing loads against static ratings, and the deflection at the gearhead in spite of the pulley's own bearings.
 
 A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cable's pull of well
 over 100 N on each input pulley is more than a gearhead of this size takes, so each pulley has a bearing at both ends.
@@ -55,12 +55,12 @@ def guide_safety(s: BevelUnderTest, limit: float) -> list[Comparison]:
 
 
 def guide_bearings(s: BevelUnderTest) -> Comparison:
-    """Bearings in the guide, net pull and moment."""
+    """Static safety of the bearings in the guide, from the resulting pull and its moment."""
     return worst(guide_safety(s, STATIC_SAFETY))
 
 
 def quiet_running(s: BevelUnderTest) -> Comparison:
-    """All bearings against the safety asked for quiet running."""
+    """Static safety of all bearings against the value for quiet running."""
     return worst([*input_safety(s, QUIET_SAFETY), *guide_safety(s, QUIET_SAFETY), *drum_safety(s, QUIET_SAFETY)])
 
 

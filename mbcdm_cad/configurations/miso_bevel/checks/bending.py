@@ -1,4 +1,4 @@
-"""How sharply the cable is bent: on the pulleys, and at the stop inside the input pulley."""
+"""Bend ratio D/d of the cable: on the pulleys, and at the stop inside the input pulley."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 
 
 def anchor_bend(s: BevelUnderTest) -> Comparison:
-    """The standing bend before the swaged stop inside the input pulley."""
+    """The constant bend of the cable before the swaged stop inside the input pulley."""
     s.levels  # noqa: B018 - without levels there is no winding, hence no stop
     d = s.drive.cable.diameter_mm
     return worst(

@@ -16,7 +16,7 @@ STRESS_SAFETY = 1.5
 
 
 def guide_wall(s: BevelUnderTest) -> Comparison:
-    """Metal round the bearings in both ends of the guide."""
+    """Wall round the bearings in both ends of the guide."""
     g = s.layout.guide
     limit = s.drive.guide.material.min_wall_mm
     starts, ends = [g.bottom_z, *g.walls_z], [*g.walls_z, g.top_z]
@@ -30,7 +30,7 @@ def guide_wall(s: BevelUnderTest) -> Comparison:
 
 
 def guide_length(s: BevelUnderTest) -> Comparison:
-    """Both bearings and the shoulders between them find room in the guide."""
+    """Length of the guide that is left between its two bearings for the shoulders."""
     g = s.layout.guide
     return at_least(
         "shoulder between the guide's bearings",
@@ -41,7 +41,7 @@ def guide_length(s: BevelUnderTest) -> Comparison:
 
 
 def axle_stress(s: BevelUnderTest) -> Comparison:
-    """Bending of the axle by the guide's two bearings, as a beam resting on shelf and top plate."""
+    """Bending stress of the axle under the guide's two bearings, as a beam on shelf and top plate."""
     g, v = s.layout.guide, s.levels
     span = v.top_plate_bottom_z - v.bearing_shelf_top_z
     below = g.bottom_z + g.seat_depth / 2 - v.bearing_shelf_top_z

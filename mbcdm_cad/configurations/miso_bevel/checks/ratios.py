@@ -1,4 +1,4 @@
-"""Eq. (1) row by row, equal total ratio of both inputs, and what it costs where the radii miss it.
+"""Eq. (1) row by row, equal total ratio of both inputs, and the tension that a difference causes.
 
 The paper prints the third row with r_g1 and r_g2; the right input runs on steps 3 and 4, so it must be r_g3 and r_g4.
 Rows are held on the nominal radii, to far less than can be machined: a drive whose drawing misses them is wrong on
@@ -18,7 +18,7 @@ EQ1 = "paper Eq. (1)"
 
 
 def guide_to_drum(s: BevelUnderTest) -> Comparison:
-    """Row 1: r_g/r_o the same for all four steps."""
+    """Row 1: r_g/r_o is the same for all four steps."""
     return spread("r_g/r_o", [c.guide_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
 
 
@@ -27,13 +27,13 @@ def _own(s: BevelUnderTest, index: int) -> list[BevelRun]:
 
 
 def first_input(s: BevelUnderTest) -> Comparison:
-    """Row 2: r_m/r_g the same for both cables of the first input."""
+    """Row 2: r_m/r_g is the same for both cables of the first input."""
     own = _own(s, 0)
     return spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own)
 
 
 def second_input(s: BevelUnderTest) -> Comparison:
-    """Row 3 as it must be: r_m/r_g the same for both cables of the second input, over its own guide steps."""
+    """Row 3, corrected: r_m/r_g is the same for both cables of the second input, with the guide steps of that input."""
     own = _own(s, 1)
     steps = " and ".join(f"r_g{c.step}" for c in own)
     note = f"over {steps}; the paper prints r_g1, r_g2"
@@ -41,7 +41,7 @@ def second_input(s: BevelUnderTest) -> Comparison:
 
 
 def equal_total_ratio(s: BevelUnderTest) -> Comparison:
-    """i_c = r_o/r_m the same for both inputs, else the drum is over-constrained."""
+    """i_c = r_o/r_m is the same for both inputs; otherwise the inputs work against each other through the drum."""
     mean = [float(np.mean([c.drum_radius_mm / c.input_radius_mm for c in _own(s, i)])) for i in (0, 1)]
     names = s.drive.input_names
     return at_most(
@@ -70,7 +70,7 @@ def _surface_hint(s: BevelUnderTest) -> str:
 
 
 def path_length(s: BevelUnderTest) -> Comparison:
-    """Length that helix and fleet angle add to a cable at the ends of travel, which no radius can take away."""
+    """Length that helix and fleet angle add to a cable at the ends of travel; no choice of radii removes it."""
     (_, back), (_, centred), (_, forward) = s.extreme_paths
     drift = [[end[k].length_mm - centred[k].length_mm for end in (back, forward)] for k in range(len(centred))]
     # What turns into rotation is common to all cables and no drift: only the even part stretches.

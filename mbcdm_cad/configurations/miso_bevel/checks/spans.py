@@ -1,4 +1,4 @@
-"""Free spans between input pulleys and guide: distance, fleet angle, and a helix that clears itself."""
+"""Free spans between input pulleys and guide: distance, fleet angle, and gap between a span and its last turn."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SEARCH_ROUNDS = 4
 
 
 def centre_distance(s: BevelUnderTest) -> Comparison:
-    """L beyond r_g + r_m, so that a straight span exists, with room for the blends at both ends of it."""
+    """L is larger than r_g + r_m, so that a straight span exists, with room for the curved transitions at both ends."""
     blends = 2 * BLEND_DIAMETERS * s.drive.cable.diameter_mm
 
     def reach(c: BevelRun) -> float:
@@ -49,7 +49,7 @@ def centre_distance(s: BevelUnderTest) -> Comparison:
 
 
 def pulley_gap(s: BevelUnderTest) -> Comparison:
-    """Guide and input pulleys, cables on both, clear each other at whatever heights."""
+    """Gap between guide and input pulleys with their cables, at any height."""
     d = s.drive.cable.diameter_mm
     guide, pulley = max(c.guide_radius_mm for c in s.steps), max(c.input_radius_mm for c in s.steps)
     return at_least(
@@ -61,14 +61,14 @@ def pulley_gap(s: BevelUnderTest) -> Comparison:
 
 
 def fleet_angle(s: BevelUnderTest) -> Comparison:
-    """Largest fleet angle over the travel, at both ends."""
+    """Largest fleet angle at both ends of the travel."""
     s.levels  # noqa: B018 - without levels there is no winding
     limit = s.drive.fleet_angle_max_deg
     return worst(at_most(f"fleet angle of {c.name}", fleet_angle_deg(s.drive, c), limit, "deg") for c in s.steps)
 
 
 def helix_lead(s: BevelUnderTest) -> Comparison:
-    """Lead over the cable's diameter: turns lie side by side; over 2.065 groove radii where each has its groove."""
+    """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
     return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, smallest_lead_mm(s.drive), "mm")
 
 
@@ -102,7 +102,7 @@ def straight_span_distance_mm(radius_mm: float, lead_mm: float, slope: float) ->
 
 
 def self_clearance(s: BevelUnderTest) -> Comparison:
-    """Free span against the turn wound just before it, at the fully wound end."""
+    """Gap between the free span and the turn that was wound just before it, with the cable fully wound on."""
     s.levels  # noqa: B018 - without levels there is no winding
     return worst(
         at_least(f"{c.name} from its own last turn, fully wound", straight_span_clearance_mm(s.drive, c), 0.0, "mm")
@@ -111,7 +111,7 @@ def self_clearance(s: BevelUnderTest) -> Comparison:
 
 
 def input_walk(s: BevelUnderTest) -> Comparison:
-    """Bands of the two cables of an input pulley, walk included, leave the wall between their steps free."""
+    """The two cables of an input pulley walk along it over the travel without reaching the wall between their steps."""
     s.levels  # noqa: B018 - without levels there are no bands
     found = []
     for name in s.drive.input_names:
@@ -140,7 +140,7 @@ def guide_wall_gaps_mm(s: BevelUnderTest) -> list[tuple[BevelRun, float]]:
 
 
 def guide_walk(s: BevelUnderTest) -> Comparison:
-    """Landing point on the guide, wandering with the input's walk, leaves the walls of its step free."""
+    """The landing point on the guide moves with the walk on the input and does not reach the walls of its step."""
     return worst(
         at_least(f"{c.name} on the guide from its walls", gap, CABLE_GAP_MM, "mm")
         for c, gap in s.once("guide_walls", guide_wall_gaps_mm)
@@ -148,12 +148,12 @@ def guide_walk(s: BevelUnderTest) -> Comparison:
 
 
 def dead_turns(s: BevelUnderTest) -> Comparison:
-    """Turns that stay on the input pulley at the unwound end."""
+    """Number of turns that stay on the input pulley at the unwound end of the travel."""
     return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
 
 
 def landing_angle(s: BevelUnderTest) -> Comparison:
-    """Wrap on the guide of every cable is real: it lands before the transfer point and less than a turn from it."""
+    """Every cable lands on the guide before the transfer point, and less than a turn before it."""
     s.levels  # noqa: B018 - without levels there is no winding
     return worst(
         at_least(f"wrap of {c.name} on the guide", np.degrees(winding(s.drive, c).guide_wrap_rad), 1.0, "deg")
@@ -162,7 +162,7 @@ def landing_angle(s: BevelUnderTest) -> Comparison:
 
 
 def groove_walls(s: BevelUnderTest) -> Comparison:
-    """Crest between neighbouring grooves of an input pulley, and from the last one to the step beside it."""
+    """Width of the crest between neighbouring grooves of an input pulley, and from the last groove to the next step."""
     grooved = [(p, groove) for p in s.layout.inputs for groove in p.grooves]
     if not grooved:
         return noted("no grooves: crest", 0.0, "mm")

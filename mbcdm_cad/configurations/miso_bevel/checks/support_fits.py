@@ -1,4 +1,4 @@
-"""Frame and top plate: screws engaged and within reach, heads on flat floor, room for drives and pulleys."""
+"""Frame and top plate: engagement and access of screws, flat seats for their heads, room for drives and pulleys."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 
 
 def engagement(s: BevelUnderTest) -> Comparison:
-    """Every screw is engaged over its own diameter at least."""
+    """Engaged thread of every screw minus its diameter."""
     drive, lay, support = s.drive, s.layout, s.drive.support
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
     plate = plate_screw_of(drive)
@@ -50,7 +50,7 @@ def engagement(s: BevelUnderTest) -> Comparison:
 
 
 def dowel_engagement(s: BevelUnderTest) -> Comparison:
-    """Dowels reach into the frame by their diameter."""
+    """Depth of the dowels in the frame: at least one diameter."""
     return at_least(
         "dowel in the frame",
         dowel_length_mm(s.drive) - s.drive.support.top_plate_mm,
@@ -60,7 +60,7 @@ def dowel_engagement(s: BevelUnderTest) -> Comparison:
 
 
 def screw_counts(s: BevelUnderTest) -> Comparison:
-    """Gearhead and encoders are held by as many screws as frame and plate can be drilled for."""
+    """The numbers of screws of gearhead and encoders are ones for which frame and plate can be drilled."""
     drive = s.drive
     return worst(
         (
@@ -77,7 +77,7 @@ def screw_counts(s: BevelUnderTest) -> Comparison:
 
 
 def key_access(s: BevelUnderTest) -> Comparison:
-    """Key holes for the gearhead's screws lie inside the lower bearing's seat, or clear of it."""
+    """The holes for the key of the gearhead's screws lie completely inside the lower bearing's seat, or outside it."""
     f = s.layout.frame
     inside = f.seat_radius - f.gear_bolt_circle - f.key_hole_radius
     outside = f.gear_bolt_circle - f.key_hole_radius - f.seat_radius - HOLE_WEB_MM
@@ -85,7 +85,7 @@ def key_access(s: BevelUnderTest) -> Comparison:
 
 
 def head_seats(s: BevelUnderTest) -> Comparison:
-    """Heads of the gearhead's screws stand on flat floor, not on the pocket's rounded corner."""
+    """The heads of the gearhead's screws rest on the flat floor of the pocket, not on its rounded corner."""
     v, f = s.levels, s.layout.frame
     head = s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
     edge = max(x for x, _ in f.gear_screws) + head
@@ -103,7 +103,7 @@ def head_seats(s: BevelUnderTest) -> Comparison:
 
 
 def pulley_corner(s: BevelUnderTest) -> Comparison:
-    """Input pulleys, cables on them, clear the rounded corner between bearing shelf and side wall."""
+    """Gap between the input pulleys with their cables and the rounded corner between bearing shelf and side wall."""
     v, f = s.levels, s.layout.frame
     found = []
     for p in s.layout.inputs:
@@ -123,7 +123,7 @@ def pulley_corner(s: BevelUnderTest) -> Comparison:
 
 
 def pocket_depth(s: BevelUnderTest) -> Comparison:
-    """Pulleys and their cables turn clear of the back plate."""
+    """Gap between the input pulleys with their cables and the back plate."""
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
     back = s.layout.frame.upper_floor_y
     return at_least(
@@ -135,7 +135,7 @@ def pocket_depth(s: BevelUnderTest) -> Comparison:
 
 
 def mounts(s: BevelUnderTest) -> Comparison:
-    """Mounting screws' heads find flat floor in the coupling pockets and, where one stands there, in the column."""
+    """The mounting screws' heads have flat floor in the coupling pockets and, for a screw in the column, there too."""
     v, f = s.levels, s.layout.frame
     head = f.mount_head_radius
     _, (x, _), _, (inner_x, _), *in_column = f.mounts
@@ -150,7 +150,7 @@ def mounts(s: BevelUnderTest) -> Comparison:
 
 
 def drives_apart(s: BevelUnderTest) -> Comparison:
-    """Gearheads, motors and encoders clear column, boss, drum encoder and each other."""
+    """Gaps between gearheads, motors and encoders, and from these to column, boss and drum encoder."""
     drive, f = s.drive, s.layout.frame
     body = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
     centre = max(f.boss_radius, f.ear_reach, drive.drum_encoder.diameter_mm / 2)
@@ -166,7 +166,7 @@ def drives_apart(s: BevelUnderTest) -> Comparison:
 
 
 def screwdriver(s: BevelUnderTest) -> Comparison:
-    """Plate screws can be reached beside the encoders on top of the plate."""
+    """Gap between the screwdriver on the plate screws and the encoders on top of the plate."""
     p, drive = s.layout.top_plate, s.drive
     reach = drive.encoder.diameter_mm / 2 + plate_screw_of(drive).key_mm / 3**0.5
     return worst(

@@ -1,4 +1,4 @@
-"""Frame and top plate: walls thick enough to be made, and metal round and between all holes."""
+"""Frame and top plate: walls that can be made, and enough metal round and between all holes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ HOLE_WEB_MM = 0.5
 
 
 def walls(s: BevelUnderTest) -> Comparison:
-    """Every wall of frame and top plate can be made."""
+    """The thinnest wall of frame and top plate, against the minimum of the material."""
     support = s.drive.support
     names = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
     limit = support.material.min_wall_mm
@@ -32,7 +32,7 @@ def walls(s: BevelUnderTest) -> Comparison:
 
 
 def bearing_shelf(s: BevelUnderTest) -> Comparison:
-    """Shelf takes the lower bearings, a shoulder under them, and the axle's set screw with walls."""
+    """The shelf has room for the lower bearings, a shoulder below them, and the axle's set screw with its walls."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
     return worst(
         (
@@ -53,7 +53,7 @@ def bearing_shelf(s: BevelUnderTest) -> Comparison:
 
 
 def top_plate(s: BevelUnderTest) -> Comparison:
-    """Plate takes the upper bearings from below, the encoders' screws from below and its own from above."""
+    """The plate has room for upper bearings and encoder screws from below, and for its own screws from above."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
     plate = drive.support.top_plate_mm
     return worst(
@@ -71,7 +71,7 @@ def top_plate(s: BevelUnderTest) -> Comparison:
 
 
 def front_wall(s: BevelUnderTest) -> Comparison:
-    """Metal between bearing seats and the front of shelf and plate."""
+    """Wall between the bearing seats and the front of shelf and plate."""
     lay, front = s.layout, s.levels.front_y
     head = s.drive.screw(s.drive.encoder.screw).head_diameter_mm / 2 + 0.1
     limit = s.drive.support.material.min_wall_mm
@@ -90,7 +90,7 @@ def front_wall(s: BevelUnderTest) -> Comparison:
 
 
 def side_wall(s: BevelUnderTest) -> Comparison:
-    """Top plate has a wall on both sides of the holes that its screws' heads are sunk in, above the side walls."""
+    """Wall of the top plate on both sides of the counterbores for its screws, above the side walls."""
     sunk = 2 * s.layout.top_plate.screw_head_radius
     wall = s.drive.support.material.min_wall_mm
     width = s.drive.support.side_wall_mm
@@ -100,7 +100,7 @@ def side_wall(s: BevelUnderTest) -> Comparison:
 
 
 def hole_webs(s: BevelUnderTest) -> Comparison:
-    """Metal between neighbouring holes of top plate and motor shelf, and to the plate's edge."""
+    """Wall between neighbouring holes of top plate and motor shelf, and from the holes to the plate's edge."""
     lay, drive, v = s.layout, s.drive, s.levels
     p, f = lay.top_plate, lay.frame
     low, high = v.top_plate_bottom_z, v.top_plate_top_z
@@ -132,7 +132,7 @@ def hole_webs(s: BevelUnderTest) -> Comparison:
 
 
 def wall_holes(s: BevelUnderTest) -> Comparison:
-    """Threads and dowels stand inside the side walls and apart from each other."""
+    """Wall round the threads and dowels in the side walls, and between them."""
     f, wall = s.layout.frame, s.drive.support.side_wall_mm
     limit = s.drive.support.material.min_wall_mm
     (_, front), _, (_, back), _ = f.plate_screws
@@ -154,7 +154,7 @@ def wall_holes(s: BevelUnderTest) -> Comparison:
 
 
 def boss(s: BevelUnderTest) -> Comparison:
-    """Drum bearings sit apart in the boss with a shoulder between, ears and column behind the boss's front."""
+    """The boss has room for both drum bearings with a shoulder between them; ears and column lie behind its front."""
     v, f = s.levels, s.layout.frame
     limit = s.drive.support.material.min_wall_mm
     return worst(
@@ -168,7 +168,7 @@ def boss(s: BevelUnderTest) -> Comparison:
 
 
 def encoder_screws(s: BevelUnderTest) -> Comparison:
-    """Drum encoder's screws miss the rear bearing's seat and stay in the encoder."""
+    """The drum encoder's screws lie outside the seat of the rear bearing and inside the encoder."""
     f, encoder = s.layout.frame, s.drive.drum_encoder
     return worst(
         (
@@ -195,7 +195,7 @@ def encoder_screws(s: BevelUnderTest) -> Comparison:
 
 
 def corner_radii(s: BevelUnderTest) -> Comparison:
-    """Frame and plate are larger than the corners that the pockets' tool leaves."""
+    """Frame and plate are larger than the rounded corners that the milling cutter leaves in their pockets."""
     v, f = s.levels, s.layout.frame
     return worst(
         (

@@ -1,4 +1,4 @@
-"""What turns clears what stands: the drum with its terminals before frame and drives, the collars in their space.
+"""Gaps between turning and fixed parts: the drum with its terminals and the drives, the collars and their space.
 
 The drum is taken as swept all the way round, each of its zones as a ring: at radius r from the Y axis nothing of it
 lies nearer to the frame than the zone's y. Drives are cylinders along Z. Cables are sampled over the travel.
@@ -78,7 +78,7 @@ def ring_gap(ring: Ring, body: Upright, want: float) -> float:
 
 
 def drum_sweep(s: BevelUnderTest) -> Comparison:
-    """Drum, terminals and wound cables pass drives and pulleys over the whole travel."""
+    """Gap from drum, terminals and wound cables to drives and pulleys over the whole travel."""
     running = s.drive.clearances.running_mm
     found = []
     for body in uprights(s):
@@ -89,7 +89,7 @@ def drum_sweep(s: BevelUnderTest) -> Comparison:
 
 
 def frame_front(s: BevelUnderTest) -> Comparison:
-    """Everything that turns with the drum passes in front of shelves, plate and boss."""
+    """Gap from everything that turns with the drum to shelves, plate and boss behind it."""
     v, running = s.levels, s.drive.clearances.running_mm
     found = []
     for ring in drum_zones(s):
@@ -102,7 +102,7 @@ def frame_front(s: BevelUnderTest) -> Comparison:
 
 
 def collar_space(s: BevelUnderTest) -> Comparison:
-    """Clamp collars turn clear of web, side walls, back plate and the mounting screws' heads."""
+    """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads."""
     v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
     reach, x = _collar_reach_mm(s), s.drive.input_x_mm
     return worst(
@@ -129,7 +129,7 @@ def _free(s: BevelUnderTest) -> list[tuple[float, np.ndarray]]:
 
 
 def spans_clear(s: BevelUnderTest) -> Comparison:
-    """Free spans and the cables on the guide pass the terminals at centre and both ends of travel."""
+    """Gap from free spans and cables on the guide to the terminals, drum centred and at both ends of travel."""
     d, step, found = s.layout.drum, step_mm(s), []
     keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
     for angle, free in _free(s):

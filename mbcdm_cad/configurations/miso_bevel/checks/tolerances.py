@@ -1,4 +1,4 @@
-"""Margins against what the tolerances of the parts add up to: a smaller gap is not kept in every drive."""
+"""Gaps against the sum of the tolerances of the parts: a gap smaller than this sum may vanish in a built drive."""
 
 from __future__ import annotations
 
@@ -97,6 +97,7 @@ def stacks(s: BevelUnderTest) -> Iterator[StackUp]:
 
 
 def _against_stack(of: Stacks, s: BevelUnderTest) -> Comparison:
+    """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
     stack = tightest(of(s))
     figure = stack.figure.removesuffix(", mm")
     note = f"tolerances add up to that (RSS), worst case {stack.worst_case:.3g} mm, most by the {stack.costliest.name}"
@@ -104,7 +105,7 @@ def _against_stack(of: Stacks, s: BevelUnderTest) -> Comparison:
 
 
 def pair_mismatch(s: BevelUnderTest) -> Comparison:
-    """Tension that radii within their tolerances may put on a pair over the travel, from the model."""
+    """Tension that radii within their tolerances may cause in a pair of cables over the travel, from the model."""
     from mbcdm_cad.model.equilibrium import solve_equilibrium
 
     pairs = [[c for c in s.steps if c.input_name == name] for name in s.drive.input_names]
@@ -133,7 +134,7 @@ def pair_mismatch(s: BevelUnderTest) -> Comparison:
 
 
 def transmission_error(s: BevelUnderTest) -> Comparison:
-    """How far the drum may stand from where the ratio says, over the travel: linear theory, two sigma."""
+    """Largest error of the drum's angle over the travel that the tolerances cause: linear theory, two sigma."""
     from mbcdm_cad.model.tolerance import linear_error
 
     names, error = linear_error(s.loads.si, s.half_travel_rad, model_tolerances(s.drive))

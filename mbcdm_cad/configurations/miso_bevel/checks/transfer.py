@@ -1,4 +1,4 @@
-"""The transfer point: four step planes on one pitch line, lands wide enough, bodies close but clear."""
+"""The transfer point: four step planes on one pitch line, lands wide enough, guide and drum close but not touching."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Wrap on the drum over the travel: real, less than a turn, and how it compares with the model's slip zones.
+"""Wrap on the drum over the travel: more than zero, less than a turn, and compared with the model's slip zones.
 
-Both ends of a cable are anchored, so a wrap shorter than the slip zone is legal; only Eq. (5) and (6) stop holding.
+Both ends of a cable are anchored, so a wrap shorter than the slip zone is allowed; Eq. (5) and (6) do not hold then.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from mbcdm_cad.configurations.miso_bevel.path_figures import terminal_to_guide_m
 
 
 def terminal_clears_guide(s: BevelUnderTest) -> Comparison:
-    """Terminals stay beside the guide at the end of travel that brings them nearest."""
+    """Gap between terminals and guide at the end of travel where they are nearest."""
     return worst(
         at_least(
             f"terminal of {t.cable_name} from the guide and its cables at the end of travel",

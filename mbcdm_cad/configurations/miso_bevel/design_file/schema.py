@@ -40,7 +40,7 @@ class Transmission(Block):
         le=500.0,
     )
     ratio: Number | None = quantity(
-        "drum radius over input radius; sizing shares it between guide and inputs where ratios and radii are left out",
+        "drum radius over input radius; sizing divides it between guide and inputs if ratios and radii are left out",
         unit="-",
         source="Table 2: 54/6",
         example=9.0,
@@ -49,7 +49,7 @@ class Transmission(Block):
         le=100.0,
     )
     drum_radius_mm: Number | None = quantity(
-        "drum pitch radius of step 1; sizing adds the steps where drum_radii_mm is left out",
+        "drum pitch radius of step 1; sizing adds the steps if drum_radii_mm is left out",
         unit="mm",
         source="Table 2",
         example=54.0,
@@ -106,7 +106,7 @@ class Clearances(SectorClearances):
     """Gaps between finished surfaces."""
 
     transfer_gap_mm: Number = quantity(
-        "guide step 1 surface to the drum's inner face; under half a rope, so that none slips in",
+        "gap from guide step 1 to the drum's inner face; under half a rope, so that no rope slips in",
         unit="mm",
         ge=0.01,
         le=5.0,
@@ -198,7 +198,7 @@ class BevelCable(Cable):
     ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N")
 
     step: Integer = choice("step of guide and drum it runs on, 1 the smallest", source="Table 2", ge=1, le=4)
-    drum_side: Side = choice("where it runs on the drum from the transfer point", source="Fig. 2")
+    drum_side: Side = choice("side to which it runs on the drum from the transfer point", source="Fig. 2")
 
 
 class BevelDesign(Design):

@@ -1,4 +1,4 @@
-"""Input pulley, its stops and its coupling: bores, walls and room for what goes on and around it."""
+"""Input pulley, its stops and its coupling: bores, walls, and room for the parts on and around it."""
 
 from __future__ import annotations
 

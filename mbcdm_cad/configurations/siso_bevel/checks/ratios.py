@@ -12,7 +12,7 @@ from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTes
 
 
 def one_ratio(s: DirectUnderTest) -> Comparison:
-    """r_m/r_o the same for both steps."""
+    """r_m/r_o is the same for both steps."""
     return spread("r_m/r_o", [c.input_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
 
 
@@ -36,7 +36,7 @@ def cut_at_pitch(s: DirectUnderTest) -> Comparison:
 
 
 def anchor_bend(s: DirectUnderTest) -> Comparison:
-    """The standing bend before the swaged stop inside the input pulley."""
+    """The constant bend of the cable before the swaged stop inside the input pulley."""
     s.layout  # noqa: B018 - without a layout there is no room for a stop
     d = s.drive.cable.diameter_mm
     return worst(

@@ -1,4 +1,4 @@
-"""What turns clears what stands, cables stay apart, and the box against its target."""
+"""Gaps between turning and fixed parts, distance between cables, and the box against its target."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
 def frame_front(s: DirectUnderTest) -> Comparison:
-    """Everything that turns with the drum passes in front of frame, motor head and boss."""
+    """Gap from everything that turns with the drum to frame, motor head and boss behind it."""
     v, running, found = s.levels, s.drive.clearances.running_mm, []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":

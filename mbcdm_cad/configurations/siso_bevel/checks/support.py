@@ -19,7 +19,7 @@ MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 
 
 def walls(s: DirectUnderTest) -> Comparison:
-    """Every wall of frame and motor head can be made."""
+    """The thinnest wall of frame and motor head, against the minimum of the material."""
     support, f = s.drive.support, s.layout.frame
     names = (
         "back_plate_mm",
@@ -38,7 +38,7 @@ def walls(s: DirectUnderTest) -> Comparison:
 
 
 def pockets(s: DirectUnderTest) -> Comparison:
-    """Frame and pockets are larger than the corners that the pockets' tool leaves."""
+    """Frame and pockets are larger than the rounded corners that the milling cutter leaves."""
     v, f = s.levels, s.layout.frame
     two = 2 * f.corner_radius
     return worst(
@@ -112,7 +112,7 @@ def encoder_room(s: DirectUnderTest) -> Comparison:
 
 
 def mounts(s: DirectUnderTest) -> Comparison:
-    """Mounting screws' heads find flat floor in both pockets of the column."""
+    """The mounting screws' heads have flat floor in both pockets of the column."""
     f, head = s.layout.frame, MOUNT_SCREW_HEAD_MM / 2
     _, (x, high), _, (_, low) = f.mounts
     rooms = (
@@ -160,7 +160,7 @@ def flange(s: DirectUnderTest) -> Comparison:
 
 
 def boss(s: DirectUnderTest) -> Comparison:
-    """Drum bearings sit apart in the boss with a shoulder between, its ears take the encoder's screws."""
+    """The boss has room for both drum bearings and a shoulder between them, its ears for the encoder's screws."""
     f, limit = s.layout.frame, s.drive.support.material.min_wall_mm
     above = at_least("lower pocket above the boss", f.low_pocket_bottom_z - f.boss.radius, limit, "mm")
     return worst((above, *boss_walls(s)))

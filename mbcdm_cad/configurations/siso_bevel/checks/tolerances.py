@@ -1,4 +1,4 @@
-"""Margins at the transfer against what the tolerances of the parts add up to, and the transmission error."""
+"""Gaps at the transfer against the sum of the tolerances of the parts, and the transmission error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The transfer point: both step planes on one pitch line, lands wide enough, bodies close but clear."""
+"""The transfer point: both step planes on one pitch line, lands wide enough, input and drum close but not touching."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Wrap on the drum over the travel: real, less than a turn, clear of the input, and against the model's slip zones.
+"""Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, against the slip zones.
 
-Both ends of a cable are anchored, so a wrap shorter than the slip zone is legal; only Eq. (5) and (6) stop holding.
+Both ends of a cable are anchored, so a wrap shorter than the slip zone is allowed; Eq. (5) and (6) do not hold then.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from mbcdm_cad.configurations.siso_bevel.path_figures import terminal_to_input_m
 
 
 def terminal_clears_input(s: DirectUnderTest) -> Comparison:
-    """Terminals stay beside the input at the end of travel that brings them nearest."""
+    """Gap between terminals and input at the end of travel where they are nearest."""
     return worst(
         at_least(
             f"terminal of {t.cable_name} from the input and its cables at the end of travel",

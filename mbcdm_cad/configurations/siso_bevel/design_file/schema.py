@@ -110,7 +110,7 @@ class DirectCable(Cable):
     ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N")
 
     step: Integer = choice("step of input and drum it runs on, 1 the smaller", ge=1, le=2)
-    drum_side: Literal["-x", "+x"] = choice("where it runs on the drum from the transfer point")
+    drum_side: Literal["-x", "+x"] = choice("side to which it runs on the drum from the transfer point")
 
 
 class DirectDesign(Design):

@@ -1,4 +1,4 @@
-"""What turns clears what stands, and the box against its target."""
+"""Gaps between turning and fixed parts, and the box against its target."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 
 
 def frame_front(s: SpurUnderTest) -> Comparison:
-    """Everything that turns with the drum passes in front of plate and boss."""
+    """Gap from everything that turns with the drum to plate and boss behind it."""
     v, running, found = s.levels, s.drive.clearances.running_mm, []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":

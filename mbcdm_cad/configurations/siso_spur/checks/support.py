@@ -17,7 +17,7 @@ MOUNT_DIAMETERS = 1.0
 
 
 def walls(s: SpurUnderTest) -> Comparison:
-    """Every wall of frame and motor head can be made."""
+    """The thinnest wall of frame and motor head, against the minimum of the material."""
     support, f, head = s.drive.support, s.layout.frame, s.layout.head
     limit = support.material.min_wall_mm
     names = ("plate_mm", "bridge_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm")

@@ -1,4 +1,4 @@
-"""Gaps of the winding against what the tolerances of the parts add up to, and the transmission error."""
+"""Gaps of the winding against the sum of the tolerances of the parts, and the transmission error."""
 
 from __future__ import annotations
 

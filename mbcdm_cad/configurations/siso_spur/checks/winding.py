@@ -94,7 +94,7 @@ def _turns_that_hold(s: SpurUnderTest) -> str:
 
 
 def lead(s: SpurUnderTest) -> Comparison:
-    """Lead over the cable's diameter: turns lie side by side; over 2.065 groove radii where they lie in a groove."""
+    """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
     d = s.drive.cable.diameter_mm
     least = GROOVE_LEAD * GROOVE_RADIUS * d if s.drive.input_pulleys.grooved else d
     return at_least("lead of the helix on the input", s.drive.helix_lead_mm, least, "mm")

@@ -1,4 +1,4 @@
-"""Wrap on the drum over the travel: real, less than a turn, clear of the input, and against the model's slip zones.
+"""Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, against the slip zones.
 
 Both ends of the cable are held on the drum, so a wrap shorter than the slip zone is legal; only Eq. (5) and (6) stop
 holding.

@@ -163,7 +163,7 @@ class YokeSupport(Block):
 
 
 class SpurLimits(Limits):
-    """Limits of this design that the checks hold it against."""
+    """Limits of this design, which the checks use."""
 
     ORDER: ClassVar[tuple[str, ...]] = (
         "bend_ratio_min",
