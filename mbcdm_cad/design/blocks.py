@@ -100,7 +100,10 @@ class WoundRope(Rope):
     )
 
     helix_lead_mm: Number = quantity(
-        "axial distance from turn to turn on the input pulley; more than the rope's diameter", unit="mm", ge=0.2, le=10.0
+        "axial distance from turn to turn on the input pulley; more than the rope's diameter",
+        unit="mm",
+        ge=0.2,
+        le=10.0,
     )
     dead_turns: Number = quantity("turns that stay on the input pulley at the unwound end", unit="-", ge=0.0, le=10.0)
 

@@ -17,9 +17,7 @@ class SectorClearances(Block):
         ge=0.01,
         le=5.0,
     )
-    land_edge_mm: Number = quantity(
-        "edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0
-    )
+    land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0)
     running_mm: Number = quantity(
         "gap between any moving part and any fixed part elsewhere", unit="mm", ge=0.01, le=5.0
     )
