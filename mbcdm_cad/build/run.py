@@ -188,7 +188,7 @@ def _why_not_drawn(failed: Sequence[CheckResult]) -> str:
     if not failed:
         return "the checks did not foresee it, so please report the design file"
     names = ", ".join(check.id for check in failed)
-    return f"the design was drawn although checks fail ({names}): their messages say what to change"
+    return f"the design was drawn although checks fail ({names}): their messages name the changes needed"
 
 
 def _failed(checks: Sequence[CheckResult]) -> tuple[CheckResult, ...]:

@@ -128,5 +128,5 @@ def overhang_check(drive: Drive, areas_mm2: dict[str, float]) -> CheckResult:
         advice="print these parts with supports under such faces, or of a sintered material, which needs none",
     )
     each = ", ".join(f"{part} {area:.0f}" for part, area in areas_mm2.items() if area)
-    what = "faces that hang over by more than 45 degrees, as the parts lie in their 3MF files"
+    what = "faces that overhang by more than 45 degrees in the position of the 3MF file"
     return _result(check, drive, what, sum(areas_mm2.values()), 0.0, "mm2", each)

@@ -60,7 +60,7 @@ def _wrap_against_slip(s: SectorUnderTest, load: str, states: tuple[np.ndarray, 
                 degrees(s.smallest_wrap_rad(c)),
                 degrees(slip),
                 "deg",
-                "the ends are anchored, so it holds; Eq. (5), (6) do not, and the model's figures are estimates there",
+                "the ends are anchored, so it holds; Eq. (5), (6) are not valid, and the model's figures are estimates",
             )
         )
     return worst(found)
@@ -82,7 +82,7 @@ def _travel_within(measure: Callable[[SectorUnderTest], Comparison], s: SectorUn
     travel = s.drive.half_travel_deg + measure(s).margin
     if travel > 1.0:
         return f"lower travel.half_angle_deg to at most {floored(travel)} or raise rope.preload_N"
-    return "no travel is short enough: take the model's figures at this load as estimates, or raise rope.preload_N"
+    return "no travel is short enough: use the model's figures at this load as estimates, or raise rope.preload_N"
 
 
 MORE_WRAP: tuple[Adjustment, ...] = (down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"))

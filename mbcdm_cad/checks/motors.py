@@ -69,7 +69,7 @@ def gearhead_maximum(s: DesignUnderTest) -> Comparison:
 def gearhead_continuous(s: DesignUnderTest) -> Comparison:
     """Drum torque at the continuous rating of the gearhead (of the motor if there is none), worse direction."""
     limit = s.drive.gearhead.rated_torque_mNm * 1e-3
-    note = "hold more than this only for moments"
+    note = "hold more than this only for a short time"
     return worst(_against_peak(s, f"{s.drive.mounted}'s continuous rating", limit, sign, note) for sign in (1, -1))
 
 

@@ -63,7 +63,7 @@ def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
     names = ", ".join(dict.fromkeys(adjustment.path for adjustment in check.adjust))
     if budget.left <= 0:
         senses = " or ".join(f"{'raise' if a.sense > 0 else 'lower'} {a.path}" for a in check.adjust)
-        return f"{senses}; no figure was looked for, since so much else fails: mend that first"
+        return f"{senses}; no value was searched, because too many other checks fail: correct them first"
     return f"no single one of {names} mends it: change several"
 
 

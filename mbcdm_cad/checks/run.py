@@ -59,7 +59,7 @@ def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[]
 
 def _unevaluated(check: Check, reason: str, unit: str = "") -> CheckResult:
     """A figure that does not exist is a failure, and no waiver helps it: there is nothing to build."""
-    message, advice = f"not evaluated because {reason}", "mend what is named there first"
+    message, advice = f"not evaluated because {reason}", "correct what is named there first"
     return CheckResult(check.id, check.title, "fail", None, None, unit, None, message, advice, check.source)
 
 

@@ -35,8 +35,9 @@ class BestRun:
     def text(self) -> str:
         """For the terminal."""
         lines = [
-            f"{len(self.runs)} runs compared by the size from which an effect is named and told from the others: times",
-            "that of the run that shows it best, mean of all effects; and how many it cannot show or tell apart.",
+            f"{len(self.runs)} runs compared. 'size': the size from which an effect is named and separated, divided by",
+            "that of the run that shows this effect best, mean of all effects. 'cannot': effects that the run",
+            "does not show or cannot separate.",
             "",
             f"{'size':>6}  {'cannot':>6}  run",
         ]

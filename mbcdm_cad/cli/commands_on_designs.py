@@ -32,13 +32,13 @@ _CONFIGURATION = click.option(
     epilog=examples("mbcdm check my_drive.yaml", "mbcdm check --failed *.yaml", "mbcdm check my_drive.yaml --json")
 )
 @click.argument("designs", metavar="DESIGN...", type=FILE, nargs=-1, required=True)
-@click.option("--failed", "only_failed", is_flag=True, help="Show the failing checks only, without warnings.")
-@click.option("--all", "show_all", is_flag=True, help="Show the passing checks too.")
+@click.option("--failed", "only_failed", is_flag=True, help="Show only the checks that fail, without warnings.")
+@click.option("--all", "show_all", is_flag=True, help="Show the checks that pass too.")
 @click.option("--json", "as_json", is_flag=True, help="Print all results as JSON; a list for several designs.")
 def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json: bool) -> int:
     """Check designs without drawing them.
 
-    Prints what warns and what fails, with the figure that would pass, and a summary. Exit 1 if a check fails.
+    Prints warnings, failures with a change that would make them pass, and a summary. Exit code 1 if a check fails.
     """
     if only_failed and show_all:
         raise click.UsageError("--failed and --all exclude each other; give one of them")
@@ -57,11 +57,12 @@ def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json:
 @DESIGN
 @click.argument("field", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
-@click.option("--graph", type=FILE, metavar="FILE.svg", help="Draw what follows from what into this file.")
+@click.option("--graph", type=FILE, metavar="FILE.svg", help="Draw the dependencies of all values into this file.")
 def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) -> int:
-    """Say why a field has its value.
+    """Explain why a field has its value.
 
-    Without FIELD all fields that have a rule; with it the rule, what it rests on, and what drives it.
+    Without FIELD: all fields that have a sizing rule. With FIELD: its rule, the values from which it follows, and the
+    check or requirement that determines it.
     """
     if graph is not None and (field or as_json):
         raise click.UsageError("--graph draws all fields; leave out FIELD and --json")
@@ -72,13 +73,16 @@ def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) 
 
 @mbcdm.command(epilog=examples("mbcdm solve my_drive.yaml", "mbcdm solve my_drive.yaml --apply my_drive_solved.yaml"))
 @DESIGN
-@click.option("--apply", type=FILE, metavar="FILE", help="Write the passing design there, comments kept.")
+@click.option(
+    "--apply", type=FILE, metavar="FILE", help="Write the design that passes to this file, with all comments."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def solve(design: Path, apply: Path | None, as_json: bool) -> int:
-    """Look for the nearest design that passes every check.
+    """Find the nearest design that passes every check.
 
-    Moves only what the file leaves free or gives as a range, {min: 30, max: 60} or min; prints the change as a patch.
-    Where there is none: which requirements exclude each other, and how far each must give. Exit 1 then.
+    Changes only fields that the file leaves out or gives as a range, {min: 30, max: 60} or min; prints the change as a
+    patch. If there is no such design: which requirements exclude each other, and how far each must change. Exit code 1
+    then.
     """
     from mbcdm_cad.cli.solving import solve_command
 
@@ -88,12 +92,12 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
 @mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --short"))
 @click.argument("new", type=FILE)
 @_CONFIGURATION
-@click.option("--short", is_flag=True, help="Only the requirements: all else follows from them by rules.")
-@click.option("--derived", is_flag=True, help="The requirements, and every value that follows as a comment.")
+@click.option("--short", is_flag=True, help="Only the requirements; sizing rules compute all other values.")
+@click.option("--derived", is_flag=True, help="The requirements, and every derived value as a comment.")
 def init(new: Path, configuration: str | None, short: bool, derived: bool) -> int:
     """Write a new design file with the reference values.
 
-    Each value has its unit, meaning and source beside it. Never overwrites a file.
+    Each value has a comment with its unit, meaning and source. Never overwrites a file.
     """
     from mbcdm_cad.cli.files import init_command
 
@@ -102,12 +106,12 @@ def init(new: Path, configuration: str | None, short: bool, derived: bool) -> in
 
 @mbcdm.command(epilog=examples("mbcdm schema > design.schema.json", "mbcdm schema --reference --measurement | less"))
 @click.option("--reference", is_flag=True, help="Print the reference page in Markdown instead.")
-@click.option("--measurement", is_flag=True, help="Of measurement files, which 'mbcdm loop' reads.")
+@click.option("--measurement", is_flag=True, help="Schema of measurement files, which 'mbcdm loop' reads.")
 @_CONFIGURATION
 def schema(reference: bool, measurement: bool, configuration: str | None) -> int:
     """Print the JSON Schema of design files.
 
-    An editor completes and checks a design file with it.
+    With it an editor can complete and check a design file.
     """
     from mbcdm_cad.cli.files import schema_command
 
@@ -118,11 +122,11 @@ def schema(reference: bool, measurement: bool, configuration: str | None) -> int
     epilog=examples("mbcdm catalogue", "mbcdm catalogue ropes", "mbcdm catalogue --markdown > docs/catalogue.md")
 )
 @click.argument("kind", type=click.Choice(CATALOGUE_KINDS), required=False)
-@click.option("--markdown", is_flag=True, help="Print a page in Markdown, all kinds if none is given.")
+@click.option("--markdown", is_flag=True, help="Print a page in Markdown, with all kinds if none is given.")
 def catalogue(kind: str | None, markdown: bool) -> int:
-    """Ropes, motors, bearings and more that a design can name.
+    """List ropes, motors, bearings and other catalogue parts.
 
-    Without KIND the names of all entries; with it the values of that kind's entries.
+    Without KIND: the names of all entries. With KIND: the values of the entries of that kind.
     """
     from mbcdm_cad.cli.catalogue import catalogue_command
 
@@ -132,9 +136,9 @@ def catalogue(kind: str | None, markdown: bool) -> int:
 @mbcdm.command(epilog=examples("mbcdm doctor"))
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 def doctor(as_json: bool) -> int:
-    """What this machine has of what the program can use.
+    """Check which programs and libraries this machine has.
 
-    Exit 1 if something is missing without which designs cannot be built.
+    Exit code 1 if something is missing that is needed to build designs.
     """
     from mbcdm_cad.cli.doctor import doctor_command
 

@@ -14,7 +14,7 @@ from mbcdm_cad.cli.options import DESIGN, FILE, examples, out_folder
 @DESIGN
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 def analyse(design: Path, as_json: bool) -> int:
-    """Tensions, backlash, load sharing and torque limits."""
+    """Compute tensions, backlash, load sharing, torque limits."""
     from mbcdm_cad.cli.studies import analyse_command
 
     return analyse_command(design, as_json=as_json)
@@ -24,9 +24,10 @@ def analyse(design: Path, as_json: bool) -> int:
 @DESIGN
 @out_folder("Folder that the study's folder, NAME-sensitivity, is written into.")
 def sensitivity(design: Path, out: Path) -> int:
-    """What drives backlash and torque, as plots and CSV.
+    """Show which parameters change backlash and torque most.
 
-    The panels of the paper's figure 5, global indices, the tolerance stack over the travel, and 95 % intervals.
+    Writes plots and CSV: the panels of the paper's figure 5, global indices, the tolerance stack over the travel, and
+    95 % intervals.
     """
     from mbcdm_cad.cli.studies import sensitivity_command
 
@@ -36,9 +37,9 @@ def sensitivity(design: Path, out: Path) -> int:
 @mbcdm.command(epilog=examples("mbcdm reproduce", "mbcdm reproduce my_drive.yaml"))
 @click.argument("design", type=FILE, required=False)
 def reproduce(design: Path | None) -> int:
-    """The paper's figures beside the model's.
+    """Compare the paper's numbers with the model's.
 
-    For DESIGN, or the reference design. Exit 1 if a figure leaves its tolerance.
+    For DESIGN, or for the reference design. Exit code 1 if a number is outside its tolerance.
     """
     from mbcdm_cad.cli.studies import reproduce_command
 
@@ -55,21 +56,25 @@ def reproduce(design: Path | None) -> int:
 @click.argument("measurements", type=FILE, nargs=-1, required=True)
 @click.option("--json", "json_path", type=FILE, metavar="FILE", help="Write the result as JSON.")
 @click.option(
-    "--apply", "as_built", type=FILE, metavar="AS_BUILT.yaml", help="Write the design file with what was found in it."
+    "--apply",
+    "as_built",
+    type=FILE,
+    metavar="AS_BUILT.yaml",
+    help="Write the design file with the effects that were found.",
 )
-@click.option("--report", type=FILE, metavar="FOLDER", help="Write a page with plots there.")
+@click.option("--report", type=FILE, metavar="FOLDER", help="Write a page with plots to this folder.")
 @click.option(
     "--correction",
     type=FILE,
     metavar="FOLDER",
-    help="Write a correction table for the controller there.",
+    help="Write a correction table for the controller to this folder.",
 )
 @click.option(
     "--next",
     "next_path",
     type=FILE,
     metavar="NEXT.yaml",
-    help="Where the data cannot tell which of a set it is, write the experiment that tells best.",
+    help="If several effects are possible, write the experiment that separates them best.",
 )
 def loop(
     design: Path,
@@ -80,9 +85,9 @@ def loop(
     correction: Path | None,
     next_path: Path | None,
 ) -> int:
-    """Find in measured runs what the model lacks.
+    """Find effects that the model lacks, from measured runs.
 
-    Judges all runs together; each is described by a MEASUREMENTS file (YAML), which names the columns of its CSV file.
+    Each MEASUREMENTS file (YAML) describes one run and names the columns of its CSV file. All runs are used together.
     """
     from mbcdm_cad.configurations.loader import load_design
 
@@ -101,7 +106,7 @@ def loop(
 )
 @DESIGN
 @click.argument("experiment", type=FILE, required=False)
-@click.option("--within", type=FILE, metavar="BENCH.yaml", help="Look for the best run that this bench can make.")
+@click.option("--within", type=FILE, metavar="BENCH.yaml", help="Find the best run that this bench can make.")
 @click.option("--noise-from", "pilot", type=FILE, metavar="RUN.yaml", help="Take the noise of a measured run.")
 @click.option("--write", "written", type=FILE, metavar="FILE", help="Write the best run as an experiment file.")
 @click.option("--json", "as_json", type=FILE, metavar="FILE", help="Write the plan as JSON.")
@@ -113,9 +118,10 @@ def plan(
     written: Path | None,
     as_json: Path | None,
 ) -> int:
-    """Say what a run could find, before it is made.
+    """Compute what a run could find, before it is made.
 
-    For each effect the smallest size that would be named, and what it could be confused with below which size.
+    For each effect: the smallest size that the loop would name, and the effects with which it could be confused below
+    which size.
     """
     from mbcdm_cad.configurations.loader import load_design
 
@@ -132,7 +138,7 @@ def plan(
 def simulate(design: Path, experiment: Path, out: Path) -> None:
     """Run an experiment on the test rig in software.
 
-    Writes the measured run as 'mbcdm loop' reads it, and in a file of its own the truth that the loop must not see.
+    Writes the measured run for 'mbcdm loop', and in a separate file the truth, which the loop does not read.
     """
     from mbcdm_cad.configurations.loader import load_design
 
@@ -149,12 +155,12 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 @click.argument("data", type=FILE)
 @DESIGN
 @click.option(
-    "--out", type=FILE, metavar="FILE", help="Measurement file; beside the data, with their name, by default."
+    "--out", type=FILE, metavar="FILE", help="Measurement file; by default beside the data, with the same name."
 )
 def measurement_init(data: Path, design: Path, out: Path | None) -> int:
     """Draft the measurement file of a logger's CSV.
 
-    Guesses which column is what from names, units, ranges and the ratio of the design, and marks what is guessed.
+    Guesses the content of each column from names, units, ranges and the ratio of the design, and marks each guess.
     """
     from mbcdm_cad.cli.files import measurement_init_command
 

@@ -16,14 +16,16 @@ VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "to
 @mbcdm.command(epilog=examples("mbcdm build my_drive.yaml", "mbcdm build my_drive.yaml --angle 20 --out /tmp/drives"))
 @DESIGN
 @ANGLE
-@click.option("--force", is_flag=True, help="Build although a check fails; every output then says so.")
+@click.option("--force", is_flag=True, help="Build although a check fails; every output then states it.")
 @out_folder("Folder that the design's folder is written into.")
 @NO_CACHE
-@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+@click.option(
+    "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
+)
 def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool, jobs: int | None) -> int:
     """Build parts, assembly and report of a design.
 
-    Writes STEP and STL of each part, STEP and GLB of the assembly, and the report. Exit 1 if a check fails.
+    Writes STEP and STL of each part, STEP and GLB of the assembly, and the report. Exit code 1 if a check fails.
     """
     from mbcdm_cad.cli.building import build_command
 
@@ -37,12 +39,16 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
     )
 )
 @click.argument("designs", metavar="DESIGN...", type=FILE, nargs=-1, required=True)
-@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON, a list with one object a design.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print the figures as JSON, a list with one object for each design."
+)
 @click.option("--markdown", is_flag=True, help="Print the table as Markdown.")
-@click.option("--page", type=FILE, metavar="FILE", help="Write a page with pictures, figures and plots there.")
+@click.option("--page", type=FILE, metavar="FILE", help="Write a page with pictures, figures and plots to this file.")
 @out_folder("Folder that the designs are built into where they are not yet.")
 @NO_CACHE
-@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+@click.option(
+    "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
+)
 def compare(
     designs: tuple[Path, ...],
     as_json: bool,
@@ -52,10 +58,10 @@ def compare(
     no_cache: bool,
     jobs: int | None,
 ) -> int:
-    """Compare designs side by side, as built.
+    """Compare built designs side by side.
 
-    Torque both ways, mass, box, backlash, stiffness, lowest mode, parts, tightest margin. Builds those that are not
-    built yet; a design that fails a check is not compared.
+    Torque in both directions, mass, box, backlash, stiffness, lowest mode, number of parts, smallest margin. Designs
+    that are not built yet are built first; a design that fails a check is not compared.
     """
     if as_json and markdown:
         raise click.UsageError("--json and --markdown exclude each other; give one of them")
@@ -75,9 +81,9 @@ def compare(
 @DESIGN
 @click.argument("png", metavar="PNG", type=FILE)
 @ANGLE
-@click.option("--travel", is_flag=True, help="A moving picture of the drum's swing, into a GIF file.")
+@click.option("--travel", is_flag=True, help="Draw the drum's travel as a moving picture (GIF file).")
 @click.option(
-    "--view", type=click.Choice(VIEW_NAMES), default="output", show_default=True, help="Where the camera stands."
+    "--view", type=click.Choice(VIEW_NAMES), default="output", show_default=True, help="Direction of the view."
 )
 @NO_CACHE
 def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> int:
@@ -93,7 +99,7 @@ def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, 
 
 @mbcdm.command(epilog=examples("mbcdm page my_drive.yaml"))
 @DESIGN
-@click.option("--force", is_flag=True, help="Make the page although a check fails; it then says so.")
+@click.option("--force", is_flag=True, help="Make the page although a check fails; the page then states it.")
 @out_folder("Folder that the design's folder is written into.")
 @NO_CACHE
 def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
@@ -108,14 +114,16 @@ def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
 
 @mbcdm.command(epilog=examples("mbcdm watch my_drive.yaml"))
 @DESIGN
-@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Any free port by default.")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port of the page; any free port by default."
+)
 @out_folder("Folder that the design's folders are written into.")
 @NO_CACHE
 def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
-    """Follow a design file: new checks and page at each save.
+    """Follow a design file: checks and page at each save.
 
-    Prints the address of a page that loads itself again. The parts drawn at once go into DIR/NAME-live, the whole build
-    into DIR/NAME. Ctrl-C ends it.
+    Prints the address of a page that is updated at each save. Changed parts are written to DIR/NAME-live at once, the
+    complete build to DIR/NAME. Ctrl-C ends the command.
     """
     from mbcdm_cad.cli.watch import watch_command
 
@@ -126,12 +134,12 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
     epilog=examples("mbcdm export my_drive.yaml --format urdf", "mbcdm export my_drive.yaml --format mjcf --elastic")
 )
 @DESIGN
-@click.option("--format", "form", type=click.Choice(("urdf", "mjcf")), required=True, help="For which simulators.")
+@click.option("--format", "form", type=click.Choice(("urdf", "mjcf")), required=True, help="Format of the file.")
 @click.option("--elastic", is_flag=True, help="Cables as springs instead of a rigid ratio (MJCF only).")
 @out_folder("Folder that the description's folder, NAME-FORMAT, is written into.")
 @NO_CACHE
 def export(design: Path, form: str, elastic: bool, out: Path, no_cache: bool) -> int:
-    """Describe a design for robot simulators.
+    """Write a design for robot simulators.
 
     Links with mass and inertia, joints with the drive's ratios, meshes in metres; see docs/robot-formats.md.
     """
@@ -147,7 +155,7 @@ def export(design: Path, form: str, elastic: bool, out: Path, no_cache: bool) ->
 @out_folder("Folder that the pictures' folder, NAME-pictures, is written into.")
 @NO_CACHE
 def pictures(design: Path, out: Path, no_cache: bool) -> int:
-    """Draw the pictures that a builder uses.
+    """Draw pictures for the assembly of the drive.
 
     One for each step of the order of assembly, an exploded view, a section through the transfer to the drum.
     """
@@ -161,9 +169,9 @@ def pictures(design: Path, out: Path, no_cache: bool) -> int:
 @out_folder("Folder that the folder of 3MF files, NAME-prints, is written into.")
 @NO_CACHE
 def prints(design: Path, out: Path, no_cache: bool) -> int:
-    """Write the made parts for a 3D printer.
+    """Write 3MF files of the made parts for a 3D printer.
 
-    One 3MF file for each part, in millimetres, with its name, lying on its largest flat face.
+    One file for each part, in millimetres, with its name, lying on its largest flat face.
     """
     from mbcdm_cad.cli.building import prints_command
 
@@ -173,9 +181,11 @@ def prints(design: Path, out: Path, no_cache: bool) -> int:
 @mbcdm.command(epilog=examples("mbcdm drawings my_drive.yaml", "mbcdm drawings my_drive.yaml --part input_pulley_left"))
 @DESIGN
 @out_folder("Folder that the drawings' folder, NAME-drawings, is written into.")
-@click.option("--part", metavar="NAME", help="Only the sheet of this part.")
+@click.option("--part", metavar="NAME", help="Draw only the sheet of this part.")
 @click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
-@click.option("--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Processes; all cores by default.")
+@click.option(
+    "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
+)
 def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: int | None) -> int:
     """Draw the workshop drawings of all made parts.
 

@@ -1,4 +1,4 @@
-"""The command that holds all others."""
+"""The command ``mbcdm``, to which all others belong."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mbcdm_cad.cli.options import examples
 )
 @click.version_option(__version__, prog_name="mbcdm")
 def mbcdm() -> None:
-    """Cable drives from a design file: checked, weighed and openable parts.
+    """Cable drives from a design file: checks, parts, report, model, loop.
 
     Exit codes: 0 done, 1 a check failed, 2 bad input. Completion for the shell: see docs/command-line.md.
     """

@@ -72,7 +72,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
 
         following = next_run(loaded.drive, [one.run for one in vetted], report.result)
         if following is None:
-            click.echo(f"\nno set is left to be told apart: {wanted.next} is not written")
+            click.echo(f"\nno set of possible effects is left: {wanted.next} is not written")
         else:
             outputs[wanted.next] = following.text().encode()
             click.echo(f"\nnext run, {following.words()}")

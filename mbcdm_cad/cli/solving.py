@@ -81,25 +81,29 @@ def _lines(found: Solution, before: str, after: str | None) -> Iterator[str]:
 def _conflict_lines(conflict: Conflict, name: str, trials: int) -> Iterator[str]:
     yield f"{name}: no design passes every check ({trials} designs tried)"
     if conflict.first:
-        yield "First this must give, each as far as the next needs:"
+        yield "These requirements were relaxed first, one after the other:"
         yield from (f"  {_give(way)}" for way in conflict.first)
     if conflict.exclude:
-        several = "these exclude each other" if len(conflict.exclude) > 1 else "this cannot be met beside the rest"
+        several = (
+            "these exclude each other"
+            if len(conflict.exclude) > 1
+            else "this cannot be met together with the rest of the file"
+        )
         sure = several if conflict.proved else f"{several}, perhaps with others"
         yield f"{'Then ' if conflict.first else ''}{sure}: {', '.join(conflict.exclude)}"
-        yield "Any one of them is enough, each was tried and then passes:"
+        yield "To relax one of them is enough; each of these was tried and passes:"
         yield from (f"  {_give(way)}" for way in conflict.either)
     else:
-        yield "No requirement was found whose giving way ends in a passing design."
-    yield "What fails on the nearest miss:"
+        yield "No requirement was found that gives a passing design when it alone is relaxed."
+    yield "Checks that fail on the design that came nearest:"
     yield from (f"  {check}: {message}" for check, message in conflict.nearest)
 
 
 def _give(way: Give) -> str:
     moved = ", ".join(f"{field} {_setting(value)}" for field, value in way.moves.items())
-    with_it = f"  (then also moved: {moved})" if moved else ""
+    with_it = f"  (then also changed: {moved})" if moved else ""
     if way.after is None:
-        return f"{way.field}: {_word(way.before)} -> left out, its rule then fills it{with_it}"
+        return f"{way.field}: {_word(way.before)} -> left out; its rule then gives the value{with_it}"
     return f"{way.field}: {_word(way.before)} -> {_word(way.after)}{with_it}"
 
 

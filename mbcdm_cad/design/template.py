@@ -43,7 +43,7 @@ def derived_text(values: Iterable[SizedValue]) -> str:
         blocks.setdefault(path[0] if path else "", []).append(
             f"# {pad}{last}: {flow(value.value)}  # {value.driver}: {value.text}"
         )
-    lines = ["", "# What follows from these; uncomment a line to hold its value."]
+    lines = ["", "# Values that follow from these; remove the comment mark of a line to fix its value."]
     for block, rows in blocks.items():
         lines += ([f"# {block}:"] if block else []) + rows
     return "\n".join(lines) + "\n"

@@ -79,7 +79,7 @@ def applied_words(result: LoopResult) -> str:
     words = [f"{', '.join(named.words for named in result.effects)} in force"] if result.effects else []
     words += [
         f"undecided, as comments: {' or '.join(named.words for named in group)} "
-        "(take the marks off the one that the bench confirms)"
+        "(remove the comment marks of the one that the bench confirms)"
         for group in result.one_of
     ]
     return "; ".join(words) or "nothing was named, so it is the design as it was"

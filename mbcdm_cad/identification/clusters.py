@@ -178,10 +178,10 @@ class Separation:
     def words(self) -> str:
         """For people."""
         if self.apart:
-            return f"told apart, {self.probability:.2g} to be wrong"
+            return f"separated, {self.probability:.2g} to be wrong"
         if not np.isfinite(self.factor) or self.factor > 100.0:
             return "the same in this experiment at any size"
-        return f"{self.probability:.0%} to be wrong; told apart if it were {self.factor:.2g} times as large"
+        return f"{self.probability:.0%} to be wrong; separated if it were {self.factor:.2g} times as large"
 
 
 def separation(

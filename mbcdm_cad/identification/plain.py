@@ -16,7 +16,7 @@ def finding(result: LoopResult) -> str:
     if result.verdict == "none":
         return f"Nothing is missing: the design file predicts the output within {after}, which is the noise ({floor})."
     if result.verdict == "not_testable":
-        return "These runs can say nothing about the drive."
+        return "These runs say nothing about the drive."
     parts = [described(named) for named in result.effects]
     parts += ["either " + " or ".join(described(named) for named in group) for group in result.one_of]
     left = f"something unknown is left, {_angle(result.unknown.rms_rad)} RMS" if result.unknown else ""
@@ -43,7 +43,7 @@ def certainty(result: LoopResult) -> str:
         words.append("Each of the other known causes was tried in its place and does worse, wrong in 1 % at most.")
         words += [interval for named in result.effects if (interval := _interval(named))]
     if result.one_of:
-        words.append("These runs cannot tell which of those named with 'or' it is.")
+        words.append("These runs cannot show which of the causes named with 'or' is present.")
     return " ".join(words)
 
 

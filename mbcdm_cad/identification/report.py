@@ -28,8 +28,8 @@ MOST_PLOTTED = 6
 # What to look for in each plot; pictures have a title too.
 TIME = (
     "Over time: the output as measured and as the declared model predicts it; below, what is left of it before, and "
-    "after what was found was put into the model. Grey was held out before anything was chosen. Yellow is left out: "
-    "in the first half sweep nobody knows what the friction remembers from before."
+    "after what was found was put into the model. Grey was held back before anything was chosen. Yellow is not used: "
+    "in the first half sweep the state of the friction is not known."
 )
 LOOP = (
     "Transmission error over output angle",
@@ -42,8 +42,8 @@ SCATTER = (
     "over load like stiffness.",
 )
 ORDERS = (
-    "Orders of what is left: amplitude by cycles a turn of the output. Dotted lines mark what turns once in the chain; "
-    "a peak on one of them, or on a multiple, points at that shaft. Grey: too few cycles over this travel to be told."
+    "Orders of the remaining error: amplitude over cycles for a turn of the output. Dotted lines mark one turn of each "
+    "shaft; a peak on one of them, or on a multiple, points at that shaft. Grey: too few cycles over this travel."
 )
 
 JudgedRun = tuple[Run, Sequence[VettingNote], Sequence[str]]

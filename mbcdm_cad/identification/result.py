@@ -220,7 +220,7 @@ class LoopResult:
         if self.verdict == "none":
             return f"The declared model explains the run: held-out error {before} RMS, noise floor {floor}."
         if self.verdict == "not_testable":
-            return "Nothing can be said from this run: " + "; ".join(self.not_testable) + "."
+            return "This run cannot be used: " + "; ".join(self.not_testable) + "."
         if self.verdict == "unknown":
             assert self.unknown is not None
             helps = f"; {self._helps()}" if self.helpful else ""
@@ -293,7 +293,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
         words = f"helps on unseen half sweeps, odds {min(one.odds, 9999.0):.0f} to 1, and may only resemble the cause:"
         lines += ["", words, *("  " + line for line in named_lines(one.named))]
     for group in result.one_of:
-        lines += ["", "one of these, the data cannot tell which:"]
+        lines += ["", "one of these; the data cannot show which:"]
         for named in group:
             lines += ["  " + line for line in named_lines(named)]
     candidates = (*result.evidence, *result.small)

@@ -26,7 +26,9 @@ LISTED_LINES = 5
 # No sensor reads this; instruments write such figures (9.9e37) for an overload.
 OVERLOAD = 1e30
 _DATE = re.compile(r"\d{1,4}[-/:.]\d{1,2}[-/:.]\d{1,4}|\d{1,2}:\d\d")
-DECIMALS = "decimal commas between commas cannot be told apart: export with semicolons or tabs, and set decimal: comma"
+DECIMALS = (
+    "decimal commas and commas between columns look alike: export with semicolons or tabs, and set decimal: comma"
+)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?\Z")
 
 
@@ -181,5 +183,5 @@ class _Reader:
         return value
 
     def _fault(self, number: int, what: str, value: str, limit: str, remedy: str = "") -> InputError:
-        remedy = remedy or "mend or remove the row, or set broken_rows: skip in the measurement file"
+        remedy = remedy or "correct or remove the row, or set broken_rows: skip in the measurement file"
         return InputError([Problem(str(self.path), number, "", what, value, limit, remedy)])

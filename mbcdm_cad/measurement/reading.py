@@ -238,8 +238,8 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
         differ = logged is not None and logged != unit_of(quantity, column.unit, column.counts_per_turn)
         if differ and abs(column.scale) == 1.0:
             notes.append(
-                f"{data.name} has {quantity} in {told} by its own header, the measurement file says {column.unit}: "
-                "which is true?"
+                f"{data.name} has {quantity} in {told} by its own header, but {column.unit} in the measurement file; "
+                "check which is correct"
             )
     return notes
 
@@ -289,7 +289,7 @@ def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format,
         if longer and len(known) > 1:
             remedy = f"did you mean {shortened(longer[0])}?"
         elif elsewhere == layout.header_line and len(known) == 1:
-            remedy = "names there are not told apart: check delimiter"
+            remedy = "the names there cannot be separated: check delimiter"
         elif elsewhere > layout.header_line:
             remedy = f"the name is on line {elsewhere}: set skip_rows: {elsewhere - 1}"
         else:

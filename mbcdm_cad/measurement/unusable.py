@@ -51,7 +51,7 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
             else "log the time with more digits, or leave out doubled rows"
         )
         if back.size > MOST_BACK * count:
-            remedy = f"so do {back.size} of {count} steps: is this column the time? Mend columns.time, or {remedy}"
+            remedy = f"so do {back.size} of {count} steps: is this column the time? Correct columns.time, or {remedy}"
         raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
     problems = _far_off(file, run, table, data) or _not_moved(file, run)
     if problems:
@@ -77,7 +77,7 @@ def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> l
             continue
         what = f"{rows.size} figure(s) of the {name} far from all others, the first here"
         value, limit = f"{values[rows[0]]:.6g} in SI", f"others {low:.4g} to {high:.4g}"
-        remedy = "remove or mend these rows"
+        remedy = "remove or correct these rows"
         problems.append(Problem(str(data), table.line_of(int(rows[0])), "", what, value, limit, remedy))
     return problems
 

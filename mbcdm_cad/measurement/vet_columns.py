@@ -26,11 +26,11 @@ MOST_LOAD = 3.0
 LEAST_GIVE, MOST_GIVE, FARTHEST_GIVE = 0.25, 25.0, 250.0
 # Known slips, as the factor by which an angle comes out too large, and how they are told.
 SLIPS = (
-    (180.0 / math.pi, "degrees called radians"),
-    (2.0 * math.pi, "radians called turns"),
-    (10800.0 / math.pi, "arc minutes called radians"),
-    (360.0, "degrees called turns"),
-    (1000.0, "mrad called rad"),
+    (180.0 / math.pi, "degrees declared as radians"),
+    (2.0 * math.pi, "radians declared as turns"),
+    (10800.0 / math.pi, "arc minutes declared as radians"),
+    (360.0, "degrees declared as turns"),
+    (1000.0, "mrad declared as rad"),
     (2.0, "counts_per_turn half of what it is"),
     (4.0, "counts_per_turn a quarter of what it is, as with edges counted"),
 )
@@ -117,7 +117,7 @@ def _swapped(run: Run, ratio: float) -> VettingNote | None:
             factors = [_factor(trial["columns", "output"], trial[field], ratio) for field in inputs]
             if all(factor is not None and abs(abs(factor) - 1.0) <= NEAR for factor in factors):
                 text = f"columns of {first[1]} and {second[1]} look swapped: exchanged they give the declared ratio"
-                remedy = "exchange the two column entries, or mend the ratio if the drive was driven from its output"
+                remedy = "exchange the two column entries, or correct the ratio if the drive was driven from its output"
                 return VettingNote("swapped", "refused", text, remedy, first)
     return None
 
@@ -138,7 +138,7 @@ def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: 
                 slip = f"the reverse of {slip}"
             field = ("columns", "output") if at_output else fields
             text = f"{figures}: {where} too {'small' if not large and not at_output else 'large'} by {size:.4g}, {slip}"
-            remedy = "mend unit, scale or counts_per_turn of that column"
+            remedy = "correct unit, scale or counts_per_turn of that column"
             if run.ratio is not None:
                 remedy += ", or ratio in this file"
             return VettingNote("unit", "refused", text, remedy, field)
@@ -160,7 +160,9 @@ def _travel(run: Run, travel_rad: float | None) -> list[VettingNote]:
     text = f"the output turns by {travel:.4g} rad, the design by {travel_rad:.4g} rad between its stops"
     degrees = travel * math.pi / 180.0 <= 1.1 * travel_rad and travel > 10.0 * travel_rad
     remedy = (
-        "all angles look like degrees called radians: mend the units" if degrees else "check the units of all angles"
+        "all angles look like degrees declared as radians: correct the units"
+        if degrees
+        else "check the units of all angles"
     )
     return [VettingNote("travel", "refused", text, remedy, ("columns", "output"))]
 
@@ -174,11 +176,11 @@ def _load_size(run: Run, d: DriveSI | None) -> list[VettingNote]:
     holds = float(np.sum(d.preload_N * d.drum_radius_m))
     if most <= holds:
         return []
-    text = f"loads up to {most:.4g} N m, where the preload of the cables holds some {holds:.3g} N m"
+    text = f"loads up to {most:.4g} N m, but the preload of the cables holds only about {holds:.3g} N m"
     if most <= MOST_LOAD * holds:
         remedy = "cables go slack, or load_torque is in another unit or another column"
         return [VettingNote("load", "doubt", text, remedy, ("columns", "load_torque"))]
-    remedy = "check the unit of load_torque (mN*m called N*m?) and its scale"
+    remedy = "check the unit of load_torque (mN*m declared as N*m?) and its scale"
     return [VettingNote("load", "refused", text, remedy, ("columns", "load_torque"))]
 
 
@@ -199,7 +201,7 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
     if together < 0.7 or share < 0.5:
         return []
     text = (
-        f"the drum moves towards its load, {share:.2g} times as far as it should give way: load torque of reversed sign"
+        f"load_torque has the wrong sign: the drum moves against its load, {share:.2g} times as far as it should yield"
     )
     remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
     return [VettingNote("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
@@ -207,13 +209,15 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
 
 def _wrong_give(share: float) -> VettingNote:
     """The drum gives way to its load by ``share`` of what it should: all angles, or the load, in another unit."""
-    text = f"the drum gives way to its load {share:.2g} times as far as its cables must"
+    text = f"the drum gives way to its load {share:.2g} times as far as its cables stretch"
     if share > 1.0:
-        remedy = "check the unit of load_torque (N*m called mN*m?); or a coupling is very soft"
+        remedy = "check the unit of load_torque (N*m declared as mN*m?); or a coupling is very soft"
         return VettingNote(
             "load", "doubt" if share < FARTHEST_GIVE else "refused", text, remedy, ("columns", "load_torque")
         )
-    remedy = "check the units of all angles (radians called degrees?), of load_torque, and modulus_GPa of the design"
+    remedy = (
+        "check the units of all angles (radians declared as degrees?), of load_torque, and modulus_GPa of the design"
+    )
     return VettingNote("unit", "refused", text, remedy, ("columns", "output"))
 
 

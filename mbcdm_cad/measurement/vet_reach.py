@@ -52,7 +52,7 @@ def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNot
     )
     found = [VettingNote("sweeps", "fact", text)]
     if sweeps < FEWEST_HALF_SWEEPS:
-        text = f"{sweeps} half sweep(s): nothing repeats, so an effect cannot be told from a one-time event"
+        text = f"{sweeps} half sweep(s): nothing repeats, so an effect cannot be distinguished from a single event"
         found.append(
             VettingNote("one_sweep", "doubt", text, f"record {FEWEST_HALF_SWEEPS} half sweeps or more, best 12")
         )
@@ -108,7 +108,7 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
         text = "the load follows the sense of motion: friction looks like lash" + (
             ", winding_history like ratio_error" if d is not None else ""
         )
-        found.append(VettingNote("load_follows_speed", "fact", text, "a bias load tells them apart"))
+        found.append(VettingNote("load_follows_speed", "fact", text, "a bias load separates them"))
     return found
 
 
@@ -127,7 +127,7 @@ def load_levels(load_Nm: Floats) -> list[float]:
 
 def _temperature(run: Run) -> list[VettingNote]:
     if run.temperature_C is None:
-        text = "no temperature: thermal drift and creep are told by their course in time alone"
+        text = "no temperature: thermal drift and creep are found from their course over time alone"
         return [VettingNote("no_temperature", "fact", text)]
     span = float(np.ptp(run.temperature_C))
     return [VettingNote("temperature", "fact", f"temperature varies by {span:.3g} K")]

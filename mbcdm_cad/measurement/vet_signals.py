@@ -44,7 +44,7 @@ def _gaps(run: Run) -> list[VettingNote]:
     longest = int(gaps[np.argmax(steps[gaps])])
     text = (
         f"{gaps.size} gap(s) in time, the longest {steps[longest]:.4g} s at {run.time_s[longest]:.6g} s "
-        f"(usual step {run.step_s:.4g} s); what the friction did in them nobody knows"
+        f"(usual step {run.step_s:.4g} s); the state of the friction after them is not known"
     )
     return [VettingNote("gaps", "doubt", text, "log without pauses", ("columns", "time"))]
 
@@ -57,9 +57,9 @@ def _pace(run: Run) -> list[VettingNote]:
     text = f"a half sweep takes some {half_s:.3g} s, a sample {run.step_s:.3g} s"
     field = ("columns", "time")
     if run.step_s >= SLOW_STEP_S or half_s > SLOW_SWEEP_S:
-        return [VettingNote("pace", "doubt", text, "is the time in ms or in sample numbers, called s?", field)]
+        return [VettingNote("pace", "doubt", text, "is the time in ms or in sample numbers but declared as s?", field)]
     if half_s < FAST_SWEEP_S:
-        remedy = "is the time in s, called ms? If not, move slower: the model knows no inertia"
+        remedy = "is the time in s but declared as ms? If not, move slower: the model has no inertia"
         return [VettingNote("pace", "doubt", text, remedy, field)]
     return []
 
@@ -72,7 +72,9 @@ def _temperature(run: Run) -> list[VettingNote]:
         return []
     text = f"temperatures of {low:.4g} to {high:.4g} degC"
     return [
-        VettingNote("temperature", "doubt", text, "check its unit (K or degF called degC?)", ("columns", "temperature"))
+        VettingNote(
+            "temperature", "doubt", text, "check its unit (K or degF declared as degC?)", ("columns", "temperature")
+        )
     ]
 
 

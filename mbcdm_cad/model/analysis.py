@@ -235,7 +235,7 @@ def _train(drive: Drive) -> tuple[str, ...]:
     if gear.absent:
         return motor, "There is no gearhead: the motor's shaft turns the input."
     return (
-        "Peak torque counts the gearhead as lossless, as the paper does; the figure with its efficiency is beside it.",
+        "Peak torque counts the gearhead as lossless, as the paper does; the value with its efficiency is printed too.",
         motor,
         f"Gearhead {gear.name}: {gear.ratio:g}:1, efficiency {gear.efficiency:g}, {gear.rated_torque_mNm:g} mN m "
         f"continuous, {gear.max_torque_mNm:g} at most [{gear.source}].",

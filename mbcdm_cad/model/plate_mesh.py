@@ -274,7 +274,7 @@ def shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Float
     try:
         displacement = solve(plates, element, held.ravel(), ground, load)
     except np.linalg.LinAlgError:
-        raise ValueError("frame: its walls hang together so little that their deflection has no answer") from None
+        raise ValueError("frame: its walls are hardly connected, so their deflection cannot be computed") from None
     local = displacement[freedoms(plates)]
     work = 2.0 * ((element @ local[:, :, None])[:, :, 0] * local).sum(axis=1)
     by_panel = np.bincount(plates.panel, work, len(mesh.names))

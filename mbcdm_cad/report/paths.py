@@ -66,7 +66,7 @@ def path_lines(kind: str, paths: dict[str, Any]) -> Iterator[str]:
     turned = [abs(v) for way in paths["test_turn_mrad"].values() for v in way]
     yield (
         f"  turn at the test torque with the wraps as they are: {min(turned):.4f} to {max(turned):.4f} mrad over the "
-        "travel (the figures above take them as endless)"
+        "travel (the figures above are for endless wraps)"
     )
     low, high = paths["usable_deg"]
     yield f"usable travel {low:.2f} to {high:+.2f} deg (design {ends[0]:+g} to {ends[1]:+g}); limits in order:"

@@ -79,6 +79,8 @@ def write_run(folder: Path, files: dict[str, bytes]) -> None:
 
     def refuse(target: Path) -> None:
         if target.exists() and (not target.is_dir() or any("".join(p.suffixes) not in ours for p in target.iterdir())):
-            raise OutputError(f"{target}: holds something else than a simulated run; choose another folder with --out")
+            raise OutputError(
+                f"{target}: contains something other than a simulated run; choose another folder with --out"
+            )
 
     write_folder(folder, files, refuse)

@@ -34,7 +34,7 @@ class KnownFields:
         """Value of a field that the file gives or an earlier rule filled. Raises ``KeyError`` where it is open."""
         value = self.peek(field)
         if value is None:
-            raise KeyError(f"{field} is not known when it is read: its rule stands too late")
+            raise KeyError(f"{field} is not known when it is read: its rule comes too late")
         self._read[field] = value
         return value
 

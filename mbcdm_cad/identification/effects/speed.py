@@ -55,7 +55,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             (Parameter("half_width_rad", 1e-5, 0.0),),
             _hysteresis,
             generic=True,
-            plain="friction holds the output back by {half_width_rad}, one way and the other",
+            plain="friction holds the output back by {half_width_rad} in both directions",
         )
         return [late, shift]
     bearing = Effect(

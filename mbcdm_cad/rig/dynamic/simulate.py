@@ -44,7 +44,7 @@ def _bench(drive: Drive, experiment: DynamicExperiment, drum: Any) -> Bench:
     try:
         bench = bench_of(drive, time, drum, strays, np.random.default_rng(experiment.seed), "pulley")
     except ValueError as error:
-        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}") from None
+        raise RigError(f"{drive.name}: the rig cannot simulate this drive: {error}") from None
     for effect in experiment.effects:
         try:
             effect.apply(bench)

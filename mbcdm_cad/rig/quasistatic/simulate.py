@@ -38,7 +38,7 @@ def set_up(drive: Drive, experiment: Experiment) -> Bench:
     try:
         bench = bench_of(drive, time, drum, strays, rng, experiment.sensors.input_at)
     except ValueError as error:
-        raise RigError(f"{drive.name}: the bench cannot hold this drive: {error}") from None
+        raise RigError(f"{drive.name}: the rig cannot simulate this drive: {error}") from None
     for effect in experiment.effects:
         try:
             effect.apply(bench)

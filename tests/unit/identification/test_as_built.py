@@ -127,7 +127,7 @@ def test_what_was_undecided_is_written_anew_by_the_next_run(effects: tuple[Named
 def test_the_terminal_is_told_what_is_in_force() -> None:
     assert applied_words(result((GUIDE,), (SETS[0],))) == (
         "once_per_rev guide in force; undecided, as comments: once_per_rev input_left or once_per_rev input_right "
-        "(take the marks off the one that the bench confirms)"
+        "(remove the comment marks of the one that the bench confirms)"
     )
     assert "nothing was named" in applied_words(result(()))
 

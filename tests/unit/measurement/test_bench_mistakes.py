@@ -180,17 +180,17 @@ REFUSED = {
     ),
     "input and output swapped": Mistake("output and input_left look swapped", lambda: exchanged("q_left", "q_out")),
     "output and torque swapped": Mistake("output and load_torque look swapped", lambda: exchanged("tau", "q_out")),
-    "all in degrees": Mistake("all angles look like degrees called radians", lambda: scaled(DEG, *ANGLES)),
-    "output in degrees": Mistake("output too large by 57.3, degrees called radians", lambda: scaled(DEG, "q_out")),
+    "all in degrees": Mistake("all angles look like degrees declared as radians", lambda: scaled(DEG, *ANGLES)),
+    "output in degrees": Mistake("output too large by 57.3, degrees declared as radians", lambda: scaled(DEG, "q_out")),
     "inputs in degrees": Mistake("inputs too large by 57.3, degrees", lambda: scaled(DEG, "q_left", "q_right")),
     "left sign": Mistake("the left input turns against the output", lambda: scaled(-1.0, "q_left")),
     "output sign": Mistake("its sign is reversed; set scale: -1", lambda: scaled(-1.0, "q_out")),
     "torque sign": Mistake("load torque of reversed sign; set scale: -1", lambda: scaled(-1.0, "tau")),
     "torque in mN m": Mistake("mN*m called N*m?", lambda: scaled(1e3, "tau")),
     "all radians called degrees": Mistake(
-        "(radians called degrees?)", content=lambda: in_unit("deg", "input_left", "input_right", "output")
+        "(radians declared as degrees?)", content=lambda: in_unit("deg", "input_left", "input_right", "output")
     ),
-    "N m called mN m": Mistake("(N*m called mN*m?)", content=lambda: in_unit("mN*m", "load_torque")),
+    "N m called mN m": Mistake("(N*m declared as mN*m?)", content=lambda: in_unit("mN*m", "load_torque")),
     "counts a quarter": Mistake(
         "counts_per_turn a quarter",
         lambda: scaled(8192.0 / (2.0 * np.pi), "q_out"),
@@ -265,7 +265,7 @@ SAID = {
         lambda: mapping(output={"column": "q_out [deg]"}),
     ),
     "row of other units": Mistake(
-        "run.csv has output in deg by its own header, the measurement file says rad",
+        "run.csv has output in deg by its own header, but in rad",
         lambda: under_header("s,rad,rad,deg,N m"),
     ),
     "some broken rows": Mistake(

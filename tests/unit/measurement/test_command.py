@@ -80,7 +80,7 @@ def test_refusals_name_file_line_and_remedy_and_write_nothing(write: Write, caps
     assert mbcdm(["loop", str(DESIGN), str(path), "--json", str(target)]) == 2
     said = capsys.readouterr().err
     line = 1 + path.read_text().splitlines().index("  input_left:")
-    assert f"run.yaml:{line}: columns.input_left: " in said and "degrees called radians" in said, said
+    assert f"run.yaml:{line}: columns.input_left: " in said and "degrees declared as radians" in said, said
     assert not target.exists()
 
 
