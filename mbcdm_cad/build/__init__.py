@@ -1,1 +1,1 @@
-"""What ``build`` does: draws parts, looks for interference, writes files; takes from the cache what has not changed."""
+"""The work of ``mbcdm build``: draw parts, test interference, write files; unchanged results come from the cache."""

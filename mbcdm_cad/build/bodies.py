@@ -1,4 +1,4 @@
-"""The bodies of an assembly: what stands still and what turns, each with its items and its turn with the drum."""
+"""The bodies of an assembly: the fixed body and the turning bodies, each with its items and its ratio to the drum."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mbcdm_cad.parts.placement import Placement, Vector
 
 @dataclass(frozen=True)
 class MovingGroup:
-    """What moves as one. It turns by ``ratio`` times the drum's angle about ``axis`` through ``point_mm``.
+    """Items that move as one body. It turns by ``ratio`` times the drum's angle about ``axis`` through ``point_mm``.
 
     ``ratio`` carries the sense and is 0 for what stands still. ``items`` are the names of its items, sorted.
     """
@@ -31,12 +31,12 @@ class MovingGroup:
 
 
 def is_cable(item: Item) -> bool:
-    """Whether an item is a cable: bent anew at every angle, so part of no body."""
+    """Whether an item is a cable. A cable has another shape at every angle, so it belongs to no body."""
     return item.name.startswith(CABLE)
 
 
 def bodies(moving: Sequence[MovingBody], centred: Bill) -> tuple[MovingGroup, ...]:
-    """What stands still, then the moving bodies in their order; ``centred`` is the bill with the drum at 0 deg."""
+    """The fixed body, then the moving bodies in their order; ``centred`` is the bill with the drum at 0 deg."""
     members: dict[str, list[str]] = {FIXED: [], **{body.name: [] for body in moving}}
     for item in centred.items:
         if not is_cable(item):

@@ -1,4 +1,4 @@
-"""What an interference run reports, and the part of it that needs no kernel: cables against each other."""
+"""The results of an interference run, and its test of cables against each other, which needs no kernel."""
 
 from __future__ import annotations
 

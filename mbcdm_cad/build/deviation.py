@@ -1,4 +1,4 @@
-"""How far a triangulated face lies from its surface: measured, since the kernel's tolerance is a wish, not a bound."""
+"""Measure the distance of a triangulated face from its surface; the kernel does not guarantee its tolerance."""
 
 from __future__ import annotations
 

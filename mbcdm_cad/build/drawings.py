@@ -1,4 +1,4 @@
-"""The workshop drawings of a design: a sheet for each made part, fetched from the cache or made and put there.
+"""The workshop drawings of a design: a sheet for each made part, read from the cache or made and stored in it.
 
 The kernel and the drawing libraries are imported inside: sheets from the cache need neither.
 """

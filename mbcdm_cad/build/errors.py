@@ -1,4 +1,4 @@
-"""Errors of this room that a user can put right."""
+"""Errors of this room that a user can correct."""
 
 from __future__ import annotations
 

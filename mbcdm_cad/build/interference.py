@@ -1,9 +1,10 @@
-"""Does anything overlap anything, over the whole travel? Solids by booleans, cables by a rod a hair thinner.
+"""The interference run: test all pairs of bodies for overlap over the whole travel.
 
-The run lists what has to be looked at, pose by pose, and the tests that answer for it, each test once: pairs that lie
-alike at many poses are one test, and after an edit only the pairs that it has changed have to be tested. Bodies that
-move together are looked at with the drum centred. Cable against cable, and against its own turns, by the distance of
-centre lines, since rods that touch make booleans fail. No list of exceptions.
+Solids are tested by booleans; a cable is tested as a rod that is slightly thinner than the cable. The run lists the
+pairs at each pose and the tests that they need, each test once: pairs with the same relative position at many poses
+share one test, and after an edit only the changed pairs are tested. Bodies that move together are tested with the drum
+centred. Cables are tested against each other and against their own turns by the distance of their centre lines, because
+booleans fail on rods that touch. There is no list of exceptions.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from mbcdm_cad.storage.parallel import fork_map
 
 @dataclass(frozen=True)
 class Look:
-    """Bodies at one pose: the test that answers for them, and how its answer reads there."""
+    """One pair of bodies at one pose: the test whose answer applies, and how the answer is expressed at this pose."""
 
     key: str
     kind: str
@@ -47,7 +48,7 @@ class Look:
 
 @dataclass
 class InterferenceRun:
-    """The looks in the order of the result, and the tests by key."""
+    """The pairs in the order of the result, and the tests by key."""
 
     looks: list[Look] = field(default_factory=list)
     tests: dict[str, Test] = field(default_factory=dict)
@@ -74,7 +75,7 @@ def interference_run(
     half_travel_deg: float,
     diameter_mm: float,
 ) -> InterferenceRun:
-    """All that has to be looked at over ``poses_deg``. ``scenes`` by drum angle: the poses, the centre, both ends.
+    """All pairs and tests over ``poses_deg``. ``scenes`` by drum angle: the poses, the centre, both ends.
 
     ``bodies`` by part; items whose part is not among them are left out.
     """
@@ -119,7 +120,7 @@ def interference_run(
 
 
 def answers(run: InterferenceRun, known: Mapping[str, Found], jobs: int) -> dict[str, Found]:
-    """Answers to all tests of ``run``: those ``known``, and the others worked out, the same for any ``jobs``."""
+    """Answers to all tests of ``run``: those in ``known``, and the others computed; the same for any ``jobs``."""
     missing = run.missing(known)
     worked_out = fork_map(lambda key: run.tests[key].test(), missing, jobs)
     return {**{key: known[key] for key in run.tests if key in known}, **dict(zip(missing, worked_out, strict=True))}

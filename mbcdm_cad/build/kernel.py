@@ -1,4 +1,4 @@
-"""The few conversions between plain numbers and the kernel that every writer of this room needs."""
+"""Conversions between plain numbers and shapes of the CAD kernel, shared by the writers of this room."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Answers of earlier interference runs, kept as one entry of the cache for all designs together."""
+"""Answers of earlier interference tests, stored in one cache entry for all designs."""
 
 from __future__ import annotations
 

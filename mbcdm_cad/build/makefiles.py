@@ -1,4 +1,4 @@
-"""A part drawn from its entry in the bill, and all that a build needs of its solid."""
+"""Draw a part from its entry in the bill, and compute everything that a build needs from its solid."""
 
 from __future__ import annotations
 

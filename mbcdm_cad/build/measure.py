@@ -13,7 +13,7 @@ from mbcdm_cad.parts.placement import Placement, Vector
 
 
 def measure(solid: Shape) -> ShapeProperties:
-    """What the shape of ``solid`` gives, in its own frame. The solid should be valid: an open one has no volume.
+    """Volume, centroid, inertia of ``solid`` in its own frame. The solid should be valid: an open one has no volume.
 
     Exact to rounding on planes, cylinders, cones, spheres and tori; about 1e-6 of the volume on swept surfaces.
     """

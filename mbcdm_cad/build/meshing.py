@@ -1,4 +1,4 @@
-"""Solids to triangles, with a chordal error that is held, not hoped for."""
+"""Mesh solids into triangles with a chordal error that is measured and kept below its limit."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def mesh_solid(name: str, solid: Shape, tolerance_mm: float) -> TriangleMesh:
 
 
 def kernel_tolerances(tolerance_mm: float) -> tuple[float, float]:
-    """What the kernel is asked for at first, for a mesh within ``tolerance_mm``: a length (mm) and an angle (rad)."""
+    """First tolerances given to the kernel for a mesh within ``tolerance_mm``: a length (mm) and an angle (rad)."""
     return _FIRST_SHARE * tolerance_mm, angular_tolerance(tolerance_mm)
 
 

@@ -1,7 +1,8 @@
-"""Tests of single pairs: two solids, a stretch of a cable and a solid, the cables of one pose.
+"""Interference tests of single pairs: two solids, a piece of a cable and a solid, all cables of one pose.
 
-A test is named by the content of the shapes and by how they lie to each other, and its answer holds wherever they do.
-Kernel and compiled code are imported inside the functions: a run whose answers are all known does without them.
+The key of a test is made from the content of the shapes and their relative position, so its answer is valid wherever
+these are the same. Kernel and compiled code are imported inside the functions: a run whose answers are all known does
+not need them.
 """
 
 from __future__ import annotations
@@ -212,7 +213,7 @@ Test = Pair | Rod | Cables
 
 
 def rounded(placement: Placement) -> Placement:
-    """A motion to the places that count: motions that differ by rounding come out equal."""
+    """A motion rounded to the significant digits, so that motions that differ only by rounding errors are equal."""
 
     def row(values: Row) -> Row:
         a, b, c = (round(value, _ROTATION_DIGITS) + 0.0 for value in values[:3])

@@ -1,4 +1,4 @@
-"""All that a build needs of one part, as it lies in the cache: read without the kernel."""
+"""The cached files and figures of one part; they are read without the kernel."""
 
 from __future__ import annotations
 

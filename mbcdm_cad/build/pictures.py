@@ -1,4 +1,4 @@
-"""Pictures for the builder: each step of the order of assembly, exploded view, section through the transfer."""
+"""Pictures for the person who assembles the drive: each assembly step, exploded view, section through the transfer."""
 
 from __future__ import annotations
 

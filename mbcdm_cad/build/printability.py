@@ -1,4 +1,4 @@
-"""What a printer finds hard in a part's mesh: walls that are thin, faces that hang over."""
+"""Printability of a part, from its mesh: thinnest wall, overhanging faces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The made parts of a design as files for a 3D printer, fetched from the cache or made and put there."""
+"""The made parts of a design as files for a 3D printer, read from the cache or made and stored in it."""
 
 from __future__ import annotations
 

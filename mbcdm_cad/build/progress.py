@@ -1,4 +1,4 @@
-"""What is being made: a spinner on a terminal, one line a stage where the output is piped; on standard error."""
+"""Progress on standard error: a spinner on a terminal, one line for each stage if the output is piped."""
 
 from __future__ import annotations
 

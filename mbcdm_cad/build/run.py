@@ -1,4 +1,4 @@
-"""The main job: checks, parts, assembly, interference, report, all put in place at one stroke."""
+"""The main job of ``mbcdm build``: checks, parts, assembly, interference, report; all files appear at once."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ WINDUP_LIMIT = "limits.frame_windup_max_mrad"
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a build came to. ``folder`` is None where it was refused; ``made`` names what had to be drawn."""
+    """Result of a build. ``folder`` is None if the build was refused; ``made`` names the parts that were drawn."""
 
     folder: Path | None
     checks: tuple[CheckResult, ...]
@@ -125,7 +125,7 @@ def build(
 def drawn(
     drive: Drive, angle_deg: float, cache: Cache, progress: Progress
 ) -> tuple[tuple[Item, ...], dict[str, MadePart]]:
-    """Items and parts with the drum at ``angle_deg``, checked by nobody: for pictures."""
+    """Items and parts with the drum at ``angle_deg``, without checks: for pictures."""
     _refuse_angle(drive, angle_deg)
     kind = configuration(drive.configuration)
     posed = kind.bill(kind.layout(drive), angle_deg)

@@ -1,4 +1,4 @@
-"""What stands where at one drum angle: bodies with their places, cables with their centre lines."""
+"""Positions at one drum angle: bodies with their placements, cables with their centre lines."""
 
 from __future__ import annotations
 

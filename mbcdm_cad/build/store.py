@@ -1,4 +1,4 @@
-"""Parts, assembly files and the interference run: fetched from the cache, or made and put there.
+"""Parts, assembly files and the interference run: read from the cache, or made and stored in it.
 
 The kernel is imported only when something has to be made.
 """
@@ -49,7 +49,7 @@ class MadePart:
 
 
 class Store:
-    """Makes what the cache does not hold. ``progress`` is told the name of each thing that is being made."""
+    """Makes what is not in the cache. ``progress`` gets the name of each item while it is made."""
 
     def __init__(self, cache: Cache, progress: Progress) -> None:
         self._cache = cache

@@ -1,4 +1,4 @@
-"""Is it one sound body? The kernel's own verdict alone is not enough: it calls an empty cut valid."""
+"""Check that a shape is one sound solid. The kernel's own check is not enough: it accepts an empty cut as valid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The round holes of a solid made wider, as a printer that leaves them narrow asks."""
+"""Enlarge the round holes of a solid, because a 3D printer makes them too narrow."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class RoundHole(NamedTuple):
 
 
 def round_holes(solid: Shape, least_wall: float = LEAST_WALL) -> list[RoundHole]:
-    """Bores of whose wall at least this share is there, in a fixed order."""
+    """Round bores with at least this share of their wall, in a fixed order."""
     walls: dict[tuple[float, ...], list[tuple[float, float, float]]] = {}
     for face in cq.Shape.cast(solid).Faces():
         if face.geomType() != "CYLINDER":

@@ -1,1 +1,1 @@
-"""What the declared model lacks: measured run, residual, candidates fitted and judged, error before and after."""
+"""The loop: find the effects that the declared model lacks, by fitting candidates to the residual of measured runs."""

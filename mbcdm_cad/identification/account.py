@@ -1,4 +1,4 @@
-"""What is told of a fit: errors on data held back, intervals, what the runs cannot tell, what to do next, traces."""
+"""The account of a fit: errors on data held back, intervals, limits of the runs, what to do next, traces."""
 
 from __future__ import annotations
 

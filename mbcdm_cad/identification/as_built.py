@@ -1,4 +1,4 @@
-"""The drive as built: effects that were named go into the design file, and from there into the declared model."""
+"""The drive as built: write named effects into the design file, and read them from there into the declared model."""
 
 from __future__ import annotations
 

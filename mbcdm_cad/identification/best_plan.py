@@ -1,4 +1,4 @@
-"""Which of several planned runs says most: from which size it names each effect and tells it from all others."""
+"""Compare planned runs: from which size each run names an effect and separates it from all others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Statistics clustered by sweep and by angle sector: estimates, tests, intervals, and telling two fits apart.
+"""Statistics clustered by sweep and by angle sector: estimates, tests, intervals, and the separation of two fits.
 
 Residuals of a drive are coloured, and what repeats in angle comes back in every sweep. An ordinary test counts each
 sample as new evidence and fires on everything. Here the evidence is what whole sweeps, and whole sectors, agree upon.

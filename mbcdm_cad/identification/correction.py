@@ -1,4 +1,4 @@
-"""A correction of the output angle for the controller: what repeats over angle, direction and load, as a table.
+"""A correction table of the output angle for the controller: the error that repeats over angle, direction and load.
 
     corrected output angle = mean of the input angles / total ratio + correction(angle, direction, load)
 

@@ -1,4 +1,4 @@
-"""What an effect is: a name of the vocabulary, one physical form of it, how it changes a run, and how it is judged.
+"""The class of an effect: its name, one physical form of it, how it changes a run, and how it is judged.
 
 Everything that the search, the judgement and the report must know of an effect is a field here, so that an effect is
 one file of ``effects/``. Shapes that several effects share stand below.

@@ -1,4 +1,4 @@
-"""From measured runs to what the model lacks: residual, search, who else would do, verdict, error before and after."""
+"""The loop from measured runs to the finding: residual, search, alternatives, verdict, error before and after."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Is an effect borne out by all sweeps and sectors, or does it lean on one place?
+"""Test whether all sweeps and sectors support an effect, or only one of them.
 
-What is local in angle, or in one sweep, is fitted well by many an effect that is not there: a few ripples make a bump.
-Leaving out one sector, or one sweep, then changes what is fitted.
+An error at one angle, or in one sweep, can be fitted well by effects that are not present: a few ripples form a bump.
+In that case the fit changes when one sector, or one sweep, is left out.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Which half sweeps are held back: chosen by load, direction and time alone, before any residual is looked at.
+"""Choose the half sweeps that are held back, by load, direction and time alone, before any residual is computed.
 
-Every fourth by number would do, were it not that loads are stepped in a rhythm of their own: then all that is held back
-has one load, and an effect of the load is neither seen nor judged there.
+Every fourth half sweep by number is not enough: where loads are stepped in a rhythm, all half sweeps held back could
+have the same load, and an effect of the load could not be judged on them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Measured runs of one drive judged together: reading, vetting and the loop in one call, and what they came to.
+"""Judge measured runs of one drive together: reading, vetting and the loop in one call, with its result.
 
 The command line prints and writes it, the Python API returns it.
 """

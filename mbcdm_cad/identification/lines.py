@@ -1,4 +1,4 @@
-"""Orders in angle: how much of a residual repeats N times a turn of the drum, and which peak is a line.
+"""Orders in angle: the part of a residual that repeats N times for a turn of the drum, and which peak is a line.
 
 A broad hump or a local texture has peaks in the spectrum too, and a plain false-alarm probability takes them for lines.
 A line that a wheel makes is steady from sweep to sweep and there in every sector: each sweep gives one pair (cos, sin)

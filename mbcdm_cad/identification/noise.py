@@ -1,4 +1,4 @@
-"""The noise floor, from what does not repeat in the data themselves.
+"""The noise floor: the part of the residual that does not repeat in the data.
 
 What a drive does, it does again: at the same angle, in the same direction, under the same load, at the same speed. A
 residual is regressed on flexible curves of these, with the lines that stand out of its spectrum and what happens once

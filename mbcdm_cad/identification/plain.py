@@ -1,6 +1,6 @@
-"""The finding for a person who has read nothing of this: what is wrong, how sure that is, what to do; no identifiers.
+"""The finding in plain sentences for a reader who is new: what is wrong, how sure that is, what to do; no identifiers.
 
-Figures are rounded to what their intervals tell.
+Figures are rounded to the digits that their intervals support.
 """
 
 from __future__ import annotations

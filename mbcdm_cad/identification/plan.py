@@ -1,4 +1,4 @@
-"""What a run will be able to say, before it is made: the smallest size of each effect that is named, and its rivals.
+"""Predict the finding of a planned run: the smallest size of each effect that is named, and its rivals.
 
 The same Jacobians as in the loop, on the planned motion and load. An effect is named if it lowers the error of held-out
 half sweeps by ``LEAST_FALL`` of the noise and is borne out by all sweeps and sectors; two effects are told apart if the

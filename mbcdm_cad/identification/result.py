@@ -1,4 +1,4 @@
-"""What the loop found: figures in units that a person reads, the result file, the text for a terminal."""
+"""The result of the loop: figures in readable units, the result file, the text for a terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each candidate promises: the fall of the sum of squares by one linear step from each of its starts."""
+"""Linear screening of candidates: the fall of the sum of squares by one linear step from each start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which effects: forward by nonlinear refits of the close candidates, backward removal, and who else would do.
+"""Selection of effects: forward by nonlinear refits of the best candidates, backward removal, and alternatives.
 
 A linear screening only says which candidates are worth a refit; it may rank the wrong pulley first. An effect is taken
 only if the RMS on held-out samples falls by a stated share of the noise floor, in quadrature.

@@ -1,4 +1,4 @@
-"""Which run would tell the members of a set apart, before it is made.
+"""Find the run that separates the members of a set, before it is made.
 
 Each member stands in the planned run with the size that was found, and each other member is fitted to what it does, by
 one linear step. What cannot be imitated is held against the noise: the probability to take the wrong one of two is

@@ -1,4 +1,4 @@
-"""What is simulated: drive, inputs, load, paths of the cables, what adds to the reading; and the simulation itself."""
+"""The simulated run: drive, inputs, load, cable paths and additions to the reading; and the simulation itself."""
 
 from __future__ import annotations
 

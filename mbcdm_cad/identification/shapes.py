@@ -1,4 +1,4 @@
-"""Simple shapes for a curve that was measured: what a person would write into a new effect."""
+"""Simple formulas for a measured curve, as a person would write them into a new effect."""
 
 from __future__ import annotations
 

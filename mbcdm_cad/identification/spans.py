@@ -1,4 +1,4 @@
-"""What an eccentric pulley does to the paths of the cables that run on it."""
+"""Changes of the cable paths by an eccentric pulley."""
 
 from __future__ import annotations
 

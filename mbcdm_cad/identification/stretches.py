@@ -1,4 +1,4 @@
-"""Which samples of a run are looked at when it is too long to look at all.
+"""Choose samples of a run that is too long to use all of them.
 
 Every so many samples of a half sweep are enough; the turning points of motion and load must be among them, so thinning
 has a limit, beyond which whole stretches are left out. The friction remembers extremes from long before a stretch: of

@@ -1,4 +1,4 @@
-"""What is left when no effect fits: does it repeat, in what, how large, and what shape has it.
+"""Describe the error that no effect explains: with what it repeats, how large it is, and its shape.
 
 A residual repeats in angle (or load, or speed) if its means over bins of that variable agree from sweep to sweep. What
 they share is measured by products of different sweeps only, so that noise within a sweep, however coloured, does not

@@ -1,4 +1,4 @@
-"""What of the search's finding stands: who else would do, what may be zero, what something unknown only resembles.
+"""Verify the result of the search: alternatives, effects that may be zero, names that an unknown error only resembles.
 
 Each effect of the search's fit is tried against the others of its looks; what cannot be told apart is a set. Then names
 are taken back that may be zero, that something unknown only resembles, or that one plain curve of load or speed does

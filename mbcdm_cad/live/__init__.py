@@ -1,1 +1,1 @@
-"""One warm process that follows a design file: new checks, parts and page after every save."""
+"""``mbcdm watch``: a running process that updates checks, parts and page after every save of a design file."""

@@ -1,4 +1,4 @@
-"""A quick look at a design: its changed parts drawn and its page made, before the interference run and the frame."""
+"""A preview of a design: draw its changed parts and make its page, before interference and frame are computed."""
 
 from __future__ import annotations
 

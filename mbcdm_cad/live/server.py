@@ -1,4 +1,4 @@
-"""The page over HTTP, for this machine only: an address with a secret, the page, its files, and news of the design."""
+"""Serve the page over HTTP to this machine only: secret address, page, its files, and events of the design."""
 
 from __future__ import annotations
 

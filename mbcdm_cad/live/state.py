@@ -1,4 +1,4 @@
-"""What the page and the terminal are told while a design file is followed."""
+"""The state that page and terminal show while a design file is followed."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""`mbcdm watch`: follows a design file from save to new checks, to the changed parts and the page, to the whole build.
+"""``mbcdm watch``: after each save of a design file run the checks, draw the changed parts, update the page, build all.
 
-Checks run in this process, which needs no kernel for them; a second process keeps the kernel loaded and draws what
-changed; the whole build, with its interference run, is a third one that ends at once when a newer save comes.
+The checks run in this process, which needs no kernel. A second process keeps the kernel loaded and draws the changed
+parts. A third process makes the complete build with its interference run; a newer save ends it at once.
 """
 
 from __future__ import annotations

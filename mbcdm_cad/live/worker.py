@@ -1,4 +1,4 @@
-"""The process that draws for `mbcdm watch`: keeps the kernel loaded, drops a job as soon as a newer one waits."""
+"""The drawing process of ``mbcdm watch``: it keeps the kernel loaded and drops a job when a newer one waits."""
 
 from __future__ import annotations
 

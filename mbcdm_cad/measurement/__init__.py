@@ -1,1 +1,1 @@
-"""Measurement file and data of a logger: one run in SI units, and what speaks against taking it at its word."""
+"""Read a measurement file and its data into a run in SI units, and examine the run for mistakes."""

@@ -1,4 +1,4 @@
-"""A first measurement file for a logger's data: which column is what, guessed from names, units, ranges and the design.
+"""Draft a measurement file for a logger's data: guess each column from names, units, ranges and the design.
 
 Every guess is written as such, with its reason, so that a person can look it over. The output is found first; an
 input's unit, sign and place (at the pulley or on the motor, before the gearhead) follow from how far it turns with it.

@@ -1,4 +1,4 @@
-"""How a logger's file is laid out: what stands between the columns, where the names are, where the figures begin."""
+"""Detect the format of a logger's file: separator, place of the names, first row of data."""
 
 from __future__ import annotations
 

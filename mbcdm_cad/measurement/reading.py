@@ -1,4 +1,4 @@
-"""Reading a measurement file and the data it leads to: SI units, signs put right, refused where nothing can be told."""
+"""Read a measurement file and its data: convert to SI units, correct signs, refuse runs that cannot be used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One measured run in SI units, as every later step sees it, and a sentence of its vetting."""
+"""One measured run in SI units, as every later step uses it, and one note of its vetting."""
 
 from __future__ import annotations
 

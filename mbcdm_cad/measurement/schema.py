@@ -1,4 +1,4 @@
-"""Schema of the measurement file: which column of a logger's file is what, or the figures that a paper printed."""
+"""Schema of the measurement file: the content of each column of a logger's file, or values printed in a paper."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Half sweeps of a run, and the moving mean by which its signals are smoothed before anything is told from them."""
+"""Half sweeps of a run, and the moving mean by which its signals are smoothed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of which nothing can be told whatever the design is: found once the data are in SI, refused with their line."""
+"""Refuse runs that cannot be used with any design; found after conversion to SI, reported with their line."""
 
 from __future__ import annotations
 

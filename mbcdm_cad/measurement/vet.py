@@ -1,4 +1,4 @@
-"""Vetting a run against the design before anything is predicted: is it what it says, and what can it tell?"""
+"""Vetting: compare a run with the design before anything is predicted, and find what the run can show."""
 
 from __future__ import annotations
 

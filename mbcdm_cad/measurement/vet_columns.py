@@ -1,4 +1,4 @@
-"""Do the columns hold what they are declared to? Ratio, unit, sign and order of the columns, by robust slopes."""
+"""Test whether the columns contain what is declared: ratio, unit, sign and order of the columns, by robust slopes."""
 
 from __future__ import annotations
 

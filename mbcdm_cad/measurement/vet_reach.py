@@ -1,4 +1,4 @@
-"""What a run can and cannot tell, from its travel, loads, sweeps and columns alone."""
+"""What a run can and cannot show, from its travel, loads, sweeps and columns alone."""
 
 from __future__ import annotations
 

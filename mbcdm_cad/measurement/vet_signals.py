@@ -1,4 +1,4 @@
-"""Faults of a record that show in its signals alone: gaps and pace in time, a sensor at its end, an angle jumping."""
+"""Faults of a run that its signals alone show: gaps and pace in time, a sensor at its end, an angle jumping."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs that can be judged: read from their measurement files, arranged as the design has its inputs, and vetted."""
+"""Read runs from their measurement files, order their inputs as in the design, and vet them."""
 
 from __future__ import annotations
 

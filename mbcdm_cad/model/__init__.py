@@ -1,7 +1,7 @@
-"""The analytic model: pure numpy, SI inside, a :class:`~mbcdm_cad.design.drive.Drive` in and figures out.
+"""The analytic model: pure numpy, SI inside, from a :class:`~mbcdm_cad.design.drive.Drive` to its figures.
 
-``analyse`` gives everything the report prints; the small functions stand in the modules named after their subject.
-Slower matters (time series, bulk, sensitivity, plots) are imported from their modules only where they are used.
+``analyse`` gives all figures of the report; functions for single questions are in the module named after the subject.
+Modules that load slowly (time series, bulk, sensitivity, plots) are imported only where they are used.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One call that turns a design into every figure the report prints."""
+"""Compute every figure of the model that the report prints, in one call."""
 
 from __future__ import annotations
 

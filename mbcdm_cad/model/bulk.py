@@ -1,4 +1,4 @@
-"""Many designs at once: the figures a search needs, from the same formulas as one design, some 1e5 designs a second.
+"""Figures of many designs at once, by the same formulas as for one design: about 1e5 designs a second.
 
 Nothing here is approximate: every figure equals that of :func:`mbcdm_cad.model.analyse` for that design to rounding.
 """
@@ -26,7 +26,7 @@ BLOCK = 4096
 
 @dataclass(frozen=True)
 class Requirements:
-    """What the designs are judged by; each a number or one value a design."""
+    """Requirements on the designs; each is one number, or one value for each design."""
 
     load_Nm: Any
     half_travel_rad: Any

@@ -1,4 +1,4 @@
-"""Peak torque at the drum, each way, and what limits it: each input's rating, cable strength, slack, slip at an input.
+"""Peak torque at the drum in both directions and its limits: input ratings, cable strength, slack, slip at an input.
 
 With equal preloads on unequal radii the two cables of an input leave a bias torque T_pre (r_2 - r_1) on it, so the
 limit differs by direction; preloads with T ~ 1/r within a pair remove the bias.

@@ -1,7 +1,7 @@
-"""What a drive does when its preloads are not reached: capability and backlash against the preload.
+"""Torque capability and backlash of a drive as functions of the preload that is reached.
 
-For the bench: a terminal that bottoms, or a rope that is not to be pulled so far, leaves less preload than the design
-asks; the table says what that costs. All preloads are lowered by one share.
+A terminal at the end of its thread, or a rope that must not be pulled so far, leaves less preload than the design
+states; the table shows the effect. All preloads are lowered by the same share.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a design is judged by, in SI: torque ratings of an input, test load, travel, rope."""
+"""Ratings and requirements of a design in SI: torque ratings of an input, test load, travel, rope."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def tension_limit_N(drive: Drive) -> float:
 
 
 def requirements(drive: Drive) -> Requirements:
-    """What the design is judged by, in SI: test torque, travel, lossless rating of an input, rope."""
+    """Requirements of the design in SI: test torque, travel, lossless rating of an input, rope."""
     return Requirements(
         load_Nm=drive.loads.test_torque_Nm,
         half_travel_rad=np.radians(drive.half_travel_deg),

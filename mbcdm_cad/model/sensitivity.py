@@ -1,4 +1,4 @@
-"""How the backlash and the torque answer to the parameters: Fig. 5 of the paper, elasticities, and global indices."""
+"""Sensitivity of backlash and torque to the parameters: Fig. 5 of the paper, elasticities, global indices."""
 
 from __future__ import annotations
 

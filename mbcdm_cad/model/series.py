@@ -1,4 +1,4 @@
-"""What every time-series form of the model shares: its answer and the check of its arguments."""
+"""Result and argument checks that all time-series forms of the model share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `mbcdm sensitivity` writes: Fig. 5 as plots and CSV, global indices, tolerance stack, intervals, a summary."""
+"""The files of ``mbcdm sensitivity``: Fig. 5 as plots and CSV, global indices, tolerance stack, intervals, summary."""
 
 from __future__ import annotations
 

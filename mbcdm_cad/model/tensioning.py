@@ -1,4 +1,4 @@
-"""Setting the preload: how far a terminal is drawn in, nut turns, plucked pitch, what one cable takes from another.
+"""Setting the preload: travel of the terminal, nut turns, pitch of a plucked span, influence of one cable on another.
 
 SI throughout. Lengths are those of the whole cable between its two ends, along the centre line. Two limits are kept
 apart: a cable *worked in* (the drum swung a few times over its travel, so that the tension is the same all along) and

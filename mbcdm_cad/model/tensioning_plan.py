@@ -1,4 +1,4 @@
-"""How to set the preloads of a drive: lengths to cut, nut turns, pitch of the spans, order, what bedding-in takes.
+"""Instructions to set the preloads of a drive: lengths to cut, nut turns, pitch of the spans, order, bedding-in loss.
 
 Works on plain data of each cable; a configuration says what they are. SI throughout.
 """

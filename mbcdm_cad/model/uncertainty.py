@@ -1,4 +1,4 @@
-"""Parameters as value and sigma: backlash and torque with an interval, by Monte Carlo and by linear theory beside."""
+"""Intervals of backlash and torque for parameters with a sigma, by Monte Carlo and by linear theory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a cable stretches with the tension at its free span: free length plus the slip zones on two wraps.
+"""Stretch of a cable as a function of the tension in its free span: free length plus the slip zones on two wraps.
 
 Classical creep theory: an end tension T admits T e^{-mu s} <= T(s) <= T e^{mu s} along a wrap; what lies outside is
 clipped to the bound, what lies inside stays. From a uniform preload that gives Eq. (4) to (12) of the paper with the

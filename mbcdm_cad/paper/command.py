@@ -13,7 +13,7 @@ from mbcdm_cad.rig.writing import run_files, write_run
 
 
 def experiment_command(drive: Drive, experiment: Experiment | DynamicExperiment, out: Path) -> str:
-    """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
+    """Run the experiment, write the folder ``out``/NAME, and print a summary."""
     if isinstance(experiment, DynamicExperiment) and experiment.paper is not None:
         return paper_command(drive, experiment, out / experiment.name)
     return simulate_command(drive, experiment, out)

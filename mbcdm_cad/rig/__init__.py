@@ -1,1 +1,1 @@
-"""The test rig in software: physics of the drive that shares with the analytic model the design file, nothing else."""
+"""The test rig in software: a simulated bench whose physics uses none of the analytic model's equations or code."""

@@ -1,4 +1,4 @@
-"""The bench as built: the design's drive, with whatever the experiment's effects have done to it."""
+"""The bench as built: the drive of the design with all changes by the effects of the experiment."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def bench_of(
     rng: np.random.Generator,
     input_at: str = "pulley",
 ) -> Bench:
-    """A faultless bench: gearheads stiff and without play, cables as designed."""
+    """A bench without effects: gearheads stiff and without play, cables as designed."""
     bench = Bench(drive, time_s, drum_rad, strays_rad, rng, cables_of(drive), routes_of(drive), input_at)
     n_inputs = len(drive.input_names)
     bench.command_rad = strays_rad + np.stack([drum_rad * bench.turns(i) for i in range(n_inputs)])

@@ -1,4 +1,4 @@
-"""The bench file: what a bench can do, from which runs are proposed that it can make."""
+"""The bench file: the limits of a bench, within which ``mbcdm plan --within`` proposes runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A cable as the bench knows it: what is really built, in SI, which may differ from the design file."""
+"""A cable of the rig as it is really built, in SI; it may differ from the design file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``mbcdm simulate`` does, beside parsing its command line: the same for both rigs."""
+"""The work of ``mbcdm simulate`` for both rigs: run the experiment, write its folder, print a summary."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def simulated(drive: Drive, experiment: Experiment | DynamicExperiment) -> Simul
 
 
 def simulate_command(drive: Drive, experiment: Experiment | DynamicExperiment, out: Path) -> str:
-    """Run, write the folder ``out``/NAME, and say in a few lines what came of it."""
+    """Run the experiment, write the folder ``out``/NAME, and print a summary."""
     run = simulated(drive, experiment)
     turns = [body.turns_per_drum for body in routes_of(drive).inputs]
     files = run_files(run, experiment, drive.input_names)

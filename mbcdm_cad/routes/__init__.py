@@ -1,8 +1,8 @@
-"""The way of each cable through the drive: its pieces and what follows from them.
+"""The route of each cable through the drive: its wraps and spans, and the quantities computed from them.
 
 A configuration describes its drive by :class:`~mbcdm_cad.routes.route.DriveRoutes`: the bodies that cables run on, one
-:class:`~mbcdm_cad.routes.route.CableRoute` a cable, and a :class:`~mbcdm_cad.routes.geometry.Geometry` that says what
-follows when a length of the design varies. Model, rig and identification work on these alone.
+:class:`~mbcdm_cad.routes.route.CableRoute` a cable, and a :class:`~mbcdm_cad.routes.geometry.Geometry` that gives
+spans and wraps when a length of the design varies. Model, rig and identification work only on these.
 """
 
 from __future__ import annotations

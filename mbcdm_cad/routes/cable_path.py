@@ -1,4 +1,4 @@
-"""The true centre line of one cable at one drum angle, as pieces of known curves: what is drawn and measured."""
+"""The true centre line of one cable at one drum angle, as pieces of known curves; it is drawn and measured."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class EndOfTravel:
-    """The drum angle (deg, of either sign) at which something ends the travel, and what."""
+    """A drum angle (deg, either sign) at which the travel ends, and the reason."""
 
     angle_deg: float
     cause: str

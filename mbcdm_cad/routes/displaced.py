@@ -1,4 +1,4 @@
-"""How the path of a cable changes when bodies stand off their axes, as an eccentric groove makes them do.
+"""Change of a cable's path when bodies are displaced from their axes, for example by an eccentric groove.
 
 Displacing a body by e, where the cable arrives along u_in and leaves along u_out, changes its path by
 e . (u_in - u_out) to first order; at an anchored end one of the two is missing. The exact change is a sum over the

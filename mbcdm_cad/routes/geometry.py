@@ -1,7 +1,7 @@
-"""What follows from the lengths that a configuration may vary, for one design or for a batch of them.
+"""Spans and wraps as functions of the lengths that a configuration may vary, for one design or for a batch.
 
-A route is one design as it stands. A search, a sensitivity or a tolerance asks for thousands of designs that differ in
-a few lengths; then the configuration's :class:`Geometry` gives spans and wraps of all at once as arrays.
+A route describes one design. A search, a sensitivity study or a tolerance study needs thousands of designs that differ
+in a few lengths; for these the configuration's :class:`Geometry` gives spans and wraps of all at once as arrays.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Rope that winds on a pulley in a helix: how far its tangent point walks along the axis, and at what angle it runs on.
+"""A rope wound on a pulley as a helix: axial walk of its tangent point, and fleet angle of its span.
 
 Units: m and rad; all arguments broadcast.
 """

@@ -1,4 +1,4 @@
-"""What the cables' tensions put on a body: the vector sum of the pulls of the spans that run on to it and off it."""
+"""The load of the cables on a body: the vector sum of the tensions of the spans that run on to it and off it."""
 
 from __future__ import annotations
 

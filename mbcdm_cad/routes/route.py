@@ -1,4 +1,4 @@
-"""A cable's way as plain data: the bodies it runs on and the chain of its pieces from the input to the drum.
+"""The route of a cable as plain data: the bodies that it runs on, and its wraps and spans from the input to the drum.
 
 Frame and signs are the project's: lengths in m, angles in rad, right-handed about each body's axis. Pieces are listed
 in the direction from the input to the drum. A span of direction t touches a body of axis a on which the cable turns in

@@ -1,5 +1,5 @@
-"""Sizing: from the requirements, choices and pins of a design file to a value for every field.
+"""Sizing: compute a value for every field from the requirements, choices and pins of a design file.
 
-A rule fills one field. Rules run once, in the order of the drive, and each reads only what stands in the file or what
-an earlier rule filled. Configurations supply the rules; this room knows none of them.
+A rule computes one field. Rules run once, in a fixed order, and each reads only fields of the file or fields that an
+earlier rule computed. The configurations supply the rules; this room contains none.
 """

@@ -1,4 +1,4 @@
-"""What a rule may read: the fields that are known so far and the catalogue. Every field read is noted."""
+"""The data that a rule may read: the fields known so far and the catalogue. Every field that is read is recorded."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ _ON_STEP = 1e-9
 
 @dataclass(frozen=True)
 class Found:
-    """What a rule found: the value, what set it, and how it was rounded."""
+    """Result of a rule: the value, the need that determined it, and how it was rounded."""
 
     value: Any
     driver: str = ""
@@ -49,13 +49,13 @@ def rounded_down(value: float, step: float) -> float:
 
 
 def largest(needs: dict[str, float], step: float) -> Found:
-    """The least value that meets all needs, rounded up; the need that sets it is the driver."""
+    """The smallest value that meets all needs, rounded up; the need that determines it is the driver."""
     driver = max(needs, key=lambda name: needs[name])
     return Found(rounded_up(needs[driver], step), driver, f"up to {step:g}")
 
 
 def smallest(needs: dict[str, float], step: float) -> Found:
-    """The greatest value within all limits, rounded down; the limit that sets it is the driver."""
+    """The largest value within all limits, rounded down; the limit that determines it is the driver."""
     driver = min(needs, key=lambda name: needs[name])
     return Found(rounded_down(needs[driver], step), driver, f"down to {step:g}")
 

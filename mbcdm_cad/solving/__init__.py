@@ -1,4 +1,4 @@
-"""Looking for the nearest design that passes every check: what may move, how far a trial fails, search, conflicts.
+"""Find the nearest design that passes every check: what may change, how far a trial fails, search, conflicts.
 
-``scipy`` is imported where a search needs it; a design that passes as it is never does.
+``scipy`` is imported only when a search needs it; a design that already passes does not.
 """

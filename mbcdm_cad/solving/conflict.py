@@ -1,8 +1,9 @@
-"""Which requirements exclude each other, and how far each alone must give: found by dropping one at a time.
+"""Find which requirements exclude each other, and how far each must change, by relaxing one at a time.
 
-A requirement whose giving way alone ends in a passing design belongs to every set of requirements that exclude each
-other. If the rest can all be dropped without a passing design, these are such a set, and a smallest one. Where no
-single one is enough, the requirement whose giving way misses least is given way first, and the rest is asked again.
+If a design passes after one requirement alone is relaxed, this requirement belongs to every set of requirements that
+exclude each other. If no design passes after all other requirements are dropped, the requirements found in this way are
+such a set, and a smallest one. If no single requirement is enough, the one that brings the design nearest to a pass is
+relaxed first, and the search is repeated for the others.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ MOST_GIVING = 3
 
 @dataclass(frozen=True)
 class Give:
-    """How far one requirement must give; ``after`` None: it is left out, and its rule fills it.
+    """How far one requirement must change; ``after`` None: it is left out, and its rule gives the value.
 
-    ``moves`` are the other moves with which the design then passes, by field.
+    ``moves`` are the other changes with which the design then passes, by field.
     """
 
     field: str
@@ -42,11 +43,11 @@ class Give:
 
 @dataclass(frozen=True)
 class Conflict:
-    """What stands in the way of a design.
+    """Why no design passes.
 
-    ``first`` gave way already, one after the other; then any one of ``either`` is enough. ``exclude``: the smallest set
-    of requirements found that exclude each other; ``proved``: dropping all others was tried too, without a passing
-    design, so that it is one. ``nearest``: the checks that fail on the nearest miss.
+    ``first``: requirements that were relaxed first, one after the other; then any one of ``either`` is enough.
+    ``exclude``: the smallest set of requirements found that exclude each other; ``proved``: no design passes even when
+    all others are dropped, so that it is such a set. ``nearest``: the checks that fail on the nearest design.
     """
 
     exclude: tuple[str, ...]
@@ -57,7 +58,7 @@ class Conflict:
 
 
 def conflict(trials: Trials, miss: Point) -> Conflict:
-    """Of a question whose best point is ``miss``."""
+    """The conflict of a question whose best point is ``miss``."""
     question, first = trials.question, list[Give]()
     nearest = tuple(messages(question, miss))
     for _ in range(MOST_GIVING):

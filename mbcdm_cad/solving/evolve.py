@@ -1,4 +1,4 @@
-"""Global search where guided moves end in a corner: differential evolution over all that may move."""
+"""Global search by differential evolution over all free fields, used when the guided search does not succeed."""
 
 from __future__ import annotations
 

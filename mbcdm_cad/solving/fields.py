@@ -1,4 +1,4 @@
-"""Fields of a design file's data by their dotted names."""
+"""Read and set fields of a design file's data by their dotted names."""
 
 from __future__ import annotations
 

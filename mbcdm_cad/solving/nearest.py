@@ -1,4 +1,4 @@
-"""From a design that passes to the nearest one: moves are taken back one by one, as far as it still passes."""
+"""Reduce the changes of a passing design, one by one, as far as it still passes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def written_out(trials: Trials, point: Point) -> Point:
 
 
 def taken_back(trials: Trials, point: Point) -> Point:
-    """The nearest passing point on the way back from a passing one to what file and rules say."""
+    """The nearest passing point between a passing point and the values of file and rules."""
     now = _released_less(trials, point)
     for field in sorted(now, key=lambda name: (-cost(trials.question, {name: now[name]}), name)):
         if field in trials.question.ranges or isinstance(now[field], Out):
@@ -113,7 +113,7 @@ def _sized(trials: Trials, point: Point, field: str) -> object:
 
 
 def towards_aims(trials: Trials, point: Point) -> Point:
-    """Ranges with an aim moved towards it, by halves; what fails then is repaired where that is possible."""
+    """Move ranges towards their aim (min or max) by bisection; repair what fails then, if possible."""
     for field, found in trials.question.ranges.items():
         if not found.aim:
             continue

@@ -1,4 +1,4 @@
-"""Writing changed fields into the text of a YAML file, with all else, comments too, as it stands."""
+"""Write changed fields into the text of a YAML file; everything else, comments too, stays as it is."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def patched(text: str, path: str, wanted: Mapping[str, Any]) -> str:
 
 
 def difference(before: str, after: str, path: str) -> str:
-    """The change as a patch: what ``patch`` takes, and what people read."""
+    """The change as a unified diff, which people read and the program ``patch`` applies."""
     lines = difflib.unified_diff(before.splitlines(), after.splitlines(), path, path, lineterm="", n=1)
     return "\n".join(lines)
 

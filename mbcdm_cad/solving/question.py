@@ -1,4 +1,4 @@
-"""What is asked: a design file with what is fixed in it, what may move, and what each trial of a search is made of."""
+"""The question of a search: a design file, its fixed fields, its free fields, and the form of a trial."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ _WISHES, _ASKED = ("targets", "limits", "rope"), ("transmission",)
 
 @dataclass(frozen=True)
 class Times:
-    """The value that the rule finds, moved by a factor."""
+    """The value that the rule gives, times a factor."""
 
     factor: float
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """A value in place of what rule or file say; a list as a tuple."""
+    """A value that replaces that of rule or file; a list is given as a tuple."""
 
     value: Any
 
 
 @dataclass(frozen=True)
 class Out:
-    """Taken out of the file: the rule fills it."""
+    """Removed from the file, so that its rule gives the value."""
 
 
 Setting = Times | Fixed | Out

@@ -1,4 +1,4 @@
-"""Guided search: moves that the failing checks ask for, and choices one size up or down, as long as they help."""
+"""Guided search: try the remedies of the failing checks, and choices one size up or down, as long as they help."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ENOUGH, SAME = 20, 1e-6
 
 
 def repair(trials: Trials, start: Point, most: int) -> Point:
-    """From ``start`` on, the best point that some rounds of moves lead to; at most about ``most`` trials."""
+    """The best point that some rounds of changes from ``start`` reach; at most about ``most`` trials."""
     best, limit = dict(start), trials.count + most
     for _ in range(ROUNDS):
         now = trials(best)

@@ -1,4 +1,4 @@
-"""The nearest design that passes every check, or what stands in its way."""
+"""Find the nearest design that passes every check, or the requirements that exclude it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ GRID = 9
 
 @dataclass(frozen=True)
 class Change:
-    """One field that was moved: what stood in the file (None: nothing), what stands there now, and why it may."""
+    """One changed field: its value before (None: not in the file), its value now, and why it was free to change."""
 
     field: str
     before: Any
@@ -44,7 +44,7 @@ class Solution:
 
 
 def solve(question: Question, told: Callable[[str, int], None] | None = None, jobs: int | None = None) -> Solution:
-    """Search. ``told`` hears what is being done and how many trials there were so far."""
+    """Search. ``told`` is called with the present stage and the number of trials so far."""
     stage = ["searching"]
     hears = told or (lambda name, count: None)
     trials = Trials(question, jobs, lambda count: hears(stage[0], count))

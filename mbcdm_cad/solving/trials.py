@@ -1,4 +1,4 @@
-"""How far a trial is from a design that passes: the checks that fail on it, and by how much."""
+"""Evaluate a trial of a search: the checks that fail on it, and by how much."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class TrialResult:
 
 
 class Trials:
-    """Judges trials of one question, each once; ``told`` hears after each batch how many there were."""
+    """Evaluates trials of one question, each once; ``told`` is called after each batch with their number."""
 
     def __init__(self, question: Question, jobs: int | None = None, told: Callable[[int], None] | None = None) -> None:
         self.question = question
@@ -119,7 +119,7 @@ def outcome(question: Question, point: Point) -> TrialResult:
 
 
 def missed(check: Check, subject: object) -> float:
-    """What a check adds to the violation: nought where it holds."""
+    """Contribution of a check to the violation: zero if it passes."""
     try:
         found = check.measure(subject)
     except NoFigureError:
@@ -146,7 +146,7 @@ def messages(question: Question, point: Point) -> list[tuple[str, str]]:
 
 
 def cost(question: Question, point: Point) -> float:
-    """How far a point is from what file and rules say: the sum of what its moves cost."""
+    """Distance of a point from the values of file and rules: the sum of the costs of its changes."""
     total = 0.0
     for field, setting in sorted(point.items()):
         if isinstance(setting, Times):

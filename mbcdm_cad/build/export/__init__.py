@@ -1,1 +1,1 @@
-"""Solids and meshes to files and pictures: STEP, STL, GLB, PNG. Knows nothing of any mechanism."""
+"""Write solids and meshes as files and pictures (STEP, STL, GLB, PNG), independent of any mechanism."""

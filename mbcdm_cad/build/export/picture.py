@@ -58,7 +58,7 @@ _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 @dataclass(frozen=True)
 class CutPlane:
-    """A section: what lies on the side of ``normal`` is taken away, and the camera looks square on the plane.
+    """A section: everything on the side of ``normal`` is removed; the view is perpendicular to the plane.
 
     ``half_height_mm`` of the plane above and below ``centre`` fill the picture.
     """

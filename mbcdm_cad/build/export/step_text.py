@@ -1,4 +1,4 @@
-"""The same STEP text for the same model: a canonical rewrite of what the kernel writes.
+"""Rewrite the kernel's STEP text in a canonical form, so that the same model gives the same text.
 
 Five things move in the kernel's text though the model is the same: the time in the header, the ids of the
 NEXT_ASSEMBLY_USAGE_OCCURRENCEs (they count up within a process), the number of an entity, the order of the colour

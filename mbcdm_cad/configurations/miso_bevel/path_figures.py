@@ -44,7 +44,7 @@ class CablePathFigures:
 
 @dataclass(frozen=True)
 class TravelLimit:
-    """The drum angle (deg, of either sign) at which something ends the travel, and what."""
+    """A drum angle (deg, either sign) at which the travel ends, and the reason."""
 
     angle_deg: float
     cause: str

@@ -1,4 +1,4 @@
-"""Experiment file of the dynamic rig (``rig: dynamic``): what the loops follow, the load, and what is wrong."""
+"""Experiment file of the dynamic rig (``rig: dynamic``): motion, load, sensors and effects."""
 
 from __future__ import annotations
 

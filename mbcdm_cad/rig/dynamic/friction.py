@@ -1,4 +1,4 @@
-"""One step of linearly implicit Euler with dry friction that truly sticks.
+"""One step of the linearly implicit Euler method with dry friction in which a coordinate can stick completely.
 
 The step solves A v = b + h lambda with |lambda_i| <= c_i, lambda_i = -c_i sign(v_i) where v_i is not 0, for
 A = M + h D + h^2 K. As A is symmetric and positive definite there is one solution: the least of

@@ -1,4 +1,4 @@
-"""What hangs on the drum: an inertia, a brake that can stick, a torque motor without a loop of its own."""
+"""The load of the dynamic rig: an inertia, a brake that can stick, a torque motor without a control loop."""
 
 from __future__ import annotations
 

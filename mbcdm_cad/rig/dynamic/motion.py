@@ -1,4 +1,4 @@
-"""What the position loops are asked to do: the drum's angle, speed and acceleration at each period."""
+"""Reference of the position loops: the drum's angle, speed and acceleration at each period."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The dynamic rig as data: which motors, gearheads, loops and sensors stand round a drive.
+"""The dynamic rig as data: the motors, gearheads, loops and sensors of a drive.
 
 SI throughout; inputs are positive when they drive the drum positive, a load torque when it opposes positive rotation.
 """

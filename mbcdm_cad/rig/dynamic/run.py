@@ -1,4 +1,4 @@
-"""A run of the dynamic rig: two motors under position loops drive the cables, the drum turns a load, sensors look on.
+"""A run of the dynamic rig: motors under position loops drive the cables, the drum turns a load, sensors record.
 
 Equations are in :mod:`mbcdm_cad.rig.dynamic.plant`, the loop over time in :mod:`mbcdm_cad.rig.dynamic.kernel`.
 """

@@ -1,4 +1,4 @@
-"""An experiment file on the dynamic rig, from words to a run and its truth."""
+"""Run an experiment file on the dynamic rig; the result is a run and its truth."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Effects that an experiment may switch on, one small file each; any number act together.
+"""The effects that an experiment can contain, one file each; any number can act together.
 
-Each is a block of the experiment file with an ``effect`` that names it, and ``apply(bench)``, which changes the bench
-and writes what it did into the truth.
+Each effect is a block of the experiment file whose field ``effect`` names it. Its method ``apply(bench)`` changes the
+bench and adds an entry to the truth.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A terminal gives way by ``slip_um`` within ``over_s``, and the rope of its short wrap comes along.
+"""Anchor slip: a terminal slips by ``slip_um`` within ``over_s``, and the rope of its short wrap slips with it.
 
 On the real drum a wrap holds little over 20 degrees, some 6 % of the tension, so that what the anchor gives comes
 through to the tangent point; the slip is therefore taken off the path as a whole.

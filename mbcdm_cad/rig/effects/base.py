@@ -17,7 +17,7 @@ Phase = Annotated[float, Field(ge=-360.0, le=360.0)]
 
 
 class RigEffect(ExperimentBlock):
-    """One thing wrong with the bench."""
+    """One effect on the bench."""
 
     def apply(self, bench: Bench) -> None:
         """Change ``bench``. KeyError names a cable or a stage that the drive does not have."""

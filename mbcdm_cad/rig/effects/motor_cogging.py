@@ -1,4 +1,4 @@
-"""Cogging: the motor's torque ripples with its own angle, and the position loop gives way by torque over stiffness.
+"""Cogging: the motor's torque ripples with its angle, and the position loop yields by torque over stiffness.
 
 Without dynamics this is the loop's static stiffness at the motor, seen through the gearhead: error at the gearhead's
 output = torque / (loop stiffness x ratio), ``cycles_per_motor_turn`` times ratio a turn of the output. The encoders see

@@ -1,4 +1,4 @@
-"""All effects, told apart in the experiment file by their ``effect`` field."""
+"""All effects of the rig; the field ``effect`` of the experiment file names one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Warmth: rope, frame and pulleys grow, each by its own expansion.
+"""Temperature: rope, frame and pulleys expand, each with its own coefficient.
 
 The ropes named warm up by rise (1 - e^(-t/tau)) from ``start_s`` on, and cool with the same tau from ``cool_s`` on;
 frame and pulleys follow by ``body_share`` of it. A free span grows with the frame and its rope with itself; rope

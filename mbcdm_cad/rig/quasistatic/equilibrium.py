@@ -1,4 +1,4 @@
-"""The quasi-static rig: where drum and input pulleys stand when every torque balances, sample by sample.
+"""The quasi-static rig: angles of drum and input pulleys at which every torque balances, sample by sample.
 
 Unknown are the drum's angle and the angle of each input pulley that hangs on a soft or loose gearhead:
 

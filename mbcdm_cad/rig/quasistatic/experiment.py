@@ -1,4 +1,4 @@
-"""The experiment file: what the bench does, what is wrong with it, and what is logged."""
+"""Experiment file of the quasi-static rig: motion, load, sensors and effects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What hangs on the drum: brake, torque motor or inertia plate; the torque that the sensor between feels.
+"""The load of the quasi-static rig (brake, torque motor or inertia plate) and the torque that the sensor measures.
 
 Positive torque opposes positive rotation. A brake's torque follows the motion through its own twist (``flank_mrad`` of
 drum angle from one side to the other): tau += 2 level dtheta / flank, held within the level.

@@ -1,4 +1,4 @@
-"""Angle the drum is asked to follow, from the words of the experiment file."""
+"""The drum's reference angle over time, from the block ``motion`` of the experiment file."""
 
 from __future__ import annotations
 

@@ -80,6 +80,4 @@ def _missing(given: BevelKnown) -> Any:
 
 
 def _needed(field: str, remedy: str) -> Broken:
-    return Broken(
-        tuple(field.split(".")), "missing, and no rule can fill it: it is what the drive is for", "", "", remedy
-    )
+    return Broken(tuple(field.split(".")), "missing; it is a requirement, so no sizing rule gives it", "", "", remedy)
