@@ -1,4 +1,4 @@
-"""Parametric twin of a cable drive: design file in; checked, weighed and openable parts out.
+"""Design of cable drives from one file: checks, parts, report, model, test rig, and the loop with measured data.
 
 The names for scripts and notebooks are those of :mod:`mbcdm_cad.api`: ``import mbcdm_cad as mc; mc.load(...)``.
 """

@@ -1,4 +1,4 @@
-"""Errors that a user of the program can put right, with all that is needed to do so."""
+"""Errors that a user can correct, with all information that is needed for it."""
 
 from __future__ import annotations
 

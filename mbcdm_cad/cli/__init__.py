@@ -1,6 +1,6 @@
-"""The command line: parses, calls, and turns errors into a sentence and an exit code.
+"""The command line: parses, calls, and turns errors into a message and an exit code.
 
-Exit codes: 0 done, 1 a check failed, 2 bad input or a fault the user can put right, 130 interrupted, 141 reader gone.
+Exit codes: 0 done, 1 a check failed, 2 bad input or a fault that you can correct, 130 interrupted, 141 reader gone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``mbcdm plan --within``: of the runs that a bench can make, the one that says most of the drive."""
+"""``mbcdm plan --within``: find the best of the runs that a bench can make."""
 
 from __future__ import annotations
 

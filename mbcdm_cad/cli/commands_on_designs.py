@@ -1,4 +1,4 @@
-"""Commands on the design file: write it, check it, explain it, solve it, and what it may say."""
+"""Commands on the design file: write, check, explain and solve it; its schema and catalogue."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command ``doctor``: what this machine has of what the program can use, and what each of it is needed for."""
+"""The command ``doctor``: which programs and libraries this machine has, and what each is needed for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""After a loop that ended in a set: the run that tells its members apart best, as an experiment file.
+"""After a loop that ended in a set: the run that separates its members best, as an experiment file.
 
 Travel and load stay within what the design and the runs so far had; motion and load are drawn from a short list.
 """

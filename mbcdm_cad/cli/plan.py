@@ -1,4 +1,4 @@
-"""The command ``mbcdm plan``: what a run will be able to say, before it is made."""
+"""The command ``mbcdm plan``: predict what a run can find, before it is made."""
 
 from __future__ import annotations
 

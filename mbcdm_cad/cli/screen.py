@@ -1,4 +1,4 @@
-"""What the terminal can show: its width, and whether colours are wanted."""
+"""Properties of the terminal: its width, and whether colours are wanted."""
 
 from __future__ import annotations
 

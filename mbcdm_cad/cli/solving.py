@@ -1,4 +1,4 @@
-"""The command ``solve``: the nearest design that passes, as a patch of the file, or what stands in its way."""
+"""The command ``solve``: the nearest design that passes, as a patch of the file, or why there is none."""
 
 from __future__ import annotations
 

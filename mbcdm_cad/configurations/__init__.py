@@ -1,1 +1,1 @@
-"""The kinds of drive, one folder each, found by their registry. No room outside names one of them."""
+"""The configurations (layouts of a drive), one folder each, found by the registry. No other room names one of them."""

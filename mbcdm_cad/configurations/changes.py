@@ -1,4 +1,4 @@
-"""A design with some fields changed by a program, validated as if the file had been edited there."""
+"""Change fields of a design from a program; the result is validated like an edited file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a configuration supplies: the one face by which all other rooms know it.
+"""What a configuration supplies: the interface through which all other rooms use it.
 
 A configuration is a folder (a package) whose ``CONFIGURATION`` is an object with the members of :class:`Configuration`.
 Its methods import what they need when they are called: a program that only simulates must not load what draws.

@@ -1,4 +1,4 @@
-"""Design files of any configuration: read, started anew, described. The file's ``configuration`` says which it is."""
+"""Read, create and describe design files of any configuration; the field ``configuration`` of a file names it."""
 
 from __future__ import annotations
 

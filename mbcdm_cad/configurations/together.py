@@ -1,4 +1,4 @@
-"""Remedies followed together: whether they end in a design that passes, tried on the file as an author would change it.
+"""Try the remedies of all failed checks together: whether the design then passes, with the file edited as a user would.
 
 Each remedy alone mends its own check. Here the first of every failed check is written into the file at once; the design
 is sized and checked anew, and what fails then is mended in the same way, some rounds long. What the file asks of the

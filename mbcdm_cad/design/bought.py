@@ -1,4 +1,4 @@
-"""What the catalogue holds, as the other rooms read it: materials, ropes, bearings, motors and the like.
+"""Entries of the catalogue as the other rooms read them: materials, ropes, bearings, motors and others.
 
 The entries of catalogue files are validated by :mod:`mbcdm_cad.design.entries`, with the same field names. Units are
 those of the files: mm, N, grams, GPa.

@@ -1,4 +1,4 @@
-"""What a schema says about a field, read off its JSON Schema: for messages, the reference page and new files."""
+"""Description of a field from its JSON Schema, for messages, the reference page and new files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a configuration says of its design files, for the one loader of all of them."""
+"""What a configuration supplies about its design files; the loader, shared by all configurations, reads it."""
 
 from __future__ import annotations
 

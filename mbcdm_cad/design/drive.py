@@ -1,4 +1,4 @@
-"""The resolved design: every reference looked up, every radius known, nothing optional left open.
+"""The resolved design: every catalogue reference looked up, every radius known, every optional field filled.
 
 The YAML file is validated by :mod:`mbcdm_cad.design.loader`; what the other rooms read is the ``Drive`` below.
 Units are those of the file: mm, degrees, N, grams, GPa. The model converts to SI in one place of its own.

@@ -1,4 +1,4 @@
-"""The JSON Schema that editors complete by: that of design files with the form ``{value, sigma}`` written out."""
+"""The JSON Schema for completion in editors: that of design files, with the form ``{value, sigma}`` written out."""
 
 from __future__ import annotations
 

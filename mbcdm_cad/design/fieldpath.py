@@ -1,4 +1,4 @@
-"""Where a field stands in a file: its path, the way it is written in messages, its line."""
+"""The place of a field in a file: its path, its form in messages, its line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a search for a passing design may move of the fields that a file leaves to the rules."""
+"""Which of the fields that a file leaves out ``mbcdm solve`` may change, and within which limits."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Reading a design file: YAML, schema, rules, ``Drive``; every fault becomes an ``InputError``.
 
-Which configuration the file is of, and so its :class:`~mbcdm_cad.design.design_file.DesignFile`, is for the caller to
-say: this room knows of no configuration (:mod:`mbcdm_cad.configurations.loader`).
+The caller says which configuration the file has, and so its :class:`~mbcdm_cad.design.design_file.DesignFile`: this
+room does not know the configurations (:mod:`mbcdm_cad.configurations.loader`).
 """
 
 from __future__ import annotations

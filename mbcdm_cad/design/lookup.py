@@ -1,4 +1,4 @@
-"""The catalogue of one design: the package's entries with the design's own laid over them."""
+"""The catalogue of one design: the package's entries overridden by the design's own entries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pydantic's findings as problems in the user's words, with file, line, value, limit and remedy."""
+"""Turn pydantic's errors into messages for the user, with file, line, value, limit and remedy."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Requirements given as ranges: ``centre_distance_mm: {min: 30, max: 60}``, or ``min`` for as small as possible.
 
-A file with ranges is a question, not yet a design: ``mbcdm solve`` answers it, all else refuses it with that word.
+A file with ranges is not yet a design: ``mbcdm solve`` finds the values; other commands refuse it and name ``solve``.
 """
 
 from __future__ import annotations

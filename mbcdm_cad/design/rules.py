@@ -1,6 +1,6 @@
-"""Rules between fields that hold for all configurations: what makes a file that satisfies the schema still no design.
+"""Rules between several fields for all configurations; a file can satisfy the schema and break such a rule.
 
-A broken rule is bad input. Whether the design is any good (clearances, strength, travel) is for the checks.
+A broken rule is bad input. Clearances, strength and travel are judged by the checks, not here.
 """
 
 from __future__ import annotations

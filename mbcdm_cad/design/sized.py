@@ -1,4 +1,4 @@
-"""What sizing adds to a design file: a value for each field that the file leaves out, with the reason for it."""
+"""The values that sizing adds to a design file for fields that it leaves out, each with its reason."""
 
 from __future__ import annotations
 

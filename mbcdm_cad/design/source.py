@@ -1,4 +1,4 @@
-"""The text of a design file or of another small file, whatever the path may lead to."""
+"""Read the text of a design file or of another small file; refuse folders, devices and files that are too large."""
 
 from __future__ import annotations
 

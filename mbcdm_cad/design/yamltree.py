@@ -1,4 +1,4 @@
-"""YAML text to plain data, with the line of every field and nothing that YAML can do to hurt.
+"""Read YAML text into plain data, with the line of every field, safely for any input.
 
 PyYAML only scans and parses; the tree is built here from its events, without recursion, so that depth, size and
 aliases are bounded as they come in. Scalars follow the YAML 1.2 core schema, less what people misread (octal,

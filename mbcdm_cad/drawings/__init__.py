@@ -1,4 +1,5 @@
 """Workshop drawings: DXF with real dimensions, and SVG and PDF of the same document.
 
-The engine knows no part. What a sheet shows is plain data beside the part's dimensions (``parts/<part>/sheet.py``).
+The engine is independent of the parts: the content of a sheet is plain data in the part's folder
+(``parts/<part>/sheet.py``).
 """

@@ -1,4 +1,4 @@
-"""Where the views stand on the sheet, at which scale and on which paper."""
+"""Arrangement of a sheet: positions of the views, scale and paper size."""
 
 from __future__ import annotations
 

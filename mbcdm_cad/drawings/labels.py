@@ -1,4 +1,4 @@
-"""Room for short texts in a view: the nearest place where a text lies on no line and on no other text."""
+"""Find room for short texts in a view: the nearest place where a text covers no line and no other text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where dimensions stand beside a view: on which level, and where along it their text goes."""
+"""Positions of dimensions beside a view: on which level, and where along it their text stands."""
 
 from __future__ import annotations
 

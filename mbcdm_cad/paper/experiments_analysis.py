@@ -1,4 +1,4 @@
-"""What is read from the paper's three experiments."""
+"""Evaluation of the paper's three experiments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of a paper beside the declared model: predicted, measured, what would close the gap, what cannot be told.
+"""Compare published figures with the declared model: predicted, measured, possible causes of the difference.
 
 A scalar has no held-out data, so nothing is ever named outright here: the verdict is ``not_testable``, and what could
 be the cause stands in ``one_of``, with what each candidate would have to be and the experiment that separates them.

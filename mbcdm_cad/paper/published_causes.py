@@ -1,4 +1,4 @@
-"""What could be behind each published figure, each candidate reckoned with the model.
+"""Possible causes of the difference for each published figure, each computed with the model.
 
 ``+`` candidates stay within what such parts do (bounds below, estimates); a single figure cannot choose among them.
 """

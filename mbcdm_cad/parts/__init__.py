@@ -1,4 +1,4 @@
-"""The parts, one a file, one public function each: dimensions in, one valid solid out. Only here is geometry drawn.
+"""The parts, one folder each: ``dims.py`` with dimensions, ``draw.py`` with one function that draws the solid.
 
 Threads follow one convention everywhere: outside and inside threads are plain cylinders at the nominal diameter.
 Frames: the drum and all that is fixed to the frame are drawn where they stand with the drum centred; input pulleys

@@ -1,4 +1,4 @@
-"""Heat-set inserts of printed parts: what the order of assembly says of them."""
+"""Heat-set inserts of printed parts: texts for the order of assembly."""
 
 from __future__ import annotations
 

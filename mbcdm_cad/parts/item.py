@@ -1,4 +1,4 @@
-"""What an assembly is made of: named instances of parts, as plain numbers. The solids travel beside it."""
+"""Items of an assembly: named instances of parts, as plain numbers; the solids are stored separately."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How exactly the parts of a drive are made: bands of sizes from the fits and from the design's block ``making``."""
+"""Tolerances of the parts of a drive: bands of sizes from the fits and from the design's block ``making``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a part stands in the assembly: a rigid motion as plain numbers, so that no room needs the kernel to say it."""
+"""Placement of a part in the assembly: a rigid motion as plain numbers, which needs no kernel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the model says of one design: figures, the cables' paths, as text for a terminal, as JSON, as a table.
+"""The report of the model on one design: figures and cable paths as text for a terminal, as JSON, as a table.
 
 The command line prints it, the Python API returns it.
 """

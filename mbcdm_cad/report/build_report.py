@@ -1,4 +1,4 @@
-"""What a build came to, in a few lines, and its report as plain data.
+"""The result of a build: a summary in a few lines, and its report as plain data.
 
 The command line prints it, the Python API returns it.
 """

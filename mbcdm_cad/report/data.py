@@ -1,4 +1,4 @@
-"""Everything the report says, as plain data: report.json is this, report.md is this in words."""
+"""The content of the report as plain data: report.json contains it, report.md is written from it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The graph of what follows from what in a design file: which field rests on which, laid out in columns, as SVG.
+"""The graph of dependencies between the fields of a design file, arranged in columns, as SVG.
 
 Layers and positions come from networkx; within a column fields are ordered by the mean place of their neighbours
 (Sugiyama's barycentre sweeps), so that few lines cross. The same records give the same bytes.

@@ -1,6 +1,6 @@
-"""Why a design's fields have the values they have: rule, what it rests on, what drives it; for one field the chain.
+"""Explain the values of a design's fields: rule, fields that it reads, driving need; for one field the whole chain.
 
-The report, the page and the graph of what follows from what show the same records.
+The report, the page and the graph of dependencies show the same records.
 """
 
 from __future__ import annotations

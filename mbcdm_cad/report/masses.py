@@ -1,4 +1,4 @@
-"""What everything weighs, where it is and how it turns, item by item and as a whole; with what estimates bring."""
+"""Mass, centre of gravity and inertia of every item and of the whole, with the uncertainty from estimates."""
 
 from __future__ import annotations
 

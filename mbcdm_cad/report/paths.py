@@ -1,4 +1,4 @@
-"""The exact cable paths as a design's figures: the geometry of the layout, and what its errors do to the model."""
+"""Figures of the exact cable paths: geometry of the layout, and its effect on the figures of the model."""
 
 from __future__ import annotations
 

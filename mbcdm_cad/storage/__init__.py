@@ -1,1 +1,1 @@
-"""What lies on the disk: cache and keys, files and folders that appear whole or not at all; and work on all cores."""
+"""Storage: cache and its keys, files and folders that are written completely or not at all; work on all cores."""

@@ -1,4 +1,4 @@
-"""What was made before, by the hash of what it was made from: in the user's cache folder, shared by all processes."""
+"""The cache: earlier results by the hash of their inputs, in the user's cache folder, shared by all processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all: written aside, then renamed into place."""
+"""Write a file completely or not at all: under a temporary name, then renamed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Folders of output: written aside, put in place at one stroke, so that a build that dies leaves the last one whole."""
+"""Write an output folder aside and put it in place in one step, so that a build that dies leaves the last one whole."""
 
 from __future__ import annotations
 

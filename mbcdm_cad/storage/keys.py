@@ -1,6 +1,6 @@
-"""Names for what is stored: equal inputs, code and versions have equal keys, anything else has another.
+"""Keys of the cache: equal inputs, code and versions have equal keys; any difference gives another key.
 
-The hash of the code is part of a key, so that a changed program does not serve what the old one made.
+The hash of the code is part of a key, so that a changed program does not use results of the old one.
 """
 
 from __future__ import annotations

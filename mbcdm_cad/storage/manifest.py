@@ -1,4 +1,4 @@
-"""manifest.json: what a build wrote, from which input, with which versions. The same build gives the same text."""
+"""manifest.json: the files of a build, their input and the versions used. The same build gives the same text."""
 
 from __future__ import annotations
 

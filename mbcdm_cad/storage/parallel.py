@@ -1,4 +1,4 @@
-"""Independent work on several cores, by forked processes that find everything already in memory."""
+"""Parallel map: independent work on several cores, by forked processes that share the memory of this one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One folder put in the place of another, at one stroke where the system can do it."""
+"""Replace one folder by another, in one step if the system can do it."""
 
 from __future__ import annotations
 

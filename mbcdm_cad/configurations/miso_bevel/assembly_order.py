@@ -1,4 +1,4 @@
-"""The order in which the mechanism goes together: what joins at each step, with the tool and why it reaches."""
+"""The order of assembly: the parts that are added at each step, the tool, and how it reaches its place."""
 
 from __future__ import annotations
 

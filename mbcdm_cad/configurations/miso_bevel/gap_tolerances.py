@@ -1,4 +1,4 @@
-"""What the tolerances of the parts do to each gap between moving things: one closed form a gap, no layout needed.
+"""Effect of the parts' tolerances on each gap between moving parts: one closed formula for each gap, without a layout.
 
 Each function gives the contributions; with the nominal margin they make a
 :class:`~mbcdm_cad.model.stack_up.StackUp`. Lengths in mm. Parts are taken as made to the fits of

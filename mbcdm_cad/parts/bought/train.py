@@ -1,4 +1,4 @@
-"""What turns an input: a gearhead with its motor, or a motor alone; as items of the bill and in words."""
+"""The motor of an input with its gearhead, or alone: items of the bill, and texts."""
 
 from __future__ import annotations
 

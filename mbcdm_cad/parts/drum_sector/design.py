@@ -1,4 +1,4 @@
-"""What drives have in common whose cables end on a drum sector, each from its input pulley of two steps."""
+"""The part of ``Drive`` shared by drives whose cables end on a drum sector, from input pulleys of two steps."""
 
 from __future__ import annotations
 

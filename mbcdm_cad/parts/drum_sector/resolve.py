@@ -1,4 +1,4 @@
-"""What of a drive with a drum sector follows from the blocks of its design file that all such drives have."""
+"""Resolve the blocks of the design file that all drives with a drum sector share."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The words in which a part says what its drawing shows, and how the sheet of a part is found."""
+"""Classes that describe the drawing of a part, and the search for the sheet of a part."""

@@ -1,4 +1,4 @@
-"""What a drawing shows, as plain data: views, dimensions, labels, tables, notes. No kernel, no paper.
+"""Content of a drawing as plain data: views, dimensions, labels, tables, notes. It needs no kernel and no paper size.
 
 Points are in the part's own coordinates, mm. A view says which way of the part lies to the right and upwards on the
 paper; sections are views with a plane, through ``cut`` and facing the reader, in front of which nothing is drawn.

@@ -1,4 +1,4 @@
-"""How far the terminals of a drum are drawn in, from slack to the highest preload."""
+"""Take-up of the terminals of a drum, from slack to the highest preload."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Designs side by side as a page: pictures, figures with bars, what each does under load."""
+"""A page that compares designs: pictures, figures with bars, behaviour under load."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page says in tables and bars, prepared from the report's data: order, shares, words. No HTML here."""
+"""Tables and bars of the page, prepared from the report's data: order, shares, words. No HTML here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page: template, styles, scripts and data joined into one file that needs nothing beside it."""
+"""The page: template, styles, scripts and data joined into one file that needs no other file."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What the page shows in 3D, as plain data and one block of binary numbers: meshes, places, bodies and cables.
+"""The 3D scene of the page, as plain data and one block of binary numbers: meshes, places, bodies and cables.
 
-Everything is told by data (bodies with axis and ratio, cables as sampled centre lines), so the page knows no
+The data describe everything (bodies with axis and ratio, cables as sampled centre lines), so the page knows no
 configuration. Lengths in mm, in the frame of the mechanism.
 """
 

@@ -1,4 +1,4 @@
-"""The page of a built design as a stage of its own: what its curves and cables rest on is made once and kept."""
+"""Make the page of a built design as a separate stage; its curves and cables are computed once and kept."""
 
 from __future__ import annotations
 

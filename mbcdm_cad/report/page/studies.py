@@ -1,4 +1,4 @@
-"""Figures that only the page shows: curves of the model over load, preload and travel, ready to be drawn."""
+"""Plots that only the page shows: curves of the model over load, preload and travel, ready to be drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all pages share: templates, styles and scripts of this folder; how figures and data are written into them."""
+"""Templates, styles and scripts that all pages share, and how figures and data are written into them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a search for a passing design may move, besides the derived dimensions: choices of parts and arrangement."""
+"""What ``mbcdm solve`` may change besides the derived dimensions: choices of parts and arrangement."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Forces that the cables' tensions put on the support, at the seats of its bearings and of the guide's axle.
+"""Forces of the cables' tensions on the support, at the seats of its bearings and of the guide's axle.
 
 Each pulley is a rigid body on two supports, so that equilibrium alone gives the forces. The drum's shaft lies in two
 bearings in the boss, each input pulley and the guide's axle between the bearing shelf and the top plate.
