@@ -47,4 +47,4 @@ def test_the_proposed_run_settles_the_set(tmp_path: Path, capsys: pytest.Capture
         capsys, "loop", DESIGN, run, made, "--json", tmp_path / "second.json", "--next", tmp_path / "none.yaml"
     )
     assert names(tmp_path / "second.json") == (["once_per_rev guide"], []), said
-    assert "no set is left" in said and not (tmp_path / "none.yaml").exists(), said
+    assert "no set of possible effects is left" in said and not (tmp_path / "none.yaml").exists(), said

@@ -160,7 +160,7 @@ def test_a_set_says_that_the_data_cannot_tell() -> None:
     page = words_of(result)
     assert "One of these 2; the data cannot tell which" in page and "once_per_rev drum" in page
     assert "To tell them apart: turn the encoder by 90 degrees; or: a longer travel." in page
-    assert "one of these, the data cannot tell which" in result_text(result)
+    assert "one of these; the data cannot show which" in result_text(result)
 
 
 def test_doubts_stand_right_below_the_finding() -> None:

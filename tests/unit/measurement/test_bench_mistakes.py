@@ -186,7 +186,7 @@ REFUSED = {
     "left sign": Mistake("the left input turns against the output", lambda: scaled(-1.0, "q_left")),
     "output sign": Mistake("its sign is reversed; set scale: -1", lambda: scaled(-1.0, "q_out")),
     "torque sign": Mistake("load torque of reversed sign; set scale: -1", lambda: scaled(-1.0, "tau")),
-    "torque in mN m": Mistake("mN*m called N*m?", lambda: scaled(1e3, "tau")),
+    "torque in mN m": Mistake("mN*m declared as N*m?", lambda: scaled(1e3, "tau")),
     "all radians called degrees": Mistake(
         "(radians declared as degrees?)", content=lambda: in_unit("deg", "input_left", "input_right", "output")
     ),
@@ -245,7 +245,7 @@ SAID = {
     "constant load": Mistake("the load is constant", lambda: csv(tau=np.full_like(_columns()["t"], 0.4))),
     "a load that slackens the cables": Mistake("cables go slack", lambda: csv(tau=_columns()["tau"] + 20.0)),
     "ms called s": Mistake("is the time in ms", lambda: scaled(1e3, "t")),
-    "s called ms": Mistake("is the time in s, called ms?", content=lambda: in_unit("ms", "time")),
+    "s called ms": Mistake("is the time in s but declared as ms?", content=lambda: in_unit("ms", "time")),
     "sample numbers as time": Mistake("in sample numbers", lambda: csv(t=np.arange(_columns()["t"].size) + 0.0)),
     "counts of another encoder": Mistake(
         "slope between inputs and output 10.98",

@@ -99,7 +99,7 @@ def test_a_sound_run_is_left_in_peace() -> None:
             "does not follow the right input",
         ),
         (replace(RUN, load_Nm=-RUN.load_Nm), "reversed_load", "load_torque", "scale: -1 on load_torque"),
-        (replace(RUN, load_Nm=1000.0 * RUN.load_Nm), "load", "load_torque", "mN*m called N*m?"),
+        (replace(RUN, load_Nm=1000.0 * RUN.load_Nm), "load", "load_torque", "mN*m declared as N*m?"),
         (replace(RUN, input_rad=RUN.input_rad[:1], input_names=("input",)), "inputs", "columns", "1 input column"),
         (replace(RUN, input_rad=np.mod(RUN.input_rad, 2.0 * np.pi)), "wrapped", "input_left", "jumps by a full turn"),
     ],
