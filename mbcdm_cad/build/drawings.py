@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.drawings.draw import PartFacts
 
 FORMATS = ("dxf", "pdf", "svg")
-# Libraries whose version decides what a drawing's bytes are.
+# Libraries whose version changes the bytes of a drawing.
 _LIBRARIES = ("ezdxf", "matplotlib")
 # The name of the sheet of the whole drive.
 ASSEMBLY = "assembly"

@@ -44,7 +44,7 @@ def mesh_solid(name: str, solid: Shape, tolerance_mm: float) -> TriangleMesh:
         mesh = _triangulated(name, kernel_shape(solid), linear_mm, angular_rad)
         if mesh.deviation_mm <= _ACCEPTED_SHARE * tolerance_mm:
             break
-        # Error goes with the square of the step: the angle shrinks by the root of what the length shrinks by.
+        # The error is proportional to the square of the step, so the angle shrinks by the root of the length's factor.
         shrink = max(0.1, _FIRST_SHARE * tolerance_mm / mesh.deviation_mm)
         linear_mm, angular_rad = linear_mm * shrink, angular_rad * math.sqrt(shrink)
     else:

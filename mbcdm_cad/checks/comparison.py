@@ -12,7 +12,7 @@ from mbcdm_cad.checks.design_variables import Adjustment
 TOLERANCE = 1e-9
 
 
-# Below this a figure is rounding of what is exactly nothing.
+# Below this a figure is the rounding error of an exact zero.
 NOTHING = 1e-11
 
 

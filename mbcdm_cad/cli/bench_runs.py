@@ -14,7 +14,7 @@ from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 
-# Planned runs are worked out at this rate, Hz; the file asks for that of the bench.
+# Planned runs are computed at this rate, Hz; the experiment file has the rate of the bench.
 PLANNING_HZ = 25.0
 # Share of the travel of the design that is used, and the short travel.
 TRAVEL_SHARE, SHORT_SHARE = 0.9, 0.15

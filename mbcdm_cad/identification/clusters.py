@@ -28,7 +28,7 @@ from mbcdm_cad.routes import Floats
 
 # Samples multiplied at one time: what keeps the copy small however long the run.
 BLOCK = 65_536
-# Below this probability of a wrong choice two effects count as told apart.
+# Below this probability of a wrong choice two effects count as separated.
 TOLD_APART = 0.01
 
 

@@ -24,9 +24,9 @@ from mbcdm_cad.storage.compiled import compiled
 ANGLES, LOADS = 65, 9
 # Angles, as shares of the travel, over which the direction may change after a reversal; the best one is taken.
 REVERSALS = (0.001, 0.002, 0.003, 0.005, 0.008, 0.012, 0.02, 0.03, 0.05, 0.1)
-# A point of the table with less than this time near it leans on its neighbours.
+# A point of the table with less measured time than this near it is interpolated from its neighbours.
 PRIOR_S = 0.1
-# Samples' worth by which all points are drawn to zero: it only settles what the data leave open.
+# Weight, in samples, that draws all points to zero: it decides only where the data do not.
 LEAST_RIDGE = 1e-2
 # A line is in the table if so many of its points make a cycle.
 LEAST_POINTS = 8.0

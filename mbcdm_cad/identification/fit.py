@@ -96,7 +96,7 @@ class Fitter:
         self.d, self.ratio, self.runs, self.known = d, ratio, tuple(runs), tuple(known)
         self.simulate = [Simulator() for _ in self.runs]
         self.base = [declared(d, ratio, p) for p in self.runs]
-        # What the built drive is known to have is part of what is declared.
+        # Known effects of the built drive (as_built) are part of the declared model.
         if d is not None:
             for k, p in enumerate(self.runs):
                 for effect, values in known_effects(d, p, known):

@@ -22,7 +22,7 @@ from mbcdm_cad.routes import Floats
 # The lowest order looked for makes this many cycles over the travel: below, it is a trend.
 LEAST_CYCLES = 2.5
 MOST_ORDER = 4000.0
-# A line must stand this far over what the encoders' own steps can put at its order.
+# A line must exceed by this factor the amplitude that the encoders' own steps can cause at its order.
 STEP_LINE_MARGIN = 1.5
 # Probability of a false line over all orders searched.
 LINE_ALPHA = 0.01

@@ -30,7 +30,7 @@ FEWEST_SWEEPS = 4
 MOST_SAMPLES = 20_000
 # Lines of the spectrum that are taken out first.
 MOST_LINES = 3
-# Where nothing repeats, what is faster than this is taken for noise, s.
+# Where nothing repeats, everything faster than this counts as noise, s.
 FAST_S = 0.1
 # A floor so many times the declared one speaks against the sensor, or against its data sheet.
 FAR_ABOVE = 1.5

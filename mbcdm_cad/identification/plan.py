@@ -36,7 +36,7 @@ POWER = 0.9
 TOLD_STRENGTH = 10.9
 # Orders of ripple that are looked at, cycles a turn of the output.
 ORDERS = (20.0, 200.0)
-# Rivals that one cannot be told from below so many times its smallest named size are listed, the worst ones.
+# A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.
 MOST_RIVALS = 4
 ANY_SIZE = 1e3
 

@@ -35,7 +35,7 @@ PAD_S = 5.0
 FASTEST_HZ = 4.0
 # An angle is smoothed over this to count its steps once more, s.
 COUNTING_WINDOW_S = 0.2
-# The speed is told over the shortest window that leaves noise of this share of its RMS, between these limits in s.
+# The speed is computed over the shortest window that leaves noise of this share of its RMS, between these limits in s.
 SPEED_NOISE_SHARE = 0.01
 LONGEST_SPEED_S = 1.0
 COMMON_WINDOW_S = 0.05

@@ -151,7 +151,7 @@ def _candidate(one: Evidence, small: Sequence[Evidence]) -> dict[str, str]:
     _, (held, fall) = readable("_rad", [one.held_out_rad, one.fall_rad])
     return {
         "label": one.label,
-        # A candidate that was left out was not fitted on what is held out.
+        # A candidate that was left out has no error on the data held back.
         "held": "" if one in small else _micro(held),
         "fall": _micro(fall) if one.fall_rad else "",
         "outcome": one.outcome,

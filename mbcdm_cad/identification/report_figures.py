@@ -18,7 +18,7 @@ MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
 STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False}
 WIDTH_IN = 9.6
 BINS = 60
-# Points over which the sense of motion is told, more than an encoder's step lasts.
+# Points over which the sense of motion is computed; they last longer than an encoder's step.
 SENSE_POINTS = 25
 
 

@@ -300,7 +300,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
     if candidates:
         width = max(len(c.label) for c in candidates)
         lines += ["", f"{'candidate':<{width}}{'held out':>12}{'takes off':>12}  {unit}"]
-        # A candidate that was left out was not fitted on what is held out.
+        # A candidate that was left out has no error on the data held back.
         held = [f"{c.held_out_rad / size:.3g}" for c in result.evidence] + [""] * len(result.small)
         lines += [
             f"{c.label:<{width}}{rms:>12}{c.fall_rad / size:>12.3g}  {c.outcome}"

@@ -25,7 +25,7 @@ LEAST_SHARE_OF_FLOOR = 0.45
 LEAST_ERRORS = 3.0
 # Less than this share of the residual's mean square is no description of it.
 LEAST_SHARE = 0.15
-# A second variable within this factor of the best is not told apart from it.
+# A second variable within this factor of the best one counts as equally good.
 ALIKE = 0.85
 ANGLE_BINS = 48
 OTHER_BINS = 16

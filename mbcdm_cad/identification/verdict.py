@@ -30,16 +30,16 @@ from mbcdm_cad.routes import Floats
 # floor in quadrature: so small a difference may be the model's own.
 ALIKE_ERRORS = 2.0
 ALIKE_SHARE = 0.12
-# A name is not given where what stays unexplained is as large as this share of what the name explains.
+# An effect is not named if the unexplained error is at least this share of the error that the effect explains.
 BLAME_SHARE = 0.35
-# The intervals are told over windows found with the noise assumed so many times as large.
+# The intervals include smoothing windows found with the noise assumed so many times as large.
 WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
 # What is not named is kept as helpful from these odds on, and stays in the fit where it explains this share of what is
 # above the floor.
 LEAST_ODDS = 20.0
 MOST_OF = 0.75
-# A size is not told from zero where it may be zero with this probability.
+# A size counts as possibly zero if it is zero with this probability.
 ZERO_CHANCE = 0.05
 
 

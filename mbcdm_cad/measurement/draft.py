@@ -183,7 +183,7 @@ def _input(column: _Column, out_rad: Floats, drive: Drive) -> None:
             found.append((abs(math.log(abs(slope) * ANGLE[word].factor / turns)), side, {"unit": word}))
         if not unit and _whole(column):
             per_turn = _sold(abs(slope) * 2.0 * math.pi / turns)
-            # Few lines a turn are likelier on a motor, many on a shaft: what is sold decides.
+            # Few lines a turn are more usual on a motor, many on a shaft, as in encoder catalogues.
             miss = abs(math.log(abs(slope) * 2.0 * math.pi / turns / per_turn))
             known = 0.0 if per_turn in COUNTS else NEAR
             found.append((miss + known, side, {"unit": "counts", "counts_per_turn": per_turn}))

@@ -11,7 +11,7 @@ from mbcdm_cad.storage.compiled import compiled
 
 # A reversal counts where the output has come back by this share of its travel.
 REVERSAL_SHARE = 0.1
-# Window over which a speed is told, s.
+# Window over which a speed is computed, s.
 SPEED_WINDOW_S = 0.1
 
 

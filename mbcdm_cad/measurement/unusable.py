@@ -19,7 +19,7 @@ FEWEST_SAMPLES = 100
 # An output that turns by less than this many of its steps, or than this angle where the step is not known, stands.
 FEWEST_STEPS = 20
 LEAST_TRAVEL_RAD = 1e-6
-# A shaft that turns by this much has moved, whatever the step of its encoder is said to be.
+# A shaft that turns by this much has moved, even if the declared step of its encoder is larger.
 MOTION_RAD = 0.01
 # Steps in time that run backwards, as a share of all, from which the column is hardly the time.
 MOST_BACK = 0.05

@@ -22,9 +22,9 @@ LEAST_COUNTS = 90.0
 LAGS = (0.005, 0.02, 0.08)
 # A load of this many times what slackens the cables is no load but a wrong unit.
 MOST_LOAD = 3.0
-# Shares of the least compliance by which a drum may give way: 1.3 to 3 in simulated runs of every effect.
+# Limits of a drum's deflection over the least possible one: 1.3 to 3 in simulated runs of every effect.
 LEAST_GIVE, MOST_GIVE, FARTHEST_GIVE = 0.25, 25.0, 250.0
-# Known slips, as the factor by which an angle comes out too large, and how they are told.
+# Known mistakes in units: the factor by which an angle is too large, and the words for it.
 SLIPS = (
     (180.0 / math.pi, "degrees declared as radians"),
     (2.0 * math.pi, "radians declared as turns"),
@@ -200,9 +200,7 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
         return [_wrong_give(-share)]
     if together < 0.7 or share < 0.5:
         return []
-    text = (
-        f"load_torque has the wrong sign: the drum moves against its load, {share:.2g} times as far as it should yield"
-    )
+    text = f"load_torque has the wrong sign: the drum moves against the load, {share:.2g} times its expected deflection"
     remedy = "set scale: -1 on load_torque (it is positive where it opposes positive rotation)"
     return [VettingNote("reversed_load", "refused", text, remedy, ("columns", "load_torque"))]
 

@@ -27,7 +27,7 @@ _ZERO_C, _GAS_J_MOL_K = 273.15, 8.314462618
 _LN10 = log(10.0)
 # Steps of the integration in ln(1 + t/t0), and how far it goes.
 _STEPS, _LONGEST_S = 400, 100.0 * YEAR_S
-# Times at which the preload that is left is told, and temperatures.
+# Times and temperatures for which the remaining preload is printed.
 TOLD_DAYS = (1.0, 30.0, 365.25, 3652.5)
 TOLD_C = (20.0, 40.0)
 

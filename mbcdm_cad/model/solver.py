@@ -41,7 +41,7 @@ def stretch(d: DriveSI, tension_N: Floats, turned_at_N: Floats | None) -> tuple[
 def slack_limit_m(d: DriveSI) -> Floats:
     """Stretch (m) at and below which a cable counts as slack: that of ``FAINT_SHARE`` of its preload, or of none."""
     if d.endless_wraps:
-        # The law itself, written out: every solution asks for it.
+        # The formula of the law is written out here because every solution evaluates it.
         lost = (1.0 - FAINT_SHARE) * d.free_span_m + (FAINT_SHARE - 1.0 - math.log(FAINT_SHARE)) * d.slip_reach_m
         return np.asarray(-d.preload_N / d.axial_stiffness_N * lost)
     faint, _ = stretch_first_loading(d, FAINT_SHARE * d.preload_N)

@@ -73,7 +73,7 @@ def write_study(drive: Drive, folder: Path, tolerances: Tolerances, stacks: Sequ
         "sigma": {name: np.asarray(size).tolist() for name, size in sigma.items()},
         "intervals": {name: asdict(interval) for name, interval in intervals(d, need, sigma).items()},
     }
-    # Eight digits: what is left differs by the mathematics library, not by the design.
+    # Eight digits: further digits depend on the mathematics library, not on the design.
     text = json.dumps(_rounded(summary), indent=2, sort_keys=True)
     (folder / "sensitivity.json").write_text(text + "\n", encoding="utf-8")
     return summary

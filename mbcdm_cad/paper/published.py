@@ -20,7 +20,7 @@ from mbcdm_cad.measurement.schema import Published
 from mbcdm_cad.measurement.units import Unit, unit_of
 from mbcdm_cad.model.si import DriveSI, to_si
 
-# Ending that tells `readable` the unit of a figure.
+# Ending of a name from which `readable` reads the unit.
 ENDINGS = {"rad": "_rad", "N m": "_Nm"}
 
 

@@ -345,5 +345,5 @@ def strain(chains: Chains, j: int, strains: Floats) -> None:
             now = pieces[k % pieces.size]
             then = max(now - c[EA] * strains[w], 0.0)
             pieces[k % pieces.size] = then
-            # Length at preload is kept: what the strain adds to the rope, the lower tension takes away again.
+            # The length at preload is constant: the lower tension shortens the rope as much as the strain lengthens it.
             wrap[SUM] += extent * (then - now + c[EA] * strains[w])

@@ -24,7 +24,7 @@ SHARES = (1.05, 1.15, 1.4, 2.0, 4.0, 12.0)
 BISECTIONS = 4
 # Trials to make a design pass at one value of a requirement, and how many values of one requirement are repaired.
 TRIALS, VALUES = 40, 2
-# Requirements that give way one after the other at most.
+# Largest number of requirements that are relaxed one after the other.
 MOST_GIVING = 3
 
 

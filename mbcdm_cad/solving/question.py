@@ -22,7 +22,7 @@ from mbcdm_cad.solving.fields import leaves, put, take_out, value_at
 
 # A number that a rule finds may be moved to these shares of it where the configuration says nothing else.
 DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0
-# Blocks whose fields say how a design is told or made, not what it must do: never moved and never to blame.
+# Blocks whose fields describe or present a design and are no requirements: never changed, never named as a cause.
 ASIDE = ("schema_version", "name", "configuration", "inputs", "cables", "catalogue", "waivers", "as_built", "export")
 # Releases of a complete file, in the order in which they are tried.
 PIN, CHOICE, WISH, ASKED = 1, 2, 3, 4

@@ -12,7 +12,7 @@ from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# A step takes this long: an estimate, well under what the fit could tell.
+# Duration of a step: an estimate, far shorter than the fit could resolve.
 RISE_S = 0.02
 # Largest slip of an anchor, in stretches that the preload makes.
 MOST_STRETCHES = 5.0

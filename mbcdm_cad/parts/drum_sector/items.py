@@ -24,7 +24,7 @@ RING_ENCODER_GRIP_MM = 2.0
 SPRING_SHARE = 1.0 / 3.0
 # Colours (linear RGB) that tell bought bodies and cables from machined metal.
 ENCODER_COLOUR = (0.01, 0.12, 0.06)
-# One for each cable, so that its way can be followed; told apart by most colour-blind people too.
+# One colour for each cable, so that it can be followed; most colour-blind people can distinguish them too.
 _CABLE_COLOURS = ((0.85, 0.3, 0.02), (0.05, 0.25, 0.8), (0.02, 0.45, 0.25), (0.6, 0.08, 0.4))
 
 

@@ -25,7 +25,7 @@ from mbcdm_cad.storage.compiled import compiled
 
 _STEPS = 80
 _HALVINGS = 12
-# Share of the shaft's stiffness left inside its play, so that a pulley that hangs free still has one place to stand.
+# Share of the shaft's stiffness inside its play, so that a pulley free within its play has one equilibrium angle.
 _IN_PLAY = 1e-4
 
 

@@ -185,7 +185,7 @@ REFUSED = {
     "inputs in degrees": Mistake("inputs too large by 57.3, degrees", lambda: scaled(DEG, "q_left", "q_right")),
     "left sign": Mistake("the left input turns against the output", lambda: scaled(-1.0, "q_left")),
     "output sign": Mistake("its sign is reversed; set scale: -1", lambda: scaled(-1.0, "q_out")),
-    "torque sign": Mistake("load torque of reversed sign; set scale: -1", lambda: scaled(-1.0, "tau")),
+    "torque sign": Mistake("load_torque has the wrong sign", lambda: scaled(-1.0, "tau")),
     "torque in mN m": Mistake("mN*m declared as N*m?", lambda: scaled(1e3, "tau")),
     "all radians called degrees": Mistake(
         "(radians declared as degrees?)", content=lambda: in_unit("deg", "input_left", "input_right", "output")
@@ -265,7 +265,7 @@ SAID = {
         lambda: mapping(output={"column": "q_out [deg]"}),
     ),
     "row of other units": Mistake(
-        "run.csv has output in deg by its own header, but in rad",
+        "run.csv has output in deg by its own header, but rad in the measurement file",
         lambda: under_header("s,rad,rad,deg,N m"),
     ),
     "some broken rows": Mistake(

@@ -23,7 +23,7 @@ from mbcdm_cad.configurations.miso_bevel.checks import (
     wraps,
 )
 
-# First what the mechanism asks, then what the parts ask.
+# First the checks of the mechanism, then those of the parts.
 FAMILIES: tuple[ModuleType, ...] = (
     ratios,
     surfaces,

@@ -40,7 +40,7 @@ RULES: tuple[Rule, ...] = (
     *HUB_FACE,
 )
 
-# Dimensions: what is neither asked of the drive nor a choice of part, material or arrangement.
+# Dimensions: fields that are neither a requirement nor a choice of part, material or arrangement.
 DERIVED = tuple(
     rule.field
     for rule in (*LEAD, *CLEARANCES, *FRAME, *DRUM, *STOP_PIN, *SETBACK, *BACK, *HUB_FACE)

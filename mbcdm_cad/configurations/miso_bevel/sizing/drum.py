@@ -36,15 +36,15 @@ from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 SCREW_LIP_MM = 1.0
 # Web in thinnest walls, and as a share of the outermost radius: stiff enough between rim and hub (estimate).
 WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 33.0
-# Rim under the deepest pocket as a share of the radius of step 1 (estimate; the check asks for less).
+# Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
 RIM_SHARE = 0.08
-# Wrap to be left at the end of travel over what the check asks: towards the slip zone at small loads (estimate).
+# Wrap left at the end of travel, over the limit of its check: towards the slip zone at small loads (estimate).
 WRAP_SPARE_DEG = 6.0
 # Terminal beside the guide, over the running clearance.
 GUIDE_SPARE_MM = 0.3
 THINNEST_STOP_PIN_MM = 3.0
 WIDEST_DEG = 170.0
-# Lug over what the check asks of it.
+# Strength of the lug over the limit of its check.
 LUG_SPARE = 1.1
 
 
@@ -179,7 +179,7 @@ def _sector(given: BevelKnown) -> Found:
         "stop_slot": slot + stop,
     }
     if box is not None and box[0] < 2 * outer:
-        # A sector wider than the box asks would break it: the box wins, and the checks say what that costs.
+        # A sector wider than the target box would exceed it: the box takes precedence, and the checks show the effect.
         return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
     driver = max(needs, key=lambda name: needs[name])
     angle = min(rounded_up(needs[driver], 0.5), WIDEST_DEG)

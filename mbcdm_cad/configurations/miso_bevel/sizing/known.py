@@ -71,7 +71,7 @@ LEAD_STEP_MM = 0.01
 class BevelKnown(KnownFields):
     """Adds the figures that follow from a few fields each; reading one notes these fields."""
 
-    # What the gearheads' faces were found to rest on, and their height: two rules ask for it.
+    # The part that the gearheads' faces rest on, and their height; two rules read it.
     _shelf_bottom: tuple[str, float] | None = None
 
     @property

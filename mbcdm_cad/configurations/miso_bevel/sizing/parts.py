@@ -33,16 +33,16 @@ GUIDE_TENSIONS = 1.85
 # Of a drum's bearing.
 DRUM_TENSIONS = 1.23
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
-# Take-up over what the longest cable asks: its length is an estimate as long as the drum's width is open.
+# Take-up over the need of the longest cable, whose length is an estimate until the drum's width is known.
 TAKE_UP_SPARE = 1.04
-# Stud over what the check asks of it: it is also bent a little by its nut.
+# Strength of the stud over the limit of its check, because the nut also bends it a little.
 STUD_SPARE = 1.2
 
 # Swage to lug with the terminal drawn in: the round corner of the pocket, and a little.
 END_ROOM_MM = 0.5
 
 Entry = Mapping[str, Any]
-# By check, as shares of what it asks; negative where it fails.
+# By check, as shares of its limit; negative where it fails.
 Margins = Mapping[str, float]
 
 

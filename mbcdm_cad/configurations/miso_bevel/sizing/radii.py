@@ -34,7 +34,7 @@ USUAL_OUTER, USUAL_DISTANCE = 1.4, 0.9
 ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.6, 0.7
 # Neighbouring terminals stand at different angles: what that takes of the gap between them.
 SLANT_MM = 0.4
-# The free span is this much longer than the fleet angle asks, so that rounding never costs it.
+# The free span is longer by this than the fleet angle needs, so that rounding does not make it too short.
 SPAN_SPARE = 1.01
 
 

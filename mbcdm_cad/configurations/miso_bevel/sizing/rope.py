@@ -9,7 +9,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 PRELOAD_FACTOR = 2.0
 # Strength of a swaged end over the rope's, before rope and ends are chosen.
 SWAGED_SHARE = 0.9
-# Strength over what the safety factor asks: steps and ends are still open when the rope is chosen.
+# Strength over the safety factor, because steps and ends are not known yet when the rope is chosen.
 STRENGTH_SPARE = 1.01
 # The rope that is chosen where none is named: the supplest wire that the catalogue has in all sizes.
 CONSTRUCTION = "7x7"

@@ -153,7 +153,7 @@ def frame_study(layout: Layout) -> FrameStudy:
 
     drive = layout.drive
     cables = [(c.input_side, c.drum_side, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm) for c in drive.cables]
-    # Of the drum's shaft only where its bearings stand: what else changes on it must not ask for the study again.
+    # Of the drum's shaft only the positions of its bearings: other changes on it must not start the study again.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, layout.top_plate, seats, drive.support, drive.bearings, cables)
     walls = "support.rib_mm, support.back_plate_mm, support.motor_shelf_mm"

@@ -16,7 +16,7 @@ from mbcdm_cad.configurations.siso_bevel.checks import (
     wraps,
 )
 
-# First what the mechanism asks, then what the parts ask.
+# First the checks of the mechanism, then those of the parts.
 FAMILIES: tuple[ModuleType, ...] = (
     ratios,
     input_turn,

@@ -140,7 +140,7 @@ def frame_study(layout: DirectLayout) -> FrameStudy:
 
     drive = layout.drive
     cables = [(c.drum_side, c.input_radius_mm, c.drum_radius_mm, c.preload_N) for c in drive.cables]
-    # Of the drum's shaft only where its bearings stand: what else changes on it must not ask for the study again.
+    # Of the drum's shaft only the positions of its bearings: other changes on it must not start the study again.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, layout.head, seats, drive.support, drive.bearings, cables)
     return FrameStudy(__name__, inputs, compliance)

@@ -15,7 +15,7 @@ from mbcdm_cad.configurations.siso_spur.checks import (
     wraps,
 )
 
-# First what the mechanism asks, then what the parts ask.
+# First the checks of the mechanism, then those of the parts.
 FAMILIES: tuple[ModuleType, ...] = (
     ratios,
     winding,

@@ -102,7 +102,7 @@ def frame_study(layout: SpurLayout) -> FrameStudy:
             return FrameCompliance(float("inf"), {})
 
     drive = layout.drive
-    # Of the drum's shaft only where its bearings stand: what else changes on it must not ask for the study again.
+    # Of the drum's shaft only the positions of its bearings: other changes on it must not start the study again.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, seats, drive.support, drive.bearings, drive.cables, drive.centre_distance_mm)
     return FrameStudy(__name__, inputs, compliance)
