@@ -8,7 +8,7 @@ STARTING = """\
 name: {name}
 configuration: miso_bevel
 travel:
-  half_angle_deg: 35.0      # deg: travel each way from the centred drum
+  half_angle_deg: 35.0      # deg: travel from the centre to each side
 transmission:
   ratio: 9.0                # drum radius over input radius
   drum_radius_mm: 54.0      # mm: drum pitch radius of step 1; three more steps follow

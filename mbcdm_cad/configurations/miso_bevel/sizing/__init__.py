@@ -62,7 +62,7 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
 
 def _missing(given: BevelKnown) -> Any:
     for field, meaning, example in (
-        ("travel.half_angle_deg", "travel each way from the centred drum, deg", "35.0"),
+        ("travel.half_angle_deg", "travel from the centre to each side, deg", "35.0"),
         ("loads.peak_torque_Nm", "torque to hold both ways, N m", "3.15"),
     ):
         if not given.has(field):

@@ -8,7 +8,7 @@ STARTING = """\
 name: {name}
 configuration: siso_spur
 travel:
-  half_angle_deg: 35.0      # deg: travel each way from the centred drum
+  half_angle_deg: 35.0      # deg: travel from the centre to each side
 transmission:
   input_to_drum: 9.9        # drum radius over input radius; left out: what the motor needs
   drum_radius_mm: 60.0      # mm: drum pitch radius; left out: as small as the rope allows

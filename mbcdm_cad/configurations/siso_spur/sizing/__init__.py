@@ -111,7 +111,7 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
 
 def _missing(given: SpurKnown) -> Iterator[Broken]:
     for field, meaning, example in (
-        ("travel.half_angle_deg", "travel each way from the centred drum, deg", "35.0"),
+        ("travel.half_angle_deg", "travel from the centre to each side, deg", "35.0"),
         ("loads.peak_torque_Nm", "torque to hold both ways, N m", "2.15"),
     ):
         if not given.has(field):
@@ -125,6 +125,4 @@ def _missing(given: SpurKnown) -> Iterator[Broken]:
 
 
 def _needed(field: str, remedy: str) -> Broken:
-    return Broken(
-        tuple(field.split(".")), "missing, and no rule can fill it: it is what the drive is for", "", "", remedy
-    )
+    return Broken(tuple(field.split(".")), "missing; it is a requirement, so no sizing rule gives it", "", "", remedy)
