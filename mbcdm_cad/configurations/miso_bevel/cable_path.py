@@ -16,6 +16,7 @@ from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 import numpy as np
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, STOP_CUTTER, STOP_PLAY_MM
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
@@ -101,8 +102,8 @@ def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
     w = winding(drive, cable)
     wound = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
     stop_radius = drive.termination.stop_radius_ratio * d
-    surface = cable.input_radius_mm - d / 2
-    bend_radius = min(surface - stop_radius - STOP_WALL_MM, _deepest_bend_mm(drive, surface, stop_radius))
+    wall = drive.input_pulleys.material.min_wall_mm
+    bend_radius = widest_bend_mm(d, drive.termination, wall, cable.input_radius_mm)
     slope = atan2(drive.helix_lead_mm, tau * cable.input_radius_mm)
     return StopGeometry(
         end_angle_rad=w.input_contact_rad + w.guide_sense * wound,
@@ -116,14 +117,19 @@ def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
     )
 
 
-def _deepest_bend_mm(drive: BevelDrive, surface_mm: float, stop_radius_mm: float) -> float:
-    """Bend radius at which the corners of the stop's pocket, further out than its middle, leave the wall they need."""
-    d = drive.cable.diameter_mm
-    cutter = STOP_CUTTER * (d + SLOT_PLAY_MM) / 2
+def widest_bend_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: float) -> float:
+    """Bend radius of a rope before its stop in an input pulley of this pitch radius, thinnest wall of its metal given.
+
+    The chord runs just inside the land; the corners of the stop's pocket, further out than its middle, leave the wall
+    that they need.
+    """
+    surface, stop_radius = pitch_radius_mm - d_mm / 2, end.stop_radius_ratio * d_mm
+    cutter = STOP_CUTTER * (d_mm + SLOT_PLAY_MM) / 2
     inset = cutter / sqrt(2.0)
-    along = drive.termination.stop_length_ratio * d / 2 + STOP_PLAY_MM - inset
-    room = surface_mm - drive.input_pulleys.material.min_wall_mm - STOP_CORNER_SPARE_MM - cutter
-    return inset + sqrt(max(room**2 - along**2, 0.0)) - stop_radius_mm - STOP_PLAY_MM
+    along = end.stop_length_ratio * d_mm / 2 + STOP_PLAY_MM - inset
+    room = surface - wall_mm - STOP_CORNER_SPARE_MM - cutter
+    deepest = inset + sqrt(max(room**2 - along**2, 0.0)) - stop_radius - STOP_PLAY_MM
+    return min(surface - stop_radius - STOP_WALL_MM, deepest)
 
 
 # The stretches of a cable by what carries them: wound on the input pulley, free and on the guide, on the drum.

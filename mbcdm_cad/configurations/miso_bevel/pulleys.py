@@ -25,6 +25,7 @@ from mbcdm_cad.parts.input_pulley.dims import (
     GROOVE_LEAD,
     GROOVE_RADIUS,
     JOURNAL_SLIT_MM,
+    NECK_GAP_MM,
     SLOT_PLAY_MM,
     Groove,
     InputPulleyDims,
@@ -97,7 +98,7 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
     )
 
     def neck(shoulder_mm: float, bend_radius: float, stop_radius: float) -> float:
-        return min(shoulder_mm / 2, bend_radius - stop_radius - 0.1)
+        return min(shoulder_mm / 2, bend_radius - stop_radius - NECK_GAP_MM)
 
     gear = drive.gearhead
     shaft_end = levels.motor_shelf_bottom_z + gear.shaft_length_mm

@@ -13,6 +13,8 @@ JOURNAL_SLIT_MM = 0.6
 STOP_PLAY_MM = 0.05
 # Slot over the cable it holds.
 SLOT_PLAY_MM = 0.1
+# Gap between a stop and the neck beside it.
+NECK_GAP_MM = 0.1
 # Diameter of the pocket's cutter in slot widths: its corners are relieved so that the stop's square ends seat.
 STOP_CUTTER = 0.85
 # Where the slot leaves the land, the wedge outside it is cut back to this thickness.

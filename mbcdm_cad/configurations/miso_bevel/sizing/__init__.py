@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from mbcdm_cad.configurations.miso_bevel.sizing.basis import CLEARANCES, FRICTION, LIMITS, METALS, NAMES
-from mbcdm_cad.configurations.miso_bevel.sizing.drum import DRUM, HUB_FACE
+from mbcdm_cad.configurations.miso_bevel.sizing.drum import DRUM, HUB_FACE, WEB
 from mbcdm_cad.configurations.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
-from mbcdm_cad.configurations.miso_bevel.sizing.parts import DRIVES, PARTS
+from mbcdm_cad.configurations.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.configurations.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
 from mbcdm_cad.design.rules import Broken
@@ -24,6 +24,7 @@ RULES: tuple[Rule, ...] = (
     *FRICTION,
     *PRELOAD,
     *METALS,
+    *TENSIONER,
     *DRIVES,
     *PARTS,
     *CLEARANCES,
@@ -33,8 +34,9 @@ RULES: tuple[Rule, ...] = (
     *LEAD,
     *DISTANCE,
     *FRAME,
-    *DRUM,
+    *WEB,
     *STOP_PIN,
+    *DRUM,
     *SETBACK,
     *BACK,
     *HUB_FACE,
@@ -43,7 +45,7 @@ RULES: tuple[Rule, ...] = (
 # Dimensions: fields that are neither a requirement nor a choice of part, material or arrangement.
 DERIVED = tuple(
     rule.field
-    for rule in (*LEAD, *CLEARANCES, *FRAME, *DRUM, *STOP_PIN, *SETBACK, *BACK, *HUB_FACE)
+    for rule in (*LEAD, *CLEARANCES, *FRAME, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
     if not rule.field.startswith("limits.")
 )
 

@@ -198,7 +198,7 @@ def _travels(given: BevelKnown, angle_deg: float) -> bool:
         return True
 
 
-DRUM = (
+WEB = (
     Rule("drum.web_thickness_mm", "a few thinnest walls, more for a larger drum", "web_in_rim", _web),
     Rule(
         "drum.outer_face_y_mm",
@@ -206,6 +206,9 @@ DRUM = (
         "outer_face",
         _outer_face,
     ),
+)
+# The pin that stops the drum stands in a slot between hub and rim.
+DRUM = (
     Rule("drum.rim_inner_radius_mm", "a rim's height under the deepest pocket", "rim_height", _rim_inner),
     Rule("drum.hub_diameter_mm", "the shaft, its set screws and the payload's threads", "hub_walls", _hub_diameter),
     Rule("drum.shaft_bore_mm", "half of the shaft's diameter: light, and nearly as stiff", "shaft_wall", _shaft_bore),

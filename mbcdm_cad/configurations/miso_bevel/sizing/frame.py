@@ -11,6 +11,7 @@ from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.sizing.known import LATER, BevelKnown
+from mbcdm_cad.configurations.miso_bevel.sizing.parts import PLATE_SPARE_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import drive_radius_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import (
     AXLE_SCREW,
@@ -29,7 +30,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, smallest
 # Walls of the frame as shares of the outermost drum radius (estimate; the frame's own stiffness is checked when built).
 BACK_SHARE, RIB_SHARE = 1.0 / 13.0, 1.0 / 9.2
 # Shoulders a little stronger than the thinnest wall: they carry bearings.
-SHELF_SPARE_MM, PLATE_SPARE_MM = 0.2, 0.3
+SHELF_SPARE_MM = 0.2
 # Collar above the heads of the gearhead's screws, and journal above them.
 COLLAR_LIFT_MM, SLIT_ABOVE_MM, JOURNAL_LIFT_MM = 0.8, 1.0, 0.5
 SPACE_SPARE_MM = 0.1

@@ -200,15 +200,24 @@ class BevelKnown(KnownFields):
     def fleet_limit_deg(self) -> float:
         """Largest fleet angle that the input pulleys' surface allows; smooth ones as long as none is chosen."""
         if self.get("input_pulleys.surface", "smooth") == "grooved":
-            return float(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
+            return self.grooved_fleet_deg
         return float(self["limits.fleet_angle_max_deg"])
 
     def clearing_lead_mm(self, input_radius_mm: float) -> float:
         """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed."""
-        lead = clearing_lead_mm(self.d_mm, input_radius_mm, self.fleet_limit_deg)
         if self.get("input_pulleys.surface", "smooth") == "grooved":
-            lead = max(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
-        return lead
+            return self.grooved_lead_mm(input_radius_mm)
+        return clearing_lead_mm(self.d_mm, input_radius_mm, self.fleet_limit_deg)
+
+    @property
+    def grooved_fleet_deg(self) -> float:
+        """Largest fleet angle on grooves."""
+        return float(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
+
+    def grooved_lead_mm(self, input_radius_mm: float) -> float:
+        """The same on grooves, whose crests need room too."""
+        lead = clearing_lead_mm(self.d_mm, input_radius_mm, self.grooved_fleet_deg)
+        return max(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
 
     @property
     def motor_shelf_bottom_mm(self) -> float:

@@ -7,37 +7,44 @@ from functools import partial
 from math import inf, sqrt
 from typing import Any
 
-from mbcdm_cad.checks.fixings import CLAMP_SAFETY, grip_Nmm
+from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, clamp_force_N, grip_Nmm
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
 from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_input_mm, take_up_mm
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_step_mm, neck_mm, take_up_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, DOWEL_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.parts.collar.dims import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
-from mbcdm_cad.sizing.rule import Found, Rule
+from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # An input carries half the peak torque, a little more in the direction that its preload's bias loads.
 TORQUE_SPARE = 1.095
 # Torque of the preload on an input, as a share of preload times its radius: what neighbouring steps differ by, at least
 # this step of the drum's radii.
 BIAS_SHARE, LEAST_STEP_MM = 0.067, 3.6
-# Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end takes most of it.
-INPUT_PRELOADS = 1.41
+# Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end takes most of it. At most,
+# and as it usually is: where nothing in the catalogue does for the first, the second is tried.
+INPUT_PRELOADS = (1.65, 1.41)
 # Of the guide: four cables in one state turn it over rather than push it aside, so that the largest tension counts.
 GUIDE_TENSIONS = 1.85
-# Of a drum's bearing.
-DRUM_TENSIONS = 1.23
+# Of a drum's bearing, in tensions, the same.
+DRUM_TENSIONS = (1.62, 1.23)
+# Grip of a collar over what the check asks: the input's torque is an estimate as long as the drum's steps are open.
+GRIP_SPARE = 1.03
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 # Take-up over the need of the longest cable, whose length is an estimate until the drum's width is known.
 TAKE_UP_SPARE = 1.04
 # Strength of the stud over the limit of its check, because the nut also bends it a little.
 STUD_SPARE = 1.2
 
+# Top plate over what the upper bearing is wide, beside its shoulder's wall.
+PLATE_SPARE_MM = 0.3
+# What a pick that meets all margins says of itself.
+LIGHTEST = "lightest of the catalogue"
 # Swage to lug with the terminal drawn in: the round corner of the pocket, and a little.
 END_ROOM_MM = 0.5
 
@@ -58,10 +65,16 @@ def _first(candidates: Iterable[tuple[float, str, Callable[[], Margins]]]) -> Fo
         least = min(margins, key=lambda check: margins[check])
         if margins[least] >= 0.0:
             refused = min(lighter, key=lambda check: lighter[check], default="")
-            return Found(name, refused, "lightest of the catalogue")
+            return Found(name, refused, LIGHTEST)
         lighter = margins
         nearest = max(nearest, (margins[least], name, least), key=lambda item: item[0])
     return Found(nearest[1], nearest[2], "nothing in the catalogue does: the nearest")
+
+
+def _careful(factors: tuple[float, float], pick: Callable[[float], Found]) -> Found:
+    """What is picked with the first factor on the load, or with the second where nothing holds the first."""
+    found = pick(factors[0])
+    return found if found.rounding == LIGHTEST else pick(factors[1])
 
 
 def _with_partner(
@@ -97,19 +110,31 @@ def _tension_N(given: BevelKnown) -> float:
 
 def _input_torque_Nm(given: BevelKnown) -> float:
     radius = given.first_drum_mm / given.total_ratio
-    share = max(BIAS_SHARE, LEAST_STEP_MM / given.first_drum_mm)
+    step = max(LEAST_STEP_MM, least_step_mm(given))
+    share = max(BIAS_SHARE, step / given.first_drum_mm)
     bias = share * given["rope.preload_N"] * radius * 1e-3
     return float(TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias)
 
 
 def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
     needed = _input_torque_Nm(given) * 1e3
+    shaft = gearhead["shaft_diameter_mm"]
     return {
         "motor_torque_back": motor["rated_torque_mNm"] * gearhead["ratio"] / needed - 1.0,
+        "collar_grip": _most_grip_Nmm(given, shaft) / (GRIP_SPARE * CLAMP_SAFETY * needed) - 1.0,
         "gearhead_maximum": gearhead["max_torque_mNm"] / needed - 1.0,
         # A motor wider than its gearhead has no place on the shelf's far side.
         "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
     }
+
+
+def _most_grip_Nmm(given: BevelKnown, shaft_mm: float) -> float:
+    """What a collar with the strongest screw of the catalogue holds on a shaft, round the thinnest journal."""
+    wall = given.wall_mm("support")
+    journal = shaft_mm + 2 * given.wall_mm("input_pulleys")
+    screw = given.screw(COLLAR_SCREWS[-1])
+    hinge = journal / 2
+    return FRICTION * clamp_force_N(screw) * (1 + (hinge + wall + screw.clearance_mm / 2) / hinge) * shaft_mm
 
 
 def _motor(given: BevelKnown) -> Found:
@@ -159,12 +184,10 @@ def _smallest_input_mm(given: BevelKnown) -> float:
 
 
 def _journal_margin(given: BevelKnown) -> Callable[[Entry], float]:
-    """Margin of the smallest input pulley round its stop's bend, by the bearing that its journal carries.
-
-    The least radius grows by as much as the journal's, so that it is worked out once for all bearings.
-    """
-    smallest, least = _smallest_input_mm(given), least_input_mm(given, 0.0, SHOULDER_MM)
-    return lambda bearing: smallest / (least + bearing["bore_mm"] / 2) - 1.0
+    """Margin of the smallest input pulley's neck inside its stop's bend, by the bearing that its journal carries."""
+    smallest = _smallest_input_mm(given)
+    neck = neck_mm(given.d_mm, given.termination, given.wall_mm("input_pulleys"), smallest)
+    return lambda bearing: (neck - SHOULDER_MM - bearing["bore_mm"] / 2) / smallest
 
 
 def _lower(given: BevelKnown) -> Found:
@@ -172,33 +195,36 @@ def _lower(given: BevelKnown) -> Found:
     wall, screw = given.wall_mm("input_pulleys"), given.screw(head["screw"])
     key = screw.key_mm / sqrt(3.0) + 0.15
     circle = head["bolt_circle_mm"] / 2
-    load = INPUT_PRELOADS * given["rope.preload_N"]
-    journal = _journal_margin(given)
+    preload, journal = given["rope.preload_N"], _journal_margin(given)
 
-    def margins(bearing: Entry) -> Margins:
+    def margins(load_factor: float, bearing: Entry) -> Margins:
         seat = bearing["outer_diameter_mm"] / 2
         return {
             "bore_wall": (bearing["bore_mm"] - head["shaft_diameter_mm"]) / (2 * wall) - 1.0,
             "key_access": max(seat - circle - key, circle - key - seat - HOLE_WEB_MM) / seat,
             "bearing_shoulders": journal(bearing),
-            "input_bearings": bearing["static_rating_N"] / load - 1.0,
+            "input_bearings": bearing["static_rating_N"] / (load_factor * preload) - 1.0,
         }
 
-    return _lightest(given, "bearings", margins)
+    return _careful(INPUT_PRELOADS, lambda factor: _lightest(given, "bearings", partial(margins, factor)))
 
 
-def _upper_margins(given: BevelKnown) -> Callable[[Entry, Entry], Margins]:
+def _upper_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Entry], Margins]:
     screws, journal = given.entries("screws"), _journal_margin(given)
-    load = INPUT_PRELOADS * given["rope.preload_N"]
-    thickest = max(DOWEL_LENGTHS_MM) - DOWEL_MM - given.wall_mm("support")
+    load = load_factor * given["rope.preload_N"]
+    wall = given.wall_mm("support")
+    thickest = max(DOWEL_LENGTHS_MM) - DOWEL_MM - wall
 
     def margins(bearing: Entry, encoder: Entry) -> Margins:
-        head = screws[encoder["screw"]]["head_diameter_mm"] / 2 + 0.1
+        screw = screws[encoder["screw"]]
+        head = screw["head_diameter_mm"] / 2 + 0.1
+        plate = rounded_up(bearing["width_mm"] + wall + PLATE_SPARE_MM, 0.1)
         web = (encoder["bolt_circle_mm"] - bearing["outer_diameter_mm"]) / 2 - head
         return {
             "encoder_fit": -abs(encoder["bore_mm"] - bearing["bore_mm"]) + FIT_MM,
             "hole_webs": web / HOLE_WEB_MM - 1.0,
             "top_plate": 1.0 - bearing["width_mm"] / thickest,
+            "engagement": screw["length_mm"] - (plate - screw["head_height_mm"] - 0.2) - screw["thread_mm"],
             "bearing_shoulders": journal(bearing),
             "input_bearings": bearing["static_rating_N"] / load - 1.0,
         }
@@ -207,11 +233,15 @@ def _upper_margins(given: BevelKnown) -> Callable[[Entry, Entry], Margins]:
 
 
 def _upper(given: BevelKnown) -> Found:
-    return _with_partner(given, "bearings", ("encoders", "drive.encoder"), _upper_margins(given))
+    partner = ("encoders", "drive.encoder")
+    return _careful(
+        INPUT_PRELOADS, lambda factor: _with_partner(given, "bearings", partner, _upper_margins(given, factor))
+    )
 
 
 def _encoder(given: BevelKnown) -> Found:
-    bearing, margins = given.entry("bearings", "input_pulleys.upper_bearing"), _upper_margins(given)
+    bearing = given.entry("bearings", "input_pulleys.upper_bearing")
+    margins = _upper_margins(given, INPUT_PRELOADS[-1])
     return _lightest(given, "encoders", lambda entry: margins(bearing, entry))
 
 
@@ -221,13 +251,16 @@ def _collar_screw(given: BevelKnown) -> Found:
     journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
     wall, shaft = given.wall_mm("support"), given.gearhead.shaft_diameter_mm
     for name in COLLAR_SCREWS:
-        if grip_Nmm(collar(given, journal, wall, name, 0.0), given.screw(name), shaft) >= CLAMP_SAFETY * needed:
+        if (
+            grip_Nmm(collar(given, journal, wall, name, 0.0), given.screw(name), shaft)
+            >= GRIP_SPARE * CLAMP_SAFETY * needed
+        ):
             return Found(name, "collar_grip", "next screw of the catalogue")
     return Found(COLLAR_SCREWS[-1], "collar_grip", "the largest screw")
 
 
-def _drum_margins(given: BevelKnown) -> Callable[[Entry, Entry], Margins]:
-    screws, load = given.entries("screws"), DRUM_TENSIONS * _tension_N(given)
+def _drum_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Entry], Margins]:
+    screws, load = given.entries("screws"), load_factor * _tension_N(given)
     # A shaft that looks right beside its drum: an eighth of the smallest land's radius.
     shaft = given.first_drum_mm / 8.0
 
@@ -245,11 +278,14 @@ def _drum_margins(given: BevelKnown) -> Callable[[Entry, Entry], Margins]:
 
 
 def _drum_bearing(given: BevelKnown) -> Found:
-    return _with_partner(given, "bearings", ("encoders", "drive.drum_encoder"), _drum_margins(given))
+    partner = ("encoders", "drive.drum_encoder")
+    return _careful(
+        DRUM_TENSIONS, lambda factor: _with_partner(given, "bearings", partner, _drum_margins(given, factor))
+    )
 
 
 def _drum_encoder(given: BevelKnown) -> Found:
-    bearing, margins = given.entry("bearings", "drum.bearing"), _drum_margins(given)
+    bearing, margins = given.entry("bearings", "drum.bearing"), _drum_margins(given, DRUM_TENSIONS[-1])
     return _lightest(given, "encoders", lambda entry: margins(bearing, entry))
 
 
@@ -271,6 +307,9 @@ def _guide_bearing(given: BevelKnown) -> Found:
     return _lightest(given, "bearings", margins)
 
 
+TENSIONER = (
+    Rule("drum.tensioner", "the shortest that holds the largest tension and takes the rope", "stud_stress", _tensioner),
+)
 DRIVES = (
     Rule(
         "drive.motor",
@@ -281,7 +320,6 @@ DRIVES = (
     Rule("drive.gearhead", "the lightest gearhead that holds the input's torque", "gearhead_maximum", _gearhead),
 )
 PARTS = (
-    Rule("drum.tensioner", "the shortest that holds the largest tension and takes the rope", "stud_stress", _tensioner),
     Rule(
         "input_pulleys.lower_bearing",
         "the lightest that takes journal and gearhead's shaft, lets a key reach the gearhead's screws and carries "

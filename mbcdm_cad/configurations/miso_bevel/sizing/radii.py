@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from math import hypot, pi, sqrt
+from math import hypot, inf, pi, sqrt
 
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
     BLEND_DIAMETERS,
-    STOP_WALL_MM,
+    widest_bend_mm,
 )
 from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM, drum_sweep
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.sizing.known import (
     LATER,
+    LEAD_STEP_MM,
     STEPS,
     BevelKnown,
     fleet_deg,
@@ -22,8 +23,10 @@ from mbcdm_cad.configurations.miso_bevel.sizing.known import (
     span_for_fleet_mm,
 )
 from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM
+from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
-from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down
+from mbcdm_cad.parts.input_pulley.dims import NECK_GAP_MM
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 
 STEP_MM = 0.1
 # Spare of a land's width over what it needs: the gap between a cable's flank and the next land.
@@ -60,10 +63,18 @@ def _swage_mm(given: BevelKnown) -> float:
     return float(given.entry("tensioners", "drum.tensioner")["swage_diameter_mm"] / 2)
 
 
+def least_step_mm(given: BevelKnown) -> float:
+    """What rope, travel and terminals ask of the step, before lead, gaps and guide are known."""
+    d = given.d_mm
+    walk = given.walk_mm(d)
+    return max(d + 2 * walk, given.nut_pocket_mm - d / 2, given.nut_mm + _swage_mm(given)) + TERMINAL_GAP_MM
+
+
 def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
     """What each check asks of the step from one drum radius to the next, mm."""
     d = given.d_mm
-    lead = given.clearing_lead_mm(given.first_drum_mm * _steps_ratio(given, step_mm) / given.total_ratio)
+    outer_input = given.first_drum_mm * _steps_ratio(given, step_mm) / given.total_ratio
+    lead = rounded_up(given.clearing_lead_mm(outer_input), LEAD_STEP_MM)
     needs = {
         "input_walk": d + 2 * given.walk_mm(lead) + 2 * CABLE_GAP_MM,
         "lands_intact": given.nut_pocket_mm - d / 2 + TERMINAL_GAP_MM,
@@ -102,7 +113,28 @@ def _guide_wanted(given: BevelKnown, step_mm: float) -> tuple[str, float]:
         "bend_ratio": given["limits.bend_ratio_min"] * d / 2,
     }
     driver = max(needs, key=lambda name: needs[name])
+    room = _guide_room_mm(given, outer_input, step_mm)
+    if needs[driver] > room:
+        # What a setback of the inputs mends too gives way to the centre distance that is asked.
+        left = {name: min(need, room) if name in _MENDED_BY_SETBACK else need for name, need in needs.items()}
+        driver = max(left, key=lambda name: left[name])
+        return "centre_distance" if driver in _MENDED_BY_SETBACK else driver, left[driver]
     return driver, float(needs[driver])
+
+
+_MENDED_BY_SETBACK = ("front_wall", "drum_sweep")
+
+
+def _guide_room_mm(given: BevelKnown, outer_input_mm: float, step_mm: float) -> float:
+    """Largest guide radius of step 1 that a centre distance in the file leaves beside the input pulley."""
+    distance = given.get("transmission.centre_distance_mm")
+    if distance is None:
+        return inf
+    d, outer = given.d_mm, _steps_ratio(given, step_mm)
+    walk = given.walk_mm(rounded_up(given.grooved_lead_mm(outer_input_mm), LEAD_STEP_MM))
+    span = max(span_for_fleet_mm(walk, given.grooved_fleet_deg) * SPAN_SPARE, 2 * BLEND_DIAMETERS * d)
+    across = min(sqrt(max(distance**2 - span**2, 0.0)), distance - d - given["clearances.running_mm"])
+    return float((across - outer_input_mm) / outer)
 
 
 def _guide_to_drum(given: BevelKnown) -> Found:
@@ -110,6 +142,8 @@ def _guide_to_drum(given: BevelKnown) -> Found:
         return Found(given["transmission.ratio"] / given["transmission.ratios.input_to_guide"], "transmission.ratio")
     step = given.drum_mm[1] - given.drum_mm[0] if given.has("transmission.drum_radii_mm") else 3.6
     driver, radius = _guide_wanted(given, step)
+    if driver == "centre_distance":
+        return Found(rounded_up(given.first_drum_mm / radius, 0.01), driver, "up to 0.01")
     return Found(rounded_down(given.first_drum_mm / radius, 0.05), driver, "down to 0.05")
 
 
@@ -190,10 +224,10 @@ def take_up_mm(given: BevelKnown) -> float:
     return float(length * (stretch + rope["bedding_in_share"]) + cut)
 
 
-def least_input_mm(given: BevelKnown, journal_mm: float, shoulder_mm: float) -> float:
-    """Input radius at which the stop's bend leaves a neck that carries a journal of this radius and its shoulder."""
-    stop = given.termination.stop_radius_ratio * given.d_mm
-    return given.d_mm / 2 + 2 * stop + STOP_WALL_MM + 0.1 + journal_mm + shoulder_mm
+def neck_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: float) -> float:
+    """Radius of an input pulley's neck beside the stop of its cable, where no bearing's shoulder asks for less."""
+    bend = widest_bend_mm(d_mm, end, wall_mm, pitch_radius_mm)
+    return bend - end.stop_radius_ratio * d_mm - NECK_GAP_MM
 
 
 RADII = (

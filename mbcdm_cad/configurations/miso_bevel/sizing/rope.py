@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from mbcdm_cad.checks.bending import ANCHOR_RATIO
+from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.configurations.miso_bevel.cable_path import widest_bend_mm
+from mbcdm_cad.configurations.miso_bevel.sizing.basis import LEAST_WIRE_RATIO
 from mbcdm_cad.configurations.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import neck_mm
+from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Preload over the least at which no cable goes slack at peak torque, wraps taken as even.
 PRELOAD_FACTOR = 2.0
+# Where a rope that holds as much is too thick: at this much the longest cable is still taut.
+LEAST_PRELOAD_FACTOR = 1.3
+# How the ends of the rope that is chosen are made, and the thinnest wall of the input pulleys' steel.
+USUAL_END, WALL_MM = "swaged", 0.5
 # Strength of a swaged end over the rope's, before rope and ends are chosen.
 SWAGED_SHARE = 0.9
 # Strength over the safety factor, because steps and ends are not known yet when the rope is chosen.
 STRENGTH_SPARE = 1.01
+# The same where the rope's strength bounds the preload: what the peak adds is an estimate.
+HELD_SPARE = 1.02
 # The rope that is chosen where none is named: the supplest wire that the catalogue has in all sizes.
 CONSTRUCTION = "7x7"
 # Mean drum radius over that of step 1, before the steps are known.
@@ -23,23 +35,53 @@ def _share_N(given: BevelKnown) -> float:
 
 
 def _rope(given: BevelKnown) -> Found:
-    """The thinnest rope of the construction that holds preload and peak torque."""
-    tension = (UNEVEN + PRELOAD_FACTOR) * _share_N(given) * STRENGTH_SPARE
-    needed = tension * given["limits.tension_safety_factor"] / SWAGED_SHARE
+    """The thinnest rope of the construction that holds preload and peak torque.
+
+    Where the input pulleys are too thin for it, the thickest that they take, if it holds a smaller preload.
+    """
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
         if entry["construction"] == CONSTRUCTION
     )
-    strong = [name for _, name, breaking in ropes if breaking >= needed]
-    return Found(strong[0] if strong else ropes[-1][1], "tension", "next size of the catalogue")
+
+    def strong(factor: float) -> list[tuple[float, str]]:
+        tension = (UNEVEN + factor) * _share_N(given) * STRENGTH_SPARE
+        needed = tension * given["limits.tension_safety_factor"] / SWAGED_SHARE
+        return [(d, name) for d, name, breaking in ropes if breaking >= needed]
+
+    wanted, least = strong(PRELOAD_FACTOR), strong(LEAST_PRELOAD_FACTOR)
+    if not wanted:
+        return Found(ropes[-1][1], "tension", "the thickest of the catalogue")
+    thin = [name for d, name in least if d < wanted[0][0] and _bends(given, d)]
+    if thin and not _bends(given, wanted[0][0]):
+        return Found(thin[-1], "anchor_bend", "next smaller size of the catalogue")
+    return Found(wanted[0][1], "tension", "next size of the catalogue")
+
+
+def _bends(given: BevelKnown, d_mm: float) -> bool:
+    """Whether the smallest input pulley bends a wire rope, takes its stop, and keeps a neck round the drive's shaft."""
+    radius = given.first_drum_mm / given.total_ratio
+    needed = given["loads.peak_torque_Nm"] * 1e3 / (2 * given.total_ratio)
+    shafts = [head["shaft_diameter_mm"] for head in given.entries("gearheads").values()]
+    shaft = min(
+        (h["shaft_diameter_mm"] for h in given.entries("gearheads").values() if h["max_torque_mNm"] >= needed),
+        default=max(shafts),
+    )
+    entry = given.entries("terminations")[USUAL_END]
+    end = TerminationSpec(name=USUAL_END, **{**entry, "constructions": tuple(entry["constructions"])})
+    return bool(
+        2 * radius >= LEAST_WIRE_RATIO * d_mm
+        and 2 * widest_bend_mm(d_mm, end, WALL_MM, radius) >= ANCHOR_RATIO * d_mm
+        and neck_mm(d_mm, end, WALL_MM, radius) >= shaft / 2 + WALL_MM + SHOULDER_MM
+    )
 
 
 def _preload(given: BevelKnown) -> Found:
     share = _share_N(given)
     most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
     ends = given.rope["breaking_load_N"] * given.termination.strength_share
-    held = ends / given["limits.tension_safety_factor"] - UNEVEN * share
+    held = ends / (given["limits.tension_safety_factor"] * HELD_SPARE) - UNEVEN * share
     wanted = PRELOAD_FACTOR * share
     driver = "no_slack" if wanted <= min(most, held) else "tension"
     return Found(float(f"{max(min(wanted, most, held), 0.5 * wanted):.2g}"), driver, "two digits")
