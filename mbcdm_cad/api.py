@@ -187,7 +187,7 @@ def load(path: str | Path) -> DriveDesign:
 
 
 def reference_design(name: str = "mbcdm") -> DriveDesign:
-    """The reference design of the paper, as ``mbcdm init`` writes it, without a file."""
+    """The reference design of the paper, as ``mbcdm init --reference`` writes it, without a file."""
     from mbcdm_cad.configurations.loader import load_text, new_design_text
 
     return DriveDesign(load_text(new_design_text(name), f"<{name}>"))

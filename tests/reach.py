@@ -3,11 +3,14 @@
     python tests/reach.py --count 300 --seed 1
     python tests/reach.py --only 17 --save DIR
     python tests/reach.py --edits
+    python tests/reach.py --prove all
 
 Each seed is one file of about ten lines, drawn over the whole space (:data:`WHOLE`). Printed are the share that
 passes every check, the failures by the first check that fails, and where in the space they lie. ``--build`` also
 builds what passes and counts clashes and bad solids. Exit 1 where a file that passes does not build. ``--edits`` takes
 the files that pass, moves one requirement by a tenth up and down, and counts what still passes without a second edit.
+``--prove`` asks of each file that does not pass whether its requirements exclude each other: ``bound`` by a bound over
+the catalogue alone, within a minute, ``all`` with ``mbcdm solve`` and an independent search too, a minute a file.
 """
 
 from __future__ import annotations
@@ -25,11 +28,13 @@ from typing import Any
 import numpy as np
 import yaml
 
-sys.path.insert(0, str(Path(__file__).parent))  # beside this file, however it is run
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests and their support, however this file is run
+sys.path.insert(0, str(Path(__file__).parent))
 
 from random_generator import WHOLE, failing, load, requirements
 
 from mbcdm_cad.errors import InputError
+from tests.support.reach_proof import proof, summary
 
 # Requirements that are numbers: (block, field).
 NUMBERS = (
@@ -174,6 +179,7 @@ def main() -> int:
     parser.add_argument("--of", help="list the seeds that fail this check first")
     parser.add_argument("--save", type=Path, help="write the files there")
     parser.add_argument("--edits", action="store_true", help="edit what passes by a tenth")
+    parser.add_argument("--prove", choices=("bound", "all"), help="what excludes each other in the files that fail")
     parser.add_argument("--build", type=int, default=0, metavar="N", help="build the first N that pass")
     args = parser.parse_args()
     seeds = [args.only] if args.only is not None else range(args.seed, args.seed + args.count)
@@ -191,6 +197,10 @@ def main() -> int:
     print(report(found))
     if args.edits:
         print(edits(found))
+    if args.prove:
+        rest = [r for r in found if not r.passes]
+        proofs = [proof(r.seed, r.data, searched=args.prove == "all") for r in rest]
+        print("\n".join(["", *summary(len(found) - len(rest), len(found), proofs)]))
     faults = 0
     for r in [r for r in found if r.passes][: args.build]:
         wrong = list(built(r))

@@ -9,7 +9,8 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.cli.screen import coloured, screen_width
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.loader import design_file, load_design
+from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.report.check_report import CheckReport, Shown, check_design
 
@@ -20,7 +21,8 @@ def check_command(paths: Sequence[Path], *, as_json: bool, show: Shown) -> int:
     unread: list[str] = []
     for path in paths:
         try:
-            reports.append((path, check_design(load_design(path))))
+            loaded = load_design(path)
+            reports.append((path, check_design(loaded)))
         except MbcdmError as error:
             unread.append(str(path))
             click.echo(str(error), err=True)
@@ -28,6 +30,7 @@ def check_command(paths: Sequence[Path], *, as_json: bool, show: Shown) -> int:
         if not as_json:
             text = reports[-1][1].text(width=screen_width(), colour=coloured(), show=show)
             click.echo(("\n" if len(reports) > 1 else "") + text, color=coloured())
+            _hint(path, loaded)
     failing = [str(path) for path, report in reports if not report.passed]
     if as_json:
         found = [report.to_dict() for _, report in reports]
@@ -36,6 +39,13 @@ def check_command(paths: Sequence[Path], *, as_json: bool, show: Shown) -> int:
     elif len(paths) > 1:
         click.echo("\n" + _summary(len(paths), failing, unread))
     return 2 if unread else int(bool(failing))
+
+
+def _hint(path: Path, loaded: LoadedDesign) -> None:
+    """Of a file that states every value, as all files once had to: on the error stream, beside what is read on."""
+    if not loaded.sized and design_file(loaded.drive.configuration).size is not None:
+        hint = "states every value; what is left out of a file follows from its requirements by a rule"
+        click.echo(f"{path}: {hint} (mbcdm explain)", err=True)
 
 
 def _summary(count: int, failing: Sequence[str], unread: Sequence[str]) -> str:

@@ -89,19 +89,20 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
     return solve_command(design, apply=apply, as_json=as_json)
 
 
-@mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --short"))
+@mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --full"))
 @click.argument("new", type=FILE)
 @_CONFIGURATION
-@click.option("--short", is_flag=True, help="Only the requirements; sizing rules compute all other values.")
-@click.option("--derived", is_flag=True, help="The requirements, and every derived value as a comment.")
-def init(new: Path, configuration: str | None, short: bool, derived: bool) -> int:
-    """Write a new design file with the reference values.
+@click.option("--full", is_flag=True, help="Every value that follows from the requirements too, as a comment.")
+@click.option("--reference", is_flag=True, help="The reference design instead, all its values written out.")
+def init(new: Path, configuration: str | None, full: bool, reference: bool) -> int:
+    """Write a new design file: what the drive must do.
 
-    Each value has a comment with its unit, meaning and source. Never overwrites a file.
+    All else follows by rules; a layout that has none gets its reference design with all values. Each value has its
+    unit and meaning beside it. Never overwrites a file.
     """
     from mbcdm_cad.cli.files import init_command
 
-    return init_command(new, configuration, "derived" if derived else "short" if short else "whole")
+    return init_command(new, configuration, "reference" if reference else "full" if full else "short")
 
 
 @mbcdm.command(epilog=examples("mbcdm schema > design.schema.json", "mbcdm schema --reference --measurement | less"))

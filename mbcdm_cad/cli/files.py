@@ -20,16 +20,18 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder
 
 
-def init_command(new: Path, configuration: str | None, form: str = "whole") -> int:
-    """Write the new design file: ``whole``, ``short``, or ``derived``, the short one with what follows as comments.
+def init_command(new: Path, configuration: str | None, form: str = "short") -> int:
+    """Write the new design file: ``short``, ``full``, which adds what follows as comments, or the ``reference`` design.
 
-    Raises ``InputError`` where there is one already or none can be written.
+    The last where the configuration has no sizing rules, too. Raises ``InputError`` where there is a file already or
+    none can be written.
     """
     refuse_missing_folder(new)
 
     name = slug(new.stem)
     of = configuration or DEFAULT
-    text = new_design_text(name, of) if form == "whole" else short_design_text(name, of, derived=form == "derived")
+    whole = form == "reference" or (form == "short" and not design_file(of).starting)
+    text = new_design_text(name, of) if whole else short_design_text(name, of, derived=form == "full")
     try:
         with open(new, "x", encoding="utf-8", newline="\n") as file:
             file.write(text)

@@ -63,7 +63,7 @@ def short_design_text(name: str, of: str = DEFAULT, *, derived: bool = False) ->
     """
     file = design_file(of)
     if not file.starting:
-        raise MbcdmError(f"{of}: no sizing rules yet; leave the option out for a file with all values")
+        raise MbcdmError(f"{of}: no sizing rules yet; leave --full out for a file with all values")
     text = file.starting.format(name=name)
     return text + derived_text(load_text(text, f"{name}.yaml").sized) if derived else text
 

@@ -43,9 +43,9 @@ def quantity(
 ) -> Any:
     """A field with its meaning, unit, source and bounds in one place.
 
-    ``reference`` is the value of the reference design, from which ``mbcdm init`` writes a starting file, and ``source``
-    says where it comes from; both are given elsewhere for a block that several configurations share. A field with
-    ``example`` instead is written there as a comment. Either is shown to the user as an example. ``uncertain``
+    ``reference`` is the value of the reference design, from which ``mbcdm init --reference`` writes a file, and
+    ``source`` says where it comes from; both are given elsewhere for a block that several configurations share. A field
+    with ``example`` instead is written there as a comment. Either is shown to the user as an example. ``uncertain``
     allows ``{value: ..., sigma: ...}`` in place of the number, or of each number of a list. ``bounds`` go to
     pydantic (``ge``, ``gt``, ``le``, ``lt``, ``min_length``, ``max_length``); a ``default`` among them makes the field
     optional.

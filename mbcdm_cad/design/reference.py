@@ -11,8 +11,8 @@ from mbcdm_cad.design.entries import KINDS
 _INTRO = """\
 # The design file
 
-Written by `mbcdm schema --reference` from the schema; do not edit by hand. `mbcdm init NEW.yaml` writes a file with the
-reference values to start from, `mbcdm schema` the JSON Schema for completion in an editor.
+Written by `mbcdm schema --reference` from the schema; do not edit by hand. `mbcdm init NEW.yaml --reference`
+writes a file with the reference values to start from, `mbcdm schema` the JSON Schema for completion in an editor.
 
 This page describes the configuration `miso_bevel`. For another one: `mbcdm schema --reference --configuration
 siso_bevel` (or `siso_spur`). Most fields of a `miso_bevel` file may be left out: sizing rules then compute them
@@ -70,7 +70,7 @@ def _table(nodes: SchemaNodes, rows: dict[str, Node]) -> Iterator[str]:
     for key, node in rows.items():
         reference = f"`{flow(node['examples'][0])}`" if node.get("in_reference") else ""
         if node.get("type") == "array" and "properties" in nodes.solid(node.get("items", {})):
-            reference = "see `mbcdm init`" if node["examples"][0] else reference
+            reference = "see `mbcdm init --reference`" if node["examples"][0] else reference
         cells = (
             f"`{key}`",
             node.get("unit", "-"),

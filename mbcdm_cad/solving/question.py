@@ -60,7 +60,7 @@ class Question:
 
     ``data`` is the file's content without its ranges; ``releases`` the fields of the file that may be taken out, with
     the place in the order of trying (:data:`PIN` to :data:`ASKED`). ``complete``: the file states all
-    derived dimensions, as ``mbcdm init`` wrote them.
+    derived dimensions, as ``mbcdm init --reference`` writes them.
     """
 
     path: Path

@@ -105,15 +105,15 @@ def test_interrupt_and_full_disk_end_in_a_sentence(
 ) -> None:
     from mbcdm_cad.cli import files
 
-    def interrupted(*_: str) -> str:
+    def interrupted(*_: str, **__: bool) -> str:
         raise KeyboardInterrupt
 
-    def full(*_: str) -> str:
+    def full(*_: str, **__: bool) -> str:
         raise OSError(28, "No space left on device", "x.yaml")
 
     monkeypatch.chdir("/tmp")
     for stand_in, code, words in ((interrupted, 130, "interrupted"), (full, 2, "x.yaml: No space left on device")):
-        monkeypatch.setattr(files, "new_design_text", stand_in)
+        monkeypatch.setattr(files, "short_design_text", stand_in)
         assert cli.run(["init", f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml"]) == code
         assert words in capsys.readouterr().err
         Path(f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml").unlink(missing_ok=True)

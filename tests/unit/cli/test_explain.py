@@ -15,7 +15,7 @@ from mbcdm_cad.configurations.loader import load_design
 @pytest.fixture
 def short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
     path = tmp_path / "drive.yaml"
-    assert cli.run(["init", str(path), "--short"]) == 0
+    assert cli.run(["init", str(path)]) == 0
     capsys.readouterr()
     return path
 
@@ -29,7 +29,7 @@ def test_a_short_file_is_a_whole_design(short: Path) -> None:
 def test_derived_values_stand_as_comments_and_give_the_same_design(short: Path, tmp_path: Path) -> None:
     path = tmp_path / "more" / "drive.yaml"
     path.parent.mkdir()
-    assert cli.run(["init", str(path), "--derived"]) == 0
+    assert cli.run(["init", str(path), "--full"]) == 0
     assert load_design(path).sha256 == load_design(short).sha256
     for value in load_design(short).sized:
         assert f"{value.field.split('.')[-1]}: " in path.read_text(), value.field

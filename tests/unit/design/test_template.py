@@ -35,7 +35,7 @@ def test_new_file_equals_the_reference_design_but_for_the_name() -> None:
 
 def test_params_file_is_what_the_schema_writes() -> None:
     """The reference design and its comments live in the schema; change them there, then
-    ``rm params/mbcdm.yaml && mbcdm init params/mbcdm.yaml``."""
+    ``rm params/mbcdm.yaml && mbcdm init params/mbcdm.yaml --reference``."""
     assert (ROOT / "params" / "mbcdm.yaml").read_text("utf-8") == new_design_text("mbcdm")
 
 

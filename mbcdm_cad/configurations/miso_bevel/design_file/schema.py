@@ -1,7 +1,7 @@
 """Schema of a miso_bevel design file: the blocks that are this configuration's own, each field with its source.
 
-``source`` speaks of the reference value, the one that ``mbcdm init`` writes. Reference values of the blocks that all
-configurations share are in :mod:`mbcdm_cad.configurations.miso_bevel.design_file.reference`.
+``source`` speaks of the reference value, the one that ``mbcdm init --reference`` writes. Reference values of the
+blocks that all configurations share are in :mod:`mbcdm_cad.configurations.miso_bevel.design_file.reference`.
 """
 
 from __future__ import annotations
