@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -42,7 +43,9 @@ def check_command(paths: Sequence[Path], *, as_json: bool, show: Shown) -> int:
 
 
 def _hint(path: Path, loaded: LoadedDesign) -> None:
-    """Of a file that states every value, as all files once had to: on the error stream, beside what is read on."""
+    """Of a file that states every value, as all files once had to: for who sits before it, not for what reads on."""
+    if not sys.stderr.isatty():
+        return
     if not loaded.sized and design_file(loaded.drive.configuration).size is not None:
         hint = "states every value; what is left out of a file follows from its requirements by a rule"
         click.echo(f"{path}: {hint} (mbcdm explain)", err=True)

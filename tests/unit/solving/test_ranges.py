@@ -56,6 +56,37 @@ def test_pins_that_contradict_are_bad_input() -> None:
         question_of(both)
 
 
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        (
+            "60.0, ratios: {input_to_guide: 1.5, guide_to_drum: 5.0}",
+            "ratio: contradicts ratios (value 9, limit 7.5, 1.5 x 5 of ratios); leave ratio out",
+        ),
+        (
+            "60.0, drum_radii_mm: [54, 58, 62, 66]",
+            "drum_radius_mm: contradicts drum_radii_mm (value 60 mm, limit 54 mm, the radius of step 1); leave one",
+        ),
+        (
+            "60.0, centre_distance_mm: 12.0",
+            "centre_distance_mm: too short for guide and input pulley beside each other",
+        ),
+        (
+            "60.0}\ninput_pulleys: {surface: polished",
+            "surface: not a known word (value 'polished', limit one of smooth",
+        ),
+        ("60.0}\ndrive: {motor: motor-1kNm", "motor: not in the catalogue of motors (value 'motor-1kNm')"),
+        ("60.0}\ntravel: {half_angle_deg: 40.0", "travel: given twice (value first on line 3); keep one of the two"),
+    ],
+    ids=["ratio", "radius", "distance", "word", "motor", "twice"],
+)
+def test_contradictions_and_choices_that_do_not_exist_are_one_sentence(written: str, words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        load_text(SHORT.replace("60.0", written), "short.yaml")
+    (problem,) = refused.value.problems
+    assert words in str(problem) and problem.line in (4, 5) and problem.remedy, str(problem)
+
+
 def test_only_solve_reads_ranges_all_else_says_so() -> None:
     with pytest.raises(InputError) as refused:
         load_text(SHORT.replace("60.0", "{min: 50, max: 70}"), "short.yaml")

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
+from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign, Transmission
 from mbcdm_cad.design.rules import Broken, NamedEntry, unique
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries
 
 # Beyond half of L the inputs would stand behind the guide rather than beside it.
 MOST_SETBACK = 0.5
+# Two statements of one figure agree within this share: ratios are rounded when they are worked out.
+SAME = 1e-6
 
 
 def broken_rules(design: BevelDesign) -> Iterator[Broken]:
@@ -50,6 +52,7 @@ def _transmission(design: BevelDesign) -> Iterator[Broken]:
             "ratios or explicit radii",
             f"add {absent}" + ("" if given else ", or add ratios"),
         )
+    yield from _said_twice(block)
     if block.input_setback_mm > MOST_SETBACK * block.centre_distance_mm:
         yield Broken(
             ("transmission", "input_setback_mm"),
@@ -68,6 +71,35 @@ def _transmission(design: BevelDesign) -> Iterator[Broken]:
                     f"over {inner:g} mm",
                     "order the radii from step 1, the smallest, to step 4",
                 )
+
+
+def _said_twice(block: Transmission) -> Iterator[Broken]:
+    """Total ratio and first radius against what ratios and radii say; sizing keeps them in step where it fills one."""
+    if block.ratio is not None:
+        if block.ratios is not None:
+            found = block.ratios.input_to_guide * block.ratios.guide_to_drum
+            shown = f"{block.ratios.input_to_guide:g} x {block.ratios.guide_to_drum:g} of ratios"
+        elif block.input_radii_mm:
+            found, shown = block.drum_radii_mm[0] / block.input_radii_mm[0], "drum over input radius of step 1"
+        else:
+            return
+        if abs(found - block.ratio) > SAME * found:
+            yield Broken(
+                ("transmission", "ratio"),
+                "contradicts " + ("ratios" if block.ratios is not None else "the radii"),
+                f"{block.ratio:g}",
+                f"{found:.6g}, {shown}",
+                "leave ratio out, or what contradicts it, so that it follows",
+            )
+    first = block.drum_radii_mm[0] if block.drum_radii_mm else None
+    if block.drum_radius_mm is not None and first is not None and abs(first - block.drum_radius_mm) > SAME * first:
+        yield Broken(
+            ("transmission", "drum_radius_mm"),
+            "contradicts drum_radii_mm",
+            f"{block.drum_radius_mm:g} mm",
+            f"{first:g} mm, the radius of step 1",
+            "leave one of the two out",
+        )
 
 
 def _inputs(design: BevelDesign) -> Iterator[Broken]:

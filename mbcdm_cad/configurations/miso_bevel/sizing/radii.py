@@ -24,11 +24,15 @@ from mbcdm_cad.configurations.miso_bevel.sizing.known import (
 )
 from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM
 from mbcdm_cad.design.bought import TerminationSpec
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.input_pulley.dims import NECK_GAP_MM
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 
 STEP_MM = 0.1
+# What is said of a centre distance that leaves no span; a search may still find radii for it.
+NO_ROOM = "too short for guide and input pulley beside each other"
 # Spare of a land's width over what it needs: the gap between a cable's flank and the next land.
 FLANK_GAP_MM = 0.045
 # Outermost over first drum radius and centre distance over it, before they are known; wrap on the drum beyond the
@@ -173,8 +177,18 @@ def _surface(given: BevelKnown) -> Found:
     """Smooth, unless the centre distance that is asked leaves a fleet angle that only grooves allow."""
     if not given.has("transmission.centre_distance_mm"):
         return Found("smooth", "centre distance follows")
-    across = max(given.guide_mm) + max(given.input_mm)
-    span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - across**2, 1e-6))
+    distance, across = given["transmission.centre_distance_mm"], max(given.guide_mm) + max(given.input_mm)
+    if distance <= across:
+        raise SizingError(
+            Broken(
+                ("transmission", "centre_distance_mm"),
+                NO_ROOM,
+                f"{distance:g} mm",
+                f"over {across:.4g} mm, their radii",
+                "raise it, lower the drum's radius, or leave it out",
+            )
+        )
+    span = sqrt(max(distance**2 - across**2, 1e-6))
     angle = fleet_deg(given.walk_mm(given.clearing_lead_mm(max(given.input_mm))), span)
     return Found("smooth" if angle <= given["limits.fleet_angle_max_deg"] else "grooved", "fleet_angle")
 
