@@ -2,41 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step import part_step
 from mbcdm_cad.build.kernel import Shape, brep_bytes
 from mbcdm_cad.build.measure import measure
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.make import make
 
+# What is done with a part's name and its STEP file as soon as that is there, before its mesh.
+OnStep = Callable[[str, bytes], None]
 
-def drawn_part(spec: PartSpec, material: Material, mesh_tolerance_mm: float) -> PartFiles:
-    """All files of one part. Raises ``GeometryError``, naming the part, if what is drawn is not one sound solid."""
+
+def _nothing(name: str, step: bytes) -> None:
+    pass
+
+
+def drawn_part(
+    spec: PartSpec, material: Material, mesh_tolerance_mm: float | None, on_step: OnStep = _nothing
+) -> PartFiles:
+    """All files of one part, its mesh left empty where there is no tolerance for it.
+
+    Raises ``GeometryError``, naming the part, if what is drawn is not one sound solid.
+    """
     try:
         solid = make(spec.maker, spec.args)
     except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
         raise GeometryError(f"{spec.name}: cannot be drawn with these dimensions") from error
     # A swept rod that cuts itself takes a second to find here, and the interference run finds it by distance.
     is_cable = spec.name.startswith(CABLE)
-    return make_part_files(spec.name, solid, material, mesh_tolerance_mm, self_intersection=not is_cable)
+    return make_part_files(spec.name, solid, material, mesh_tolerance_mm, not is_cable, on_step)
 
 
 def make_part_files(
-    name: str, solid: Shape, material: Material, mesh_tolerance_mm: float, self_intersection: bool = True
+    name: str,
+    solid: Shape,
+    material: Material,
+    mesh_tolerance_mm: float | None,
+    self_intersection: bool = True,
+    on_step: OnStep = _nothing,
 ) -> PartFiles:
-    """Validate, measure, mesh and translate one solid.
+    """Validate, translate, mesh (where a tolerance is given) and measure one solid.
 
     Raises ``GeometryError`` as :func:`validate_solid` (see there for ``self_intersection``) and :func:`mesh_solid` do.
     """
     validate_solid(name, solid, self_intersection)
-    return PartFiles(
-        name=name,
-        brep=brep_bytes(solid),
-        step=part_step(name, solid, material),
-        mesh=mesh_solid(name, solid, mesh_tolerance_mm),
-        shape=measure(solid),
-    )
+    step = part_step(name, solid, material)
+    on_step(name, step)
+    mesh = TriangleMesh.empty() if mesh_tolerance_mm is None else mesh_solid(name, solid, mesh_tolerance_mm)
+    return PartFiles(name=name, brep=brep_bytes(solid), step=step, mesh=mesh, shape=measure(solid))

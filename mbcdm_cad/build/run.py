@@ -98,12 +98,11 @@ def build(
     except GeometryError as error:
         raise GeometryError(f"{error}; {_why_not_drawn(_failed(checks))}") from error
 
-    from mbcdm_cad.report.data import checks_data, report_data
+    from mbcdm_cad.report.data import Tested, checks_data, report_data
     from mbcdm_cad.report.explain import fields_data
 
-    data = report_data(
-        dims, centred, parts, clashes, poses, frame, drum_angle_deg=angle_deg, design_sha256=loaded.sha256
-    )
+    tested = Tested(clashes, poses, frame)
+    data = report_data(dims, centred, parts, tested, drum_angle_deg=angle_deg, design_sha256=loaded.sha256)
     checks = (
         *checks,
         mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -55,6 +55,7 @@ class Store:
         self._cache = cache
         self._progress = progress
         self._solids: dict[str, Any] = {}
+        self._held: dict[str, MadePart] = {}
         self._sources: dict[str, str] | None = None
         self.made: list[str] = []
 
@@ -62,26 +63,45 @@ class Store:
         self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float, jobs: int
     ) -> dict[str, MadePart]:
         """All parts; only those are drawn of which the cache has none with the same dimensions, material and code."""
-        made: dict[str, MadePart] = {}
-        missing: dict[str, str] = {}
-        for name, spec in specs.items():
-            module = spec.maker.partition(":")[0]
-            source = self._source(module, "mbcdm_cad.build.makefiles")
-            key = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
-            blobs = self._cache.get(key)
-            if blobs is None:
-                missing[name] = key
-            else:
-                made[name] = MadePart(key, PartFiles.from_blobs(name, blobs))
+        keys = self.keys(specs, materials, mesh_tolerance_mm)
+        found = self.known(keys)
+        missing = [name for name in specs if name not in found]
         if missing:
             from mbcdm_cad.build.makefiles import drawn_part
 
             self._note(*missing)
-            drawn = fork_map(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), list(missing), jobs)
-            for files in drawn:
-                self._cache.put(missing[files.name], files.to_blobs())
-                made[files.name] = MadePart(missing[files.name], files)
-        return {name: made[name] for name in specs}
+            drawn = fork_map(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), missing, jobs)
+            found |= self.keep(keys, drawn)
+        return {name: found[name] for name in specs}
+
+    def keys(
+        self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float
+    ) -> dict[str, str]:
+        """For each part the key of what is drawn: it rests on dimensions, material, tolerance and code."""
+        keys = {}
+        for name, spec in specs.items():
+            source = self._source(spec.maker.partition(":")[0], "mbcdm_cad.build.makefiles")
+            keys[name] = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
+        return keys
+
+    def known(self, keys: Mapping[str, str]) -> dict[str, MadePart]:
+        """The parts by name that need not be drawn; what was asked for last is held in memory."""
+        found: dict[str, MadePart] = {}
+        for name, key in keys.items():
+            if key in self._held:
+                found[name] = self._held[key]
+            elif (blobs := self._cache.get(key)) is not None:
+                found[name] = MadePart(key, PartFiles.from_blobs(name, blobs))
+        self._held = {part.key: part for part in found.values()}
+        return found
+
+    def keep(self, keys: Mapping[str, str], drawn: Iterable[PartFiles]) -> dict[str, MadePart]:
+        """The parts just drawn, kept for the next time."""
+        made = {files.name: MadePart(keys[files.name], files) for files in drawn}
+        for part in made.values():
+            self._cache.put(part.key, part.files.to_blobs())
+            self._held[part.key] = part
+        return made
 
     def assembly(
         self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str = ""

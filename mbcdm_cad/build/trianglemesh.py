@@ -30,6 +30,11 @@ class TriangleMesh:
     deviation_mm: float
 
     @property
+    def is_empty(self) -> bool:
+        """Whether it has no triangle."""
+        return not len(self.triangles)
+
+    @property
     def corners_mm(self) -> FloatArray:
         """The corners of every triangle, (m, 3, 3)."""
         corners: FloatArray = self.points_mm[self.triangles]
@@ -72,6 +77,12 @@ class TriangleMesh:
             deviation_mm=self.deviation_mm,
         )
         return buffer.getvalue()
+
+    @classmethod
+    def empty(cls) -> TriangleMesh:
+        """No mesh at all, of a part that nobody looks at."""
+        none = np.empty((0, 3))
+        return cls(none, none, np.empty((0, 3), np.int32), np.empty((0, 2), np.int32), 0.0)
 
     @classmethod
     def from_bytes(cls, data: bytes) -> TriangleMesh:

@@ -11,7 +11,7 @@ from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.report.page import PAGE
-from mbcdm_cad.report.page.stage import page_of
+from mbcdm_cad.report.page.stage import page_figures, page_of
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import write_whole
 
@@ -30,7 +30,8 @@ def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
             return 1
         _, parts = drawn(loaded.drive, 0.0, cache, tell)
         tell("page")
-        page = page_of(loaded.drive, outcome.data, parts, cache, drawings_folder(out, loaded.drive.name))
+        figures = page_figures(loaded.drive, outcome.data["fields"], cache)
+        page = page_of(loaded.drive, outcome.data, parts, figures, drawings_folder(out, loaded.drive.name))
     target = outcome.folder / PAGE
     write_whole({target: page})
     click.echo(f"{target}: {len(page) / 1e6:.1f} MB, opens in any browser, needs no network")

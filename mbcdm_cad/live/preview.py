@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import json
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbcdm_cad.build.run import drawn
-from mbcdm_cad.build.store import MadePart, Progress
+from mbcdm_cad.build.makefiles import drawn_part
+from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.build.store import MadePart, Store
 from mbcdm_cad.checks.built import envelope_check, mass_check
-from mbcdm_cad.configurations.check_design import run_checks
+from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.report.data import checks_data, report_data
+from mbcdm_cad.parts.bill import CABLE
+from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
 from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.report.page import PAGE
-from mbcdm_cad.report.page.stage import page_of
+from mbcdm_cad.report.page.stage import PageFigures, page_figures, page_of
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import write_whole
+from mbcdm_cad.storage.parallel import forked
 
 
 @dataclass(frozen=True)
@@ -28,48 +33,102 @@ class Preview:
     written: tuple[str, ...]
 
 
-class Previewer:
-    """Draws one design after the other; a part is written when its content is not what was written last."""
+@dataclass(frozen=True)
+class _Drawn:
+    """What stands of the newest design: its parts, and what its page shows that needs none."""
 
-    def __init__(self, folder: Path, cache: Cache) -> None:
+    design_sha256: str
+    parts: dict[str, MadePart]
+    figures: PageFigures
+
+
+class Previewer:
+    """Draws one design after the other into ``folder``; a part is written when it is not what was written last.
+
+    Everything stays in memory from one design to the next, so only what changes is drawn; its STEP file is written
+    before its mesh is made, and the figures are worked out while the parts are drawn by other processes. Cables get no
+    mesh, which would take most of the time: the page sweeps them along their centre lines. ``look`` is called now and
+    then and may raise to give up.
+    """
+
+    def __init__(self, folder: Path, cache: Cache, look: Callable[[], None]) -> None:
         self._folder = folder
         self._cache = cache
+        self._look = look
+        self._store = Store(cache, lambda name: None)
         self._written: dict[str, str] = {}
+        self._lengths: dict[str, int] = {}
+        self._drawn: _Drawn | None = None
 
-    def preview(self, loaded: LoadedDesign, progress: Progress) -> Preview:
-        """STEP and STL of each changed part in the folder, and the page.
+    def preview(self, loaded: LoadedDesign, checks: Sequence[CheckResult]) -> Preview:
+        """STEP and STL of each changed part in the folder, and the page with the ``checks`` of the design.
 
-        Raises ``MbcdmError`` for a part that cannot be drawn; ``progress`` may raise to give up in between.
+        Raises ``MbcdmError`` for a part that cannot be drawn.
         """
         drive = loaded.drive
-        _, parts = drawn(drive, 0.0, self._cache, progress)
-        written = self._write(parts)
-        progress("page")
         kind = configuration(drive.configuration)
         dims = kind.layout(drive)
-        data = report_data(dims, kind.bill(dims), parts, (), (), None, drum_angle_deg=0.0, design_sha256=loaded.sha256)
-        checks = (
-            *run_checks(loaded),
-            mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
-            envelope_check(drive, data["envelope"]["size_mm"]),
-        )
-        data |= checks_data(checks) | fields_data(loaded)
-        return Preview(page_of(drive, data, parts, self._cache), written)
+        bill = kind.bill(dims)
+        materials = {item.part: item.material for item in bill.items}
+        keys = self._store.keys(bill.parts, materials, drive.export.mesh_tolerance_mm)
+        changed = tuple(name for name, key in keys.items() if self._written.get(name) != key)
+        parts = self._store.known(keys)
+        self._write({name: parts[name] for name in changed if name in parts})
+        missing = self._in_order([name for name in keys if name not in parts])
+        for name in missing:
+            self._written.pop(name, None)  # its file is written before all of it is done
 
-    def complete(self, loaded: LoadedDesign, built: Path, progress: Progress) -> bytes:
+        def draw(name: str) -> PartFiles:
+            tolerance = None if name.startswith(CABLE) else drive.export.mesh_tolerance_mm
+            return drawn_part(bill.parts[name], materials[name], tolerance, self._write_step)
+
+        with forked(draw, missing, os.cpu_count() or 1) as results:
+            figures, fields = design_figures(dims, bill), fields_data(loaded)
+            self._look()
+            shown = page_figures(drive, fields["fields"], self._cache)
+            drawn = results(self._look)
+        made = self._store.keep(keys, [files for files in drawn if not files.name.startswith(CABLE)])
+        made |= {files.name: MadePart(keys[files.name], files) for files in drawn if files.name.startswith(CABLE)}
+        self._write(made)
+        parts |= made
+        data = report_data(
+            dims, bill, parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256, figures=figures
+        )
+        mass, size = data["mass"], data["envelope"]["size_mm"]
+        whole = (*checks, mass_check(drive, mass["mass_g"], mass["sigma_g"]), envelope_check(drive, size))
+        self._drawn = _Drawn(loaded.sha256, parts, shown)
+        return Preview(page_of(drive, data | checks_data(whole) | fields, parts, shown), changed)
+
+    def complete(self, loaded: LoadedDesign, built: Path, checks: Sequence[CheckResult]) -> bytes:
         """The page of a whole build in the folder ``built``, written there."""
-        _, parts = drawn(loaded.drive, 0.0, self._cache, progress)
+        if self._drawn is None or self._drawn.design_sha256 != loaded.sha256:
+            self.preview(loaded, checks)
+        assert self._drawn is not None
         data = json.loads((built / "report.json").read_text("utf-8"))
-        page = page_of(loaded.drive, data, parts, self._cache)
+        page = page_of(loaded.drive, data, self._drawn.parts, self._drawn.figures)
         write_whole({built / PAGE: page}, durable=False)
         return page
 
-    def _write(self, parts: dict[str, MadePart]) -> tuple[str, ...]:
-        changed = {name: part for name, part in parts.items() if self._written.get(name) != part.key}
-        for name, part in changed.items():
+    def _in_order(self, names: Sequence[str]) -> list[str]:
+        """The part with the most work first, then from little to much: so pulleys come early, and nothing ends late.
+
+        How much work a part is, its last STEP file tells by its length.
+        """
+        rising = sorted(names, key=lambda name: self._lengths.get(name, 0))
+        return rising[-1:] + rising[:-1]
+
+    def _write_step(self, name: str, step: bytes) -> None:
+        write_whole({(self._folder / "parts" / name).with_suffix(".step"): step}, durable=False)
+
+    def _write(self, parts: Mapping[str, MadePart]) -> None:
+        """STEP and STL of the parts; no STL of one without a mesh, nor the one it had."""
+        for name, part in parts.items():
             stem = self._folder / "parts" / name
-            write_whole(
-                {stem.with_suffix(".step"): part.files.step, stem.with_suffix(".stl"): part.files.stl}, durable=False
-            )
-        self._written |= {name: part.key for name, part in changed.items()}
-        return tuple(changed)
+            files = {stem.with_suffix(".step"): part.files.step}
+            if part.files.mesh.is_empty:
+                stem.with_suffix(".stl").unlink(missing_ok=True)
+            else:
+                files[stem.with_suffix(".stl")] = part.files.stl
+            write_whole(files, durable=False)
+            self._written[name] = part.key
+            self._lengths[name] = len(part.files.step)

@@ -20,6 +20,7 @@ from pathlib import Path
 
 import watchfiles
 
+from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.loader import load_text
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
@@ -66,6 +67,7 @@ class Watch:
         self._state = WatchState()
         self.server = Server(self._state, (watched.live, watched.folder))
         self._loaded: LoadedDesign | None = None
+        self._checks: tuple[CheckResult, ...] = ()
         self._saved_s = 0.0
         self._build: asyncio.Task[None] | None = None
         context = multiprocessing.get_context("spawn")
@@ -126,7 +128,7 @@ class Watch:
         if loaded.drive.name != self._watched.name:
             await self._refused(f"{path}: name: changed to {loaded.drive.name}; end this and start it again for it")
             return
-        self._loaded = loaded
+        self._loaded, self._checks = loaded, report.results
         state.judged(report)
         self.server.tell()
         counts = report.counts
@@ -134,7 +136,7 @@ class Watch:
         for check in report.failed:
             self._say(f"  fail: {check.id}: {check.message}; {check.remedy}")
         if report.passed:
-            self._worker.send(Job(state.save, path, text))
+            self._worker.send(Job(state.save, path, text, report.results))
 
     async def _refused(self, message: str) -> None:
         self._state.stage, self._state.message = "broken", message
@@ -187,7 +189,7 @@ class Watch:
             await process.wait()
             raise
         if process.returncode == 0 and self._loaded is not None:
-            self._worker.send(Job(number, watched.path, self._loaded.text, built=watched.folder))
+            self._worker.send(Job(number, watched.path, self._loaded.text, self._checks, built=watched.folder))
             return
         lines = [line for line in errors.decode().splitlines() if not line.startswith("making ")]
         self._state.stage, self._state.message = "failing", "\n".join(lines)

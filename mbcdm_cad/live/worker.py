@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.loader import load_text
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.storage.cache import Cache, cache_folder
@@ -15,7 +16,7 @@ from mbcdm_cad.storage.parallel import allow_processes
 
 @dataclass(frozen=True)
 class Job:
-    """Draw the design of ``text``; ``number`` counts the saves.
+    """Draw the design of ``text``, which has passed its ``checks``; ``number`` counts the saves.
 
     With ``built``, the folder of its whole build, the page is made from that build's report instead.
     """
@@ -23,6 +24,7 @@ class Job:
     number: int
     path: Path
     text: str
+    checks: tuple[CheckResult, ...]
     built: Path | None = None
 
 
@@ -44,25 +46,24 @@ class _SupersededError(Exception):
 def work(connection: Connection, folder: Path, use_cache: bool) -> None:
     """Draw what comes through ``connection`` until None comes or the other end is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that watches; it closes the connection
-    # Imported here, so that the process that starts this one needs no kernel.
-    from mbcdm_cad.build.kernel import shape_from_brep  # noqa: F401  loads the kernel before the first job
+    # Imported here, so that the process that starts this one needs no kernel. It loads it before the first job.
     from mbcdm_cad.live.preview import Previewer
 
     allow_processes()
-    previewer = Previewer(folder, Cache(cache_folder() if use_cache else None))
 
-    def progress(name: str) -> None:
+    def look() -> None:
         if connection.poll():
             raise _SupersededError
 
+    previewer = Previewer(folder, Cache(cache_folder() if use_cache else None), look)
     try:
         while (job := _newest(connection)) is not None:
             try:
                 loaded = load_text(job.text, job.path)
                 if job.built is not None:
-                    drawn = Drawn(job.number, previewer.complete(loaded, job.built, progress), whole=True)
+                    drawn = Drawn(job.number, previewer.complete(loaded, job.built, job.checks), whole=True)
                 else:
-                    preview = previewer.preview(loaded, progress)
+                    preview = previewer.preview(loaded, job.checks)
                     drawn = Drawn(job.number, preview.page, preview.written)
             except _SupersededError:
                 continue

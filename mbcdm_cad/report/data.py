@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,21 @@ from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.interface import Conventions, FrameCompliance, Layout
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model import analyse, measured
+from mbcdm_cad.model import Analysis, analyse, measured
 from mbcdm_cad.model.preload_table import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.sheets.lookup import holes_of
-from mbcdm_cad.report.masses import bill_lines, box_mm, inertias, masses_by_item, total_sigma_g
+from mbcdm_cad.report.masses import (
+    Box,
+    bill_lines,
+    boxes_mm,
+    cable_boxes_mm,
+    inertias,
+    masses_by_item,
+    total_sigma_g,
+)
 from mbcdm_cad.report.paths import path_data
 from mbcdm_cad.report.torsion import torsion_data
 
@@ -67,12 +75,9 @@ def _mass(m: MassProperties) -> dict[str, Any]:
     return {"mass_g": m.mass_g, "cog_mm": m.cog_mm, "inertia_about_cog_g_mm2": m.inertia_g_mm2}
 
 
-def _swept_box(layout: Layout, parts: Mapping[str, MadePart]) -> list[float]:
-    half = layout.drive.half_travel_deg
-    boxes: dict[Any, Any] = {}
-    corners = [box_mm(layout, parts, float(angle), boxes) for angle in np.linspace(-half, half, _SWEPT_POSES)]
-    low = np.min([c[0] for c in corners], axis=0)
-    high = np.max([c[1] for c in corners], axis=0)
+def _swept_box(boxes: Sequence[Box]) -> list[float]:
+    low = np.min([box[0] for box in boxes], axis=0)
+    high = np.max([box[1] for box in boxes], axis=0)
     return [float(v) for v in high - low]
 
 
@@ -88,29 +93,73 @@ def _tensioning(plan: TensioningPlan | None) -> dict[str, Any] | None:
     return None if plan is None else asdict(plan)
 
 
+@dataclass(frozen=True)
+class Tested:
+    """What only a whole build finds out: clashes at the poses looked at, and how far the frame winds up."""
+
+    clashes: Sequence[Clash] = ()
+    poses_deg: Sequence[float] = ()
+    frame: FrameCompliance | None = None
+
+
+@dataclass(frozen=True)
+class DesignFigures:
+    """What the report says of a design that needs no part drawn: ``data`` as it stands there, and what else rests on.
+
+    ``boxes`` are those of the cables at ``angles_deg``, the first with the drum centred, the others over its travel.
+    """
+
+    analysis: Analysis
+    data: dict[str, Any]
+    angles_deg: tuple[float, ...]
+    boxes: tuple[Box, ...]
+
+
+def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
+    """Model, tolerances, tensioning and order of assembly of a design; ``centred`` is its bill, the drum centred."""
+    drive = layout.drive
+    kind = configuration(drive.configuration)
+    analysis, order = analyse(drive), kind.assembly_order(layout)
+    half = drive.half_travel_deg
+    angles = (0.0, *(float(angle) for angle in np.linspace(-half, half, _SWEPT_POSES)))
+    data = {
+        "analysis": analysis.to_dict(),
+        "paths": path_data(layout),
+        "tolerance_stacks": [stack_data(stack) for stack in kind.tolerance_stacks(layout)],
+        "holes": holes_of(centred),
+        "asked_torque_Nm": drive.loads.peak_torque_Nm,
+        "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
+        "tensioning": _tensioning(kind.tensioning(layout)),
+        "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
+        "assembly_order": [step.text for step in order],
+        "assembly_items": [list(step.items) for step in order],
+        "conventions": _conventions(kind.conventions, drive.export.threads),
+    }
+    return DesignFigures(analysis, data, angles, tuple(cable_boxes_mm(layout, angles)))
+
+
 def report_data(
     layout: Layout,
     centred: Bill,
     parts: Mapping[str, MadePart],
-    clashes: Sequence[Clash],
-    poses_deg: Sequence[float],
-    frame: FrameCompliance | None,
+    tested: Tested,
     *,
     drum_angle_deg: float,
     design_sha256: str,
+    figures: DesignFigures | None = None,
 ) -> dict[str, Any]:
     """The report of one build but for its checks, some of which judge what stands here.
 
-    ``centred`` is the bill with the drum centred.
+    ``centred`` is the bill with the drum centred; ``figures`` are those of :func:`design_figures` where they are known.
     """
     drive = layout.drive
+    figures = figures or design_figures(layout, centred)
     by_item = masses_by_item(centred, parts)
     whole = combined(by_item.values())
     lines = bill_lines(centred, parts, drive)
-    low, high = box_mm(layout, parts, 0.0)
+    boxes = boxes_mm(layout, centred, parts, figures.angles_deg, figures.boxes)
+    low, high = boxes[0]
     size = high - low
-    kind = configuration(drive.configuration)
-    analysis, order = analyse(drive), kind.assembly_order(layout)
     moving = inertias(layout, centred, by_item)
     kilograms = whole.mass_g / 1e3
     data = {
@@ -135,22 +184,20 @@ def report_data(
             "high_xyz_mm": [float(v) for v in high],
             "target_mm": drive.targets.envelope_mm,
             "tolerance_mm": drive.targets.envelope_tolerance_mm,
-            "swept_xyz_mm": _swept_box(layout, parts),
+            "swept_xyz_mm": _swept_box(boxes[1:]),
         },
         "interference": {
-            "poses_deg": list(poses_deg),
-            "clashes": [asdict(c) for c in clashes],
+            "poses_deg": list(tested.poses_deg),
+            "clashes": [asdict(c) for c in tested.clashes],
         },
-        "frame": _frame(frame, drive) if frame else None,
+        "frame": _frame(tested.frame, drive) if tested.frame else None,
         "torque": {
-            "peak_positive_Nm": analysis.peak_torque_Nm[0],
-            "peak_negative_Nm": analysis.peak_torque_Nm[1],
-            "torque_to_weight_Nm_kg": min(analysis.peak_torque_Nm) / kilograms,
+            "peak_positive_Nm": figures.analysis.peak_torque_Nm[0],
+            "peak_negative_Nm": figures.analysis.peak_torque_Nm[1],
+            "torque_to_weight_Nm_kg": min(figures.analysis.peak_torque_Nm) / kilograms,
             "paper_design_Nm_kg": measured.DESIGN_TORQUE_TO_WEIGHT_NM_KG,
             "paper_measured_Nm_kg": measured.TORQUE_TO_WEIGHT_NM_KG,
         },
-        "analysis": analysis.to_dict(),
-        "paths": path_data(layout),
         "bill_of_materials": [asdict(line) for line in lines],
         "items": {
             item.name: {"part": item.part, "group": item.group, **_mass(by_item[item.name])} for item in centred.items
@@ -166,16 +213,9 @@ def report_data(
                 "triangles": len(made.files.mesh.triangles),
             }
             for name, made in sorted(parts.items())
+            if not made.files.mesh.is_empty
         },
-        "tolerance_stacks": [stack_data(stack) for stack in kind.tolerance_stacks(layout)],
-        "holes": holes_of(centred),
-        "asked_torque_Nm": drive.loads.peak_torque_Nm,
-        "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
-        "tensioning": _tensioning(kind.tensioning(layout)),
-        "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
-        "assembly_order": [step.text for step in order],
-        "assembly_items": [list(step.items) for step in order],
-        "conventions": _conventions(kind.conventions, drive.export.threads),
+        **figures.data,
     }
     plain = _rounded(data)
     assert isinstance(plain, dict)

@@ -19,7 +19,7 @@ from mbcdm_cad.build.run import drawn
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.report.data import report_data
+from mbcdm_cad.report.data import Tested, report_data
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import write_whole
@@ -100,7 +100,7 @@ def gallery_drive(path: Path, cache: Cache) -> GalleryDrive:
     items, parts = drawn(loaded.drive, 0.0, cache, lambda name: None)
     kind = configuration(loaded.drive.configuration)
     dims = kind.layout(loaded.drive)
-    data = report_data(dims, kind.bill(dims), parts, (), (), None, drum_angle_deg=0.0, design_sha256=loaded.sha256)
+    data = report_data(dims, kind.bill(dims), parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256)
     png = picture_png(items, {name: part.files.mesh for name, part in parts.items()}, "output", _PICTURE_PX)
     return GalleryDrive(loaded, data, png)
 

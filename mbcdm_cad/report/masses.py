@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.build.bodies import bodies
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.store import MadePart
 from mbcdm_cad.configurations.interface import Layout
@@ -17,7 +18,6 @@ from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.placement import Placement
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
 # (density of the alloy and machining tolerances). Parts of one kind err together, different kinds independently.
@@ -163,27 +163,39 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
-def box_mm(
-    layout: Layout,
-    parts: Mapping[str, MadePart],
-    drum_angle_deg: float,
-    boxes: dict[tuple[str, Placement], Box] | None = None,
-) -> Box:
-    """Lowest and highest corner (x, y, z) of everything at one drum angle.
-
-    Solids from their meshes (within the mesh tolerance), cables from their centre lines and radius. ``boxes`` keeps the
-    boxes of parts at their places: over many angles, those that do not move are worked out once.
-    """
-    boxes = {} if boxes is None else boxes
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for item in configuration(layout.drive.configuration).bill(layout, drum_angle_deg).items:
-        if not item.name.startswith(CABLE):
-            key = item.part, item.location
-            if key not in boxes:
-                boxes[key] = parts[item.part].files.mesh.box_mm(item.location)
-            low, high = np.minimum(low, boxes[key][0]), np.maximum(high, boxes[key][1])
+def cable_boxes_mm(layout: Layout, drum_angles_deg: Sequence[float]) -> list[Box]:
+    """Lowest and highest corner of all cables at each drum angle, from their centre lines and radius."""
     radius = layout.drive.cable.diameter_mm / 2
-    for path in layout.cable_paths(np.radians(drum_angle_deg)):
-        points = path.sample(0.25)
-        low, high = np.minimum(low, points.min(axis=0) - radius), np.maximum(high, points.max(axis=0) + radius)
-    return low, high
+    boxes = []
+    for angle in drum_angles_deg:
+        points = np.concatenate([path.sample(0.25) for path in layout.cable_paths(np.radians(angle))])
+        boxes.append((points.min(axis=0) - radius, points.max(axis=0) + radius))
+    return boxes
+
+
+def boxes_mm(
+    layout: Layout,
+    centred: Bill,
+    parts: Mapping[str, MadePart],
+    drum_angles_deg: Sequence[float],
+    cables: Sequence[Box],
+) -> list[Box]:
+    """Lowest and highest corner (x, y, z) of everything at each drum angle; ``cables`` from :func:`cable_boxes_mm`.
+
+    Solids from their meshes (within the mesh tolerance), those of a body turned together.
+    """
+    items = {item.name: item for item in centred.items}
+    boxes = list(cables)
+    for group in bodies(configuration(layout.drive.configuration).moving_bodies(layout), centred):
+        placed = [items[name].location.apply(parts[items[name].part].files.mesh.points_mm) for name in group.items]
+        if not placed:
+            continue
+        points = np.concatenate(placed)
+        still = (points.min(axis=0), points.max(axis=0))
+        for k, angle in enumerate(drum_angles_deg):
+            low, high = still
+            if group.ratio:
+                turned = group.at(angle).apply(points)
+                low, high = turned.min(axis=0), turned.max(axis=0)
+            boxes[k] = np.minimum(boxes[k][0], low), np.maximum(boxes[k][1], high)
+    return boxes

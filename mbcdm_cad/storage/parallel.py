@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
+# So often whoever waits for forked work is asked whether to go on, s.
+_LOOK_S = 0.02
 
 # What the forked processes work on: inherited with the memory, so that no kernel shape has to be pickled.
 _work: tuple[Callable[[Any], Any], Sequence[Any]] | None = None
@@ -30,21 +33,50 @@ def fork_map(function: Callable[[Argument], Result], arguments: Sequence[Argumen
     that has not called :func:`allow_processes`, or a system that cannot fork, does the work in this process. Not to be
     called from within ``function``.
     """
-    global _work
-    jobs = min(jobs, len(arguments))
-    if jobs <= 1 or not _allowed:
-        return [function(argument) for argument in arguments]
-    import multiprocessing  # every command imports this file, few of them fork
+    with forked(function, arguments, min(jobs, len(arguments))) as results:
+        return results()
 
-    if "fork" not in multiprocessing.get_all_start_methods():
-        return [function(argument) for argument in arguments]
+
+@contextmanager
+def forked(
+    function: Callable[[Argument], Result], arguments: Sequence[Argument], jobs: int
+) -> Iterator[Callable[..., list[Result]]]:
+    """:func:`fork_map`, begun at entry, so that this process can do something else meanwhile, and ended at exit.
+
+    Yields ``results(look)``, which waits for all of it; ``look`` is called now and then and may raise to give up. Where
+    nothing is forked (``jobs`` is one, too), the work is done when its results are asked for.
+    """
+    global _work
+    if jobs <= 1 or not arguments or not _allowed or not _can_fork():
+        yield lambda look=_go_on: [(look(), function(argument))[1] for argument in arguments]
+        return
+    import multiprocessing
+
     assert _work is None, "fork_map within fork_map"
     _work = (function, arguments)
     try:
-        with multiprocessing.get_context("fork").Pool(jobs) as pool:
-            return pool.map(_call, range(len(arguments)), chunksize=1)
+        with multiprocessing.get_context("fork").Pool(min(jobs, len(arguments))) as pool:
+            pending = pool.map_async(_call, range(len(arguments)), chunksize=1)
+
+            def results(look: Callable[[], None] = _go_on) -> list[Result]:
+                while not pending.ready():
+                    look()
+                    pending.wait(_LOOK_S)
+                return pending.get()
+
+            yield results
     finally:
         _work = None
+
+
+def _can_fork() -> bool:
+    import multiprocessing  # every command imports this file, few of them fork
+
+    return "fork" in multiprocessing.get_all_start_methods()
+
+
+def _go_on() -> None:
+    pass
 
 
 def _call(index: int) -> Any:

@@ -160,11 +160,15 @@ def test_same_bytes_in_any_process_with_and_without_the_cache(built: Path, cache
 
 
 @pytest.mark.slow
-def test_assembly_turned_to_both_ends_has_the_same_parts(built: Path, cache: Path, tmp_path: Path) -> None:
+def test_assembly_turned_to_both_ends_has_the_same_parts_and_no_page_of_the_other(
+    built: Path, cache: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "mbcdm"
     for angle in ("-35", "35"):
-        done = mbcdm("build", REFERENCE, "--angle", angle, "--out", tmp_path / angle, cache=cache)
+        done = mbcdm("build", REFERENCE, "--angle", angle, "--out", tmp_path, cache=cache)
         assert done.returncode == 0, done.stderr
-        folder = tmp_path / angle / "mbcdm"
+        assert not (folder / "report.html").exists(), "the page of the build before stands beside the new report"
+        (folder / "report.html").write_text("<p>a page of this build</p>")
         rigid = [n for n in files_of(built) if n.startswith("parts/") and "cable" not in n]
         _, mismatch, errors = filecmp.cmpfiles(built, folder, rigid, shallow=False)
         assert not mismatch and not errors

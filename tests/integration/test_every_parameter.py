@@ -300,7 +300,7 @@ def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
 def test_prototype_mass_stands_in_the_report() -> None:
     from mbcdm_cad.build.store import Store
     from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
-    from mbcdm_cad.report.data import report_data
+    from mbcdm_cad.report.data import Tested, report_data
     from mbcdm_cad.storage.cache import Cache, cache_folder
 
     drive = load_text(edited({("targets", "prototype_mass_g"): 341.0})).drive
@@ -308,7 +308,6 @@ def test_prototype_mass_stands_in_the_report() -> None:
     centred, store = bill(dims), Store(Cache(cache_folder()), lambda name: None)
     material = {item.part: item.material for item in centred.items}
     parts = store.parts(centred.parts, material, drive.export.mesh_tolerance_mm, 1)
-    data = report_data(
-        dims, centred, parts, (), (0.0,), frame_compliance(dims), drum_angle_deg=0.0, design_sha256="0" * 64
-    )
+    tested = Tested(poses_deg=(0.0,), frame=frame_compliance(dims))
+    data = report_data(dims, centred, parts, tested, drum_angle_deg=0.0, design_sha256="0" * 64)
     assert data["mass"]["prototype_measured_g"] == 341.0

@@ -23,10 +23,11 @@ LICENCE = "vendor/three-LICENSE.txt"
 Files = Mapping[str, Sequence[tuple[str, str]]]
 
 
-def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, Any], links: Files) -> bytes:
+def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, Any], graph: str, links: Files) -> bytes:
     """``report.html`` as UTF-8.
 
-    ``report`` is the content of report.json, ``view`` and ``figures`` are from :func:`scene` and :func:`studies`.
+    ``report`` is the content of report.json, ``view`` and ``figures`` are from :func:`scene` and :func:`studies`,
+    ``graph`` is from :func:`fields_graph`.
     ``links`` maps a part to (label, address) of its files, addresses relative to the page; the key "" holds those of
     the whole. The same input gives the same bytes.
     """
@@ -48,7 +49,7 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
             cables=content.cable_rows(report),
             limits=content.travel_limits(report),
             studies=figures,
-            graph=_graph(report),
+            graph=markupsafe.Markup(graph),
             check_ids={check["id"] for check in report["checks"]},
             links=links,
             table_scripts=_TABLE_SCRIPTS,
@@ -60,8 +61,7 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
     return text.encode()
 
 
-def _graph(report: Mapping[str, Any]) -> Any:
-    """The graph of the fields as SVG; empty where no field has a rule."""
-    graph = dependency_graph(report["fields"])
-    title = f"{report['design']}: what follows from what"
-    return markupsafe.Markup(dependency_svg(graph, title)) if graph.nodes else ""
+def fields_graph(design: str, fields: Sequence[Mapping[str, Any]]) -> str:
+    """The graph of the report's ``fields`` as SVG; empty where no field has a rule."""
+    graph = dependency_graph(fields)
+    return dependency_svg(graph, f"{design}: what follows from what") if graph.nodes else ""

@@ -33,6 +33,8 @@ _SHORTS = 65535
 
 
 Paths = Callable[[float], Sequence[CablePath]]
+# Centre lines by cable name, (angles, points, 3).
+Lines = Mapping[str, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -68,28 +70,27 @@ class _Binary:
         return bytes(self._bytes)
 
 
-def design_scene(drive: Drive, parts: Mapping[str, PartFiles]) -> Scene:
-    """The scene of one design from its configuration; ``parts`` by name."""
+def design_scene(drive: Drive, parts: Mapping[str, PartFiles], lines: Lines) -> Scene:
+    """The scene of one design from its configuration; ``parts`` by name, ``lines`` from :func:`cable_lines`."""
     kind = configuration(drive.configuration)
     dims = kind.layout(drive)
     centred = kind.bill(dims)
-    return scene(centred, bodies(kind.moving_bodies(dims), centred), parts, dims.cable_paths, drive)
+    return scene(centred, bodies(kind.moving_bodies(dims), centred), parts, lines, drive)
 
 
 def scene(
-    centred: Bill, moving: Sequence[MovingGroup], parts: Mapping[str, PartFiles], paths_at: Paths, drive: Drive
+    centred: Bill, moving: Sequence[MovingGroup], parts: Mapping[str, PartFiles], lines: Lines, drive: Drive
 ) -> Scene:
     """The scene of bodies, parts and cables.
 
-    ``centred`` is the bill with the drum centred; ``paths_at`` gives the cables at an angle in rad.
+    ``centred`` is the bill with the drum centred; ``lines`` are the cables' centre lines over the travel.
     """
-    half_travel_deg, cable_diameter_mm = drive.half_travel_deg, drive.cable.diameter_mm
     binary = _Binary()
     body_of = {item: body.name for body in moving for item in body.items}
     rigid = [item for item in centred.items if not is_cable(item)]
     cables = {item.name: item for item in centred.items if is_cable(item)}
     data: dict[str, Any] = {
-        "half_travel_deg": half_travel_deg,
+        "half_travel_deg": drive.half_travel_deg,
         "bodies": [{"name": b.name, "axis": list(b.axis), "point": list(b.point_mm), "ratio": b.ratio} for b in moving],
         "parts": {name: _mesh(binary, parts[name].mesh) for name in sorted({item.part for item in rigid})},
         "items": [
@@ -107,7 +108,6 @@ def scene(
         ],
         "cables": [],
     }
-    lines, angles = cable_lines(paths_at, half_travel_deg)
     for name, points in lines.items():
         item = cables[cable_item(name)]
         data["cables"].append(
@@ -118,8 +118,8 @@ def scene(
                 "material": item.material.name,
                 "colour": _figures(item.material.colour),
                 "mass_g": _figure(item_mass(item, parts[item.part].shape).mass_g),
-                "radius_mm": cable_diameter_mm / 2,
-                "angles": len(angles),
+                "radius_mm": drive.cable.diameter_mm / 2,
+                "angles": len(points),
                 "points": points.shape[1],
                 "line": binary.quantised(points),
             }

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.build.drawings import ASSEMBLY
+from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.report.page.page import report_page
-from mbcdm_cad.report.page.scene import design_scene
+from mbcdm_cad.report.page.page import fields_graph, report_page
+from mbcdm_cad.report.page.scene import Lines, cable_lines, design_scene
 from mbcdm_cad.report.page.studies import studies
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import versions
@@ -23,24 +24,40 @@ if TYPE_CHECKING:
     from mbcdm_cad.storage.cache import Cache
 
 
+@dataclass(frozen=True)
+class PageFigures:
+    """What the page shows of a design that needs no part drawn: curves, cables over the travel, graph of the fields."""
+
+    studies: Mapping[str, Any]
+    lines: Lines
+    graph: str
+
+
+def page_figures(drive: Drive, fields: Sequence[Mapping[str, Any]], cache: Cache) -> PageFigures:
+    """``fields`` as the report has them."""
+    paths_at = configuration(drive.configuration).layout(drive).cable_paths
+    lines, _ = cable_lines(paths_at, drive.half_travel_deg)
+    return PageFigures(_studies(drive, cache), lines, fields_graph(drive.name, fields))
+
+
 def page_of(
     drive: Drive,
     report: Mapping[str, Any],
     parts: Mapping[str, MadePart],
-    cache: Cache,
+    figures: PageFigures,
     drawings: Path | None = None,
 ) -> bytes:
     """``report.html`` of a design with the content of its report.json and its drawn parts.
 
     ``drawings``: the folder beside the page's where `mbcdm drawings` writes; what stands there is linked.
     """
-    view = design_scene(drive, {name: part.files for name, part in parts.items()})
+    view = design_scene(drive, {name: part.files for name, part in parts.items()}, figures.lines)
     links = file_links(drive.name, parts)
     for sheet in sorted(drawings.glob("*.pdf")) if drawings else ():
         of = "" if sheet.stem == ASSEMBLY else sheet.stem
         if of in links:
             links[of].append(("drawing", f"../{sheet.parent.name}/{sheet.name}"))
-    return report_page(report, view, _studies(drive, cache), links)
+    return report_page(report, view, figures.studies, figures.graph, links)
 
 
 def _studies(drive: Drive, cache: Cache) -> dict[str, Any]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import time
+from pathlib import Path
 
 import pytest
 
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.storage import parallel
-from mbcdm_cad.storage.parallel import fork_map
+from mbcdm_cad.storage.parallel import fork_map, forked
 
 
 @pytest.fixture(autouse=True)
@@ -54,3 +55,25 @@ def test_an_error_comes_through(jobs: int) -> None:
 
 def test_nothing_to_do() -> None:
     assert fork_map(abs, [], 4) == []
+
+
+def test_forked_work_goes_on_while_this_process_does_something_else(tmp_path: Path) -> None:
+    with forked(lambda k: (tmp_path / str(k)).write_text(str(os.getpid())), range(3), 2) as results:
+        end = time.monotonic() + 10.0
+        while len(list(tmp_path.iterdir())) < 3:  # before anybody has asked for the results
+            assert time.monotonic() < end, list(tmp_path.iterdir())
+            time.sleep(0.01)
+        assert len(results()) == 3
+    assert str(os.getpid()) not in {path.read_text() for path in tmp_path.iterdir()}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_who_waits_for_forked_work_may_give_up_and_ends_it(jobs: int) -> None:
+    def stop() -> None:
+        raise InterruptedError
+
+    began = time.monotonic()
+    with pytest.raises(InterruptedError), forked(lambda _: time.sleep(30.0), range(4), jobs) as results:
+        results(stop)
+    assert time.monotonic() - began < 10.0
+    assert fork_map(abs, [-1, 2], jobs) == [1, 2]

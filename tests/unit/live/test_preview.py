@@ -1,0 +1,35 @@
+"""The quick look at a design under `mbcdm watch`: its work in order, and what a part without a mesh leaves behind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cadquery as cq
+
+from mbcdm_cad.build.makefiles import make_part_files
+from mbcdm_cad.build.store import MadePart
+from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.live.preview import Previewer
+from mbcdm_cad.storage.cache import Cache
+
+REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
+
+
+def test_most_work_comes_first_then_little_before_more(tmp_path: Path) -> None:
+    previewer = Previewer(tmp_path, Cache(None), lambda: None)
+    previewer._lengths = {"drum": 900, "frame": 500, "guide": 20, "input_pulley": 90}
+    assert previewer._in_order(["frame", "drum", "input_pulley", "guide"]) == ["drum", "guide", "input_pulley", "frame"]
+    assert previewer._in_order(["collar"]) == ["collar"] and previewer._in_order([]) == []
+
+
+def test_step_is_there_before_the_mesh_and_no_stl_of_an_older_state_stays(tmp_path: Path) -> None:
+    previewer, metal = Previewer(tmp_path, Cache(None), lambda: None), load_design(REFERENCE).drive.guide.material
+    solid = cq.Solid.makeBox(1, 2, 3)
+    meshed = make_part_files("rope", solid, metal, 0.01, on_step=previewer._write_step)
+    assert [path.name for path in (tmp_path / "parts").iterdir()] == ["rope.step"]
+    previewer._write({"rope": MadePart("key", meshed)})
+    assert sorted(path.name for path in (tmp_path / "parts").iterdir()) == ["rope.step", "rope.stl"]
+    bare = make_part_files("rope", solid, metal, None)
+    previewer._write({"rope": MadePart("other key", bare)})
+    assert [path.name for path in (tmp_path / "parts").iterdir()] == ["rope.step"]
+    assert bare.step == meshed.step and bare.shape == meshed.shape and bare.mesh.is_empty
