@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,7 +74,9 @@ class Previewer:
         changed = tuple(name for name, key in keys.items() if self._written.get(name) != key)
         parts = self._store.known(keys)
         self._write({name: parts[name] for name in changed if name in parts})
-        missing = self._in_order([name for name in keys if name not in parts])
+        shafts = {body.name for body in kind.moving_bodies(dims) if body.kind != "drum"}
+        pulleys = {item.part for item in bill.items if item.kind == "made" and item.group in shafts}
+        missing = self._in_order([name for name in keys if name not in parts], pulleys)
         for name in missing:
             self._written.pop(name, None)  # its file is written before all of it is done
 
@@ -109,13 +111,13 @@ class Previewer:
         write_whole({built / PAGE: page}, durable=False)
         return page
 
-    def _in_order(self, names: Sequence[str]) -> list[str]:
-        """The part with the most work first, then from little to much: so pulleys come early, and nothing ends late.
+    def _in_order(self, names: Sequence[str], pulleys: Collection[str]) -> list[str]:
+        """Pulleys first, little ones before large ones; then what takes longest, so that nothing ends late.
 
         How much work a part is, its last STEP file tells by its length.
         """
         rising = sorted(names, key=lambda name: self._lengths.get(name, 0))
-        return rising[-1:] + rising[:-1]
+        return [name for name in rising if name in pulleys] + [name for name in rising[::-1] if name not in pulleys]
 
     def _write_step(self, name: str, step: bytes) -> None:
         write_whole({(self._folder / "parts" / name).with_suffix(".step"): step}, durable=False)

@@ -153,7 +153,7 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
     if report["frame"]:
         windup = report["frame"]["windup_urad_Nm"]
         rows.append(("frame's windup", f"{windup:.4g} µrad per N m", "stiffness of the support's walls"))
-    return [{"what": what, "value": value, "from": source} for what, value, source in rows]
+    return [{"what": what, "value": value.replace("-", "−"), "from": source} for what, value, source in rows]
 
 
 def _motor_rows(m: Mapping[str, Any]) -> list[tuple[str, str, str]]:

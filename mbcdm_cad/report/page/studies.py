@@ -114,8 +114,11 @@ def _over_preload(d: DriveSI, load_Nm: float) -> dict[str, Any]:
 def _loop(d: DriveSI, load_Nm: float) -> dict[str, Any]:
     turns = np.array([0.0, 1.0, -1.0, 1.0, -0.2, 0.4, -0.2, 1.0]) * load_Nm
     load = np.concatenate([np.linspace(a, b, 40)[1:] for a, b in pairwise(turns)])
-    drum = simulate(d, np.zeros((d.n_inputs, load.size)), load).drum_angle_rad * 1e3
-    parts = {"first loading": slice(0, 39), "loop": slice(38, 117), "minor loop": slice(116, None)}
+    drum = simulate(d, np.zeros((d.n_inputs, load.size)), load).drum_angle_rad
+    # The unloaded drum is put before the run: as its first sample it would be a motion of its own, and turn back there.
+    idle = float(solve_equilibrium(d, 0.0).drum_angle_rad)
+    load, drum = np.concatenate([turns[:1], load]), np.concatenate([[idle], drum]) * 1e3
+    parts = {"first loading": slice(0, 40), "loop": slice(39, 118), "minor loop": slice(117, None)}
     return _chart(
         "Friction's loop, inputs locked",
         ("load", "N m"),

@@ -15,11 +15,12 @@ from mbcdm_cad.storage.cache import Cache
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
 
-def test_most_work_comes_first_then_little_before_more(tmp_path: Path) -> None:
+def test_pulleys_come_first_and_then_the_most_work(tmp_path: Path) -> None:
     previewer = Previewer(tmp_path, Cache(None), lambda: None)
-    previewer._lengths = {"drum": 900, "frame": 500, "guide": 20, "input_pulley": 90}
-    assert previewer._in_order(["frame", "drum", "input_pulley", "guide"]) == ["drum", "guide", "input_pulley", "frame"]
-    assert previewer._in_order(["collar"]) == ["collar"] and previewer._in_order([]) == []
+    previewer._lengths = {"drum": 900, "frame": 500, "guide": 20, "input_pulley": 90, "dowel": 4}
+    names = ["dowel", "frame", "drum", "input_pulley", "guide"]
+    assert previewer._in_order(names, {"guide", "input_pulley"}) == ["guide", "input_pulley", "drum", "frame", "dowel"]
+    assert previewer._in_order(["collar"], {"guide"}) == ["collar"] and previewer._in_order([], set()) == []
 
 
 def test_step_is_there_before_the_mesh_and_no_stl_of_an_older_state_stays(tmp_path: Path) -> None:

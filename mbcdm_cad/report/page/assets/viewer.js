@@ -249,10 +249,11 @@
       this.camera.lookAt(this.controls.target);
       this.camera.updateMatrixWorld();
       const half = this.data.half_travel_deg;
-      const box = new THREE.Box3();
-      for (const angle of wanted ? [this.angle] : [-half, 0, half]) {
+      const box = this.extent(seen, this.camera);
+      const turning = wanted ? [] : seen.filter((entry) => entry.body && this.bodies.get(entry.body).ratio !== 0);
+      for (const angle of turning.length ? [-half, 0, half] : []) {
         this.turnBodies(angle);
-        this.extent(seen, this.camera, box);
+        this.extent(turning, this.camera, box);
       }
       this.turnBodies(this.angle);
       this.half = { across: (box.max.x - box.min.x) / 2, up: (box.max.y - box.min.y) / 2 };
@@ -271,12 +272,24 @@
       this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
       this.renderer.setSize(width, height, false);
       const { across, up } = this.half || { across: 100, up: 100 };
-      const half = 1.04 * Math.max(up, across * (height / width));
+      // Buttons lie over the top of the picture and a hint over its foot: the drive stands between them.
+      const above = this.covered(".corner", (box) => box.bottom - frame.top);
+      const below = this.covered(".hint", (box) => frame.bottom - box.top);
+      const free = Math.max(height - above - below, height / 3);
+      const scale = 1.04 * Math.max((2 * up) / free, (2 * across) / width);
       Object.assign(this.camera, {
-        top: half, bottom: -half, left: (-half * width) / height, right: (half * width) / height,
+        top: scale * (above + free / 2), bottom: scale * (above + free / 2 - height),
+        left: (-scale * width) / 2, right: (scale * width) / 2,
       });
       this.camera.updateProjectionMatrix();
       this.draw();
+    }
+
+    // Height in pixels that an element over the picture takes; 0 where it does not stand there.
+    covered(selector, height) {
+      const element = this.canvas.parentElement.querySelector(selector);
+      const box = element && element.getBoundingClientRect();
+      return box && box.height ? Math.max(0, height(box)) : 0;
     }
 
     // A picture of the items `present` as they stand, those of `joining` marked, as the address of a PNG. It is drawn
@@ -309,17 +322,25 @@
       return address;
     }
 
-    // Box of the entries as a camera sees them, in its own frame.
+    // Box of the entries as a camera sees them, in its own frame: of every point, since that about a sector's own box
+    // is far wider.
     extent(entries, camera, box = new THREE.Box3()) {
-      const corner = new THREE.Vector3(), toCamera = new THREE.Matrix4();
+      const toCamera = new THREE.Matrix4(), { min, max } = box;
       this.scene.updateMatrixWorld();
       for (const { mesh } of entries) {
-        if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
-        const { min, max } = mesh.geometry.boundingBox;
-        toCamera.multiplyMatrices(camera.matrixWorldInverse, mesh.matrixWorld);
-        for (let k = 0; k < 8; k += 1) {
-          corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z);
-          box.expandByPoint(corner.applyMatrix4(toCamera));
+        const m = toCamera.multiplyMatrices(camera.matrixWorldInverse, mesh.matrixWorld).elements;
+        const points = mesh.geometry.attributes.position.array;
+        for (let k = 0; k < points.length; k += 3) {
+          const a = points[k], b = points[k + 1], c = points[k + 2];
+          const x = m[0] * a + m[4] * b + m[8] * c + m[12];
+          const y = m[1] * a + m[5] * b + m[9] * c + m[13];
+          const z = m[2] * a + m[6] * b + m[10] * c + m[14];
+          if (x < min.x) min.x = x;
+          if (x > max.x) max.x = x;
+          if (y < min.y) min.y = y;
+          if (y > max.y) max.y = y;
+          if (z < min.z) min.z = z;
+          if (z > max.z) max.z = z;
         }
       }
       return box;
