@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from mbcdm_cad.build.export.stl import stl_bytes
 from mbcdm_cad.build.mass import ShapeProperties
@@ -25,7 +26,7 @@ class PartFiles:
         """The part's STL file."""
         return stl_bytes(self.name, self.mesh)
 
-    @property
+    @cached_property
     def mesh_volume_error(self) -> float:
         """Volume of the mesh over that of the solid, less one."""
         return self.mesh.volume_mm3 / self.shape.volume_mm3 - 1.0
