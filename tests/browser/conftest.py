@@ -41,6 +41,17 @@ class Opened:
             value,
         )
 
+    def put_back(self) -> None:
+        """The page as it was when it was opened, by its own controls."""
+        self.page.evaluate(
+            "() => { for (const one of ['#show-all', '[data-view=output]', 'input[name=cut-axis][value=\"\"]'])"
+            " document.querySelector(one).click(); }"
+        )
+        for slider in ("angle", "explode"):
+            self.set_slider(slider, 0)
+        self.page.fill("#check-words", "")
+        self.settle()
+
     def settle(self) -> None:
         """Wait until what was asked for has been drawn."""
         self.page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
@@ -98,10 +109,17 @@ def opened(browser: Any, built: Path) -> Iterator[Callable[..., Opened]]:
 
 @pytest.fixture(scope="session")
 def shared(browser: Any, built: Path) -> Iterator[Opened]:
-    """A page for the tests that only read it or set the drum's angle: drawing it anew takes seconds without a GPU."""
+    """A page for all tests that read it or use its controls: drawing it anew takes seconds without a GPU."""
     one = _show(browser, built, 1280, 900, "light")
     yield one
     one.page.context.close()
+
+
+@pytest.fixture
+def used(shared: Opened) -> Opened:
+    """The shared page, put back, for tests that turn, hide and take apart."""
+    shared.put_back()
+    return shared
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 LARGEST_BYTES = 5_000_000
-SLOW = pytest.mark.slow
 Open = Callable[..., Any]  # see conftest.Opened
 
 
@@ -62,8 +61,8 @@ def test_cables_wind_with_the_drum_and_keep_their_length(shared: Any, report: di
             assert 0.998 * length < lengths[name] < 1.001 * length, (name, angle, lengths[name], length)
 
 
-def test_picking_tells_part_material_mass_and_file(opened: Open, report: dict[str, Any]) -> None:
-    one = opened()
+def test_picking_tells_part_material_mass_and_file(used: Any, report: dict[str, Any]) -> None:
+    one = used
     one.page.click("[data-view=front]")
     one.settle()
     place = one.value(
@@ -97,8 +96,8 @@ def test_links_lead_to_files_that_are_there(shared: Any, built: Path) -> None:
 
 
 @pytest.mark.slow
-def test_section_cuts_and_closes_what_it_cuts(opened: Open) -> None:
-    one = opened()
+def test_section_cuts_and_closes_what_it_cuts(used: Any) -> None:
+    one = used
     one.value("v.look('right')")
     one.settle()
     middle = "v.at(0, 0)?.name ?? null"
@@ -118,8 +117,8 @@ def test_section_cuts_and_closes_what_it_cuts(opened: Open) -> None:
 
 
 @pytest.mark.slow
-def test_taking_apart_leaves_the_base_and_no_two_parts_in_one_place(opened: Open) -> None:
-    one = opened()
+def test_taking_apart_leaves_the_base_and_no_two_parts_in_one_place(used: Any) -> None:
+    one = used
     one.set_slider("explode", 100)
     one.settle()
     offsets = one.value("Object.fromEntries([...v.offsets].map(([n, o]) => [n, o.length()]))")
@@ -130,8 +129,8 @@ def test_taking_apart_leaves_the_base_and_no_two_parts_in_one_place(opened: Open
 
 
 @pytest.mark.slow
-def test_hiding_by_list_and_steps_of_assembly(opened: Open, report: dict[str, Any]) -> None:
-    one = opened()
+def test_hiding_by_list_and_steps_of_assembly(used: Any, report: dict[str, Any]) -> None:
+    one = used
     one.page.eval_on_selector("[data-show=drum]", "box => { box.closest('details').open = true; }")
     one.page.uncheck("[data-show=drum]")
     assert one.value("v.entry('drum').node.visible") is False
@@ -159,10 +158,9 @@ def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, 
     assert one.page.query_selector("#graph.some") is None
 
 
-@SLOW
 @pytest.mark.slow
-def test_steps_of_assembly_get_their_pictures(opened: Open, report: dict[str, Any], artefacts: Path) -> None:
-    one = opened()
+def test_steps_of_assembly_get_their_pictures(used: Any, report: dict[str, Any], artefacts: Path) -> None:
+    one = used
     one.page.evaluate("() => document.getElementById('assembly').scrollIntoView()")
     one.page.wait_for_function("document.documentElement.dataset.pictured === 'yes'", timeout=60_000)
     joined = [items for items in report["assembly_items"] if items]
@@ -178,8 +176,8 @@ def test_steps_of_assembly_get_their_pictures(opened: Open, report: dict[str, An
 
 
 @pytest.mark.slow
-def test_checks_are_sorted_and_filtered(opened: Open, report: dict[str, Any]) -> None:
-    one = opened()
+def test_checks_are_sorted_and_filtered(used: Any, report: dict[str, Any]) -> None:
+    one = used
     rank = {"fail": 0, "warn": 1, "pass": 2}
     order = one.page.eval_on_selector_all("#checks tbody tr", "rows => rows.map(r => r.dataset.status)")
     assert len(order) == len(report["checks"])
@@ -190,8 +188,8 @@ def test_checks_are_sorted_and_filtered(opened: Open, report: dict[str, Any]) ->
 
 
 @pytest.mark.slow
-def test_works_by_keyboard(opened: Open) -> None:
-    one = opened()
+def test_works_by_keyboard(used: Any) -> None:
+    one = used
     one.page.focus("#canvas")
     before = one.value("v.camera.position.toArray()")
     one.page.keyboard.press("ArrowLeft")
