@@ -87,7 +87,7 @@ def bending_checks(adjust: tuple[Adjustment, ...]) -> tuple[Check, ...]:
         ),
         Check(
             "bend_ratio_desired",
-            "Bend ratio against the catalogue's wish",
+            "Bend ratio against the catalogue's recommendation",
             efficiency,
             bend_ratio_desired,
             "warn",

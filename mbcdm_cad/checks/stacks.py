@@ -22,7 +22,7 @@ MOST_DRIVES = 1.96
 def _against_stack(of: Stacks, s: Any) -> Comparison:
     """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
     stack = tightest(of(s))
-    note = f"tolerances add up to that (RSS), worst case {stack.worst_case:.3g} mm, most by the {stack.costliest.name}"
+    note = f"sum of the tolerances (RSS); worst case {stack.worst_case:.3g} mm; largest share: {stack.costliest.name}"
     return at_least(stack.figure.removesuffix(", mm"), stack.margin, stack.rss, "mm", note)
 
 

@@ -130,7 +130,7 @@ def balanced_preloads(s: DesignUnderTest) -> str:
     both = [float(torque_at_input_limit_Nm(freed, rated_input_Nm(s), sign).min()) for sign in (1, -1)]
     given = ", ".join(f"{c.name} {value:.4g}" for c, value in zip(s.drive.cables, balanced, strict=True))
     return (
-        f"preload_N per cable of T ~ 1/r ({given} N) leaves no bias on any input and reaches "
+        f"set preload_N of each cable, T ~ 1/r ({given} N), which leaves no bias on any input and reaches "
         f"{both[0]:.4g} and {both[1]:.4g} N m"
     )
 
@@ -139,7 +139,7 @@ def _less_bias(s: DesignUnderTest) -> str:
     """The bias grows with the preload, so less of it stays within the share."""
     most = max(c.preload_N for c in s.drive.cables)
     fitting = floored(BIAS_SHARE / preload_bias(s).actual * most)
-    return f"lower rope.preload_N to at most {fitting} or give {balanced_preloads(s)}"
+    return f"lower rope.preload_N to at most {fitting} or {balanced_preloads(s)}"
 
 
 CHECKS = (

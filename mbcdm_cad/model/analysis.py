@@ -245,11 +245,11 @@ def _train(drive: Drive) -> tuple[str, ...]:
 def _losses(passed: list[str]) -> str:
     """What the model leaves out of the rope's way."""
     if not passed:
-        return "The rope has no bending stiffness."
+        return "The rope's bending stiffness is left out."
     names = " and the ".join(passed)
     return (
-        f"Nothing is lost at the {names}, and the rope has no bending stiffness; slip on the {names}'s wraps would add "
-        "about 8 % to the backlash."
+        f"Friction at the {names} is left out, and so is the rope's bending stiffness; slip on the {names}'s wraps would "
+        "add about 8 % to the backlash."
     )
 
 

@@ -203,7 +203,7 @@ def _model_notes(a: Analysis) -> Iterator[str]:
     yield f"  the paper's {a.measured_backlash_mrad:g} mrad at 70 N, 0.91 N m implies E = {readings}"
     inputs = ", ".join(dict.fromkeys(c.input_name for c in a.cables))
     yield (
-        f"  Eq. (1) is missed by {a.eq1_worst_residual:.3g} at most; over the travel the cables of a pair differ by "
+        f"  largest deviation from Eq. (1) {a.eq1_worst_residual:.3g}; over the travel the cables of a pair differ by "
         f"{_list(a.pair_mismatch_mm, 4)} mm ({inputs}), tensions change by up to {a.pair_mismatch_N:.2f} N"
     )
 

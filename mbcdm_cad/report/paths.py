@@ -54,7 +54,7 @@ def path_data_or_reason(drive: Drive) -> tuple[dict[str, Any] | None, str]:
 def path_lines(kind: str, paths: dict[str, Any]) -> Iterator[str]:
     """The paths for a terminal: what the configuration says of each cable, then the travel."""
     ends = paths["drum_angle_deg"][0], paths["drum_angle_deg"][-1]
-    yield "cable paths (wraps in deg with the drum centred and at its travel's ends; walk and fleet angle there):"
+    yield "cable paths (wraps in deg, drum centred and at both ends of travel; walk and fleet angle at the ends):"
     for c in paths["cables"]:
         yield from configuration(kind).path_lines(c)
     longest = max(max(map(abs, c["length_um"])) for c in paths["cables"])
@@ -65,7 +65,7 @@ def path_lines(kind: str, paths: dict[str, Any]) -> Iterator[str]:
     )
     turned = [abs(v) for way in paths["test_turn_mrad"].values() for v in way]
     yield (
-        f"  turn at the test torque with the wraps as they are: {min(turned):.4f} to {max(turned):.4f} mrad over the "
+        f"  turn at the test torque with the real wraps: {min(turned):.4f} to {max(turned):.4f} mrad over the "
         "travel (the figures above are for endless wraps)"
     )
     low, high = paths["usable_deg"]

@@ -100,7 +100,7 @@ def _against_stack(of: Stacks, s: BevelUnderTest) -> Comparison:
     """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
     stack = tightest(of(s))
     figure = stack.figure.removesuffix(", mm")
-    note = f"tolerances add up to that (RSS), worst case {stack.worst_case:.3g} mm, most by the {stack.costliest.name}"
+    note = f"sum of the tolerances (RSS); worst case {stack.worst_case:.3g} mm; largest share: {stack.costliest.name}"
     return at_least(figure, stack.margin, stack.rss, "mm", note)
 
 
@@ -129,7 +129,7 @@ def pair_mismatch(s: BevelUnderTest) -> Comparison:
         change[k] / cable.preload_N,
         MISMATCH_SHARE,
         "of T_pre",
-        f"most by the {stack.costliest.name}",
+        f"largest share: {stack.costliest.name}",
     )
 
 
