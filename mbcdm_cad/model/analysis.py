@@ -248,8 +248,8 @@ def _losses(passed: list[str]) -> str:
         return "The rope's bending stiffness is left out."
     names = " and the ".join(passed)
     return (
-        f"Friction at the {names} is left out, and so is the rope's bending stiffness; slip on the {names}'s wraps would "
-        "add about 8 % to the backlash."
+        f"Friction at the {names} and the rope's bending stiffness are left out; slip on the {names}'s wraps would add "
+        "about 8 % to the backlash."
     )
 
 
