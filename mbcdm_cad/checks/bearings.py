@@ -33,13 +33,13 @@ def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparis
 
 def input_reactions(s: SectorUnderTest) -> list[tuple[str, float, float]]:
     """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
-    v, bearings = s.levels, s.drive.bearings
-    lower = (v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2) * 1e-3
-    upper = (v.top_plate_bottom_z + bearings.input_upper.width_mm / 2) * 1e-3
-    found = []
+    bearings, found = s.drive.bearings, []
     for i, name in enumerate(s.drive.input_names):
-        most = np.zeros(2)
+        v, most = s.levels_of(i), np.zeros(2)
         axis = s.loads.si.routes.inputs[i].axis
+        along = 1e-3 * s.levels_sense
+        lower = (v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2) * along
+        upper = (v.top_plate_bottom_z + bearings.input_upper.width_mm / 2) * along
         for loads in s.loads.on_bodies:
             load = loads.inputs[i]
             pair = two_bearing_reactions_N(load.force_N, load.moment_Nm, load.height_m, lower, upper, axis)
@@ -102,12 +102,12 @@ def drum_bearing_spacing(s: SectorUnderTest) -> Comparison:
 
 def coupling_runout(s: SectorUnderTest) -> Comparison:
     """Sideways movement of the pulley at the coupling from the cables; beyond its play it loads the gearhead."""
-    v, lay, drive = s.levels, s.layout, s.drive
-    lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
-    upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2
-    span, overhang = upper - lower, lower - (lay.collar.bottom_z + lay.collar.top_z) / 2
-    found = []
+    lay, drive, found = s.layout, s.drive, []
     for i, p in enumerate(lay.inputs):
+        v = s.levels_of(i)
+        lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
+        upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2
+        span, overhang = upper - lower, lower - (lay.collar.bottom_z + lay.collar.top_z) / 2
         # The thinnest neck along the whole span, on the safe side.
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
         stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment

@@ -94,12 +94,15 @@ def stop_pin(s: SectorUnderTest) -> Comparison:
 
 def pulley_stress(s: SectorUnderTest) -> Comparison:
     """Stress in the input pulley's necks from bending and torsion, against the yield stress."""
-    v, strength = s.levels, s.drive.input_pulleys.material.yield_MPa
+    strength = s.drive.input_pulleys.material.yield_MPa
     torque = s.loads.highest_input_Nm * 1e3
     found = []
-    lower = v.bearing_shelf_top_z - s.drive.bearings.input_lower.width_mm / 2
-    upper = v.top_plate_bottom_z + s.drive.bearings.input_upper.width_mm / 2
-    for p, (name, low, high) in zip(s.layout.inputs, s.once("input_reactions", input_reactions), strict=True):
+    for i, (p, (name, low, high)) in enumerate(
+        zip(s.layout.inputs, s.once("input_reactions", input_reactions), strict=True)
+    ):
+        v = s.levels_of(i)
+        lower = v.bearing_shelf_top_z - s.drive.bearings.input_lower.width_mm / 2
+        upper = v.top_plate_bottom_z + s.drive.bearings.input_upper.width_mm / 2
         ends = (
             ("lower", p.lower_neck_radius, low * (p.land_bottom_z - lower), torque),
             ("upper", p.upper_neck_radius, high * (upper - p.land_top_z), 0.0),

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
+from mbcdm_cad.parts.terminal.dims import Tensioner
 from mbcdm_cad.routes.cable_path import CablePath
 
 
@@ -79,9 +80,24 @@ class SectorUnderTest(DesignUnderTest):
     def encoder_plate_mm(self) -> float:
         """Thickness of the plate that carries an input's encoder."""
 
+    @property
+    def terminals(self) -> tuple[Tensioner, ...]:
+        """Terminals of all cables, in the order of the design's cables."""
+        found: tuple[Tensioner, ...] = self.layout.drum.tensioners
+        return found
+
+    @property
+    def levels_sense(self) -> int:
+        """+1 where the levels count along the axes of the inputs' routes, -1 where against them."""
+        return 1
+
+    def levels_of(self, index: int) -> InputLevels:
+        """Heights along the axis of the input with this index; here all inputs have the same."""
+        return self.levels
+
     def anchor_rad(self, cable: SectorRun) -> float:
         """Where the cable leaves its land, drum centred."""
-        return float(next(t.anchor_rad for t in self.layout.drum.tensioners if t.cable_name == cable.name))
+        return float(next(t.anchor_rad for t in self.terminals if t.cable_name == cable.name))
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal takes up, drum centred, in the order of the design's cables."""

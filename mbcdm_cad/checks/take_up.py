@@ -23,7 +23,7 @@ def take_up(s: SectorUnderTest) -> Comparison:
     Asked: stretch at the highest preload, bedding-in, both ends of the cut length's tolerance.
     """
     pitch, found = s.drive.tensioner.pitch_mm, []
-    for c, length, t in zip(s.drive.cables, s.tensioned_lengths_mm(), s.layout.drum.tensioners, strict=True):
+    for c, length, t in zip(s.drive.cables, s.tensioned_lengths_mm(), s.terminals, strict=True):
         need = take_up_of(s.drive, c, length)
         # A stud that does not reach through both nuts from the start begins its way later.
         short = max(0.0, t.nuts_end + THREAD_OUT_PITCHES * pitch - (t.tip - t.drawn_in))

@@ -194,6 +194,9 @@ def drum_mm3(d: DrumDims, set_screw_thread: float) -> float:
     slot = 2 * radians(d.stop_slot_end_deg) * d.stop_radius * d.stop_slot_width + pi / 4 * d.stop_slot_width**2
     holes = ring_mm3(d.payload_hole / 2, 0.0, 4 * d.payload_depth)
     holes += ring_mm3(set_screw_thread / 2, 0.0, 2 * (d.hub_radius - d.bore_radius))
+    if d.dowels is not None:
+        deep = len(d.dowels.face_angles_deg) * d.dowels.face_depth + len(d.dowels.back_angles_deg) * d.dowels.back_depth
+        holes += ring_mm3(d.dowels.radius, 0.0, deep)
     lugs = sum(_lug_mm3(d, t) for t in d.tensioners)
     return rim + web + hub - (windows + slot) * thickness - holes - _pockets_mm3(d) + lugs
 

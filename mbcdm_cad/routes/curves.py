@@ -204,6 +204,25 @@ class Parabola:
 Piece = Line | Arc | Helix | Coil | Parabola
 
 
+def turned_about_y(piece: Line | Arc | Coil | Parabola, angle_rad: float) -> Piece:
+    """The piece turned about the Y axis by ``angle_rad``, from +Z towards +X."""
+    cosine, sine = float(np.cos(angle_rad)), float(np.sin(angle_rad))
+
+    def turned(v: Triple) -> Triple:
+        return (cosine * v[0] + sine * v[2], v[1], cosine * v[2] - sine * v[0])
+
+    match piece:
+        case Line():
+            return replace(piece, start=turned(piece.start), end=turned(piece.end))
+        case Arc():
+            return replace(piece, centre=turned(piece.centre), e1=turned(piece.e1), e2=turned(piece.e2))
+        case Coil():
+            axis, first = turned(piece.axis), turned(piece.first)
+            return replace(piece, centre=turned(piece.centre), axis=axis, first=first)
+        case Parabola():
+            return replace(piece, start=turned(piece.start), middle=turned(piece.middle), end=turned(piece.end))
+
+
 def reverse(piece: Piece) -> Piece:
     """The piece run through from its end to its start."""
     if isinstance(piece, Line | Parabola):

@@ -14,53 +14,72 @@ from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
-    return (*_frame(layout), *_input(layout), *_drum(layout))
+    return (*_frame(layout), *input_steps(layout), _base(layout), *_drum(layout))
 
 
-def _key(layout: SpurLayout, screw: str) -> str:
+def key(layout: SpurLayout, screw: str) -> str:
+    """The key that a screw takes."""
     return f"{layout.drive.screw(screw).key_mm:g} mm key"
 
 
-def _numbered(stem: str, count: int) -> tuple[str, ...]:
+def numbered(stem: str, count: int) -> tuple[str, ...]:
+    """Names of items of one kind."""
     return tuple(f"{stem}_{n}" for n in range(1, count + 1))
 
 
 def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
-    drive, spring = layout.drive, layout.preload_spring
-    flange, mount = layout.frame.flange_insert, layout.frame.mount_insert
-    rope, ring, encoder, name = drive.cable, drive.drum_encoder, drive.encoder, drive.input_names[0]
+    drive, f = layout.drive, layout.frame
+    rope = drive.cable
     cut = sum(setting.cut_length_m for setting in plan(layout).cables) * 1e3
+    inserts = (
+        *insert_items("flange_insert", f.flange_insert, len(f.flange_screws)),
+        *insert_items("mount_insert", f.mount_insert, len(f.mounts)),
+    )
     return (
         AssemblyStep(
             f"Cut one cable ({rope.name}, {rope.diameter_mm:g} mm) {cut:.1f} mm long, both halves of the bill of "
             f"materials together, and end it in a threaded terminal ({drive.tensioner.name}) on either side, "
             f"{drive.termination.name}. Mark its middle."
         ),
-        AssemblyStep(
-            insert_words(flange, len(layout.frame.flange_screws), "the back of the plate, for the motor head,")
-            + insert_words(mount, len(layout.frame.mounts), "the back of the plate, for its own screws,")
-            + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
-            f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
-            "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
-            f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}).",
-            (
-                *("frame", "drum_bearing_front", "drum_preload_spring"),
-                *("drum_bearing_rear", "drum_shaft", "drum_encoder"),
-                *_numbered("drum_encoder_screw", 2),
-                *insert_items("flange_insert", flange, len(layout.frame.flange_screws)),
-                *insert_items("mount_insert", mount, len(layout.frame.mounts)),
-            ),
-        ),
-        AssemblyStep(
-            f"Hold the encoder before its shelf and screw it on from behind, through the opening of the plate "
-            f"({encoder.screw_count} x {encoder.screw}, {_key(layout, encoder.screw)}); their heads are sunk below the "
-            f"pulley. Through the same opening press the bearing ({drive.bearings.input_upper.name}) into the shelf.",
-            (f"encoder_{name}", *_numbered(f"encoder_screw_{name}", 2), f"input_bearing_upper_{name}"),
+        boss_step(layout, 1, inserts),
+        encoder_step(layout),
+    )
+
+
+def boss_step(layout: SpurLayout, heads: int, inserts: tuple[str, ...]) -> AssemblyStep:
+    """Bearings, shaft and encoder of the drum in the frame, which carries so many motor heads."""
+    drive, spring, f = layout.drive, layout.preload_spring, layout.frame
+    ring, flange, mount = drive.drum_encoder, f.flange_insert, f.mount_insert
+    for_heads = "the motor head" if heads == 1 else "the motor heads"
+    return AssemblyStep(
+        insert_words(flange, heads * len(f.flange_screws), f"the back of the plate, for {for_heads},")
+        + insert_words(mount, heads * len(f.mounts), "the back of the plate, for its own screws,")
+        + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
+        f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
+        "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
+        f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {key(layout, ring.screw)}).",
+        (
+            *("frame", "drum_bearing_front", "drum_preload_spring"),
+            *("drum_bearing_rear", "drum_shaft", "drum_encoder"),
+            *numbered("drum_encoder_screw", 2),
+            *inserts,
         ),
     )
 
 
-def _input(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
+def encoder_step(layout: SpurLayout) -> AssemblyStep:
+    """Encoder and far bearing of the input on its shelf."""
+    drive, encoder, name = layout.drive, layout.drive.encoder, layout.drive.input_names[0]
+    return AssemblyStep(
+        f"Hold the encoder before its shelf and screw it on from behind, through the opening of the plate "
+        f"({encoder.screw_count} x {encoder.screw}, {key(layout, encoder.screw)}); their heads are sunk below the "
+        f"pulley. Through the same opening press the bearing ({drive.bearings.input_upper.name}) into the shelf.",
+        (f"encoder_{name}", *numbered(f"encoder_screw_{name}", 2), f"input_bearing_upper_{name}"),
+    )
+
+
+def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
+    """Pulley, motor head and cable of the input; ``mark`` as in the bill."""
     drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
     flange = flange_screw(drive).name
     gear = drive.gearhead
@@ -73,28 +92,34 @@ def _input(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
         ),
         AssemblyStep(
             f"On the bench, screw the {train_words(drive)} on the motor head ({gear.screw_count} x {gear.screw}). "
-            f"The screws go in through the open side of the coupling space; the {_key(layout, gear.screw)} reaches "
+            f"The screws go in through the open side of the coupling space; the {key(layout, gear.screw)} reaches "
             "their heads from the flange, through the key holes in the shoulder of the empty bearing seat. Pass the "
             f"clamp collar, its screw ({collar_screw}) loose, over the {drive.mounted}'s shaft through the open side, "
             f"and press the bearing ({drive.bearings.input_lower.name}) into the flange.",
             (
-                *("motor_head", *train_items(drive, name)),
-                *_numbered(f"{drive.mounted}_screw_{name}", gear.screw_count),
+                *(f"motor_head{mark}", *train_items(drive, name)),
+                *numbered(f"{drive.mounted}_screw_{name}", gear.screw_count),
                 *(f"collar_{name}", f"collar_screw_{name}", f"input_bearing_lower_{name}"),
             ),
         ),
         AssemblyStep(
             "Press the two dowels into the plate. Slide the head from behind over the pulley's journal and the dowels, "
             f"its open side away from the drum, tighten four {flange} from behind "
-            f"({_key(layout, flange)}), then the collar through the open side ({_key(layout, collar_screw)}). "
-            f"Screw the frame to its base with four {MOUNT_SCREW} from behind, into the plate's threads.",
-            (*_numbered("dowel", 2), *_numbered("flange_screw", len(layout.frame.flange_screws))),
+            f"({key(layout, flange)}), then the collar through the open side ({key(layout, collar_screw)}).",
+            (*numbered(f"dowel{mark}", 2), *numbered(f"flange_screw{mark}", len(layout.frame.flange_screws))),
         ),
         AssemblyStep(
             f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, under the bridge, "
             "and hold it with tape; its ends hang down on both sides of the plate, crossed.",
             (cable_item(name),),
         ),
+    )
+
+
+def _base(layout: SpurLayout) -> AssemblyStep:
+    count = len(layout.frame.mounts)
+    return AssemblyStep(
+        f"Screw the frame to its base with {count} {MOUNT_SCREW} from behind, into the plate's threads."
     )
 
 
@@ -108,9 +133,9 @@ def _drum(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
             "bearing, then press the stop pin through the slot of its web into the plate. To preload the bearings, "
             "draw shaft and hub together until the shaft's end is flush with the hub's face, which presses the spring "
             f"with {layout.preload_spring.force_N:g} N, and tighten the hub's two set screws ({hub_screw}, "
-            f"{_key(layout, hub_screw)}, radially, in front of the web). Take off the tape and lay each end of the "
+            f"{key(layout, hub_screw)}, radially, in front of the web). Take off the tape and lay each end of the "
             "cable over the rim to its own side, the one that leaves the input in front to the front.",
-            ("drum", "stop_pin", *_numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
+            ("drum", "stop_pin", *numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
         ),
         *terminal_steps(drive, plan(layout)),
     )

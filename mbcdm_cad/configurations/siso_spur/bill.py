@@ -7,7 +7,7 @@ from math import radians
 
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
 from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
-from mbcdm_cad.configurations.siso_spur.support.dims import MOUNT_SCREW
+from mbcdm_cad.configurations.siso_spur.support.dims import MOUNT_SCREW, YokeDims
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
@@ -23,7 +23,7 @@ from mbcdm_cad.parts.placement import Placement
 
 _X, _Y, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
 # Parts about the drum's axis, and those of the input, are drawn along Z with the gearhead below.
-_ALONG_Y = Placement.about(_X, -90.0)
+ALONG_Y = Placement.about(_X, -90.0)
 _TO_BACK = Placement.about(_X, 90.0)
 _SUPPORT = "mbcdm_cad.configurations.siso_spur.support"
 
@@ -42,54 +42,71 @@ def _at(x: float, y: float, z: float) -> Placement:
     return Placement.translation(x, y, z)
 
 
-def _support(b: BillBuilder, lay: SpurLayout, drive: SpurDrive) -> None:
-    v, frame = lay.levels, lay.frame
-    b.add("frame", f"{_SUPPORT}.frame:create_yoke", (frame,), material=drive.support.material)
-    insert, own = frame.flange_insert, frame.mount_insert
-    tapped = replace(
+def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
+    """The frame as it is drilled: at the tap drills of its threads."""
+    return replace(
         frame,
-        flange_screw_radius=frame.flange_screw_radius if insert else flange_screw(drive).tap_drill_mm / 2,
-        mount_radius=frame.mount_radius if own else drive.screw(MOUNT_SCREW).tap_drill_mm / 2,
+        flange_screw_radius=(
+            frame.flange_screw_radius if frame.flange_insert else flange_screw(drive).tap_drill_mm / 2
+        ),
+        mount_radius=frame.mount_radius if frame.mount_insert else drive.screw(MOUNT_SCREW).tap_drill_mm / 2,
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
-    b.drilled("frame", tapped)
-    if own is not None:
-        for n, (x, z) in enumerate(frame.mounts, 1):
-            # Set from behind, where the screws come from.
-            place = _at(x, v.plate_back_y, z) @ _TO_BACK
-            b.insert(f"mount_insert_{n}", own, drive.material("brass"), place)
+
+
+def add_stop_pin(b: BillBuilder, lay: SpurLayout) -> None:
+    """Pin in the plate, through the slot of the sector."""
+    v, frame = lay.levels, lay.frame
     b.add(
         "stop_pin",
         "mbcdm_cad.parts.ring:create_pin",
         (frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - v.plate_back_y),
-        material=drive.material("steel"),
-        place=_at(0.0, v.plate_back_y, frame.stop_pin_z) @ _ALONG_Y,
+        material=lay.drive.material("steel"),
+        place=_at(0.0, v.plate_back_y, frame.stop_pin_z) @ ALONG_Y,
     )
 
 
-def _drum_bearings(b: BillBuilder, lay: SpurLayout, drive: SpurDrive) -> None:
-    ring, bearing, shaft = drive.material("bearing-steel"), drive.bearings.drum, lay.drum_shaft
-    b.bearing("drum_bearing_rear", bearing, ring, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
+def add_drum_bearings(b: BillBuilder, lay: SpurLayout) -> None:
+    """Both bearings of the drum's shaft with their spring."""
+    drive, shaft = lay.drive, lay.drum_shaft
+    ring, bearing = drive.material("bearing-steel"), drive.bearings.drum
+    b.bearing("drum_bearing_rear", bearing, ring, _at(0.0, shaft.rear_bearing_y, 0.0) @ ALONG_Y)
     add_preload_spring(b, drive, lay.preload_spring)
-    b.bearing("drum_bearing_front", bearing, ring, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
+    b.bearing("drum_bearing_front", bearing, ring, _at(0.0, shaft.front_bearing_y, 0.0) @ ALONG_Y)
+
+
+def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
+    """What stands at the one input of ``lay``, turned about the drum's axis, but for what turns there.
+
+    ``mark`` tells its items from those of other inputs.
+    """
+    drive, f = lay.drive, lay.frame
+    if f.mount_insert is not None:
+        for n, (x, z) in enumerate(f.mounts, 1):
+            # Set from behind, where the screws come from.
+            place = turn @ _at(x, lay.levels.plate_back_y, z) @ _TO_BACK
+            b.insert(f"mount_insert{mark}_{n}", f.mount_insert, drive.material("brass"), place)
+    # The motor head's own Z leads away from the pulley, to the back.
+    stand = turn @ _at(0.0, 0.0, f.axis_z) @ _TO_BACK
+    shelf = EncoderShelf(f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth)
+    add_motor_head(b, drive, lay.head, stand, mark)
+    add_flange_fixings(b, drive, lay.head, f.flange_insert, stand, mark)
+    add_input_bearings(b, drive, lay.head, shelf, stand)
+    add_input_line(b, drive, lay.head, shelf, stand)
 
 
 def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     drive, f = lay.drive, lay.frame
     b = BillBuilder(moving_bodies(lay), drum_angle_deg)
-    # The motor head's own Z leads away from the pulley, to the back.
-    stand = _at(0.0, 0.0, f.axis_z) @ _TO_BACK
-    shelf = EncoderShelf(f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth)
-    _support(b, lay, drive)
-    add_motor_head(b, drive, lay.head, stand)
-    add_flange_fixings(b, drive, lay.head, f.flange_insert, stand)
-    _drum_bearings(b, lay, drive)
-    add_input_bearings(b, drive, lay.head, shelf, stand)
-    add_input_line(b, drive, lay.head, shelf, stand)
+    b.add("frame", f"{_SUPPORT}.frame:create_yoke", (f,), material=drive.support.material)
+    b.drilled("frame", tapped(drive, f))
+    add_stop_pin(b, lay)
+    add_drum_bearings(b, lay)
+    add_own_input(b, lay, Placement.identity())
     add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
     add_drum(b, drive, lay.drum, lay.drum_shaft)
     for pulley in lay.inputs:
-        add_input_pulley(b, drive, pulley, lay.collar, drive.support.material, _ALONG_Y)
+        add_input_pulley(b, drive, pulley, lay.collar, drive.support.material, ALONG_Y)
     add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
     return b.bill()

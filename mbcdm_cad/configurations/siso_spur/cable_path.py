@@ -47,8 +47,8 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
     centred; ``tail_mm``: straight length from there into the terminal.
     """
     side, r_i, r_o = cable.drum_side, cable.input_radius_mm, cable.drum_radius_mm
-    walked = walked_mm(drive, angle_rad)
-    leave, land = (cable.outward * y + walked for y in (drive.leave_mm, drive.land_mm))
+    middle = drive.level_mm + walked_mm(drive, angle_rad)
+    leave, land = (middle + cable.outward * y for y in (drive.leave_mm, drive.land_mm))
     at = contact_rad(drive, side)
 
     def on_drum(angle: float, y: float, radius: float = r_o) -> Triple:
@@ -80,8 +80,8 @@ def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], ang
     first, second = drive.cables
     ends = [side_pieces(drive, c, *anchors[c.name], angle_rad) for c in (first, second)]
     at = contact_rad(drive, first.drum_side)
-    walked = walked_mm(drive, angle_rad)
-    leave = [c.outward * drive.leave_mm + walked for c in (first, second)]
+    middle = drive.level_mm + walked_mm(drive, angle_rad)
+    leave = [middle + c.outward * drive.leave_mm for c in (first, second)]
     wound = Coil(
         (0.0, 0.0, drive.centre_distance_mm),
         _Y,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
 from mbcdm_cad.checks.motor_head import HeadUnderTest
 from mbcdm_cad.configurations.siso_spur.cable_path import input_wrap_rad, side_length_mm
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, SpurRun, laid
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, SpurRun, laid, spur
 from mbcdm_cad.configurations.siso_spur.layout import SpurLayout, layout
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.parts.drum_sector.design import SectorRun
@@ -50,7 +50,7 @@ _SUPPORT = (
 
 def _with_lands(variable: DesignVariable) -> DesignVariable:
     """The planes of the terminals follow from what is varied."""
-    return variable._replace(put=lambda drive, value: laid(variable.put(drive, value)))  # type: ignore[arg-type]
+    return variable._replace(put=lambda drive, value: laid(spur(variable.put(drive, value))))
 
 
 VARIABLES: dict[str, DesignVariable] = by_path(
@@ -90,6 +90,11 @@ class SpurUnderTest(HeadUnderTest):
         """Input pulley and drum."""
         name, drive = self.drive.input_names[0], self.drive
         return [(name, "input pulley", drive.input_radius_mm), (name, "drum", drive.drum_radius_mm)]
+
+    @property
+    def levels_sense(self) -> int:
+        """See the base class."""
+        return -1
 
     @property
     def before_drum(self) -> str:

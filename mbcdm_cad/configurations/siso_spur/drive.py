@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import acos, hypot, pi, radians, sqrt, tan, tau
+from typing import TypeVar
 
 from mbcdm_cad.design.bought import Bearing, Material
 from mbcdm_cad.design.drive import Drive, Limits, Sigmas
 from mbcdm_cad.parts.drum_sector.design import SectorRun, WoundPulleySpec
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
+_Spur = TypeVar("_Spur", bound="SpurDrive")
 # Just past the last point that ever leaves the drum the cable changes from its helix to the plane of its terminal, over
 # twice this angle.
 CHANGE_RAD = 0.01
@@ -80,7 +82,8 @@ class SpurSigmas(Sigmas):
 class SpurDrive(HeadedDrive):
     """A drive whose one cable goes round an input beside the drum, both ends on the drum.
 
-    ``turns``: how often it comes round to the line of centres.
+    ``turns``: how often it comes round to the line of centres. ``level_mm``: where along y the middle of the cable
+    lies; the input's pulley and its far shelf lie that much further from the frame's plate.
     """
 
     cables: tuple[SpurRun, ...]
@@ -92,6 +95,7 @@ class SpurDrive(HeadedDrive):
     input_pulleys: WoundPulleySpec
     bearings: SpurBearings
     support: YokeSpec
+    level_mm: float = 0.0
 
     @property
     def input_radius_mm(self) -> float:
@@ -164,10 +168,10 @@ class SpurDrive(HeadedDrive):
         return hypot(1.0, self.slope)
 
 
-def laid(drive: SpurDrive) -> SpurDrive:
+def laid(drive: _Spur) -> _Spur:
     """The drive with the planes of its terminals where the winding asks for them."""
     y = drive.terminal_mm
-    cables = tuple(replace(c, terminal_y_mm=c.outward * y) for c in drive.cables)
+    cables = tuple(replace(c, terminal_y_mm=drive.level_mm + c.outward * y) for c in drive.cables)
     return replace(drive, cables=cables)
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mbcdm_cad.configurations.siso_spur.cable_path import cable_path, longest_mm
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.configurations.siso_spur.pulley import input_pulley
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.configurations.siso_spur.support.dims import YokeDims, flange, yoke
@@ -21,7 +21,10 @@ from mbcdm_cad.routes.cable_path import CablePath
 
 @dataclass(frozen=True)
 class SpurLayout:
-    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along +Y."""
+    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along +Y.
+
+    The drum is that of a cable at level 0, wherever the drive's lies.
+    """
 
     drive: SpurDrive
     levels: SpurStack
@@ -58,7 +61,7 @@ def layout(drive: SpurDrive) -> SpurLayout:
     return SpurLayout(
         drive=drive,
         levels=levels,
-        drum=drum(drive, levels, frame.stop_pin_z, way),
+        drum=drum(laid(replace(drive, level_mm=0.0)), levels, frame.stop_pin_z, way),
         drum_shaft=shaft,
         preload_spring=preload_spring(drive, shaft),
         inputs=(input_pulley(drive, levels),),

@@ -33,8 +33,8 @@ def _groove(drive: SpurDrive) -> Groove:
         depth=groove_depth_mm(drive),
         start_angle_rad=start - beyond,
         end_angle_rad=start + drive.wrap_rad + beyond,
-        start_z=-drive.leave_mm - per_rad * beyond,
-        end_z=drive.leave_mm + per_rad * beyond,
+        start_z=drive.level_mm - drive.leave_mm - per_rad * beyond,
+        end_z=drive.level_mm + drive.leave_mm + per_rad * beyond,
     )
 
 
@@ -52,7 +52,7 @@ def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
         lower_neck_radius=bearings.input_lower.inner_shoulder_mm / 2,
         land_bottom_z=levels.land_bottom_z,
         lower_surface_radius=surface,
-        wall_z=0.0,
+        wall_z=drive.level_mm,
         upper_surface_radius=surface,
         land_top_z=levels.land_top_z,
         upper_neck_radius=bearings.input_upper.inner_shoulder_mm / 2,

@@ -1,14 +1,16 @@
-"""How the cable runs: round the input, crossed over to the drum, both ends on the drum (Fig. 1 a).
+"""How the cables run: each round its input, crossed over to the drum, both ends on the drum (Fig. 1 a and b).
 
-Origin on the drum's axis (Y), in the middle of what the cable takes of the input; the input's axis stands at z = L,
-parallel. One cable goes N times round the input, is anchored nowhere on it, and crosses to the drum as an internal
-tangent on both sides. As long as a part of it sticks on the input, each side acts as a cable of its own.
+Origin on the drum's axis (Y), in the middle of what the first cable takes of its input; the axis of the first input
+stands at z = L, those of others turned about Y and further along it, all parallel. A cable goes N times round its
+input, is anchored nowhere on it, and crosses to the drum as an internal tangent on both sides. As long as a part of it
+sticks on the input, each side acts as a cable of its own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 
@@ -25,10 +27,16 @@ _Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 @dataclass(frozen=True)
 class SpurGeometry:
-    """Crossed spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) as of the runs."""
+    """Crossed spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) as of the runs.
+
+    ``angle_rad`` and ``level_m`` (n_inputs,): where each input stands, about Y from +Z towards +X, and along Y.
+    """
 
     cable_names: tuple[str, ...]
     input_names: tuple[str, ...]
+    input_of: tuple[int, ...]
+    angle_rad: tuple[float, ...]
+    level_m: tuple[float, ...]
     drum_side: tuple[int, ...]
     outward: tuple[int, ...]
     turns: int
@@ -37,11 +45,6 @@ class SpurGeometry:
     varied: tuple[Varied, ...] = (
         Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
     )
-
-    @property
-    def input_of(self) -> tuple[int, ...]:
-        """Both sides run from the one input."""
-        return (0,) * len(self.cable_names)
 
     @property
     def sense(self) -> tuple[int, ...]:
@@ -62,10 +65,13 @@ class SpurGeometry:
         return ()
 
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats:
-        """N turns less the angles from the line of centres to both landings; (1, *batch)."""
+        """N turns less the angles from the line of centres to both landings; (n_inputs, *batch)."""
         reach = (parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS]) / parameters[DISTANCE]
+        of = np.array(self.input_of)
         with np.errstate(invalid="ignore"):
-            return np.asarray(2 * np.pi * self.turns - np.arccos(reach).sum(axis=0))[None]
+            landing = np.arccos(reach)
+            left = [2 * np.pi * self.turns - landing[of == i].sum(axis=0) for i in range(len(self.input_names))]
+        return np.array(left)
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
         """The pulleys overlap."""
@@ -77,41 +83,56 @@ class SpurGeometry:
 
     def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
         """Bodies and both sides of one design."""
-        name, distance = input_body(self.input_names[0]), float(parameters[DISTANCE])
-        ratio = float(np.mean(parameters[DRUM_RADIUS] / parameters[INPUT_RADIUS]))
-        bodies = (
-            Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _Z, 1.0),
+        distance, ratio = float(parameters[DISTANCE]), parameters[DRUM_RADIUS] / parameters[INPUT_RADIUS]
+        bodies = [Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _Z, 1.0)]
+        for i, (name, angle) in enumerate(zip(self.input_names, self.angle_rad, strict=True)):
+            out = (sin(angle), 0.0, cos(angle))
+            turns = float(np.mean(ratio[np.array(self.input_of) == i]))
             # Crossed, it turns against the drum, in one sense with it about -Y.
-            Body(name, "input", (0.0, 0.0, distance), _BACK, _Z, ratio),
-        )
+            bodies.append(
+                Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), _BACK, out, turns)
+            )
         free = self.free_span_m(parameters)
         cables = tuple(self._side(parameters, j, float(free[j])) for j in range(len(self.cable_names)))
-        return DriveRoutes(bodies, cables)
+        return DriveRoutes(tuple(bodies), cables)
 
     def _side(self, parameters: Mapping[str, Floats], j: int, free_m: float) -> CableRoute:
-        side, name = self.drum_side[j], input_body(self.input_names[0])
+        i, side = self.input_of[j], self.drum_side[j]
+        input_name, level, angle = self.input_names[i], self.level_m[i], self.angle_rad[i]
+        name = input_body(input_name)
         r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
         distance = float(parameters[DISTANCE])
         cosine, sine = (r_o + r_i) / distance, free_m / distance
         through = self.through_wrap_rad(parameters)
-        leave = self.outward[j] * self.lead_m * float(through[0]) / (4 * np.pi)
+        leave = level + self.outward[j] * self.lead_m * float(through[i]) / (4 * np.pi)
         land = leave + self.outward[j] * self.lead_m / (2 * np.pi * r_i) * free_m
+        # Towards the drum from an input at z = L, turned about Y to where this one stands.
+        across, down = side * cosine, -sine
+        along = (across * cos(angle) + down * sin(angle), 0.0, down * cos(angle) - across * sin(angle))
         pieces = (
             Anchor(name),
             # Heights count along the input's own axis, -Y.
             Wrap(name, r_i, np.inf, -leave, side, may_slip_through=True, lead_m=self.lead_m),
-            Span(free_m, (side * cosine, 0.0, -sine)),
+            Span(free_m, along),
             Wrap(DRUM, r_o, np.inf, land, side),
             Terminal(DRUM),
         )
-        return CableRoute(self.cable_names[j], self.input_names[0], self.sense[j], pieces)
+        return CableRoute(self.cable_names[j], input_name, self.sense[j], pieces)
 
 
 def routed(drive: SpurDrive) -> RoutedDrive:
-    """How the cable of ``drive`` runs, and the lengths that follow from its file."""
+    """How the one cable of ``drive`` runs, and the lengths that follow from its file."""
+    return routed_round(drive, (0.0,), (drive.level_mm,))
+
+
+def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple[float, ...]) -> RoutedDrive:
+    """The same with several inputs round the drum: where each stands, as in :class:`SpurGeometry`."""
     geometry = SpurGeometry(
         cable_names=tuple(run.name for run in drive.cables),
         input_names=tuple(drive.input_names),
+        input_of=tuple(drive.input_names.index(run.input_name) for run in drive.cables),
+        angle_rad=angle_rad,
+        level_m=tuple(level * _MM for level in level_mm),
         drum_side=tuple(run.drum_side for run in drive.cables),
         outward=tuple(run.outward for run in drive.cables),
         turns=drive.turns,

@@ -82,7 +82,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
     bearing_bottom = plate_back - s.bearing_shelf_mm
     motor_top = bearing_bottom - s.coupling_space_mm
     motor_bottom = motor_top - s.motor_shelf_mm
-    shelf_bottom = land + SHOULDER_MM + END_PLAY_MM
+    shelf_bottom = drive.level_mm + land + SHOULDER_MM + END_PLAY_MM
     shelf_top = shelf_bottom + s.encoder_shelf_mm
     return SpurStack(
         motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
@@ -91,8 +91,8 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
         motor_shelf_top_z=motor_top,
         bearing_shelf_bottom_z=bearing_bottom,
         bearing_shelf_top_z=plate_back,
-        land_bottom_z=-land,
-        land_top_z=land,
+        land_bottom_z=drive.level_mm - land,
+        land_top_z=drive.level_mm + land,
         top_plate_bottom_z=shelf_bottom,
         top_plate_top_z=shelf_top,
         encoder_top_z=shelf_top + drive.encoder.length_mm,

@@ -9,7 +9,13 @@ from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
 
 
 def plan(layout: SpurLayout) -> TensioningPlan:
-    """How the preloads of both sides are set, in the order of the drive; lengths are those of each half."""
+    """How the preloads of both sides are set, in the order of the drive."""
+    drive = layout.drive
+    return tensioning_plan(tensioned_sides(layout), tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)
+
+
+def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
+    """Both sides of the cable, in the order of the drive; lengths are those of each half."""
     drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
     cables = []
@@ -36,4 +42,4 @@ def plan(layout: SpurLayout) -> TensioningPlan:
                 travel_m=t.travel * 1e-3,
             )
         )
-    return tensioning_plan(cables, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)
+    return cables

@@ -40,6 +40,27 @@ class Window:
 
 
 @dataclass(frozen=True)
+class HubDowels:
+    """Dowels between the hubs of sectors that stand on one shaft: pressed into a face, sliding in the next one's back.
+
+    Lengths in mm; angles from +Z towards +X.
+    """
+
+    radius: float
+    length: float
+    circle_radius: float
+    face_depth: float
+    back_depth: float
+    face_angles_deg: tuple[float, ...]
+    back_angles_deg: tuple[float, ...]
+
+    def places(self, angles_deg: tuple[float, ...]) -> tuple[tuple[float, float], ...]:
+        """(x, z) of the holes at these angles."""
+        r = self.circle_radius
+        return tuple((r * sin(radians(a)), r * cos(radians(a))) for a in angles_deg)
+
+
+@dataclass(frozen=True)
 class DrumDims:
     """All dimensions of the drum (mm, deg, rad as named)."""
 
@@ -73,6 +94,7 @@ class DrumDims:
     payload_depth: float
     payload_insert: InsertSpec | None
     corner_radius: float
+    dowels: HubDowels | None = None
 
     @property
     def payload_hole(self) -> float:

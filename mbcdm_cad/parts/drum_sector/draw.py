@@ -137,6 +137,10 @@ def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
     tools: list[cq.Shape] = []
     for x, z in dims.payload_places:
         tools.append(cylinder_y(dims.payload_hole / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1))
+    if dims.dowels is not None:
+        d, face, back = dims.dowels, dims.hub_face_y, dims.hub_start_y
+        tools += [cylinder_y(d.radius, x, z, face - d.face_depth, face + 1) for x, z in d.places(d.face_angles_deg)]
+        tools += [cylinder_y(d.radius, x, z, back - 1, back + d.back_depth) for x, z in d.places(d.back_angles_deg)]
     for deg in SET_SCREW_ANGLES_DEG:
         direction = (sin(radians(deg)), 0.0, cos(radians(deg)))
         tools.append(cylinder(set_screw_thread / 2, (0.0, dims.set_screw_y, 0.0), direction, dims.hub_radius + 1.0))

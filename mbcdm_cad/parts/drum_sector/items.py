@@ -19,6 +19,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 _Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 _AGAINST_Y = Placement.about((1.0, 0.0, 0.0), 90.0)
 _ALONG_Y = Placement.about((1.0, 0.0, 0.0), -90.0)
+_AS_DRAWN = Placement.identity()
 RING_ENCODER_GRIP_MM = 2.0
 # A wave spring is a strip about a third as thick as it stands high (estimate, for its mass).
 SPRING_SHARE = 1.0 / 3.0
@@ -30,7 +31,6 @@ _CABLE_COLOURS = ((0.85, 0.3, 0.02), (0.05, 0.25, 0.8), (0.02, 0.45, 0.25), (0.6
 
 def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDims) -> None:
     """Drum sector with its terminals and nuts, its shaft, and the set screws that hold it there."""
-    t = drive.tensioner
     set_screw = drive.screw(d.set_screw)
     b.add(
         "drum",
@@ -42,9 +42,21 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
     b.drilled(
         "drum", replace(d, payload_screw_thread=thread(d.payload_screw_thread).tap_drill_mm), set_screw.tap_drill_mm
     )
+    add_output(b, drive, d, shaft)
+    add_terminals(b, drive, d)
+
+
+def add_output(
+    b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDims, stand: Placement = _AS_DRAWN
+) -> None:
+    """Inserts of the hub's face, the shaft, and the set screws that hold the hub on it.
+
+    ``stand``: where the sector with this hub stands in the drum's frame.
+    """
+    set_screw = drive.screw(d.set_screw)
     if d.payload_insert is not None:
         for n, (x, z) in enumerate(d.payload_places, 1):
-            place = Placement.translation(x, d.hub_face_y, z) @ _ALONG_Y
+            place = stand @ Placement.translation(x, d.hub_face_y, z) @ _ALONG_Y
             b.insert(f"payload_insert_{n}", d.payload_insert, drive.material("brass"), place, "drum")
     b.add(
         "drum_shaft",
@@ -58,14 +70,19 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
         place = Placement.translation(
             out * sin(radians(deg)), d.set_screw_y, out * cos(radians(deg))
         ) @ Placement.about(_Y, deg)
-        b.screw(f"hub_set_screw_{n}", set_screw, drive.material("steel"), place, "drum")
+        b.screw(f"hub_set_screw_{n}", set_screw, drive.material("steel"), stand @ place, "drum")
+
+
+def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placement = _AS_DRAWN) -> None:
+    """Terminals with their nuts, in the lugs of a sector that stands at ``stand`` in the drum's frame."""
+    t = drive.tensioner
     steel = drive.material(t.material)
     for p in d.tensioners:
         turn = Placement.about(_Y, degrees(atan2(p.side * cos(p.anchor_rad), -sin(p.anchor_rad))))
 
         def along(s: float, p: Any = p, turn: Placement = turn) -> Placement:
             x, z = p.at(s)
-            return Placement.translation(x, p.y_mm, z) @ turn
+            return stand @ Placement.translation(x, p.y_mm, z) @ turn
 
         # Drawn slack, and drawn in as far as its own cable asks: one part for all cables.
         slack = TerminalDims(

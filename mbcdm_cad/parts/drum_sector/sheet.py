@@ -123,6 +123,20 @@ def _holes(d: DrumDims, set_screw_thread: float) -> tuple[Holes, ...]:
             insert=d.payload_insert,
         ),
         Holes("Q", set_screw_thread, "to bore", radial, "hub, radial", "set screws", threaded=True),
+        *_dowel_holes(d),
+    )
+
+
+def _dowel_holes(d: DrumDims) -> tuple[Holes, ...]:
+    pins = d.dowels
+    if pins is None:
+        return ()
+    face = tuple((x, d.hub_face_y, z) for x, z in pins.places(pins.face_angles_deg))
+    back = tuple((x, d.hub_start_y, z) for x, z in pins.places(pins.back_angles_deg))
+    pressed, sliding = FITS["pin_press"].code, FITS["pin_slide"].code
+    return (
+        Holes("R", 2 * pins.radius, pins.face_depth, face, "hub face", "dowels", fit=pressed),
+        Holes("S", 2 * pins.radius, pins.back_depth, back, "hub back", "dowels of the sector behind", fit=sliding),
     )
 
 
@@ -227,7 +241,8 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         ),
         labels=(
             *labels,
-            *hole_labels(holes[:1], _HUB),
+            *hole_labels((*holes[:1], *holes[2:3]), _HUB),
+            *hole_labels(holes[3:], _REAR),
             Label(_SECTION, (0.0, face, d.spigot_radius), "A", leader=True),
         ),
         tables=(
@@ -242,6 +257,7 @@ def drum_sheet(part: str, d: DrumDims, set_screw_thread: float) -> Sheet:
         fits=(
             FitLine(2 * d.bore_radius, bore, "bore"),
             *(FitLine(round(2 * x.surface_radius_mm, 6), land, f"step {x.step}") for x in d.lands),
+            *(line for group in _dowel_holes(d) for line in group.fit_lines()),
         ),
         notes=(
             "Lands Ra 0.8, run-out to the bore 0.02. Terminals: s along the tangent, n outward, both from the point of "

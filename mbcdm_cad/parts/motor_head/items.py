@@ -32,25 +32,29 @@ def _at(stand: Placement, x: float, y: float, z: float) -> Placement:
     return stand @ Placement.translation(x, y, z)
 
 
-def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Placement) -> None:
-    """The head."""
+def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Placement, mark: str = "") -> None:
+    """The head. ``mark`` tells its items from those of other heads."""
     b.add(
-        "motor_head",
+        f"motor_head{mark}",
         "mbcdm_cad.parts.motor_head.draw:create_motor_head",
         (head,),
+        part="motor_head",
         material=drive.support.material,
         place=stand,
     )
 
 
 def add_flange_fixings(
-    b: BillBuilder, drive: HeadedDrive, head: HeadDims, insert: InsertSpec | None, stand: Placement
+    b: BillBuilder, drive: HeadedDrive, head: HeadDims, insert: InsertSpec | None, stand: Placement, mark: str = ""
 ) -> None:
-    """Dowels and screws that locate and hold the head on the frame, and what the screws find there if no thread."""
+    """Dowels and screws that locate and hold the head on the frame, and what the screws find there if no thread.
+
+    ``mark`` as of the head.
+    """
     steel, top, pin = drive.material("steel"), head.flange_top_z, dowel_length_mm(drive)
     for n, (x, y) in enumerate(head.flange.dowels, 1):
         b.add(
-            f"dowel_{n}",
+            f"dowel{mark}_{n}",
             "mbcdm_cad.parts.ring:create_pin",
             (head.dowel_radius, pin),
             part="dowel",
@@ -58,13 +62,13 @@ def add_flange_fixings(
             place=_at(stand, x, y, top - pin),
         )
     for n, (x, y) in enumerate(head.flange.screws, 1):
-        b.screw(f"flange_screw_{n}", flange_screw(drive), steel, _at(stand, x, y, top))
+        b.screw(f"flange_screw{mark}_{n}", flange_screw(drive), steel, _at(stand, x, y, top))
         if insert is not None:
-            b.insert(f"flange_insert_{n}", insert, drive.material("brass"), _at(stand, x, y, head.bottom_z))
+            b.insert(f"flange_insert{mark}_{n}", insert, drive.material("brass"), _at(stand, x, y, head.bottom_z))
 
 
 def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: EncoderShelf, stand: Placement) -> None:
-    """Gearhead and motor on the head, encoder behind its shelf, with their screws."""
+    """Gearhead and motor on the head, encoder behind its shelf, with their screws; ``drive`` has one input."""
     body, steel = drive.material("stainless"), drive.material("steel")
     gear, encoder = drive.gearhead, drive.encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)

@@ -12,14 +12,25 @@ SWINGS = 10
 
 def terminal_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblyStep, ...]:
     """The last steps of an order of assembly: terminals into their lugs, then the preloads."""
-    names = tuple(c.name for c in drive.cables)
-    preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
     return (
         AssemblyStep(
             "Lay each cable onto its land. With nut and lock nut run on to the stud's end, drop its terminal sideways "
             "into the slotted lug from the drum's inner side.",
-            tuple(item for name in names for item in (f"terminal_{name}", f"nut_{name}_1", f"nut_{name}_2")),
+            terminal_items(drive),
         ),
+        *setting_steps(drive, plan),
+    )
+
+
+def terminal_items(drive: SectorDrive) -> tuple[str, ...]:
+    """The terminals of all cables with their nuts."""
+    return tuple(item for c in drive.cables for item in (f"terminal_{c.name}", f"nut_{c.name}_1", f"nut_{c.name}_2"))
+
+
+def setting_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblyStep, ...]:
+    """The preloads, terminals in their lugs."""
+    preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
+    return (
         AssemblyStep(
             f"Set the preloads, {preloads} N, with the drum centred, turning each nut with a "
             f"{drive.tensioner.nut_across_flats_mm:g} mm spanner: the flat of the sleeve lies against its pocket and "

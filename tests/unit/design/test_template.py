@@ -157,6 +157,8 @@ def test_page_names_the_commands(word: str) -> None:
 
 def test_reference_is_written_before_any_design_was_read() -> None:
     """Blocks are built when they first validate something, so only a process of its own shows that none is needed."""
-    code = "from mbcdm_cad.configurations.loader import new_design_text; print(len(new_design_text('new')))"
+    code = (
+        "from mbcdm_cad.configurations.loader import new_design_text; print(len(new_design_text('new', 'siso_bevel')))"
+    )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert found.returncode == 0 and int(found.stdout) > 1000, found.stderr[-500:]

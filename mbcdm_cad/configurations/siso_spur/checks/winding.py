@@ -60,12 +60,12 @@ def slip(s: SpurUnderTest) -> Comparison:
 
 
 def _slip_angles_deg(s: SpurUnderTest) -> float:
-    """Slip angles of both ends of the wrap at peak torque together, the worse direction."""
-    preload = np.array([c.preload_N for c in s.drive.cables])
-    most = 0.0
+    """Slip angles of both ends of a wrap at peak torque together, the worse direction and input."""
+    preload, most = np.array([c.preload_N for c in s.drive.cables]), 0.0
     for tension in (s.loads.peak_forward, s.loads.peak_back):
-        ratio = np.log(np.maximum(tension, 1e-9) / preload)
-        most = max(most, float(np.abs(ratio).sum()) / s.drive.friction_coefficient)
+        ratio = np.abs(np.log(np.maximum(tension, 1e-9) / preload))
+        of_inputs = [s.loads.si.of_input(i) @ ratio for i in range(s.loads.si.n_inputs)]
+        most = max(most, float(max(of_inputs)) / s.drive.friction_coefficient)
     return degrees(most)
 
 
@@ -139,7 +139,7 @@ def on_rim(s: SpurUnderTest) -> Comparison:
 def fleet_angle(s: SpurUnderTest) -> Comparison:
     """Span against the turns on the input, over the travel: measured on the cable's path."""
     found = []
-    for angle, (path,) in s.extreme_paths:
+    for angle, path in ((angle, path) for angle, paths in s.extreme_paths for path in paths):
         names = [name for name, _ in path.pieces]
         at = names.index(ON_INPUT[0])
         for span, end in ((path.pieces[at - 1][1], 0.0), (path.pieces[at + 1][1], 1.0)):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from mbcdm_cad.configurations.siso_spur import drive as d
-from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurDesign, SpurTransmission
+from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
@@ -19,28 +20,38 @@ _STEP = {"+x": 1, "-x": 2}
 
 def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.SpurDrive:
     """The drive of a design that breaks no rule; its sides are in the order of y."""
-    places = sorted(range(len(design.cables)), key=lambda k: _STEP[design.cables[k].drum_side])
+    return d.laid(d.SpurDrive(**spur_values(design, catalogue, sigmas)))
+
+
+def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> dict[str, Any]:
+    """The fields of :class:`~mbcdm_cad.configurations.siso_spur.drive.SpurDrive`, planes of terminals not yet laid.
+
+    Sides are in the order of the inputs, then of y.
+    """
+    order = [item.name for item in design.inputs]
+    places = sorted(
+        range(len(design.cables)),
+        key=lambda k: (order.index(design.cables[k].input), _STEP[design.cables[k].drum_side]),
+    )
     transmission, pulleys = design.transmission, design.input_pulleys
     radius = input_radius_mm(transmission)
 
     def of(name: str) -> float:
         return sigmas.get(("transmission", name), 0.0)
 
-    return d.laid(
-        d.SpurDrive(
-            **shared_values(design, catalogue)
-            | sector_values(design, catalogue)
-            | {
-                "clearances": copied(Clearances, design.clearances),
-                "limits": copied(d.SpurLimitValues, design.limits),
-                "input_pulleys": WoundPulleySpec(
-                    catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
-                ),
-            },
-            helix_lead_mm=design.rope.helix_lead_mm,
-            # No end of the cable lies on the input.
-            dead_turns=0.0,
-            cables=tuple(
+    return (
+        shared_values(design, catalogue)
+        | sector_values(design, catalogue)
+        | {
+            "clearances": copied(Clearances, design.clearances),
+            "limits": copied(d.SpurLimitValues, design.limits),
+            "input_pulleys": WoundPulleySpec(
+                catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
+            ),
+            "helix_lead_mm": design.rope.helix_lead_mm,
+            # No end of a cable lies on an input.
+            "dead_turns": 0.0,
+            "cables": tuple(
                 d.SpurRun(
                     name=cable.name,
                     input_name=cable.input,
@@ -53,22 +64,22 @@ def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, f
                 )
                 for cable in (design.cables[k] for k in places)
             ),
-            centre_distance_mm=transmission.centre_distance_mm,
-            turns=transmission.turns,
-            radii_explicit=transmission.input_to_drum is None,
-            bearings=d.SpurBearings(
+            "centre_distance_mm": transmission.centre_distance_mm,
+            "turns": transmission.turns,
+            "radii_explicit": transmission.input_to_drum is None,
+            "bearings": d.SpurBearings(
                 drum=catalogue.bearing(design.drum.bearing),
                 input_lower=catalogue.bearing(pulleys.lower_bearing),
                 input_upper=catalogue.bearing(pulleys.upper_bearing),
             ),
-            support=copied(d.YokeSpec, design.support, material=catalogue.material(design.support.material)),
-            sigmas=d.SpurSigmas(
+            "support": copied(d.YokeSpec, design.support, material=catalogue.material(design.support.material)),
+            "sigmas": d.SpurSigmas(
                 **shared_sigmas(design, catalogue, sigmas, places),
                 input_radius_mm=(of("input_radius_mm"),) * len(places),
                 drum_radius_mm=(of("drum_radius_mm"),) * len(places),
                 centre_distance_mm=of("centre_distance_mm"),
             ),
-        )
+        }
     )
 
 

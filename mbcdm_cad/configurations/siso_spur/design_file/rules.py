@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurDesign
+from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
 from mbcdm_cad.design.rules import Broken, NamedEntry
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries
 
 
 def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
-    block = design.transmission
-    if block.input_to_drum is not None and block.input_radius_mm is not None:
-        where, remedy = ("transmission", "input_radius_mm"), "remove input_to_drum, or remove input_radius_mm"
-        yield Broken(where, "given beside input_to_drum", "", "input_to_drum or an explicit radius", remedy)
-    elif block.input_to_drum is None and block.input_radius_mm is None:
-        what, remedy = "radius of the input pulley is not given", "add input_to_drum, or input_radius_mm"
-        yield Broken(("transmission",), what, "", "input_to_drum or an explicit radius", remedy)
+    yield from broken_radius(design.transmission)
     for name, found, wanted, remedy in (
         ("inputs", len(design.inputs), 1, "give the one input"),
         ("cables", len(design.cables), 2, "give the two sides of the cable, one for each sense of the drum"),
@@ -34,7 +28,17 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
         )
 
 
-def named_entries(design: SpurDesign) -> Iterator[NamedEntry]:
+def broken_radius(block: SpurTransmission) -> Iterator[Broken]:
+    """The input's radius is given once, as it is or by the ratio."""
+    if block.input_to_drum is not None and block.input_radius_mm is not None:
+        where, remedy = ("transmission", "input_radius_mm"), "remove input_to_drum, or remove input_radius_mm"
+        yield Broken(where, "given beside input_to_drum", "", "input_to_drum or an explicit radius", remedy)
+    elif block.input_to_drum is None and block.input_radius_mm is None:
+        what, remedy = "radius of the input pulley is not given", "add input_to_drum, or input_radius_mm"
+        yield Broken(("transmission",), what, "", "input_to_drum or an explicit radius", remedy)
+
+
+def named_entries(design: SpurBlocks) -> Iterator[NamedEntry]:
     """Entries of the catalogue that this configuration's blocks name."""
     yield from sector_entries(design)
     yield NamedEntry(("support", "material"), "materials", design.support.material)

@@ -192,8 +192,8 @@ class SpurSide(Cable):
     drum_side: Literal["-x", "+x"] = choice("where it runs on the drum from the line of centres")
 
 
-class SpurDesign(Design):
-    """A cable drive."""
+class SpurBlocks(Design):
+    """The blocks of a drive whose cables go round inputs beside the drum."""
 
     ORDER: ClassVar[tuple[str, ...]] = (
         "schema_version",
@@ -220,10 +220,22 @@ class SpurDesign(Design):
         "catalogue",
     )
 
+    transmission: SpurTransmission
+    cables: tuple[SpurSide, ...]
+    rope: SpurRope
+    clearances: SpurClearances
+    drum: SpurDrum
+    input_pulleys: SpurPulleys
+    support: YokeSupport
+    limits: SpurLimits
+
+
+class SpurDesign(SpurBlocks):
+    """A cable drive."""
+
     configuration: Literal["siso_spur"] = choice(
         "layout: siso_spur is (a) of Fig. 1, one input beside the drum", source="Fig. 1", reference="siso_spur"
     )
-    transmission: SpurTransmission
     inputs: tuple[Input, ...] = choice(
         "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
     )
@@ -234,9 +246,3 @@ class SpurDesign(Design):
         min_length=1,
         max_length=16,
     )
-    rope: SpurRope
-    clearances: SpurClearances
-    drum: SpurDrum
-    input_pulleys: SpurPulleys
-    support: YokeSupport
-    limits: SpurLimits

@@ -9,17 +9,20 @@ from mbcdm_cad.parts.boss.draw import boss_bodies, boss_tools
 from mbcdm_cad.parts.shapes import block, cut, cylinder_y, fuse
 
 
-def _body(d: YokeDims) -> cq.Solid:
+def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
+    """Plate from the drum's axis to beyond the input, and the yoke on it."""
     v, x, shelf = d.levels, d.half_width, d.shelf_half_width
     plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.top_z))
     plate = cq.Workplane(obj=plate).edges("|Y and >Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
-    # The plate ends round about the drum's axis.
-    foot = cylinder_y(x, 0.0, 0.0, v.plate_back_y, v.front_y)
     bridge = block((-shelf, shelf), (v.plate_back_y, v.top_plate_top_z), (d.bridge_bottom_z, d.top_z))
     bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
     rounded = cq.Workplane(obj=fuse([bridge, bearing], "yoke")).edges("|Y").edges("<Z or >Z")
-    yoke = rounded.fillet(d.corner_radius).val()
-    return fuse([plate, foot, yoke, *boss_bodies(d.boss)], "frame")  # type: ignore[list-item]
+    return [plate, rounded.fillet(d.corner_radius).val()]  # type: ignore[list-item]
+
+
+def centre_bodies(d: YokeDims) -> list[cq.Shape]:
+    """The plate ends round about the drum's axis; the boss."""
+    return [cylinder_y(d.half_width, 0.0, 0.0, d.levels.plate_back_y, d.levels.front_y), *boss_bodies(d.boss)]
 
 
 def _input_holes(d: YokeDims) -> list[cq.Shape]:
@@ -37,15 +40,24 @@ def _input_holes(d: YokeDims) -> list[cq.Shape]:
     return tools
 
 
-def _fixing_holes(d: YokeDims) -> list[cq.Shape]:
+def yoke_tools(d: YokeDims) -> list[cq.Shape]:
+    """Bores for the input, and the holes of what is screwed on."""
     back, front = d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0
-    tools: list[cq.Shape] = [cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, back, front)]
+    tools = _input_holes(d)
     tools += [cylinder_y(d.flange_screw_radius, x, z, back, front) for x, z in d.flange_screws]
     tools += [cylinder_y(d.dowel_radius, x, z, back, back + 1.0 + d.dowel_depth) for x, z in d.dowels]
     tools += [cylinder_y(d.mount_radius, x, z, back, front) for x, z in d.mounts]
     return tools
 
 
+def centre_tools(d: YokeDims) -> list[cq.Shape]:
+    """Bores of the boss, and the stop pin's hole."""
+    pin = cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0)
+    return [*boss_tools(d.boss), pin]
+
+
 def create_yoke(dims: YokeDims) -> cq.Solid:
     """Frame where it stands in the assembly."""
-    return cut(_body(dims), boss_tools(dims.boss) + _input_holes(dims) + _fixing_holes(dims), "frame")
+    return cut(
+        fuse([*yoke_bodies(dims), *centre_bodies(dims)], "frame"), [*centre_tools(dims), *yoke_tools(dims)], "frame"
+    )

@@ -18,7 +18,7 @@ def _thread(insert: InsertSpec | None) -> dict[str, Any]:
     return {"threaded": insert is None, "insert": insert}
 
 
-def _holes(d: YokeDims) -> tuple[Holes, ...]:
+def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
     """Along Y: the first five in the plate, from behind; then those of the shelf, and those of the drum's encoder."""
     v, b, z = d.levels, d.boss, d.axis_z
     back, near, floor = v.plate_back_y, v.top_plate_bottom_z, b.encoder_pocket_floor_y
@@ -106,7 +106,7 @@ def _in_section(d: YokeDims) -> tuple[Linear, ...]:
 def yoke_sheet(part: str, d: YokeDims) -> Sheet:
     """Rear, middle section and front."""
     v, b, r = d.levels, d.boss, d.corner_radius
-    holes = _holes(d)
+    holes = frame_holes(d)
     behind = tuple(group for group in holes if group.letter in "ABCDEH")
     half, y = 0.5**0.5 * r, v.plate_back_y
     corner = Radius(

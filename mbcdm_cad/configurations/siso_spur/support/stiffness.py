@@ -5,11 +5,14 @@ puts on the seats, u the displacements they cause (:mod:`mbcdm_cad.model.plate_m
 less, so that their pulls along the line of centres cancel and those across it add up: the input is pushed to one side,
 the drum to the other, and the gearhead holds the cable's lever about the input's axis. Assumptions as in
 docs/decisions/0005; besides, the motor head's flange stands for the plate's opening that it closes, the boss is rigid,
-and the small couple of both spans, which leave a few leads apart, is left out.
+and the small couple of both spans, which leave a few leads apart, is left out. Two such arms in line, one above the
+drum and one below, are one mesh as well.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -27,26 +30,44 @@ from mbcdm_cad.routes import Floats
 _SPREAD = 1.5
 
 
-def walls(layout: SpurLayout) -> list[Wall]:
+@dataclass(frozen=True)
+class Arm:
+    """One input's part of a frame: ``way`` is +1 where it stands above the drum, -1 below, turned by half a turn."""
+
+    layout: SpurLayout
+    way: int = 1
+
+    def of(self, panel: str) -> str:
+        """Name of this arm's panel; the plate is one for all."""
+        return panel if self.way > 0 or panel == "plate" else f"{panel} below"
+
+
+def walls(arms: Sequence[Arm]) -> list[Wall]:
     """The walls of the half x >= 0."""
-    v, f = layout.levels, layout.frame
-    y_plate, y_shelf = (v.plate_back_y + v.front_y) / 2, (v.top_plate_bottom_z + v.top_plate_top_z) / 2
-    z_bridge, wide = (f.bridge_bottom_z + f.top_z) / 2, (0.0, f.shelf_half_width)
+    v, f = arms[0].layout.levels, arms[0].layout.frame
+    y_plate, z_bridge = (v.plate_back_y + v.front_y) / 2, (f.bridge_bottom_z + f.top_z) / 2
+    ends = sorted([arm.way * z_bridge for arm in arms])
+    plate = Wall(
+        "plate",
+        Y,
+        y_plate,
+        ((0.0, f.half_width), (min(ends[0], -f.boss.radius), ends[-1])),
+        v.front_y - v.plate_back_y,
+        embedded=((Z, -f.boss.radius, f.boss.radius),),
+    )
+    return [plate, *(wall for arm in arms for wall in _yoke(arm, y_plate, z_bridge))]
+
+
+def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
+    v, f, way = arm.layout.levels, arm.layout.frame, arm.way
+    y_shelf, wide = (v.top_plate_bottom_z + v.top_plate_top_z) / 2, (0.0, f.shelf_half_width)
     shelf = v.top_plate_top_z - v.top_plate_bottom_z
     depth = min(f.seat_depth, shelf)
     seat = pi * (f.seat_radius**2 * depth + f.seat_shoulder_radius**2 * (shelf - depth))
-    return [
-        Wall(
-            "plate",
-            Y,
-            y_plate,
-            ((0.0, f.half_width), (-f.boss.radius, z_bridge)),
-            v.front_y - v.plate_back_y,
-            embedded=((Z, -f.boss.radius, f.boss.radius),),
-        ),
-        Wall("bridge", Z, z_bridge, (wide, (y_plate, y_shelf)), f.top_z - f.bridge_bottom_z),
-        Wall("encoder shelf", Y, y_shelf, (wide, (f.shelf_bottom_z, z_bridge)), shelf, (Hole(0.0, f.axis_z, seat),)),
-    ]
+    low, high = sorted((way * f.shelf_bottom_z, way * z_bridge))
+    yield Wall(arm.of("bridge"), Z, way * z_bridge, (wide, (y_plate, y_shelf)), f.top_z - f.bridge_bottom_z)
+    hole = Hole(0.0, way * f.axis_z, seat)
+    yield Wall(arm.of("encoder shelf"), Y, y_shelf, (wide, (low, high)), shelf, (hole,))
 
 
 def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
@@ -78,31 +99,55 @@ def frame_compliance(layout: SpurLayout) -> FrameCompliance:
 
     Raises ``ValueError`` if the dimensions leave no frame to compute.
     """
-    f, v, screw = layout.frame, layout.levels, layout.drive.screw(MOUNT_SCREW)
-    held = Mounts(f.mounts, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y)
-    mesh = plate_mesh(walls(layout), held)
-    material = layout.drive.support.material
+    return arms_compliance([Arm(layout)], 1.0)
+
+
+def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
+    """The same of a frame with one arm or two, each of which takes this share of the torque. Raises as it does."""
+    first = arms[0].layout
+    f, v, screw = first.frame, first.levels, first.drive.screw(MOUNT_SCREW)
+    places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
+    held = Mounts(places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y)
+    mesh = plate_mesh(walls(arms), held)
+    material = first.drive.support.material
     total = np.zeros((len(mesh.plates.node_mm), 6))
-    for panel, (x, y, z), force_x, couple_y in seat_forces(layout, unit_tensions_N(to_si(layout.drive))):
-        # The drum's bearings load the boss, those of the input what surrounds their seats.
-        reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, layout.head.seat_radius)
-        nodes = mesh.near(panel, (x, y, z), (reach, 1e3, reach))
-        total[nodes, :3] += centred_load(mesh, nodes, np.array((x, y, z)), force_x, couple_y=couple_y)
+    for arm in arms:
+        tension = share * unit_tensions_N(to_si(arm.layout.drive))
+        for panel, (x, y, z), force_x, couple_y in seat_forces(arm.layout, tension):
+            # The drum's bearings load the boss, those of the input what surrounds their seats.
+            reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, first.head.seat_radius)
+            point = (arm.way * x, y, arm.way * z)
+            nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
+            load = centred_load(mesh, nodes, np.array(point), arm.way * force_x, couple_y=couple_y)
+            total[nodes, :3] += load
     shares = shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
     return FrameCompliance(sum(shares.values()), shares)
 
 
 def frame_study(layout: SpurLayout) -> FrameStudy:
     """The compliance as a study for the cache; infinite where the frame has no metal to carry a load."""
+    return frame_study_of(__name__, [layout], lambda: frame_compliance(layout))
 
-    def compliance() -> FrameCompliance:
+
+def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Callable[[], FrameCompliance]) -> FrameStudy:
+    """The study that ``module`` works out of the layouts of all inputs."""
+
+    def found() -> FrameCompliance:
         try:
-            return frame_compliance(layout)
+            return compliance()
         except (ValueError, ArithmeticError):
             return FrameCompliance(float("inf"), {})
 
-    drive = layout.drive
     # Of the drum's shaft only the positions of its bearings: other changes on it must not start the study again.
-    seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
-    inputs = (layout.frame, seats, drive.support, drive.bearings, drive.cables, drive.centre_distance_mm)
-    return FrameStudy(__name__, inputs, compliance)
+    inputs = tuple(
+        (
+            layout.frame,
+            (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y),
+            layout.drive.support,
+            layout.drive.bearings,
+            layout.drive.cables,
+            layout.drive.centre_distance_mm,
+        )
+        for layout in layouts
+    )
+    return FrameStudy(module, inputs, found)

@@ -10,12 +10,15 @@ from mbcdm_cad.parts.volume import CORNER, Volume, ring_mm3
 
 def yoke_mm3(d: YokeDims) -> float:
     """Plate, boss and yoke less bores and holes."""
-    return _plate_mm3(d) + _yoke_mm3(d) + _boss_mm3(d) - _holes_mm3(d)
+    thick = d.levels.front_y - d.levels.plate_back_y
+    return arm_mm3(d) + pi * d.half_width**2 / 2 * thick + boss_mm3(d)
 
 
-def _plate_mm3(d: YokeDims) -> float:
-    v, x = d.levels, d.half_width
-    return (2 * x * d.top_z + pi * x**2 / 2 - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
+def arm_mm3(d: YokeDims) -> float:
+    """Plate from the drum's axis on, and the yoke on it, less their bores and holes."""
+    v = d.levels
+    plate = (2 * d.half_width * d.top_z - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
+    return plate + _yoke_mm3(d) - _holes_mm3(d)
 
 
 def _yoke_mm3(d: YokeDims) -> float:
@@ -27,8 +30,8 @@ def _yoke_mm3(d: YokeDims) -> float:
     return bridge + shelf
 
 
-def _boss_mm3(d: YokeDims) -> float:
-    """Outside the plate, bores of both taken out."""
+def boss_mm3(d: YokeDims) -> float:
+    """Outside the plate, bores of both and the stop pin's hole taken out."""
     v, b = d.levels, d.boss
     disc = pi * b.radius**2
     behind, before = v.plate_back_y - b.encoder_pocket_floor_y, b.front_y - v.front_y
@@ -40,6 +43,7 @@ def _boss_mm3(d: YokeDims) -> float:
         - ring_mm3(b.seat_radius, 0.0, seats)
         - ring_mm3(b.shoulder_radius, 0.0, b.front_seat_start_y - b.rear_seat_end_y)
         - 2 * ring_mm3(b.screw_radius, 0.0, b.screw_depth)
+        - ring_mm3(d.stop_pin_radius, 0.0, v.front_y - v.plate_back_y)
     )
 
 
@@ -53,7 +57,6 @@ def _holes_mm3(d: YokeDims) -> float:
         + ring_mm3(d.seat_shoulder_radius, 0.0, shelf - d.seat_depth)
         + ring_mm3(d.seat_radius, 0.0, d.seat_depth)
         + 2 * encoder
-        + ring_mm3(d.stop_pin_radius, 0.0, plate)
         + len(d.flange_screws) * ring_mm3(d.flange_screw_radius, 0.0, plate)
         + len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, d.dowel_depth)
         + len(d.mounts) * ring_mm3(d.mount_radius, 0.0, plate)

@@ -1,0 +1,34 @@
+"""The checks of this configuration, families in the order in which they are run and shown.
+
+What concerns one input with its cable and sector is checked as in siso_spur.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from mbcdm_cad.checks import bearings, creep, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
+from mbcdm_cad.configurations.miso_spur.checks import room, sectors, sharing
+from mbcdm_cad.configurations.siso_spur.checks import pulley_fits, ratios, support, tolerances, winding, wraps
+
+# First what the mechanism asks, then what the parts ask.
+FAMILIES: tuple[ModuleType, ...] = (
+    ratios,
+    winding,
+    sharing,
+    tolerances,
+    wraps,
+    strength,
+    creep,
+    motors,
+    bearings,
+    fixings,
+    pulley_fits,
+    drum_sector,
+    terminals,
+    take_up,
+    sectors,
+    support,
+    motor_head,
+    room,
+)

@@ -1,0 +1,24 @@
+"""The reference design of miso_spur: two inputs of siso_spur's reference, but for what their number changes."""
+
+from __future__ import annotations
+
+from mbcdm_cad.configurations.siso_spur.design_file.reference import SHARED as OF_ONE_INPUT
+from mbcdm_cad.design.design_file import Given
+
+INPUTS = [{"name": "upper"}, {"name": "lower"}]
+CABLES = [
+    {"name": f"{name}_{n}", "input": name, "drum_side": side}
+    for name in ("upper", "lower")
+    for n, side in enumerate(("+x", "-x"), 1)
+]
+
+SHARED = OF_ONE_INPUT | {
+    "name": Given("miso_spur"),
+    "support.plate_mm": Given(6.5, "the far yoke stands a sector further from it than siso_spur's"),
+    "support.bridge_mm": Given(7.0, "as the plate"),
+    "loads.test_torque_Nm": Given(1.24, "the share of peak torque that miso_bevel's has, 0.29"),
+    "loads.peak_torque_Nm": Given(4.3, "two motors through their gearheads hold 4.36"),
+    "limits.frame_windup_max_mrad": Given(0.03, "a choice: a seventh of the cables' own turn there"),
+    "targets.mass_g": Given(395.0, "as drawn"),
+    "targets.envelope_mm": Given([124.0, 172.8, 107.1], "as drawn"),
+}

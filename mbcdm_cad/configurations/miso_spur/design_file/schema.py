@@ -1,0 +1,38 @@
+"""Schema of a miso_spur design file: the blocks of siso_spur, with several inputs and a cable for each."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from mbcdm_cad.configurations.miso_spur.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurBlocks, SpurSide
+from mbcdm_cad.design.blocks import Input
+from mbcdm_cad.design.fields import choice
+
+
+class RoundDrumSide(SpurSide):
+    """One side of a cable, from its input to the drum."""
+
+    drum_side: Literal["-x", "+x"] = choice("where it runs on the drum, seen with its input above the drum")
+
+
+class RoundDrumDesign(SpurBlocks):
+    """A cable drive."""
+
+    configuration: Literal["miso_spur"] = choice(
+        "layout: miso_spur is (b) of Fig. 1, several inputs round one drum", source="Fig. 1", reference="miso_spur"
+    )
+    inputs: tuple[Input, ...] = choice(
+        "two to four input pulleys, evenly round the drum from +Z towards +X, each further along the drum's axis",
+        source="Fig. 1",
+        reference=INPUTS,
+        min_length=1,
+        max_length=8,
+    )
+    cables: tuple[RoundDrumSide, ...] = choice(
+        "the two sides of each input's cable; preload_N may be given for each",
+        source="Fig. 1",
+        reference=CABLES,
+        min_length=1,
+        max_length=16,
+    )

@@ -1,0 +1,51 @@
+"""A design of this configuration under test: its inputs are alike, so that most checks look at the first of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+from mbcdm_cad.configurations.miso_spur.drive import RoundDrumDrive
+from mbcdm_cad.configurations.miso_spur.layout import RoundDrumLayout, layout
+from mbcdm_cad.configurations.siso_spur.cable_path import side_length_mm
+from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
+from mbcdm_cad.parts.terminal.dims import Tensioner
+
+
+class RoundDrumUnderTest(SpurUnderTest):
+    """Adds the other inputs. ``steps`` are the sides on the first sector."""
+
+    drive: RoundDrumDrive
+
+    def __init__(self, drive: RoundDrumDrive, layout: Any = None) -> None:
+        super().__init__(drive, layout)
+        self.steps = tuple(c for c in self.steps if c.input_name == drive.input_names[0])
+
+    @cached_property
+    def layout(self) -> RoundDrumLayout:  # type: ignore[override]  # has all that the checks of one input read
+        """All dimensions: those given, else worked out."""
+        return self.given_or(lambda: layout(self.drive))
+
+    @property
+    def terminals(self) -> tuple[Tensioner, ...]:
+        """See the base class."""
+        return tuple(t for unit in self.layout.units for t in unit.drum.tensioners)
+
+    def levels_of(self, index: int) -> SpurStack:
+        """See the base class."""
+        if self._given is not None:
+            return self.layout.units[index].levels
+        return spur_stack(self.drive.unit(index))
+
+    def tensioned_lengths_mm(self) -> Sequence[float]:
+        """Each terminal takes up half of its cable."""
+        return [
+            side_length_mm(unit.drive, c, *unit.anchors[c.name])
+            for unit in self.layout.units
+            for c in unit.drive.cables
+        ]
+
+
+UNDER_TEST = RoundDrumUnderTest

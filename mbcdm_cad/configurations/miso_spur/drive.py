@@ -1,0 +1,74 @@
+"""What a miso_spur drive has: several inputs of siso_spur round one drum, each by itself a drive of that layout.
+
+A sector for each input stands on the drum's one shaft, hub on hub, so that the sectors and cables lie side by side
+along the axis. Seen with its input above the drum, each is the sector of siso_spur.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from math import tau
+
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, laid
+from mbcdm_cad.configurations.siso_spur.stack import spur_stack
+from mbcdm_cad.design.drive import Drive
+
+
+@dataclass(frozen=True)
+class RoundDrumDrive(SpurDrive):
+    """A drive with inputs evenly round its drum. Cables are in the order of the inputs, two sides each."""
+
+    @property
+    def n_inputs(self) -> int:
+        """Number of inputs."""
+        return len(self.input_names)
+
+    @property
+    def angles_rad(self) -> tuple[float, ...]:
+        """Where the inputs stand about Y, from +Z towards +X."""
+        return tuple(tau * k / self.n_inputs for k in range(self.n_inputs))
+
+    @property
+    def pitch_mm(self) -> float:
+        """From sector to sector along the axis: hub stands on hub."""
+        levels = spur_stack(self)
+        return levels.hub_face_y - levels.boss_front_y
+
+    @property
+    def levels_mm(self) -> tuple[float, ...]:
+        """How far each input's cable and sector lie before those of the first."""
+        return tuple(k * self.pitch_mm for k in range(self.n_inputs))
+
+    def unit(self, index: int) -> SpurDrive:
+        """The input with this index, its cable and its sector as a drive of their own, the input above the drum."""
+        own = {field.name: getattr(self, field.name) for field in fields(SpurDrive)}
+        places = [j for j, cable in enumerate(self.cables) if cable.input_name == self.input_names[index]]
+
+        def of(values: tuple[float, ...]) -> tuple[float, ...]:
+            return tuple(values[j] for j in places)
+
+        sigmas = replace(
+            self.sigmas,
+            preload_N=of(self.sigmas.preload_N),
+            input_radius_mm=of(self.sigmas.input_radius_mm),
+            drum_radius_mm=of(self.sigmas.drum_radius_mm),
+        )
+        return laid(
+            SpurDrive(
+                **own
+                | {
+                    "configuration": "siso_spur",
+                    "input_names": (self.input_names[index],),
+                    "cables": tuple(self.cables[j] for j in places),
+                    "sigmas": sigmas,
+                    "level_mm": self.levels_mm[index],
+                }
+            )
+        )
+
+
+def round_drum(drive: Drive) -> RoundDrumDrive:
+    """``drive`` as one of this configuration. Raises ``TypeError`` for a drive of another."""
+    if not isinstance(drive, RoundDrumDrive):
+        raise TypeError(f"{drive.name}: a drive of configuration {drive.configuration}, not of miso_spur")
+    return drive

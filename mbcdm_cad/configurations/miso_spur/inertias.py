@@ -1,0 +1,18 @@
+"""Moments of inertia of the pulleys and of the drum, the sectors of all inputs, by those of one input each."""
+
+from __future__ import annotations
+
+from mbcdm_cad.configurations.miso_spur.drive import RoundDrumDrive
+from mbcdm_cad.configurations.siso_spur.inertias import inertias_kg_m2 as of_one_input
+from mbcdm_cad.configurations.siso_spur.routes import DRUM
+
+
+def inertias_kg_m2(drive: RoundDrumDrive) -> dict[str, float]:
+    """Inertia of each body of the routes about its own axis, kg m2."""
+    found: dict[str, float] = {DRUM: 0.0}
+    for k in range(drive.n_inputs):
+        # The land of a pulley is as long wherever it lies.
+        own = of_one_input(drive.unit(k))
+        found[DRUM] += own.pop(DRUM)
+        found |= own
+    return found

@@ -1,0 +1,127 @@
+"""All derived dimensions of a design in one object: what the checks test and the parts draw."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import degrees
+
+from mbcdm_cad.configurations.miso_spur.drive import RoundDrumDrive
+from mbcdm_cad.configurations.miso_spur.support.dims import StarDims
+from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
+from mbcdm_cad.configurations.siso_spur.layout import layout as layout_of_one_input
+from mbcdm_cad.configurations.siso_spur.stack import SpurStack
+from mbcdm_cad.configurations.siso_spur.support.dims import YokeDims
+from mbcdm_cad.parts.collar.dims import CollarDims
+from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.motor_head.dims import HeadDims
+from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.curves import Helix, turned_about_y
+
+# Dowels between the hubs, beside the payload's threads.
+DOWEL_RADIUS_MM, DOWEL_LENGTH_MM = 1.0, 6.0
+DOWEL_PRESSED_MM, DOWEL_PLAY_MM = 3.0, 0.5
+# Opposite the set screws.
+_FACE_DEG = (225.0, 315.0)
+
+
+@dataclass(frozen=True)
+class RoundDrumLayout:
+    """Dimensions of every part of one design, mm, drum centred.
+
+    ``units``: those of each input with its cable and sector, as a drive of siso_spur with the input above the drum.
+    ``drum`` is one sector, all being alike; the last one's face is the output.
+    """
+
+    drive: RoundDrumDrive
+    units: tuple[SpurLayout, ...]
+    drum: DrumDims
+    drum_shaft: DrumShaftDims
+    star: StarDims
+
+    @property
+    def levels(self) -> SpurStack:
+        """Those of the first input."""
+        return self.units[0].levels
+
+    @property
+    def preload_spring(self) -> PreloadSpringDims:
+        """Wave spring of the drum's bearings."""
+        return self.units[0].preload_spring
+
+    @property
+    def inputs(self) -> tuple[InputPulleyDims, ...]:
+        """The pulleys: each reaches as far as its cable lies before the first."""
+        return tuple(unit.inputs[0] for unit in self.units)
+
+    @property
+    def collar(self) -> CollarDims:
+        """Clamp collar of each pulley."""
+        return self.units[0].collar
+
+    @property
+    def frame(self) -> YokeDims:
+        """Boss, and the arm of the frame at the first input."""
+        return self.units[0].frame
+
+    @property
+    def head(self) -> HeadDims:
+        """Motor head of each input."""
+        return self.units[0].head
+
+    @property
+    def dowels(self) -> HubDowels:
+        """Dowels between neighbouring hubs."""
+        assert self.drum.dowels is not None
+        return self.drum.dowels
+
+    def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
+        """Centre line of each input's cable at a drum angle."""
+        return tuple(
+            _turned(path, angle)
+            for unit, angle in zip(self.units, self.drive.angles_rad, strict=True)
+            for path in unit.cable_paths(drum_angle_rad)
+        )
+
+
+def _turned(path: CablePath, angle_rad: float) -> CablePath:
+    pieces = []
+    for name, piece in path.pieces:
+        assert not isinstance(piece, Helix)
+        pieces.append((name, turned_about_y(piece, angle_rad)))
+    return replace(path, pieces=tuple(pieces))
+
+
+def _dowels(sector: DrumDims, n_inputs: int) -> HubDowels:
+    """The next sector is turned by a share of a turn, so that its holes stand that much back in its own frame."""
+    return HubDowels(
+        radius=DOWEL_RADIUS_MM,
+        length=DOWEL_LENGTH_MM,
+        circle_radius=sector.payload_circle_radius,
+        face_depth=DOWEL_PRESSED_MM,
+        # The hub begins behind the spigot, which stands on the next one's face.
+        back_depth=DOWEL_LENGTH_MM - DOWEL_PRESSED_MM - (sector.hub_start_y - sector.spigot_y) + DOWEL_PLAY_MM,
+        face_angles_deg=_FACE_DEG,
+        back_angles_deg=tuple((a - 360.0 / n_inputs) % 360.0 for a in _FACE_DEG),
+    )
+
+
+def layout(drive: RoundDrumDrive) -> RoundDrumLayout:
+    """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
+    units = tuple(layout_of_one_input(drive.unit(k)) for k in range(drive.n_inputs))
+    first, last, turned = units[0], drive.levels_mm[-1], degrees(drive.angles_rad[-1])
+    near, far = SET_SCREW_ANGLES_DEG
+    return RoundDrumLayout(
+        drive=drive,
+        units=units,
+        drum=replace(first.drum, dowels=_dowels(first.drum, drive.n_inputs)),
+        # It ends in the last hub, whose set screws hold all of them.
+        drum_shaft=replace(
+            first.drum_shaft,
+            y_end=first.drum_shaft.y_end + last,
+            flat_y=first.drum_shaft.flat_y + last,
+            flat_angles_deg=(near + turned, far + turned),
+        ),
+        star=StarDims(tuple(unit.frame for unit in units), tuple(degrees(a) for a in drive.angles_rad)),
+    )
