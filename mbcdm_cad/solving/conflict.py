@@ -67,9 +67,9 @@ def conflict(trials: Trials, miss: Point) -> Conflict:
         enough = [way for way in found if isinstance(way, Give)]
         if enough:
             exclude = tuple(sorted(way.field for way in enough))
-            return Conflict(
-                exclude, tuple(sorted(enough, key=_size)), tuple(first), nearest, _rest_is_idle(trials, exclude, miss)
-            )
+            # One alone belongs to several sets, each with another partner: no set is found then.
+            proved = len(exclude) > 1 and _rest_is_idle(trials, exclude, miss)
+            return Conflict(exclude, tuple(sorted(enough, key=_size)), tuple(first), nearest, proved)
         least = min((way for way in found if isinstance(way, tuple)), default=None, key=lambda way: (way[0], way[1]))
         if least is None or least[0] >= trials(miss).violation:
             break

@@ -136,6 +136,8 @@ _PARTS = {
     "rope.type": "ropes",
     "drive.motor": "motors",
     "drive.gearhead": "gearheads",
+    "drive.encoder": "encoders",
+    "drive.drum_encoder": "encoders",
     "drum.tensioner": "tensioners",
     "drum.bearing": "bearings",
     "guide.bearing": "bearings",

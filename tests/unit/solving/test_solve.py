@@ -10,6 +10,7 @@ import pytest
 from mbcdm_cad import cli
 from mbcdm_cad.configurations.loader import load_text
 from mbcdm_cad.report.check_report import check_design
+from mbcdm_cad.solving.conflict import conflict
 from mbcdm_cad.solving.fields import leaves
 from mbcdm_cad.solving.nearest import taken_back
 from mbcdm_cad.solving.patch import patched
@@ -108,3 +109,44 @@ def test_moves_are_taken_back_as_far_as_it_still_passes() -> None:
     assert set(found) == {"transmission.centre_distance_mm"}
     distance = found["transmission.centre_distance_mm"]
     assert isinstance(distance, Fixed) and 50.0 <= distance.value <= 53.0, distance
+
+
+ASKED = PINNED.partition("drum:\n")[0].replace("drum_radius_mm: 60.0", "drum_radius_mm: 60.0, centre_distance_mm: 40.0")
+
+
+class Excluding(Trials):
+    """Passes from a centre distance of 50 mm on, or up to a travel of 20 degrees; ``also``: only with less torque."""
+
+    also = False
+
+    def many(self, points: list[Point]) -> list[TrialResult]:  # type: ignore[override]
+        def one(point: Point) -> TrialResult:
+            def value(field: str, otherwise: float) -> float:
+                setting = point.get(field)
+                return float(setting.value) if isinstance(setting, Fixed) else otherwise
+
+            far = value("transmission.centre_distance_mm", 40.0) >= 50.0
+            short = value("travel.half_angle_deg", 35.0) <= 20.0
+            weak = value("loads.peak_torque_Nm", 1.5) <= 1.0
+            holds = weak if self.also else far or short
+            return TrialResult(() if holds else (("fleet_angle", 1.1),))
+
+        return [one(point) for point in points]
+
+
+def test_what_excludes_each_other_is_the_smallest_set_and_each_way_out_is_as_short_as_it_can_be() -> None:
+    found = conflict(Excluding(question_of(ASKED), jobs=1), {})
+    assert found.exclude == ("transmission.centre_distance_mm", "travel.half_angle_deg") and found.proved
+    after = {way.field: way.after for way in found.either}
+    assert 50.0 <= after["transmission.centre_distance_mm"] <= 52.0, after
+    assert 18.0 <= after["travel.half_angle_deg"] <= 20.0, after
+    # Taken away one at a time, the rest passes: neither can be left out of the set.
+    for way in found.either:
+        assert Excluding(question_of(ASKED), jobs=1)({way.field: Fixed(way.after)}).passes
+
+
+def test_one_requirement_alone_is_not_called_a_set() -> None:
+    trials = Excluding(question_of(ASKED), jobs=1)
+    trials.also = True
+    found = conflict(trials, {})
+    assert found.exclude == ("loads.peak_torque_Nm",) and not found.proved
