@@ -7,16 +7,23 @@ from __future__ import annotations
 
 import pytest
 
-from tests.random_generator import WHOLE, Passing, passing
+from tests.random_generator import WHOLE, Passing, passing, requirements
+from tests.support.reach_bound import asked, excluding
 
-# Of seeds 1 to 40; those that fail are mostly files whose requirements exclude each other, which nothing proves yet.
-LEAST = 16
+# Of seeds 1 to 40: files that pass, and files that do or whose requirements are proved to exclude each other.
+LEAST_PASSING, LEAST_SETTLED = 20, 38
 
 
 @pytest.mark.slow
-def test_random_short_files_of_the_whole_space() -> None:
-    passed = [seed for seed in range(1, 41) if isinstance(passing(seed, WHOLE), Passing)]
-    assert len(passed) >= LEAST, f"{len(passed)} of 40 pass: {passed}"
+def test_random_short_files_of_the_whole_space_pass_or_are_proved_to_exclude_each_other() -> None:
+    passed, excluded, left = list[int](), list[int](), list[int]()
+    for seed in range(1, 41):
+        passes = isinstance(passing(seed, WHOLE), Passing)
+        proved = bool(excluding(asked(requirements(seed, WHOLE))))
+        assert not (passes and proved), f"seed {seed} passes, and the bound says that it cannot"
+        (passed if passes else excluded if proved else left).append(seed)
+    assert len(passed) >= LEAST_PASSING, f"{len(passed)} of 40 pass: {passed}"
+    assert len(passed) + len(excluded) >= LEAST_SETTLED, f"neither pass nor proved: {left}"
 
 
 def test_random_short_files_in_usual_proportions() -> None:
