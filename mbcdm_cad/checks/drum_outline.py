@@ -52,7 +52,6 @@ def drum_zones(s: SectorUnderTest) -> list[Ring]:
     d = s.layout.drum
     spec = s.drive.tensioner
     half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
-    below = max(half, d.lug_root)
     zones = [
         Ring("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
         Ring("drum's web", d.spigot_radius, d.rim_inner_radius + 1.0, min(d.web_start_y, d.lands[0].y_start)),
@@ -60,6 +59,7 @@ def drum_zones(s: SectorUnderTest) -> list[Ring]:
     ]
     for t in d.tensioners:
         name = f"terminal of {t.cable_name}"
+        below = max(half, d.lug_root(t))
         zones.append(Ring(name, t.radius_mm - below, hypot(t.radius_mm + half, t.last_tip), t.y_mm - half))
     for c in s.steps:
         radii = (c.drum_radius_mm - s.flank_mm, c.drum_radius_mm + s.flank_mm)

@@ -24,6 +24,7 @@ def rim_height(s: SectorUnderTest) -> Comparison:
     """Height of the rim below the deepest pocket and the smallest land."""
     d = s.layout.drum
     floors = [(f"pocket of {t.cable_name}", t.radius_mm - d.nut_pocket) for t in d.tensioners]
+    floors += [(f"lug of {t.cable_name}", t.radius_mm - d.lug_root(t)) for t in d.tensioners]
     floors.append(("land of step 1", d.lands[0].surface_radius_mm))
     limit = RIM_WALLS * s.drive.drum.material.min_wall_mm
     return worst(at_least(f"rim under the {name}", floor - d.rim_inner_radius, limit, "mm") for name, floor in floors)

@@ -46,7 +46,7 @@ def bodies_of(s: SectorUnderTest, t: Tensioner, moved: bool = True) -> list[tupl
         ("swage", outline(start, end, -swage, swage), t.y_mm - swage, t.y_mm + swage),
         ("stud", outline(end, tip, -stud, stud), t.y_mm - stud, t.y_mm + stud),
         ("nuts", outline(t.lug_end, t.nuts_end, -nut, nut), t.y_mm - nut, t.y_mm + nut),
-        ("lug", outline(t.lug_start, t.lug_end, -d.lug_root, lug), t.y_mm - lug, d.lands[-1].y_end),
+        ("lug", outline(t.lug_start, t.lug_end, -d.lug_root(t), lug), t.y_mm - lug, d.lands[-1].y_end),
     ]
 
 
@@ -124,7 +124,7 @@ def lands_intact(s: SectorUnderTest) -> Comparison:
             ),
             at_least(
                 f"lug of {b.cable_name} over {a.cable_name}",
-                max(b.radius_mm - d.lug_root - a.radius_mm, b.y_mm - d.lug_half_width - a.y_mm) - half,
+                max(b.radius_mm - d.lug_root(b) - a.radius_mm, b.y_mm - d.lug_half_width - a.y_mm) - half,
                 TERMINAL_GAP_MM,
                 "mm",
             ),
@@ -191,7 +191,7 @@ def lug_stress(s: SectorUnderTest) -> Comparison:
         if width <= 0.0:
             raise NoFigureError(f"the rim ends before the lug of {t.cable_name} has any metal (width {width:.4g} mm)")
         modulus = width * (t.lug_end - t.lug_start) ** 2 / 6
-        stress = s.loads.highest_N * d.lug_root / modulus
+        stress = s.loads.highest_N * d.lug_root(t) / modulus
         what = f"yield {strength:g} MPa over the bending stress {stress:.4g} MPa in the lug of {t.cable_name}"
         found.append(at_least(what, strength / stress, LUG_SAFETY, "times"))
     return worst(found)

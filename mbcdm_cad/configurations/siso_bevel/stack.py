@@ -12,10 +12,14 @@ shelves follow the pulley, the drive follows the shelves. All mm.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
-from mbcdm_cad.parts.motor_head.dims import inner_half_width_mm
+from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, flange_screw, inner_half_width_mm
+
+# Between the heads of the flange's screws and the motor head's wall.
+HEAD_ROOM_MM = 0.1
 
 # Land beyond the cable: the wall of the slot that holds the swaged stop.
 BAND_MARGIN_MM = 0.8
@@ -53,6 +57,11 @@ class DirectStack:
     head_outer_x: float
 
 
+def pocket_corner_radius_mm(drive: DirectDrive, depth_mm: float) -> float:
+    """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
+    return max(drive.support.material.min_internal_radius_mm, depth_mm / TOOL_SLENDERNESS / 2)
+
+
 def direct_stack(drive: DirectDrive) -> DirectStack:
     """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
     flank, running = drive.cable.diameter_mm / 2, drive.clearances.running_mm
@@ -70,8 +79,18 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
     smallest, largest = (f(c.input_radius_mm for c in drive.cables) for f in (min, max))
     drum_inner = smallest - flank + drive.clearances.transfer_gap_mm
     front = min(smallest - nut_corner_radius_mm(drive), drum_inner) - running
-    side_inner = max(largest + flank, drive.encoder.diameter_mm / 2) + running
     head_inner = inner_half_width_mm(drive)
+    head_outer = head_inner + s.side_wall_mm / 2
+    # The flange's screws stand in the middle of the side walls, their heads clear of the head.
+    beside_head = head_outer + flange_screw(drive).head_diameter_mm / 2 + HEAD_ROOM_MM - s.side_wall_mm / 2
+    side_inner = max(largest + flank + running, drive.encoder.diameter_mm / 2 + running, beside_head)
+    # The box's corners, which its cutter leaves, begin at the encoder's shelf.
+    corner = pocket_corner_radius_mm(drive, front - s.back_y_mm - s.back_plate_mm)
+    edges = [(c.input_radius_mm + flank, c.drum_radius_mm - flank) for c in drive.cables]
+    for x, z in (*edges, (smallest - flank, -land_top)):
+        above = max(corner - (z + shelf_bottom), 0.0)
+        room = max((corner - running) ** 2 - above**2, 0.0)
+        side_inner = max(side_inner, x + corner - sqrt(room))
     return DirectStack(
         motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
         gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,
@@ -94,5 +113,5 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
         side_inner_x=side_inner,
         side_outer_x=side_inner + s.side_wall_mm,
         head_inner_x=head_inner,
-        head_outer_x=head_inner + s.side_wall_mm / 2,
+        head_outer_x=head_outer,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, radians, sin
+from math import cos, radians, sin, sqrt
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.terminal.dims import Tensioner
@@ -107,7 +107,13 @@ class DrumDims:
         quarters = [radians(90.0 * quarter) for quarter in range(4)]
         return tuple((self.payload_circle_radius * sin(a), self.payload_circle_radius * cos(a)) for a in quarters)
 
-    @property
-    def lug_root(self) -> float:
-        """How far inside the terminal's axis a lug is rooted in the rim."""
-        return self.flat_wall + LUG_ROOT_MM
+    def lug_root(self, t: Tensioner) -> float:
+        """How far inside the terminal's axis its lug is rooted in the rim.
+
+        Where a long terminal puts the lug so far along the tangent that the rim falls away below it, as deep as the
+        rim's surface is under the lug's far corner.
+        """
+        least = self.flat_wall + LUG_ROOT_MM
+        surface = self.lands[-1].surface_radius_mm
+        falls_to = t.radius_mm - sqrt(max(surface**2 - t.lug_end**2, 0.0))
+        return least if falls_to <= least else falls_to + LUG_ROOT_MM

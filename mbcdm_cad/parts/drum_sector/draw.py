@@ -84,7 +84,7 @@ def _lug(dims: DrumDims, t: Tensioner) -> cq.Solid:
         t,
         (t.lug_start, t.lug_end),
         # Rooted in the rim but no deeper: below may run the cable of the next land.
-        (-dims.lug_root, dims.lug_half_width),
+        (-dims.lug_root(t), dims.lug_half_width),
         (t.y_mm - dims.lug_half_width, outer),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ import pytest
 import yaml
 
 from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.configurations.loader import load_design, load_text
+from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.configurations.siso_spur.sizing import DERIVED, size
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
@@ -82,3 +84,16 @@ def test_a_missing_requirement_is_told_with_what_to_add() -> None:
         load_text("name: x\nconfiguration: siso_spur\ntravel: {half_angle_deg: 30.0}\n")
     told = str(caught.value)
     assert "loads.peak_torque_Nm" in told and "input_to_drum: 9.9" in told, told
+
+
+def test_lugs_of_long_terminals_are_rooted_in_the_rim() -> None:
+    """An M4 terminal puts its lug beyond where the tangent has left the rim: its root reaches the rim all the same.
+
+    Without, the drum of params/gallery/capstan.yaml fell into three pieces.
+    """
+    drive: Any = load_design(PARAMS / "gallery" / "capstan.yaml").drive
+    drum = configuration_of(drive).layout(drive).drum  # type: ignore[attr-defined]
+    for t in drum.tensioners:
+        foot = hypot(t.radius_mm - drum.lug_root(t), t.lug_end)
+        surface = drum.lands[-1].surface_radius_mm
+        assert foot < surface, f"{t.cable_name}: the far corner at {foot:.2f} mm, the rim to {surface}"

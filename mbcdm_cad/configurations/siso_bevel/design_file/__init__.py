@@ -2,10 +2,27 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from mbcdm_cad.configurations.siso_bevel.design_file.reference import SHARED
 from mbcdm_cad.configurations.siso_bevel.design_file.resolve import drive
 from mbcdm_cad.configurations.siso_bevel.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.configurations.siso_bevel.design_file.schema import DirectDesign
+from mbcdm_cad.configurations.siso_bevel.design_file.starting import STARTING
 from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.sized import Moved, Sizing
 
-DESIGN_FILE = DesignFile(DirectDesign, SHARED, broken_rules, named_entries, drive)
+
+def _size(data: dict[str, Any], moved: Moved) -> Sizing:
+    from mbcdm_cad.configurations.siso_bevel.sizing import size  # only files with gaps need the rules
+
+    return size(data, moved)
+
+
+def _derived() -> tuple[str, ...]:
+    from mbcdm_cad.configurations.siso_bevel.sizing import DERIVED
+
+    return DERIVED
+
+
+DESIGN_FILE = DesignFile(DirectDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, starting=STARTING)

@@ -16,6 +16,14 @@ from mbcdm_cad.design.sector_blocks import SectorClearances, SectorDrum, Stepped
 class DirectTransmission(Block):
     """Pitch radii (to the cable's centre line) of steps 1 and 2, and the wrap that stays on the input."""
 
+    drum_radius_mm: Number | None = quantity(
+        "drum pitch radius of step 1; sizing adds step 2 where drum_radii_mm is left out",
+        unit="mm",
+        source="the paper's Table 2",
+        default=None,
+        ge=5.0,
+        le=500.0,
+    )
     drum_radii_mm: tuple[Length, ...] = quantity(
         "drum pitch radii r_o of steps 1 and 2",
         unit="mm",

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 from math import sqrt
 
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
-from mbcdm_cad.configurations.siso_bevel.stack import DirectStack
+from mbcdm_cad.configurations.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.boss.dims import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
-from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, TOOL_SLENDERNESS, Flange, dowel_length_mm
+from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 
 STOP_SHELF_MM = 6.0
@@ -86,9 +86,8 @@ class ColumnDims:
 
 
 def corner_radius_mm(drive: DirectDrive, levels: DirectStack) -> float:
-    """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
-    depth = levels.front_y - levels.pocket_floor_y
-    return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
+    """Corner radius of the frame's pockets."""
+    return pocket_corner_radius_mm(drive, levels.front_y - levels.pocket_floor_y)
 
 
 def flange(levels: DirectStack) -> Flange:

@@ -6,31 +6,28 @@ no field changes; the first begins with those of a drive of middle size.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator
 from typing import Any
 
+from mbcdm_cad.configurations.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
+from mbcdm_cad.configurations.head_parts import PARTS
 from mbcdm_cad.configurations.siso_spur.sizing.basis import (
-    LIMITS,
-    METALS,
+    LAND_EDGE,
     NAMES,
     PRELOAD,
     RADIUS,
     RATIO,
     ROPE,
-    TRAIN,
     WINDING,
     WINDUP,
 )
 from mbcdm_cad.configurations.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.configurations.siso_spur.sizing.parts import PARTS
+from mbcdm_cad.configurations.trial_sizing import needed, repeated
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
-from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
-_MOST_PASSES = 4
 DERIVED = tuple(
     rule.field for rule in (*WINDING, *FRAME, *DISTANCE, *DRUM, *BACK) if rule.field != "transmission.turns"
 )
@@ -41,11 +38,13 @@ def rules() -> tuple[Rule, ...]:
     return (
         *NAMES,
         *LIMITS,
+        *LAND_EDGE,
         *METALS,
         # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
         *TRAIN,
         *RATIO,
         *ROPE,
+        *ROPE_LIMITS,
         *RADIUS,
         *PRELOAD,
         *PARTS,
@@ -66,14 +65,7 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
     missing = list(_missing(SpurKnown(data, {})))
     if missing:
         raise SizingError(*missing)
-    guesses: dict[str, Any] = _first_guesses(data)
-    for _ in range(_MOST_PASSES):
-        sizing = fill(SpurKnown(copy.deepcopy(data), guesses), rules(), moved)
-        found = {value.field: value.value for value in sizing.values}
-        if all(guesses.get(field) == value for field, value in found.items()):
-            break
-        guesses = guesses | found
-    return sizing
+    return repeated(data, SpurKnown, rules(), _first_guesses(data), moved)
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
@@ -115,14 +107,10 @@ def _missing(given: SpurKnown) -> Iterator[Broken]:
         ("loads.peak_torque_Nm", "torque to hold both ways, N m", "2.15"),
     ):
         if not given.has(field):
-            yield _needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
     known = any(given.has(f"transmission.{name}") for name in ("input_to_drum", "input_radius_mm"))
     if not known and not given.has("drive.motor"):
         remedy = "add input_to_drum: 9.9 (drum radius over input radius), or name the motor under drive:"
-        yield _needed("transmission.input_to_drum", remedy)
+        yield needed("transmission.input_to_drum", remedy)
     if given.has("transmission.input_radius_mm") and not given.has("transmission.drum_radius_mm"):
-        yield _needed("transmission.drum_radius_mm", "add drum_radius_mm: 59.4 (drum pitch radius)")
-
-
-def _needed(field: str, remedy: str) -> Broken:
-    return Broken(tuple(field.split(".")), "missing; it is a requirement, so no sizing rule gives it", "", "", remedy)
+        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 59.4 (drum pitch radius)")

@@ -1,14 +1,8 @@
-"""What the sizing rules of siso_spur read: fields, catalogue, and checks asked on a trial drive.
-
-Rules invert checks by asking them: a trial drive is made of the fields known so far and of figures for those that are
-still open, which are the values of the pass before (:mod:`mbcdm_cad.configurations.siso_spur.sizing`).
-"""
+"""What the sizing rules of siso_spur read: fields, catalogue, and checks asked on a trial drive."""
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Iterable, Mapping
-from math import ceil, floor, inf, pi
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationError
@@ -20,57 +14,24 @@ from mbcdm_cad.configurations.siso_spur.design_file.resolve import drive
 from mbcdm_cad.configurations.siso_spur.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurDesign
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
-from mbcdm_cad.design.bought import Gearhead, Screw, least_wall_mm
-from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.rules import every_broken_rule
-from mbcdm_cad.design.sized import SizingError
-from mbcdm_cad.sizing.known import KnownFields
-from mbcdm_cad.sizing.rule import Found, rounded_up
+from mbcdm_cad.configurations.trial_sizing import TrialKnown, sound
 
 CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
-# The schema's own.
-NOZZLE_MM = 0.4
-# What every check on a trial drive rests on; the dimensions known so far besides.
-_ASKED_OF_THE_DRIVE = (
-    "travel.half_angle_deg",
-    "loads.peak_torque_Nm",
-    "transmission.drum_radius_mm",
-    "transmission.input_to_drum",
-    "rope.type",
-    "rope.preload_N",
-    "drive.motor",
-    "drive.gearhead",
-)
-# Trials of one field: each moves it by what the check misses, so that a few suffice.
-_MOST_TRIALS = 40
-_ON_STEP = 1e-9
 
 
-class SpurKnown(KnownFields):
-    """Adds figures that follow from a few fields each, and the checks on a trial drive."""
+class SpurKnown(TrialKnown):
+    """Adds the figures of one cable over an input beside the drum."""
 
-    def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any]) -> None:
-        super().__init__(data)
-        self.guesses = guesses
-
-    @property
-    def rope(self) -> dict[str, Any]:
-        """The rope's entry."""
-        inline = self.get("rope.inline")
-        return inline if inline is not None else self.entry("ropes", "rope.type")
-
-    @property
-    def d_mm(self) -> float:
-        """The rope's diameter."""
-        return float(self.rope["diameter_mm"])
-
-    @property
-    def axial_stiffness_N(self) -> float:
-        """EA of the rope: by the design's own modulus, else the catalogue's."""
-        modulus = float(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
-        nominal = self.get("rope.modulus_area", self.rope["modulus_area"]) == "nominal"
-        return modulus * 1e3 * (pi / 4 * self.d_mm**2 if nominal else float(self.rope["metallic_area_mm2"]))
+    asked = (
+        "travel.half_angle_deg",
+        "loads.peak_torque_Nm",
+        "transmission.drum_radius_mm",
+        "transmission.input_to_drum",
+        "rope.type",
+        "rope.preload_N",
+        "drive.motor",
+        "drive.gearhead",
+    )
 
     @property
     def ratio(self) -> float:
@@ -85,117 +46,18 @@ class SpurKnown(KnownFields):
         return float(self["transmission.drum_radius_mm"]) / self.ratio
 
     @property
-    def half_torque_N(self) -> float:
-        """What the peak torque adds to one side of the cable and takes from the other."""
-        return float(self["loads.peak_torque_Nm"] * 1e3 / (2 * self["transmission.drum_radius_mm"]))
+    def drum_mm(self) -> float:
+        """Pitch radius of the drum."""
+        return float(self["transmission.drum_radius_mm"])
 
-    @property
-    def gearhead(self) -> Gearhead:
-        """The gearhead, or the motor's own face."""
-        return Gearhead(name=self["drive.gearhead"], **self.entry("gearheads", "drive.gearhead"))
+    def checks(self) -> Mapping[str, Check]:
+        """See the base class."""
+        return CHECKS
 
-    def screw(self, name: str) -> Screw:
-        """A screw of the catalogue."""
-        return Screw(name=name, **self.entries("screws")[name])
-
-    def printed(self, part: str) -> bool:
-        """Whether a part is built up in layers."""
-        return bool(self.entry("materials", f"{part}.material")["process"] in ("printed", "sintered"))
-
-    def wall_mm(self, part: str) -> float:
-        """Thinnest wall of the material of a part, ``"drum"``."""
-        metal = self.entry("materials", f"{part}.material")
-        nozzle = self.get("printing.nozzle_mm", NOZZLE_MM)
-        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
-
-    def trial(self, field: str, value: Any) -> SpurUnderTest:
-        """The drive with ``field`` at ``value``, known fields as they are and guesses for the open ones, under test.
-
-        Raises ``NoFigureError`` where that is no drive, ``SizingError`` where the file breaks a rule.
-        """
-        whole = KnownFields(copy.deepcopy(self.data))
-        for name, guess in self.guesses.items():
-            if not whole.has(name):
-                whole.put(name, guess)
-        whole.put(field, value)
-        return SpurUnderTest(_drive(whole.data))
-
-    def margins(self, field: str, value: Any, checks: Iterable[str]) -> dict[str, tuple[float, str]]:
-        """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there."""
-        found = {}
-        for name in _ASKED_OF_THE_DRIVE:
-            self.get(name)
+    def under_test(self, data: dict[str, Any]) -> SpurUnderTest:
+        """See the base class."""
         try:
-            under_test = self.trial(field, value)
-        except NoFigureError:
-            return dict.fromkeys(checks, (-inf, ""))
-        for name in checks:
-            try:
-                comparison = CHECKS[name].measure(under_test)
-            except (NoFigureError, ValueError, ZeroDivisionError):
-                found[name] = (-inf, "")
-            else:
-                held = comparison.holds
-                found[name] = (max(comparison.margin, 0.0) if held else min(comparison.margin, -1e-9), comparison.unit)
-        return found
-
-    def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
-        """The value nearest to ``start``, on multiples of ``step`` in its sense, at which all the checks hold.
-
-        Each trial moves by what the worst check misses, where it is a length, else by steps that grow. Where none of
-        the trials passes, the one that missed least.
-        """
-        value = rounded_up(start, step) if step > 0.0 else _down(start, -step)
-        driver, least, pace = "", (-inf, value), abs(step)
-        for _ in range(_MOST_TRIALS):
-            margins = self.margins(field, value, checks)
-            name = min(margins, key=lambda check: margins[check][0])
-            missed, unit = margins[name]
-            if missed >= 0.0:
-                return Found(value, driver, f"{'up' if step > 0.0 else 'down'} to {abs(step):g}")
-            driver = name
-            if missed > least[0]:
-                least = missed, value
-            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 else pace
-            pace *= 1.3
-            value = rounded_up(value + by, step) if step > 0.0 else _down(value - by, -step)
-        return Found(least[1], driver, "no value passes: the nearest")
-
-    def first(self, field: str, candidates: Iterable[Any], checks: tuple[str, ...]) -> Found:
-        """The first candidate with which all the checks hold, else the one that misses least.
-
-        Raises ``ValueError`` where there is no candidate.
-        """
-        driver, least, nearest = "", -inf, None
-        for value in candidates:
-            margins = self.margins(field, value, checks)
-            worst = min(margins, key=lambda check: margins[check][0])
-            if margins[worst][0] >= 0.0:
-                return Found(value, driver, "first that does")
-            driver = worst
-            if nearest is None or margins[worst][0] > least:
-                least, nearest = margins[worst][0], value
-        if nearest is None:
-            raise ValueError("the catalogue has nothing that could fit")
-        return Found(nearest, driver, "nothing does: the nearest")
-
-
-def _down(value: float, step: float) -> float:
-    return round(floor(value / step + _ON_STEP) * step, 9)
-
-
-def _drive(data: dict[str, Any]) -> SpurDrive:
-    try:
-        design = SpurDesign.model_validate(data)
-    except ValidationError as error:
-        raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
-    catalogue = Catalogue(design)
-    broken = next(every_broken_rule(design, catalogue, broken_rules(design), named_entries(design)), None)
-    if broken is not None:
-        raise SizingError(broken)
-    return drive(design, catalogue, {})
-
-
-def whole_turns(angle_deg: float) -> int:
-    """Turns that hold an angle."""
-    return max(1, ceil(angle_deg / 360.0))
+            design = SpurDesign.model_validate(data)
+        except ValidationError as error:
+            raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
+        return SpurUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))

@@ -1,65 +1,65 @@
-"""Rules that pick bought parts: the lightest with which the checks hold on a trial drive."""
+"""Rules that pick the bought parts of drives with a motor head: the lightest with which the checks hold."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.configurations.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 _RING = "ring"
 
 
-def _bores(given: SpurKnown, ring: bool) -> set[float]:
+def _bores(given: TrialKnown, ring: bool) -> set[float]:
     """Bores that encoders are made with: those that stand on a shaft's end, or rings."""
     return {entry["bore_mm"] for name, entry in given.entries("encoders").items() if (_RING in name) == ring}
 
 
-def _by_mass(given: SpurKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool]) -> list[str]:
+def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool]) -> list[str]:
     """Names of the entries that are ``wanted``, the lightest first."""
     entries = given.entries(kind)
     return sorted((n for n, e in entries.items() if wanted(n, e)), key=lambda n: (entries[n]["mass_g"], n))
 
 
-def _drum_bearing(given: SpurKnown) -> Found:
+def _drum_bearing(given: TrialKnown) -> Found:
     bores = _bores(given, ring=True)
     names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] in bores)
     return given.first("drum.bearing", names, ("drum_bearings", "shaft_twist"))
 
 
-def _lower(given: SpurKnown) -> Found:
+def _lower(given: TrialKnown) -> Found:
     shaft, wall = given.gearhead.shaft_diameter_mm, given.wall_mm("input_pulleys")
     names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= shaft + 2 * wall)
     return given.first("input_pulleys.lower_bearing", names, ("bore_wall", "key_access", "input_bearings"))
 
 
-def _upper(given: SpurKnown) -> Found:
+def _upper(given: TrialKnown) -> Found:
     bores = _bores(given, ring=False)
     names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] in bores)
     return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
 
 
-def _encoder(given: SpurKnown) -> Found:
+def _encoder(given: TrialKnown) -> Found:
     bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
     names = _by_mass(given, "encoders", lambda name, entry: _RING not in name and entry["bore_mm"] == bore)
     return given.first("drive.encoder", names, ("encoder_shelf",))
 
 
-def _drum_encoder(given: SpurKnown) -> Found:
+def _drum_encoder(given: TrialKnown) -> Found:
     bore = given.entry("bearings", "drum.bearing")["bore_mm"]
     names = _by_mass(given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bore)
     return given.first("drive.drum_encoder", names, ("boss",))
 
 
-def _tensioner(given: SpurKnown) -> Found:
+def _tensioner(given: TrialKnown) -> Found:
     entries = given.entries("tensioners")
     names = sorted(entries, key=lambda name: entries[name]["stud_length_mm"])
     return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up"))
 
 
-def _collar_screw(given: SpurKnown) -> Found:
+def _collar_screw(given: TrialKnown) -> Found:
     return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip",))
 
 

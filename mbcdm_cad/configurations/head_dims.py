@@ -1,0 +1,88 @@
+"""Sizes that drives with a motor head share: shelves of the head, and the drum but for its width and its arc."""
+
+from __future__ import annotations
+
+from mbcdm_cad.configurations.trial_sizing import TrialKnown
+from mbcdm_cad.sizing.rule import Found, rounded_up
+
+# Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
+SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
+# Engaged thread of a face's screws, in diameters.
+ENGAGED = 1.25
+# Bore of the drum's shaft over its bearings'.
+SHAFT_BORE_SHARE = 0.5
+
+
+def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
+    """One value for milled parts, the other for printed ones."""
+    return values[1] if given.printed(part) else values[0]
+
+
+def motor_shelf(given: TrialKnown) -> Found:
+    """What the screws leave beyond the thread that they need; no thinner than wall and pilot ask for."""
+    gear = given.gearhead
+    screw = given.screw(gear.screw)
+    needs = {
+        "walls": given.wall_mm("support"),
+        "engagement": screw.length_mm - ENGAGED * screw.thread_mm - 0.75 * screw.thread_mm,
+        "pilot_room": gear.pilot_height_mm + 0.5,
+    }
+    driver = max(needs, key=lambda name: needs[name])
+    return Found(rounded_up(min(needs[driver], screw.length_mm - screw.thread_mm), 0.1), driver, "up to 0.1")
+
+
+def bearing_shelf(given: TrialKnown) -> Found:
+    """Shelf of the bearing next to the motor."""
+    width = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
+    start = max(width + given.wall_mm("support"), 3.0)
+    return given.moved("support.bearing_shelf_mm", start, 0.1, ("bearing_seats", "walls"))
+
+
+def encoder_shelf(given: TrialKnown) -> Found:
+    """Shelf of the bearing next to the encoder."""
+    width = given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"]
+    start = max(width + given.wall_mm("support"), 3.0)
+    return given.moved("support.encoder_shelf_mm", start, 0.1, ("encoder_shelf",))
+
+
+def coupling_space(given: TrialKnown) -> Found:
+    """Between the shelves of motor and bearing."""
+    return given.moved("support.coupling_space_mm", 5.0, 0.1, ("coupling_height", "collar_space"))
+
+
+def side_wall(given: TrialKnown) -> float:
+    """Walls beside the motor head."""
+    return max(either(given, "support", SIDE_MM), 2 * given.wall_mm("support"))
+
+
+def shaft_bore(given: TrialKnown) -> Found:
+    """Bore of the drum's shaft."""
+    bore = given.entry("bearings", "drum.bearing")["bore_mm"]
+    return given.moved("drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_twist"))
+
+
+def web(given: TrialKnown) -> float:
+    """Web of the drum."""
+    return either(given, "drum", WEB_MM)
+
+
+def hub(given: TrialKnown) -> Found:
+    """Diameter of the drum's hub."""
+    start = given.entry("bearings", "drum.bearing")["bore_mm"] + 4.0
+    return given.moved("drum.hub_diameter_mm", start, 0.5, ("hub_walls", "hub_spigot", "hub_set_screws", "engagement"))
+
+
+def rim(given: TrialKnown) -> Found:
+    """Inner radius of the drum's rim."""
+    start = given.drum_mm - 2 * given.d_mm
+    return given.moved("drum.rim_inner_radius_mm", start, -0.5, ("rim_height", "pocket_corners"))
+
+
+def stop_pin(given: TrialKnown) -> Found:
+    """Diameter of the stop pin."""
+    return given.first("drum.stop_pin_mm", (3.0, 4.0, 5.0, 6.0, 8.0, 10.0), ("stop_pin",))
+
+
+def hub_face(given: TrialKnown) -> Found:
+    """Face of the drum's hub."""
+    return given.moved("drum.hub_face_y_mm", given["drum.outer_face_y_mm"], 0.1, ("hub_length",))

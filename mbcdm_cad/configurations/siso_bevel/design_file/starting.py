@@ -1,0 +1,19 @@
+"""A short design file to start from: requirements only, everything else follows from them by the sizing rules."""
+
+from __future__ import annotations
+
+STARTING = """\
+# Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
+# Lengths in mm, angles in degrees. Any field of docs/design-file.md may be given too: it then stays as it is.
+name: {name}
+configuration: siso_bevel
+travel:
+  half_angle_deg: 35.0      # deg: travel each way from the centred drum
+transmission:
+  drum_radius_mm: 60.0      # mm: drum pitch radius of step 1; step 2 follows
+  # input_to_drum: 4.5      # left out: the most that the travel leaves on one turn of the input
+loads:
+  peak_torque_Nm: 0.9       # N m: torque to hold both ways
+# rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
+# drum: {{material: pa12}}    # left out: aluminium; so for support
+"""

@@ -1,0 +1,99 @@
+"""Sizing rules of siso_bevel, in the order of the drive; many ask checks on a trial drive (trial_sizing)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from mbcdm_cad.configurations.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
+from mbcdm_cad.configurations.head_parts import PARTS
+from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
+from mbcdm_cad.configurations.siso_bevel.sizing.rules import (
+    BACK,
+    DRUM,
+    FRAME,
+    NAMES,
+    PRELOAD,
+    RATIO,
+    ROPE,
+    TRANSFER,
+)
+from mbcdm_cad.configurations.trial_sizing import needed, repeated
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.sizing.rule import Rule
+
+RULES: tuple[Rule, ...] = (
+    *NAMES,
+    *LIMITS,
+    *METALS,
+    *ROPE,
+    *ROPE_LIMITS,
+    *PRELOAD,
+    *RATIO,
+    *TRAIN,
+    *TRANSFER,
+    *PARTS,
+    *FRAME,
+    *DRUM,
+    *BACK,
+)
+DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, *BACK) if not rule.field.startswith("limits."))
+
+
+def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+    """The data with its gaps filled, values that rules find as ``moved`` makes them.
+
+    Raises ``SizingError`` where a requirement is missing.
+    """
+    given = DirectKnown(data, {})
+    missing = list(_missing(given))
+    if missing:
+        raise SizingError(*missing)
+    return repeated(data, DirectKnown, RULES, _first_guesses(given.drum_mm), moved)
+
+
+def _first_guesses(radius_mm: float) -> dict[str, Any]:
+    """Figures of a drive of middle size, for what the first pass does not know yet."""
+    return {
+        "transmission.drum_radii_mm": [radius_mm, 1.06 * radius_mm],
+        "clearances.land_edge_mm": 0.15,
+        "clearances.transfer_gap_mm": 0.1,
+        "drive.motor": "motor-2.9mNm-15",
+        "drive.gearhead": "gearhead-76-16",
+        "drive.encoder": "encoder-20-5",
+        "drive.drum_encoder": "encoder-24-ring",
+        "drum.tensioner": "M2",
+        "drum.bearing": "618/8",
+        "drum.web_thickness_mm": 2.0,
+        "drum.shaft_bore_mm": 2.0,
+        "drum.hub_diameter_mm": 20.0,
+        "drum.sector_half_angle_deg": 90.0,
+        "drum.rim_inner_radius_mm": 0.8 * radius_mm,
+        "drum.outer_face_y_mm": 40.0,
+        "drum.hub_face_y_mm": 60.0,
+        "input_pulleys.lower_bearing": "618/8",
+        "input_pulleys.upper_bearing": "625",
+        "support.motor_shelf_mm": 4.0,
+        "support.side_wall_mm": 5.0,
+        "support.back_plate_mm": 4.0,
+        "support.rib_mm": 5.0,
+        "support.bearing_shelf_mm": 6.0,
+        "support.encoder_shelf_mm": 6.0,
+        "support.coupling_space_mm": 15.0,
+        "support.back_y_mm": -60.0,
+        "limits.frame_windup_max_mrad": 1.0,
+    }
+
+
+def _missing(given: DirectKnown) -> Iterator[Broken]:
+    for field, meaning, example in (
+        ("travel.half_angle_deg", "travel each way from the centred drum, deg", "35.0"),
+        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "0.98"),
+    ):
+        if not given.has(field):
+            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    if not any(given.has(f"transmission.{name}") for name in ("drum_radii_mm", "drum_radius_mm")):
+        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 58.0 (drum pitch radius of step 1)")
+    elif given.has("transmission.input_radii_mm") and not given.has("transmission.drum_radii_mm"):
+        yield needed("transmission.drum_radii_mm", "add the drum's radii, as the input's are given")

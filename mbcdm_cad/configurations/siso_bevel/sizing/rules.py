@@ -1,0 +1,201 @@
+"""Rules of siso_bevel that other drives with a motor head do not have: ratio, steps, transfer, frame."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.configurations.head_dims import (
+    bearing_shelf,
+    coupling_space,
+    either,
+    encoder_shelf,
+    hub,
+    hub_face,
+    motor_shelf,
+    rim,
+    shaft_bore,
+    side_wall,
+    stop_pin,
+    web,
+)
+from mbcdm_cad.configurations.siso_bevel.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
+from mbcdm_cad.sizing.rule import Found, Rule, constant
+
+# Wrap that stays on the input, and what the stop's slot takes before it is known, deg.
+RESERVE_DEG, SLOT_DEG = 18.0, 8.0
+# Preload over what keeps both cables taut at peak torque.
+PRELOAD_FACTOR = 2.0
+# Strength of an end over the rope's, before rope and ends are chosen.
+END_SHARE = 0.8
+CONSTRUCTION = "7x7"
+# Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
+BACK_MM, RIB_MM = (3.0, 6.0), (5.0, 8.0)
+# Beyond the travel, before the wraps' own limits are known.
+SECTOR_SPARE_DEG = 15.0
+_STEPS_TRIED = 24
+
+
+def _ratio(given: DirectKnown) -> Found:
+    """The highest ratio at which the travel, the reserve and the stop's slot stay within a turn of the input."""
+    most = (360.0 - given["transmission.reserve_deg"] - SLOT_DEG) / (2 * given["travel.half_angle_deg"])
+    return given.moved("transmission.input_to_drum", most, -0.05, ("input_under_turn", "drum_sweep", "bend_ratio"))
+
+
+def _rope(given: DirectKnown) -> Found:
+    tension = (PRELOAD_FACTOR + 1.0) * given.half_torque_N
+    asked = tension * given["limits.tension_safety_factor"] / END_SHARE
+    ropes = sorted(
+        (entry["diameter_mm"], name, entry["breaking_load_N"])
+        for name, entry in given.entries("ropes").items()
+        if entry["construction"] == CONSTRUCTION
+    )
+    strong = [name for _, name, breaking in ropes if breaking >= asked]
+    return Found(strong[0] if strong else ropes[-1][1], "tension", "next size of the catalogue")
+
+
+def _preload(given: DirectKnown) -> Found:
+    most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
+    wanted = PRELOAD_FACTOR * given.half_torque_N
+    driver = "no_slack" if wanted <= most else "preload_share"
+    return Found(float(f"{min(wanted, most):.2g}"), driver, "two digits")
+
+
+def _land_edge(given: DirectKnown) -> Found:
+    wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
+    return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
+
+
+def _transfer_gap(given: DirectKnown) -> Found:
+    wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
+    return Found(round(max(wide, RUN_OUT_MM), 4), "transfer_gap" if wide > RUN_OUT_MM else "bodies_clear")
+
+
+def _drum_radii(given: DirectKnown) -> Found:
+    """Step 2 as little above step 1 as the lands at the transfer allow."""
+    first, rise = given["transmission.drum_radius_mm"], 0.1 * given.d_mm * given.ratio
+    pairs = [[first, round(first + (4 + k) * rise, 2)] for k in range(_STEPS_TRIED)]
+    checks = ("radii_rise", "land_width", "land_edge", "bodies_clear", "transfer_gap", "stop_pocket_floor")
+    return given.first("transmission.drum_radii_mm", pairs, checks)
+
+
+def _side_wall(given: DirectKnown) -> Found:
+    return given.moved("support.side_wall_mm", side_wall(given), 0.1, ("flange", "collar_space", "walls"))
+
+
+def _back_plate(given: DirectKnown) -> float:
+    return max(either(given, "support", BACK_MM), given.wall_mm("support"))
+
+
+def _rib(given: DirectKnown) -> float:
+    return max(either(given, "support", RIB_MM), given.wall_mm("support"))
+
+
+def _back(given: DirectKnown) -> Found:
+    start = -given.drum_mm / given.ratio
+    checks = ("drum_bearing_spacing", "boss", "pockets", "pulley_room", "encoder_room")
+    return given.moved("support.back_y_mm", start, -0.5, checks)
+
+
+def _outer_face(given: DirectKnown) -> Found:
+    checks = (
+        "outermost_land",
+        "land_thickness",
+        "outer_face",
+        "terminals_apart",
+        "lands_intact",
+        "lug_stress",
+        "web_in_rim",
+    )
+    return given.moved("drum.outer_face_y_mm", given.drum_mm / given.ratio, 0.1, checks)
+
+
+def _sector(given: DirectKnown) -> Found:
+    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, 174.0)
+    checks = tuple(name for name in ("wrap_left", "terminal_clears_input", "stop_slot") if name in given.checks())
+    return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)
+
+
+def _windup(given: DirectKnown) -> float:
+    """Both cables stretch over their wraps alone: a figure of the size of the reference's, by load and drum."""
+    turn = 0.1 * given["loads.test_torque_Nm"] * (60.0 / given.drum_mm) ** 2
+    return float(f"{turn * (20.0 if given.printed('support') else 1.0):.3g}")
+
+
+NAMES = (
+    constant("schema_version", 1, "the version of the file's layout", "the program"),
+    constant("inputs", INPUTS, "the one input", "the configuration"),
+    constant("cables", CABLES, "one cable for each sense of the drum", "the configuration"),
+    constant("transmission.reserve_deg", RESERVE_DEG, "wrap that never unwinds", "input_reserve"),
+)
+RATIO = (
+    Rule(
+        "transmission.input_to_drum",
+        "the most that travel and reserve leave on one turn of the input",
+        "input_under_turn",
+        _ratio,
+        applies=lambda given: not given.has("transmission.input_radii_mm"),
+    ),
+)
+ROPE = (
+    Rule(
+        "rope.type",
+        "the thinnest wire rope that holds preload and peak torque with its safety factor",
+        "tension",
+        _rope,
+        applies=lambda given: not given.has("rope.inline"),
+    ),
+)
+PRELOAD = (Rule("rope.preload_N", "twice what keeps both cables taut at peak torque", "no_slack", _preload),)
+TRANSFER = (
+    Rule(
+        "clearances.land_edge_mm",
+        "a broken edge and the run-out, as far as the rope leaves it",
+        "land_edge",
+        _land_edge,
+    ),
+    Rule(
+        "clearances.transfer_gap_mm",
+        "half a rope less the land's edge and a broken edge",
+        "transfer_gap",
+        _transfer_gap,
+    ),
+    Rule(
+        "transmission.drum_radii_mm",
+        "step 1 as asked, step 2 as little above it as the lands allow",
+        "land_width",
+        _drum_radii,
+    ),
+)
+FRAME = (
+    Rule("support.motor_shelf_mm", "as thick as the face's screws leave it", "engagement", motor_shelf),
+    Rule("support.back_plate_mm", "stiff, and thick enough for its material", "walls", _back_plate),
+    Rule("support.rib_mm", "stiff, and thick enough for its material", "walls", _rib),
+    Rule("support.bearing_shelf_mm", "the bearing next to the motor and a shoulder", "bearing_seats", bearing_shelf),
+    Rule("support.encoder_shelf_mm", "bearing, shoulder and sunk screw heads", "encoder_shelf", encoder_shelf),
+    Rule(
+        "support.coupling_space_mm",
+        "room for the collar on its way in, for the face's screws and their key",
+        "coupling_height",
+        coupling_space,
+    ),
+    Rule("support.side_wall_mm", "walls round the motor head's screws", "flange", _side_wall),
+)
+DRUM = (
+    Rule("drum.web_thickness_mm", "stiff enough for its material", "web_in_rim", web),
+    Rule("drum.shaft_bore_mm", "half the bearings' bore, as far as the wall allows", "shaft_wall", shaft_bore),
+    Rule("drum.hub_diameter_mm", "walls round shaft, set screws and payload threads", "hub_walls", hub),
+    Rule("drum.sector_half_angle_deg", "the travel and the wrap that must stay", "wrap_left", _sector),
+    Rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin", stop_pin),
+    Rule("drum.rim_inner_radius_mm", "as thin a rim as the terminals' pockets allow", "rim_height", rim),
+    Rule("drum.outer_face_y_mm", "as narrow as lands and terminals allow", "outer_face", _outer_face),
+    Rule("drum.hub_face_y_mm", "set screws and payload threads before the web", "hub_length", hub_face),
+)
+BACK = (
+    Rule("support.back_y_mm", "room for the pulley, and the drum's bearings apart", "drum_bearing_spacing", _back),
+    Rule(
+        "limits.frame_windup_max_mrad",
+        "about ten times the cables' own turn at the test torque, for a printed frame twenty times as much",
+        "frame_windup",
+        _windup,
+    ),
+)
