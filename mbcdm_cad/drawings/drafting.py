@@ -196,13 +196,15 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, sheet_scale: float
         raise ValueError(f"radius {d.value:.6g} mm in view {d.view}: its points stand {drawn:.6g} mm apart")
     text = f"{d.prefix}<>{d.suffix}"
     shown = text.replace("<>", f"R{value_text(d.value, 2)}")
-    width = text_width_mm(shown)
-    middle = room.place(at, width, TEXT_MM, 3.0)
+    # The leader ends in a level leg as long as an arrow, and the text stands behind that leg.
+    width = text_width_mm(shown) + ARROW_MM
+    x, y = room.place(at, width, TEXT_MM, 3.0, beside=True)
+    leg = (x + (width / 2 if x < at[0] else -width / 2), y)
     made = paper.add_radius_dim(
         center=centre,
         radius=hypot(at[0] - centre[0], at[1] - centre[1]),
         angle=degrees(atan2(at[1] - centre[1], at[0] - centre[0])),
-        location=middle,
+        location=leg,
         text=text,
         dimstyle=DIMENSION_STYLE,
         override={"dimlfac": 1.0 / placed.scale, "dimtoh": 1, "dimtih": 1, "dimtad": 0, "dimtmove": 1},

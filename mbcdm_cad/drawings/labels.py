@@ -57,8 +57,11 @@ class Room:
             self._together = np.concatenate(self._segments) if self._segments else np.zeros((0, 4))
         return not _crossed(self._together, wanted)
 
-    def place(self, at: Point, width: float, height: float, clear: float) -> Point:
-        """Middle of a text near ``at``, at least ``clear`` away from it; that place is taken from then on."""
+    def place(self, at: Point, width: float, height: float, clear: float, beside: bool = False) -> Point:
+        """Middle of a text near ``at``, at least ``clear`` away from it; that place is taken from then on.
+
+        ``beside``: wholly to the left or to the right of ``at``.
+        """
         best: Point | None = None
         for step in range(26):
             for deg in _DIRECTIONS:
@@ -66,6 +69,8 @@ class Room:
                 dx, dy = cos(radians(deg)), sin(radians(deg))
                 x = at[0] + dx * (away + width / 2)
                 y = at[1] + dy * (away + height / 2)
+                if beside and abs(x - at[0]) < width / 2:
+                    continue
                 wanted = (
                     x - width / 2 - _AROUND_MM,
                     y - height / 2 - _AROUND_MM,

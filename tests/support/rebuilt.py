@@ -15,6 +15,9 @@ from tests.support.frame_from_drawing import frame
 from tests.support.milled_from_drawing import collar, one, slot_tools, top_plate
 from tests.support.turned_from_drawing import turned_volume
 
+# Points nearer than this on the paper are one.
+_ON_PAPER_MM = 0.05
+
 Rebuild = Callable[[Drawing, list[ReadDimension]], float]
 
 
@@ -80,31 +83,22 @@ def pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
     for length in chain:
         places.append(places[-1] + length)
     places.append(whole)
-    bore, *left = [
-        d.value / 2
-        for d in sorted((d for d in main if d.prefix == "Ø" and d.start[0] < _middle(main)), key=lambda d: d.value)
-    ]
-    right = [
-        d.value / 2
-        for d in sorted((d for d in main if d.prefix == "Ø" and d.start[0] >= _middle(main)), key=lambda d: -d.value)
-    ]
-    blind, slit_depth = sorted(d.value for d in main if d.across and d.start[1] > 0 and "45" not in d.suffix)
+    # Diameters in the order of their places along the axis; the bore's stands on the end face.
+    bore, *radii = [d.value / 2 for d in sorted((d for d in main if d.prefix == "Ø"), key=lambda d: d.start[0])]
+    # The bore's depth ends on the bore's outline, the slit's on that of the journal.
+    level = next(abs(d.start[1]) for d in main if d.prefix == "Ø" and d.value / 2 == bore)
+    depths = [d for d in main if d.across and d.start[1] > 0 and "45" not in d.suffix]
+    (blind,) = (d.value for d in depths if abs(d.end[1] - level) < _ON_PAPER_MM)
+    (slit_depth,) = (d.value for d in depths if abs(d.end[1] - level) >= _ON_PAPER_MM)
     chamfer = next(d.value for d in main if "45" in d.suffix)
-    body = cq.Solid.makeCylinder(left[0], places[1], cq.Vector(0, 0, 0))
-    parts = [
-        cq.Solid.makeCylinder(radius, b - a, cq.Vector(0, 0, a))
-        for radius, a, b in zip([*left[1:], *right], places[1:-1], places[2:], strict=True)
-    ]
-    solid = body.fuse(*parts)
-    # Chamfers as rings.
-    for radius, end, way in ((left[0], 0.0, 1.0), (right[-1], whole, -1.0)):
-        outer = cq.Solid.makeCylinder(radius + 1.0, chamfer, cq.Vector(0, 0, min(end, end + way * chamfer)))
-        first, last = (radius - chamfer, radius) if way > 0 else (radius, radius - chamfer)
-        solid = solid.cut(
-            outer.cut(cq.Solid.makeCone(first, last, chamfer, cq.Vector(0, 0, min(end, end + way * chamfer))))
-        )
+    outline = [(0.0, 0.0), (radii[0] - chamfer, 0.0), (radii[0], chamfer)]
+    for inner, outer, at in zip(radii[:-1], radii[1:], places[1:-1], strict=True):
+        outline += [(inner, at), (outer, at)]
+    outline += [(radii[-1], whole - chamfer), (radii[-1] - chamfer, whole), (0.0, whole)]
+    solid = cq.Workplane("XZ").polyline(outline).close().revolve(360.0, (0, 0), (0, 1)).val()
+    assert isinstance(solid, cq.Shape)
     slit = one(dims, "lower end").value
-    reach = left[0] + 1.0
+    reach = radii[0] + 1.0
     tools = [
         cq.Solid.makeCylinder(bore, blind, cq.Vector(0, 0, 0)),
         cq.Solid.makeBox(2 * reach, slit, slit_depth, cq.Vector(-reach, -slit / 2, 0.0)),
@@ -113,11 +107,6 @@ def pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
     for tool in tools:
         solid = solid.cut(tool)
     return float(solid.Volume())
-
-
-def _middle(main: list[ReadDimension]) -> float:
-    whole = max((d for d in main if d.across), key=lambda d: d.value)
-    return (whole.start[0] + whole.end[0]) / 2
 
 
 # Small parts; the two below them take seconds each.
