@@ -43,7 +43,7 @@ EDITS: dict[str, tuple[str, Callable[[float], str], str]] = {
         "drum",
     ),
 }
-WAIT_S = 240.0
+WAIT_S = 900.0
 NAMES = ("checks", "STEP", "page", "picture")
 
 
