@@ -125,6 +125,7 @@ def main() -> None:
         sys.exit("needs Chromium (Debian: apt-get install chromium)")
     with watching() as running, sync_playwright() as driver:
         page = driver.chromium.launch(executable_path=chromium, args=FLAGS).new_page()
+        page.set_default_timeout(1e3 * WAIT_S)
         running.built()
         page.goto(running.address)
         for what, (old, new, part) in EDITS.items():
