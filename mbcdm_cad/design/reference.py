@@ -14,9 +14,9 @@ _INTRO = """\
 Written by `mbcdm schema --reference` from the schema; do not edit by hand. `mbcdm init NEW.yaml --reference`
 writes a file with the reference values to start from, `mbcdm schema` the JSON Schema for completion in an editor.
 
-This page describes the configuration `miso_bevel`. For another one: `mbcdm schema --reference --configuration
-siso_bevel` (or `siso_spur`). Most fields of a `miso_bevel` file may be left out: sizing rules then compute them
-([size a drive](how-to/size-a-drive.md)).
+This page describes the configuration `miso_bevel`. For `siso_bevel`, `siso_spur` or `miso_spur` add
+`--configuration NAME` to the command. Most fields of a `miso_bevel` file may be left out: sizing rules then compute
+them ([size a drive](how-to/size-a-drive.md)).
 
 Fields marked "+- sigma" may be given as `{value: 70.0, sigma: 3.0}`, also single items of a list; `mbcdm analyse` and
 the report then give backlash and torque with a 95 % interval. Sigma is one standard deviation, from 0 to a third of
