@@ -14,7 +14,8 @@ class MbcdmError(Exception):
 class Problem:
     """One thing wrong with an input file: where, what, which value against which limit, and what to do about it.
 
-    ``value`` and ``limit`` may be empty where there is none to give.
+    ``value`` and ``limit`` may be empty where there is none to give. ``may_move``: nothing is wrong with the file as
+    such, and other values of fields that are free may mend it; a search goes on.
     """
 
     file: str
@@ -24,6 +25,7 @@ class Problem:
     value: str = ""
     limit: str = ""
     remedy: str = ""
+    may_move: bool = False
 
     def __str__(self) -> str:
         """``FILE:LINE: field: what (value ..., limit ...); remedy`` on one line."""

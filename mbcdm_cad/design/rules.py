@@ -20,13 +20,14 @@ from mbcdm_cad.errors import did_you_mean, shortened
 
 
 class Broken(NamedTuple):
-    """A rule that does not hold: field path, what, value, limit, remedy."""
+    """A rule that does not hold: field path, what, value, limit, remedy; ``may_move`` as in :class:`Problem`."""
 
     path: FieldPath
     what: str
     value: str
     limit: str
     remedy: str
+    may_move: bool = False
 
 
 class NamedEntry(NamedTuple):

@@ -207,7 +207,7 @@ def _refuse_what_is_wrong(question: Question) -> None:
         question.resolve(*question.trial({}))
     except InputError as error:
         # What a rule or a layout cannot do with these figures is for the search; all else is wrong in the file.
-        if all(problem.what.startswith(("no rule can fill it here", "too short for")) for problem in error.problems):
+        if all(problem.may_move for problem in error.problems):
             return
         raise
 

@@ -186,6 +186,7 @@ def _surface(given: BevelKnown) -> Found:
                 f"{distance:g} mm",
                 f"over {across:.4g} mm, their radii",
                 "raise it, lower the drum's radius, or leave it out",
+                may_move=True,
             )
         )
     span = sqrt(max(distance**2 - across**2, 1e-6))
