@@ -78,17 +78,18 @@ def together(
         new_out = [field for fields in pins.values() for field in fields if field not in out]
         if not moved and not new_out:
             break
+        tried, gone = copy.deepcopy(data), out | dict.fromkeys(new_out)
         for field in new_out:
-            out[field] = None
-            _remove(data, field)
-        for path, offer in moved.items():
-            if path not in out:
-                changes[path] = float(f"{offer.value:.6g}")
-                _set(data, path, changes[path])
+            _remove(tried, field)
+        wanted = {path: float(f"{offer.value:.6g}") for path, offer in moved.items() if path not in gone}
+        for path, value in wanted.items():
+            _set(tried, path, value)
         try:
-            design = load_tree(yamltree.Tree(copy.deepcopy(data), tree.lines), loaded.text, loaded.path)
+            design = load_tree(yamltree.Tree(copy.deepcopy(tried), tree.lines), loaded.text, loaded.path)
         except InputError:
+            # The file cannot hold what the remedies ask for together: it stays as it was.
             break
+        data, changes, out = tried, changes | wanted, gone
         budget = Budget(TRIALS, asked, most=1, warnings=False)
         results = run_all(checks, configuration_of(design.drive).design_under_test(design.drive), budget)
         failing = tuple(result.id for result in failed(results))

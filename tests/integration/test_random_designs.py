@@ -17,6 +17,7 @@ from random_generator import Passing, passing, requirements
 
 from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.configurations.registry import configuration
 
 SEEDS = range(1, 25)
 # All that draw are slow: finding one design that passes and building it takes half a minute.
@@ -83,11 +84,12 @@ def test_a_design_that_clashes_is_reported_by_stage(monkeypatch: pytest.MonkeyPa
     """The stop pin moved by 2 mm: drawn soundly, but it stands in the drum's web."""
     (found,) = found_first(1)
 
-    def shifted(drive: object) -> Layout:
+    def shifted(_kind: object, drive: object) -> Layout:
         dims = layout(drive)  # type: ignore[arg-type]
         return replace(dims, drum=replace(dims.drum, stop_radius=dims.drum.stop_radius + 2.0))
 
-    monkeypatch.setattr(random_designs, "layout", shifted)
+    kind = configuration(found.loaded.drive.configuration)
+    monkeypatch.setattr(type(kind), "layout", shifted)
     failures = list(random_designs.exercise(found, 1))
     assert {f.stage for f in failures} == {"interference"}
     assert all("stop_pin" in f.what and "drum" in f.what for f in failures)

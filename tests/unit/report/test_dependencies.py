@@ -105,7 +105,7 @@ def test_bytes_do_not_depend_on_the_process() -> None:
     ("design", "target", "words"),
     [
         (FULL, "why.png", "graphs are SVG files"),
-        (ROOT / "params" / "siso_bevel.yaml", "why.svg", "has no sizing rules"),
+        (ROOT / "params" / "miso_spur.yaml", "why.svg", "has no sizing rules"),
         (SHORT, "nowhere/why.svg", "nowhere"),
     ],
 )
