@@ -192,8 +192,8 @@ def _own_entries(design: Design) -> Iterator[Broken]:
     if design.rope.inline is not None:
         entries["rope", "inline"] = design.rope.inline
     for path, entry in entries.items():
-        for field, *told in entry_faults(entry):
-            yield Broken((*path, field), *told)
+        for field, what, value, limit, remedy in entry_faults(entry):
+            yield Broken((*path, field), what, value, limit, remedy)
 
 
 def unique(block: str, name: str, values: Sequence[str] | Sequence[int]) -> Iterator[Broken]:
