@@ -120,6 +120,7 @@ def test_check_and_analyse_never_import_the_kernel(command: str, tmp_path: Path)
     assert done.stdout.splitlines()[-1] == "[]", done.stdout
 
 
+@pytest.mark.slow
 def test_one_parameter_edited_redraws_only_what_depends_on_it(built: Path, cache: Path, tmp_path: Path) -> None:
     design = edited(tmp_path, "thicker_web", ("web_thickness_mm: 2.0", "web_thickness_mm: 2.13"))
     done = mbcdm("build", design, "--out", tmp_path, cache=cache)

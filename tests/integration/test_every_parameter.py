@@ -297,6 +297,7 @@ def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
     assert status == [("fail", None), ("pass", "as in the paper")]
 
 
+@pytest.mark.slow
 def test_prototype_mass_stands_in_the_report() -> None:
     from mbcdm_cad.build.store import Store
     from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance

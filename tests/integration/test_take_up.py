@@ -42,6 +42,7 @@ def _common(a: cq.Shape, b: cq.Shape) -> float:
     return abs(a.intersect(b).Volume())
 
 
+@pytest.mark.slow
 def test_terminals_move_freely_over_their_whole_way(dims, solids) -> None:
     drum, nuts_start = solids["drum"], [t.lug_end for t in dims.drum.tensioners]
     for t, lug_end in zip(dims.drum.tensioners, nuts_start, strict=True):

@@ -36,6 +36,7 @@ def assert_sound(drive: Drive) -> None:
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 @given(st.integers(0, 2**32), st.integers(1, 12))
+@pytest.mark.slow
 def test_no_loadable_design_upsets_a_check(seed: int, changes: int) -> None:
     drive = loaded(random_data(random.Random(seed), changes))
     if drive is not None:

@@ -106,6 +106,7 @@ def test_titles_of_passing_checks_are_shown_where_there_is_room(
         assert len([line for line in out.splitlines() if line.startswith("pass")]) > 90
 
 
+@pytest.mark.slow
 def test_several_designs_exit_with_the_worst_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     good, bad = (
         write(tmp_path, text(stem), f"{stem}.yaml") for stem, text in (("good", new_design_text), ("bad", failing_text))

@@ -67,6 +67,7 @@ def test_nothing_is_named_where_nothing_is(seed: int) -> None:
     [(measured(stiffer=0.3), {"stiffness_error"}), (measured(added=scale), {"ratio_error"})],
     ids=["stiffer", "scale"],
 )
+@pytest.mark.slow
 def test_nothing_is_left_of_what_was_named(run: Run, names: set[str]) -> None:
     first = close_loop(LOADED.drive, [run])
     assert {named.name for named in first.effects} == names, first.sentence
@@ -78,6 +79,7 @@ def test_nothing_is_left_of_what_was_named(run: Run, names: set[str]) -> None:
     assert second.errors.before.value == pytest.approx(first.errors.after.value, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_candidate_that_cannot_be_simulated_drops_out(monkeypatch: pytest.MonkeyPatch) -> None:
     def slack(setup: Setup, values: Floats, _: Simulator) -> Setup:
         if abs(values[0]) > 1e-9:

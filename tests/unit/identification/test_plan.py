@@ -39,6 +39,7 @@ def smallest(plan: RunPlan, label: str) -> float:
     return found.smallest
 
 
+@pytest.mark.slow
 def test_promises_hold_on_a_louder_bench_than_declared() -> None:
     pilot = noise_from(DRIVE, bench(noise_rad=9e-6, seed=7))
     plan = plan_of(DRIVE, bench(), pilot)

@@ -203,6 +203,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_study_writes_all_its_files(study: Path) -> None:
     names = {p.name for p in study.iterdir()}
     expected = {f"fig5_{k}.{suffix}" for k in "abcd" for suffix in ("csv", "svg")}

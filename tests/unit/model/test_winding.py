@@ -78,6 +78,7 @@ class PlainWrap:
         return length, np.clip(tension, end * np.exp(-0.15 * distance), end * np.exp(0.15 * distance))
 
 
+@pytest.mark.slow
 def test_against_a_plain_implementation() -> None:
     """One input pair, few samples, everything by nested bisection on explicit lists."""
     d = paper_drive()

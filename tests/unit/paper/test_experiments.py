@@ -26,6 +26,7 @@ def checked_files(result: PaperResult) -> None:
     assert files == result_files(result, DRIVE), "the same result gave other bytes"
 
 
+@pytest.mark.slow
 def test_backlash_is_the_paper_s_within_what_carried_rope_explains() -> None:
     result = EXPERIMENTS["backlash"](DRIVE, 0)
     (swing,) = figures(result).values()
@@ -33,6 +34,7 @@ def test_backlash_is_the_paper_s_within_what_carried_rope_explains() -> None:
     checked_files(result)
 
 
+@pytest.mark.slow
 def test_positioning_error_and_the_motor_s_line() -> None:
     result = EXPERIMENTS["positioning"](DRIVE, 0)
     found = figures(result)

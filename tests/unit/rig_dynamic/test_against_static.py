@@ -40,6 +40,7 @@ def ramp(rig: DynamicRig, sign: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(("sign", "known_Nm"), [(1.0, 3.747), (-1.0, 3.194)])
+@pytest.mark.slow
 def test_drive_limit_both_ways(sign: float, known_Nm: float) -> None:
     """The first input saturates where the analytic model says; the drum holds on until both do, at 3.967 N m."""
     limit = DRIVE.motor.rated_torque_mNm * 1e-3 * DRIVE.gearhead.ratio
@@ -95,6 +96,7 @@ def test_carried_rope_widens_the_loop() -> None:
     assert 1.08 < widths[1] / widths[0] < 1.20, f"widths {widths} rad"
 
 
+@pytest.mark.slow
 def test_shorter_pieces_change_little() -> None:
     swings = []
     for piece_rad in (0.04, 0.02, 0.01):

@@ -85,6 +85,7 @@ def test_inertia_plate_is_felt_as_torque() -> None:
     assert torque == pytest.approx(plate * (2 * np.pi) ** 2 * angle, rel=0.01), "torque is plate times acceleration"
 
 
+@pytest.mark.slow
 def test_a_brake_with_a_higher_static_level_sticks_and_slips() -> None:
     def jumps(ratio: float) -> float:
         load = LoadSpec(inertia_kg_m2=1e-3, static_ratio=ratio, static_speed_rad_s=5e-3)
@@ -109,6 +110,7 @@ def test_lash_adds_to_what_rotor_and_pulley_turn_against_each_other() -> None:
     assert loose - tight == pytest.approx(0.02, rel=0.05), f"twists {tight:.5f} and {loose:.5f} rad"
 
 
+@pytest.mark.slow
 def test_a_longer_step_converges_to_the_same_run() -> None:
     def swing(step_s: float) -> float:
         rig = replace(quiet(rig_of(DRIVE)), step_s=step_s)
