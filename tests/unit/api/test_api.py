@@ -310,6 +310,7 @@ def test_importing_is_light_and_cad_is_loaded_only_when_asked_for() -> None:
     assert checked <= {"numpy", "pydantic"}, checked
 
 
+@pytest.mark.slow
 def test_the_ten_line_sweep_runs(tmp_path: Path) -> None:
     script = ROOT / "docs" / "examples" / "sweep.py"
     code = [line for line in script.read_text("utf-8").splitlines() if line and not line.startswith(("#", '"""'))]

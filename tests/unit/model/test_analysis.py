@@ -104,7 +104,7 @@ factors = st.floats(0.3, 3.0)
 
 
 @pytest.mark.filterwarnings("error")
-@settings(max_examples=150)
+@settings(max_examples=75)
 @given(
     st.lists(st.tuples(factors, factors, factors, st.floats(0.5, 2000.0)), min_size=4, max_size=4),
     st.floats(10.0, 200.0),

@@ -45,6 +45,7 @@ def single(batch: DriveSI, k: int) -> DriveSI:
     return paper_drive(**{c: batch.value(c)[:, k] for c in columns}, **{c: batch.value(c)[k] for c in scalars})
 
 
+@pytest.mark.slow
 def test_equal_to_one_by_one() -> None:
     n = 300
     batch = designs(n)

@@ -57,6 +57,7 @@ def test_files_of_a_run_are_a_measurement_with_its_truth_apart(tmp_path: Path) -
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before, "the same file gave other bytes"
 
 
+@pytest.mark.slow
 def test_every_cause_is_in_the_truth_and_changes_the_run(tmp_path: Path) -> None:
     plain, _, _ = simulate_dynamic(DRIVE, read(SHORT, tmp_path))
     changes = {
@@ -109,6 +110,7 @@ def test_what_the_rig_cannot_do_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("paper", ["backlash", "positioning"])
+@pytest.mark.slow
 def test_a_drive_too_weak_for_the_paper_s_experiment_is_told(paper: str, tmp_path: Path) -> None:
     weak = replace(DRIVE, motor=replace(DRIVE.motor, rated_torque_mNm=0.05))
     experiment = read(f"rig: dynamic\nname: weak\npaper: {paper}\n", tmp_path)
