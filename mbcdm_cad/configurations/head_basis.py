@@ -2,36 +2,54 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
+from collections.abc import Callable
+from typing import Any
+
+from mbcdm_cad.configurations.common_rules import (
+    BEND_RATIO,
+    DRUM_MATERIAL,
+    FRICTION,
+    MESH_TOLERANCE,
+    PRELOAD_SHARE,
+    RUNNING,
+    SHAFT_MATERIAL,
+    STOP_CLEARANCE,
+    SUPPORT_MATERIAL,
+    TENSION_SAFETY,
+    TEST_TORQUE,
+)
 from mbcdm_cad.configurations.trial_sizing import TrialKnown
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
-# D/d below which no life is promised: rope makers' tables of wire rope end there.
-LEAST_WIRE_RATIO = 10.0
-# Share of the peak torque at which the backlash is asked for, where the file names no test torque.
-TEST_SHARE = 0.3
+# Strength of an end over the rope's, before rope and ends are chosen.
+END_SHARE = 0.8
+CONSTRUCTION = "7x7"
 # Rated torque over what the peak torque asks of the motor.
 TORQUE_SPARE = 1.02
 
 
-def _is_braid(given: TrialKnown) -> bool:
-    known = given.has("rope.type") or given.has("rope.inline")
-    return known and given.rope["construction"] == "braid"
+def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
+    """The thinnest rope of the construction that holds a tension with its safety factor."""
+    needed = tension_N * given["limits.tension_safety_factor"] / END_SHARE
+    ropes = sorted(
+        (entry["diameter_mm"], name, entry["breaking_load_N"])
+        for name, entry in given.entries("ropes").items()
+        if entry["construction"] == CONSTRUCTION
+    )
+    strong = [name for _, name, breaking in ropes if breaking >= needed]
+    return Found(strong[0] if strong else ropes[-1][1], "tension", "next size of the catalogue")
 
 
-def _bend_ratio(given: TrialKnown) -> Found:
-    if _is_braid(given):
-        return Found(given.rope["bend_ratio_minimum"], "the rope's own minimum")
-    return Found(LEAST_WIRE_RATIO, "rope makers' tables of wire rope begin at 10")
-
-
-def _friction(given: TrialKnown) -> float:
-    return 0.1 if _is_braid(given) else 0.15
-
-
-def _test_torque(given: TrialKnown) -> float:
-    return float(f"{TEST_SHARE * given['loads.peak_torque_Nm']:.2g}")
+def rope(value: Callable[[Any], Found]) -> Rule:
+    """The rule of the rope, where the file gives none of its own."""
+    return Rule(
+        "rope.type",
+        "the thinnest wire rope that holds preload and peak torque with its safety factor",
+        "tension",
+        value,
+        applies=lambda given: not given.has("rope.inline"),
+    )
 
 
 def needed_ratio(given: TrialKnown) -> float:
@@ -85,24 +103,12 @@ def _motor(given: TrialKnown) -> Found:
     return Found(min(fitting, key=lambda name: (fitting[name]["mass_g"], name)), "motor_torque_forward", "the lightest")
 
 
-LIMITS = (
-    constant(
-        "travel.stop_clearance_deg",
-        STOP_WINDOW_DEG / 2,
-        "the stops engage half way in their window behind the travel",
-        "stop_within_half_degree",
-    ),
-    Rule("loads.test_torque_Nm", "three tenths of the peak torque, where no test is named", "loads", _test_torque),
-    constant("limits.tension_safety_factor", 5.0, "rope makers: 5 to 10", "tension"),
-    constant("limits.preload_share_max", 0.5, "rope makers: under half", "preload_share"),
-    constant("export.mesh_tolerance_mm", 0.01, "meshes finer than a workshop's tolerances", "export"),
-    constant("clearances.running_mm", 0.25, "room beside moving parts: tolerances and run-out", "frame_front"),
-)
+LIMITS = (STOP_CLEARANCE, TEST_TORQUE, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)
 METALS = (
-    constant("drum.material", "aluminium-7075", "light and strong, milled", "process"),
-    constant("drum.shaft_material", "steel", "ground bar", "process"),
+    DRUM_MATERIAL,
+    SHAFT_MATERIAL,
     constant("input_pulleys.material", "steel", "thin walls round the motor's shaft", "bore_wall"),
-    constant("support.material", "aluminium-7075", "light and stiff, milled", "process"),
+    SUPPORT_MATERIAL,
 )
 TRAIN = (
     Rule(
@@ -113,7 +119,4 @@ TRAIN = (
     ),
     Rule("drive.motor", "the lightest motor that holds the peak torque", "motor_torque_forward", _motor),
 )
-ROPE_LIMITS = (
-    Rule("limits.bend_ratio_min", "least D/d at which the rope has a life at all", "life", _bend_ratio),
-    Rule("rope.friction_coefficient", "dry wire rope, or smooth fibre, on metal", "rope", _friction),
-)
+ROPE_LIMITS = (BEND_RATIO, FRICTION)

@@ -20,7 +20,7 @@ from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import Broken, NamedEntry, every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.engine import fill
-from mbcdm_cad.sizing.known import KnownFields
+from mbcdm_cad.sizing.known import KnownFields, RopeKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # The schema's own.
@@ -31,7 +31,7 @@ _MOST_PASSES = 4
 _ON_STEP = 1e-9
 
 
-class TrialKnown(KnownFields):
+class TrialKnown(RopeKnown):
     """Adds figures that follow from a few fields each, and the checks on a trial drive.
 
     ``asked``: fields that every check on a trial drive rests on, the dimensions known so far besides.
@@ -42,17 +42,6 @@ class TrialKnown(KnownFields):
     def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any]) -> None:
         super().__init__(data)
         self.guesses = guesses
-
-    @property
-    def rope(self) -> dict[str, Any]:
-        """The rope's entry."""
-        inline = self.get("rope.inline")
-        return inline if inline is not None else self.entry("ropes", "rope.type")
-
-    @property
-    def d_mm(self) -> float:
-        """The rope's diameter."""
-        return float(self.rope["diameter_mm"])
 
     @property
     def axial_stiffness_N(self) -> float:
@@ -203,11 +192,6 @@ def repeated(
             break
         guesses = {**guesses, **found}
     return sizing
-
-
-def needed(field: str, remedy: str) -> Broken:
-    """A requirement that is missing."""
-    return Broken(tuple(field.split(".")), "missing; it is a requirement, so no sizing rule gives it", "", "", remedy)
 
 
 def whole_turns(angle_deg: float) -> int:

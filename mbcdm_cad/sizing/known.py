@@ -108,3 +108,18 @@ class KnownFields:
             remedy = f"choose a gearhead, or one of {', '.join(able)}"
             raise SizingError(Broken(("drive", "gearhead"), what, NO_GEARHEAD, "", remedy))
         return able[name][1]
+
+
+class RopeKnown(KnownFields):
+    """Adds the rope."""
+
+    @property
+    def rope(self) -> dict[str, Any]:
+        """The rope's entry."""
+        inline = self.get("rope.inline")
+        return inline if inline is not None else self.entry("ropes", "rope.type")
+
+    @property
+    def d_mm(self) -> float:
+        """The rope's diameter."""
+        return float(self.rope["diameter_mm"])

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from mbcdm_cad.configurations.miso_bevel.sizing.basis import CLEARANCES, FRICTION, LIMITS, METALS, NAMES
+from mbcdm_cad.configurations.common_rules import FRICTION, needed
+from mbcdm_cad.configurations.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
 from mbcdm_cad.configurations.miso_bevel.sizing.drum import DRUM, HUB_FACE, WEB
 from mbcdm_cad.configurations.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.configurations.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
-from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
@@ -21,7 +21,7 @@ RULES: tuple[Rule, ...] = (
     *NAMES,
     *LIMITS,
     *ROPE,
-    *FRICTION,
+    FRICTION,
     *PRELOAD,
     *METALS,
     *TENSIONER,
@@ -68,18 +68,14 @@ def _missing(given: BevelKnown) -> Any:
         ("loads.peak_torque_Nm", "torque to hold both ways, N m", "3.15"),
     ):
         if not given.has(field):
-            yield _needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
     radii = ("transmission.drum_radii_mm", "transmission.drum_radius_mm")
     if not any(given.has(field) for field in radii):
-        yield _needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")
+        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")
     explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
     if explicit and not given.has("transmission.drum_radii_mm"):
-        yield _needed("transmission.drum_radii_mm", "add the drum's radii, as other pulleys' are given")
+        yield needed("transmission.drum_radii_mm", "add the drum's radii, as other pulleys' are given")
     ratios = ("transmission.ratios.guide_to_drum", "transmission.ratios.input_to_guide")
     known = given.has("transmission.ratio") or given.has("transmission.input_radii_mm")
     if not known and not all(given.has(field) for field in ratios):
-        yield _needed("transmission.ratio", "add ratio: 9.0 (drum radius over input radius)")
-
-
-def _needed(field: str, remedy: str) -> Broken:
-    return Broken(tuple(field.split(".")), "missing; it is a requirement, so no sizing rule gives it", "", "", remedy)
+        yield needed("transmission.ratio", "add ratio: 9.0 (drum radius over input radius)")

@@ -29,7 +29,7 @@ from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
-from mbcdm_cad.sizing.known import KnownFields
+from mbcdm_cad.sizing.known import RopeKnown
 
 STEPS = 4
 # Largest share of a cable in the torque over an even one: inner steps are shorter, hence stiffer.
@@ -68,17 +68,11 @@ LEAD_SPARE = 0.008
 LEAD_STEP_MM = 0.01
 
 
-class BevelKnown(KnownFields):
+class BevelKnown(RopeKnown):
     """Adds the figures that follow from a few fields each; reading one notes these fields."""
 
     # The part that the gearheads' faces rest on, and their height; two rules read it.
     _shelf_bottom: tuple[str, float] | None = None
-
-    @property
-    def rope(self) -> dict[str, Any]:
-        """The rope's entry."""
-        inline = self.get("rope.inline")
-        return inline if inline is not None else self.entry("ropes", "rope.type")
 
     @property
     def termination(self) -> TerminationSpec:
@@ -89,11 +83,6 @@ class BevelKnown(KnownFields):
             for name, entry in self.entries("terminations").items()
         ]
         return termination(self.get("rope.termination"), known, rope)
-
-    @property
-    def d_mm(self) -> float:
-        """The rope's diameter."""
-        return float(self.rope["diameter_mm"])
 
     @property
     def modulus_GPa(self) -> float:

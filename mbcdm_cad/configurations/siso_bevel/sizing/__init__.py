@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from mbcdm_cad.configurations.common_rules import needed
 from mbcdm_cad.configurations.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.configurations.head_parts import PARTS
 from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
@@ -18,7 +19,7 @@ from mbcdm_cad.configurations.siso_bevel.sizing.rules import (
     ROPE,
     TRANSFER,
 )
-from mbcdm_cad.configurations.trial_sizing import needed, repeated
+from mbcdm_cad.configurations.trial_sizing import repeated
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.rule import Rule

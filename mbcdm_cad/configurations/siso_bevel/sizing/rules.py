@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.configurations.common_rules import SCHEMA_VERSION, TRANSFER_GAP
+from mbcdm_cad.configurations.head_basis import rope, thinnest_rope
 from mbcdm_cad.configurations.head_dims import (
     bearing_shelf,
     coupling_space,
@@ -25,9 +27,6 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant
 RESERVE_DEG, SLOT_DEG = 18.0, 8.0
 # Preload over what keeps both cables taut at peak torque.
 PRELOAD_FACTOR = 2.0
-# Strength of an end over the rope's, before rope and ends are chosen.
-END_SHARE = 0.8
-CONSTRUCTION = "7x7"
 # Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
 BACK_MM, RIB_MM = (3.0, 6.0), (5.0, 8.0)
 # Beyond the travel, before the wraps' own limits are known.
@@ -42,15 +41,7 @@ def _ratio(given: DirectKnown) -> Found:
 
 
 def _rope(given: DirectKnown) -> Found:
-    tension = (PRELOAD_FACTOR + 1.0) * given.half_torque_N
-    asked = tension * given["limits.tension_safety_factor"] / END_SHARE
-    ropes = sorted(
-        (entry["diameter_mm"], name, entry["breaking_load_N"])
-        for name, entry in given.entries("ropes").items()
-        if entry["construction"] == CONSTRUCTION
-    )
-    strong = [name for _, name, breaking in ropes if breaking >= asked]
-    return Found(strong[0] if strong else ropes[-1][1], "tension", "next size of the catalogue")
+    return thinnest_rope(given, (PRELOAD_FACTOR + 1.0) * given.half_torque_N)
 
 
 def _preload(given: DirectKnown) -> Found:
@@ -63,11 +54,6 @@ def _preload(given: DirectKnown) -> Found:
 def _land_edge(given: DirectKnown) -> Found:
     wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
     return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
-
-
-def _transfer_gap(given: DirectKnown) -> Found:
-    wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
-    return Found(round(max(wide, RUN_OUT_MM), 4), "transfer_gap" if wide > RUN_OUT_MM else "bodies_clear")
 
 
 def _drum_radii(given: DirectKnown) -> Found:
@@ -122,7 +108,7 @@ def _windup(given: DirectKnown) -> float:
 
 
 NAMES = (
-    constant("schema_version", 1, "the version of the file's layout", "the program"),
+    SCHEMA_VERSION,
     constant("inputs", INPUTS, "the one input", "the configuration"),
     constant("cables", CABLES, "one cable for each sense of the drum", "the configuration"),
     constant("transmission.reserve_deg", RESERVE_DEG, "wrap that never unwinds", "input_reserve"),
@@ -136,15 +122,7 @@ RATIO = (
         applies=lambda given: not given.has("transmission.input_radii_mm"),
     ),
 )
-ROPE = (
-    Rule(
-        "rope.type",
-        "the thinnest wire rope that holds preload and peak torque with its safety factor",
-        "tension",
-        _rope,
-        applies=lambda given: not given.has("rope.inline"),
-    ),
-)
+ROPE = (rope(_rope),)
 PRELOAD = (Rule("rope.preload_N", "twice what keeps both cables taut at peak torque", "no_slack", _preload),)
 TRANSFER = (
     Rule(
@@ -153,12 +131,7 @@ TRANSFER = (
         "land_edge",
         _land_edge,
     ),
-    Rule(
-        "clearances.transfer_gap_mm",
-        "half a rope less the land's edge and a broken edge",
-        "transfer_gap",
-        _transfer_gap,
-    ),
+    TRANSFER_GAP,
     Rule(
         "transmission.drum_radii_mm",
         "step 1 as asked, step 2 as little above it as the lands allow",

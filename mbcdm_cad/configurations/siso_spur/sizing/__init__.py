@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from mbcdm_cad.configurations.common_rules import needed
 from mbcdm_cad.configurations.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.configurations.head_parts import PARTS
 from mbcdm_cad.configurations.siso_spur.sizing.basis import (
@@ -23,7 +24,7 @@ from mbcdm_cad.configurations.siso_spur.sizing.basis import (
 )
 from mbcdm_cad.configurations.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.configurations.trial_sizing import needed, repeated
+from mbcdm_cad.configurations.trial_sizing import repeated
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.rule import Rule

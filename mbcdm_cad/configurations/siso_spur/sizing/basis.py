@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import degrees, log, sqrt
 
-from mbcdm_cad.configurations.head_basis import needed_ratio
+from mbcdm_cad.configurations.common_rules import SCHEMA_VERSION
+from mbcdm_cad.configurations.head_basis import needed_ratio, rope, thinnest_rope
 from mbcdm_cad.configurations.siso_spur.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.configurations.trial_sizing import whole_turns
@@ -13,9 +14,6 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 # Preload over what the slip margin asks of an endless wrap: the wrap is not endless.
 PRELOAD_SPARE = 1.35
 SLIP_MARGIN = 2.0
-# Strength of an end over the rope's, before rope and ends are chosen.
-END_SHARE = 0.8
-CONSTRUCTION = "7x7"
 # Least wall of an input pulley round the motor's shaft and its neck, as a radius beyond the shaft's (estimate).
 NECK_MM = 2.5
 # Turning of a printed frame over what the cable's spans yield (estimate).
@@ -51,16 +49,7 @@ def _wanted_preload_N(given: SpurKnown) -> float:
 
 
 def _rope(given: SpurKnown) -> Found:
-    """The thinnest rope of the construction that holds preload and peak torque."""
-    tension = _wanted_preload_N(given) + given.half_torque_N
-    needed = tension * given["limits.tension_safety_factor"] / END_SHARE
-    ropes = sorted(
-        (entry["diameter_mm"], name, entry["breaking_load_N"])
-        for name, entry in given.entries("ropes").items()
-        if entry["construction"] == CONSTRUCTION
-    )
-    strong = [name for _, name, breaking in ropes if breaking >= needed]
-    return Found(strong[0] if strong else ropes[-1][1], "tension", "next size of the catalogue")
+    return thinnest_rope(given, _wanted_preload_N(given) + given.half_torque_N)
 
 
 def _preload(given: SpurKnown) -> Found:
@@ -88,7 +77,7 @@ def _lead(given: SpurKnown) -> Found:
 
 LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out beyond it", "rim_width"),)
 NAMES = (
-    constant("schema_version", 1, "the version of the file's layout", "the program"),
+    SCHEMA_VERSION,
     constant("inputs", INPUTS, "the one input", "the configuration"),
     constant("cables", CABLES, "the two sides of the one cable", "the configuration"),
 )
@@ -101,15 +90,7 @@ RATIO = (
         applies=lambda given: not given.has("transmission.input_radius_mm"),
     ),
 )
-ROPE = (
-    Rule(
-        "rope.type",
-        "the thinnest wire rope that holds preload and peak torque with its safety factor",
-        "tension",
-        _rope,
-        applies=lambda given: not given.has("rope.inline"),
-    ),
-)
+ROPE = (rope(_rope),)
 RADIUS = (
     Rule(
         "transmission.drum_radius_mm",

@@ -1,0 +1,73 @@
+"""Rules that every configuration has: limits, the rope's limits, clearances, materials; and what a file must say."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.sizing.known import KnownFields, RopeKnown
+from mbcdm_cad.sizing.rule import Found, Rule, constant
+
+# D/d below which no life is promised: rope makers' tables of wire rope end there.
+LEAST_WIRE_RATIO = 10.0
+# Share of the peak torque at which the backlash is asked for, where the file names no test torque.
+TEST_SHARE = 0.3
+
+
+def _is_braid(given: RopeKnown) -> bool:
+    known = given.has("rope.type") or given.has("rope.inline")
+    return known and given.rope["construction"] == "braid"
+
+
+def _bend_ratio(given: RopeKnown) -> Found:
+    if _is_braid(given):
+        return Found(given.rope["bend_ratio_minimum"], "the rope's own minimum")
+    return Found(LEAST_WIRE_RATIO, "rope makers' tables of wire rope begin at 10")
+
+
+def _friction(given: RopeKnown) -> float:
+    return 0.1 if _is_braid(given) else 0.15
+
+
+def _test_torque(given: KnownFields) -> float:
+    return float(f"{TEST_SHARE * given['loads.peak_torque_Nm']:.2g}")
+
+
+def _transfer_gap(given: RopeKnown) -> Found:
+    """What is left of half a rope behind the land's edge and a broken edge, but never less than the run-out."""
+    wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
+    return Found(round(max(wide, RUN_OUT_MM), 4), "transfer_gap" if wide > RUN_OUT_MM else "bodies_clear")
+
+
+def needed(field: str, remedy: str) -> Broken:
+    """A requirement that is missing."""
+    return Broken(tuple(field.split(".")), "missing; it is a requirement, so no sizing rule gives it", "", "", remedy)
+
+
+SCHEMA_VERSION = constant("schema_version", 1, "the version of the file's layout", "the program")
+STOP_CLEARANCE = constant(
+    "travel.stop_clearance_deg",
+    STOP_WINDOW_DEG / 2,
+    "the stops engage half way in their window behind the travel",
+    "stop_within_half_degree",
+)
+TEST_TORQUE = Rule(
+    "loads.test_torque_Nm", "three tenths of the peak torque, where no test is named", "loads", _test_torque
+)
+BEND_RATIO = Rule("limits.bend_ratio_min", "least D/d at which the rope has a life at all", "life", _bend_ratio)
+TENSION_SAFETY = constant("limits.tension_safety_factor", 5.0, "rope makers: 5 to 10", "tension")
+PRELOAD_SHARE = constant("limits.preload_share_max", 0.5, "rope makers: under half", "preload_share")
+MESH_TOLERANCE = constant(
+    "export.mesh_tolerance_mm", 0.01, "meshes finer than a workshop's tolerances", "export"
+)
+RUNNING = constant("clearances.running_mm", 0.25, "room beside moving parts: tolerances and run-out", "frame_front")
+FRICTION = Rule("rope.friction_coefficient", "dry wire rope, or smooth fibre, on metal", "rope", _friction)
+TRANSFER_GAP = Rule(
+    "clearances.transfer_gap_mm",
+    "half a rope less the land's edge and a broken edge",
+    "transfer_gap",
+    _transfer_gap,
+)
+DRUM_MATERIAL = constant("drum.material", "aluminium-7075", "light and strong, milled", "process")
+SHAFT_MATERIAL = constant("drum.shaft_material", "steel", "ground bar", "process")
+SUPPORT_MATERIAL = constant("support.material", "aluminium-7075", "light and stiff, milled", "process")
