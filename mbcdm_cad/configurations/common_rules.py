@@ -57,9 +57,7 @@ TEST_TORQUE = Rule(
 BEND_RATIO = Rule("limits.bend_ratio_min", "least D/d at which the rope has a life at all", "life", _bend_ratio)
 TENSION_SAFETY = constant("limits.tension_safety_factor", 5.0, "rope makers: 5 to 10", "tension")
 PRELOAD_SHARE = constant("limits.preload_share_max", 0.5, "rope makers: under half", "preload_share")
-MESH_TOLERANCE = constant(
-    "export.mesh_tolerance_mm", 0.01, "meshes finer than a workshop's tolerances", "export"
-)
+MESH_TOLERANCE = constant("export.mesh_tolerance_mm", 0.01, "meshes finer than a workshop's tolerances", "export")
 RUNNING = constant("clearances.running_mm", 0.25, "room beside moving parts: tolerances and run-out", "frame_front")
 FRICTION = Rule("rope.friction_coefficient", "dry wire rope, or smooth fibre, on metal", "rope", _friction)
 TRANSFER_GAP = Rule(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.configurations.trial_sizing import TrialKnown
-from mbcdm_cad.sizing.rule import Found, rounded_up
+from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
@@ -11,6 +11,8 @@ SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
 ENGAGED = 1.25
 # Bore of the drum's shaft over its bearings'.
 SHAFT_BORE_SHARE = 0.5
+# Sector beyond the travel, before the wraps' own limits are known.
+SECTOR_SPARE_DEG = 15.0
 
 
 def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
@@ -18,7 +20,7 @@ def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
     return values[1] if given.printed(part) else values[0]
 
 
-def motor_shelf(given: TrialKnown) -> Found:
+def _motor_shelf(given: TrialKnown) -> Found:
     """What the screws leave beyond the thread that they need; no thinner than wall and pilot ask for."""
     gear = given.gearhead
     screw = given.screw(gear.screw)
@@ -31,21 +33,21 @@ def motor_shelf(given: TrialKnown) -> Found:
     return Found(rounded_up(min(needs[driver], screw.length_mm - screw.thread_mm), 0.1), driver, "up to 0.1")
 
 
-def bearing_shelf(given: TrialKnown) -> Found:
+def _bearing_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the motor."""
     width = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
     start = max(width + given.wall_mm("support"), 3.0)
     return given.moved("support.bearing_shelf_mm", start, 0.1, ("bearing_seats", "walls"))
 
 
-def encoder_shelf(given: TrialKnown) -> Found:
+def _encoder_shelf(given: TrialKnown) -> Found:
     """Shelf of the bearing next to the encoder."""
     width = given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"]
     start = max(width + given.wall_mm("support"), 3.0)
     return given.moved("support.encoder_shelf_mm", start, 0.1, ("encoder_shelf",))
 
 
-def coupling_space(given: TrialKnown) -> Found:
+def _coupling_space(given: TrialKnown) -> Found:
     """Between the shelves of motor and bearing."""
     return given.moved("support.coupling_space_mm", 5.0, 0.1, ("coupling_height", "collar_space"))
 
@@ -55,34 +57,62 @@ def side_wall(given: TrialKnown) -> float:
     return max(either(given, "support", SIDE_MM), 2 * given.wall_mm("support"))
 
 
-def shaft_bore(given: TrialKnown) -> Found:
+def _shaft_bore(given: TrialKnown) -> Found:
     """Bore of the drum's shaft."""
     bore = given.entry("bearings", "drum.bearing")["bore_mm"]
     return given.moved("drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_twist"))
 
 
-def web(given: TrialKnown) -> float:
+def _web(given: TrialKnown) -> float:
     """Web of the drum."""
     return either(given, "drum", WEB_MM)
 
 
-def hub(given: TrialKnown) -> Found:
+def _hub(given: TrialKnown) -> Found:
     """Diameter of the drum's hub."""
     start = given.entry("bearings", "drum.bearing")["bore_mm"] + 4.0
     return given.moved("drum.hub_diameter_mm", start, 0.5, ("hub_walls", "hub_spigot", "hub_set_screws", "engagement"))
 
 
-def rim(given: TrialKnown) -> Found:
+def _rim(given: TrialKnown) -> Found:
     """Inner radius of the drum's rim."""
     start = given.drum_mm - 2 * given.d_mm
     return given.moved("drum.rim_inner_radius_mm", start, -0.5, ("rim_height", "pocket_corners"))
 
 
-def stop_pin(given: TrialKnown) -> Found:
+def _stop_pin(given: TrialKnown) -> Found:
     """Diameter of the stop pin."""
     return given.first("drum.stop_pin_mm", (3.0, 4.0, 5.0, 6.0, 8.0, 10.0), ("stop_pin",))
 
 
-def hub_face(given: TrialKnown) -> Found:
+def _hub_face(given: TrialKnown) -> Found:
     """Face of the drum's hub."""
     return given.moved("drum.hub_face_y_mm", given["drum.outer_face_y_mm"], 0.1, ("hub_length",))
+
+
+def _sector(given: TrialKnown) -> Found:
+    """Half angle of the drum's sector."""
+    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, 174.0)
+    return given.moved("drum.sector_half_angle_deg", start, 1.0, ("wrap_left", "terminal_clears_input", "stop_slot"))
+
+
+MOTOR_SHELF = Rule("support.motor_shelf_mm", "as thick as the face's screws leave it", "engagement", _motor_shelf)
+BEARING_SHELF = Rule(
+    "support.bearing_shelf_mm", "the bearing next to the motor and a shoulder", "bearing_seats", _bearing_shelf
+)
+ENCODER_SHELF = Rule(
+    "support.encoder_shelf_mm", "bearing, shoulder and sunk screw heads", "encoder_shelf", _encoder_shelf
+)
+COUPLING_SPACE = Rule(
+    "support.coupling_space_mm",
+    "room for the collar on its way in, for the face's screws and their key",
+    "coupling_height",
+    _coupling_space,
+)
+WEB = Rule("drum.web_thickness_mm", "stiff enough for its material", "web_in_rim", _web)
+SHAFT_BORE = Rule("drum.shaft_bore_mm", "half the bearings' bore, as far as the wall allows", "shaft_wall", _shaft_bore)
+HUB = Rule("drum.hub_diameter_mm", "walls round shaft, set screws and payload threads", "hub_walls", _hub)
+SECTOR = Rule("drum.sector_half_angle_deg", "the travel and the wrap that must stay", "wrap_left", _sector)
+STOP_PIN = Rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin", _stop_pin)
+RIM = Rule("drum.rim_inner_radius_mm", "as thin a rim as the terminals' pockets allow", "rim_height", _rim)
+HUB_FACE = Rule("drum.hub_face_y_mm", "set screws and payload threads before the web", "hub_length", _hub_face)

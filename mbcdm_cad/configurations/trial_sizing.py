@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import ceil, floor, inf, pi
 from typing import Any
 
+from pydantic import ValidationError
+
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.design.blocks import Design
@@ -29,14 +31,33 @@ NOZZLE_MM = 0.4
 _MOST_TRIALS = 40
 _MOST_PASSES = 4
 _ON_STEP = 1e-9
+# Parts and sizes of a drive of middle size, for what the first pass does not know yet.
+MIDDLE_SIZE: Mapping[str, Any] = {
+    "drive.encoder": "encoder-20-5",
+    "drive.drum_encoder": "encoder-24-ring",
+    "drum.bearing": "618/8",
+    "drum.web_thickness_mm": 2.0,
+    "drum.shaft_bore_mm": 2.0,
+    "drum.hub_diameter_mm": 20.0,
+    "input_pulleys.lower_bearing": "618/8",
+    "input_pulleys.upper_bearing": "625",
+    "support.motor_shelf_mm": 4.0,
+    "support.bearing_shelf_mm": 6.0,
+    "support.encoder_shelf_mm": 6.0,
+    "support.coupling_space_mm": 15.0,
+    "support.back_y_mm": -60.0,
+    "limits.frame_windup_max_mrad": 1.0,
+}
 
 
 class TrialKnown(RopeKnown):
     """Adds figures that follow from a few fields each, and the checks on a trial drive.
 
-    ``asked``: fields that every check on a trial drive rests on, the dimensions known so far besides.
+    ``schema``: that of the configuration's files. ``asked``: fields that every check on a trial drive rests on, the
+    dimensions known so far besides.
     """
 
+    schema: type[Design]
     asked: tuple[str, ...] = ()
 
     def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any]) -> None:
@@ -89,11 +110,19 @@ class TrialKnown(RopeKnown):
         """The checks of the configuration, by id."""
 
     @abstractmethod
+    def of_design(self, design: Any) -> DesignUnderTest:
+        """A design of the configuration's schema, under test. Raises ``SizingError`` where it breaks a rule."""
+
     def under_test(self, data: dict[str, Any]) -> DesignUnderTest:
         """The drive of a file's whole data, under test.
 
         Raises ``NoFigureError`` where that is no drive, ``SizingError`` where the file breaks a rule.
         """
+        try:
+            design = self.schema.model_validate(data)
+        except ValidationError as error:
+            raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
+        return self.of_design(design)
 
     def trial(self, field: str, value: Any) -> DesignUnderTest:
         """The drive with ``field`` at ``value``, known fields as they are and guesses for the open ones, under test."""

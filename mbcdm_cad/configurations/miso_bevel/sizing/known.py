@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 from math import atan, hypot, pi, radians, sqrt, tan
-from typing import Any
 
 from pydantic import ValidationError
 

@@ -19,7 +19,7 @@ from mbcdm_cad.configurations.siso_bevel.sizing.rules import (
     ROPE,
     TRANSFER,
 )
-from mbcdm_cad.configurations.trial_sizing import repeated
+from mbcdm_cad.configurations.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.rule import Rule
@@ -57,33 +57,20 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
 def _first_guesses(radius_mm: float) -> dict[str, Any]:
     """Figures of a drive of middle size, for what the first pass does not know yet."""
     return {
+        **MIDDLE_SIZE,
         "transmission.drum_radii_mm": [radius_mm, 1.06 * radius_mm],
         "clearances.land_edge_mm": 0.15,
         "clearances.transfer_gap_mm": 0.1,
         "drive.motor": "motor-2.9mNm-15",
         "drive.gearhead": "gearhead-76-16",
-        "drive.encoder": "encoder-20-5",
-        "drive.drum_encoder": "encoder-24-ring",
         "drum.tensioner": "M2",
-        "drum.bearing": "618/8",
-        "drum.web_thickness_mm": 2.0,
-        "drum.shaft_bore_mm": 2.0,
-        "drum.hub_diameter_mm": 20.0,
         "drum.sector_half_angle_deg": 90.0,
         "drum.rim_inner_radius_mm": 0.8 * radius_mm,
         "drum.outer_face_y_mm": 40.0,
         "drum.hub_face_y_mm": 60.0,
-        "input_pulleys.lower_bearing": "618/8",
-        "input_pulleys.upper_bearing": "625",
-        "support.motor_shelf_mm": 4.0,
         "support.side_wall_mm": 5.0,
         "support.back_plate_mm": 4.0,
         "support.rib_mm": 5.0,
-        "support.bearing_shelf_mm": 6.0,
-        "support.encoder_shelf_mm": 6.0,
-        "support.coupling_space_mm": 15.0,
-        "support.back_y_mm": -60.0,
-        "limits.frame_windup_max_mrad": 1.0,
     }
 
 

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
-
-from pydantic import ValidationError
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.configurations.siso_bevel.checks import FAMILIES
 from mbcdm_cad.configurations.siso_bevel.design_file.resolve import drive
 from mbcdm_cad.configurations.siso_bevel.design_file.rules import broken_rules, named_entries
@@ -22,6 +18,7 @@ CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check 
 class DirectKnown(TrialKnown):
     """Adds the figures of an input that stands at the drum."""
 
+    schema = DirectDesign
     asked = (
         "travel.half_angle_deg",
         "loads.peak_torque_Nm",
@@ -50,10 +47,6 @@ class DirectKnown(TrialKnown):
         """See the base class."""
         return CHECKS
 
-    def under_test(self, data: dict[str, Any]) -> DirectUnderTest:
+    def of_design(self, design: DirectDesign) -> DirectUnderTest:
         """See the base class."""
-        try:
-            design = DirectDesign.model_validate(data)
-        except ValidationError as error:
-            raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
         return DirectUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))

@@ -6,18 +6,19 @@ from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.configurations.common_rules import SCHEMA_VERSION, TRANSFER_GAP
 from mbcdm_cad.configurations.head_basis import rope, thinnest_rope
 from mbcdm_cad.configurations.head_dims import (
-    bearing_shelf,
-    coupling_space,
+    BEARING_SHELF,
+    COUPLING_SPACE,
+    ENCODER_SHELF,
+    HUB,
+    HUB_FACE,
+    MOTOR_SHELF,
+    RIM,
+    SECTOR,
+    SHAFT_BORE,
+    STOP_PIN,
+    WEB,
     either,
-    encoder_shelf,
-    hub,
-    hub_face,
-    motor_shelf,
-    rim,
-    shaft_bore,
     side_wall,
-    stop_pin,
-    web,
 )
 from mbcdm_cad.configurations.siso_bevel.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
@@ -29,8 +30,6 @@ RESERVE_DEG, SLOT_DEG = 18.0, 8.0
 PRELOAD_FACTOR = 2.0
 # Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
 BACK_MM, RIB_MM = (3.0, 6.0), (5.0, 8.0)
-# Beyond the travel, before the wraps' own limits are known.
-SECTOR_SPARE_DEG = 15.0
 _STEPS_TRIED = 24
 
 
@@ -95,12 +94,6 @@ def _outer_face(given: DirectKnown) -> Found:
     return given.moved("drum.outer_face_y_mm", given.drum_mm / given.ratio, 0.1, checks)
 
 
-def _sector(given: DirectKnown) -> Found:
-    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, 174.0)
-    checks = tuple(name for name in ("wrap_left", "terminal_clears_input", "stop_slot") if name in given.checks())
-    return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)
-
-
 def _windup(given: DirectKnown) -> float:
     """Both cables stretch over their wraps alone: a figure of the size of the reference's, by load and drum."""
     turn = 0.1 * given["loads.test_torque_Nm"] * (60.0 / given.drum_mm) ** 2
@@ -140,28 +133,23 @@ TRANSFER = (
     ),
 )
 FRAME = (
-    Rule("support.motor_shelf_mm", "as thick as the face's screws leave it", "engagement", motor_shelf),
+    MOTOR_SHELF,
     Rule("support.back_plate_mm", "stiff, and thick enough for its material", "walls", _back_plate),
     Rule("support.rib_mm", "stiff, and thick enough for its material", "walls", _rib),
-    Rule("support.bearing_shelf_mm", "the bearing next to the motor and a shoulder", "bearing_seats", bearing_shelf),
-    Rule("support.encoder_shelf_mm", "bearing, shoulder and sunk screw heads", "encoder_shelf", encoder_shelf),
-    Rule(
-        "support.coupling_space_mm",
-        "room for the collar on its way in, for the face's screws and their key",
-        "coupling_height",
-        coupling_space,
-    ),
+    BEARING_SHELF,
+    ENCODER_SHELF,
+    COUPLING_SPACE,
     Rule("support.side_wall_mm", "walls round the motor head's screws", "flange", _side_wall),
 )
 DRUM = (
-    Rule("drum.web_thickness_mm", "stiff enough for its material", "web_in_rim", web),
-    Rule("drum.shaft_bore_mm", "half the bearings' bore, as far as the wall allows", "shaft_wall", shaft_bore),
-    Rule("drum.hub_diameter_mm", "walls round shaft, set screws and payload threads", "hub_walls", hub),
-    Rule("drum.sector_half_angle_deg", "the travel and the wrap that must stay", "wrap_left", _sector),
-    Rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin", stop_pin),
-    Rule("drum.rim_inner_radius_mm", "as thin a rim as the terminals' pockets allow", "rim_height", rim),
+    WEB,
+    SHAFT_BORE,
+    HUB,
+    SECTOR,
+    STOP_PIN,
+    RIM,
     Rule("drum.outer_face_y_mm", "as narrow as lands and terminals allow", "outer_face", _outer_face),
-    Rule("drum.hub_face_y_mm", "set screws and payload threads before the web", "hub_length", hub_face),
+    HUB_FACE,
 )
 BACK = (
     Rule("support.back_y_mm", "room for the pulley, and the drum's bearings apart", "drum_bearing_spacing", _back),

@@ -24,7 +24,7 @@ from mbcdm_cad.configurations.siso_spur.sizing.basis import (
 )
 from mbcdm_cad.configurations.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
-from mbcdm_cad.configurations.trial_sizing import repeated
+from mbcdm_cad.configurations.trial_sizing import MIDDLE_SIZE, repeated
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.rule import Rule
@@ -34,28 +34,27 @@ DERIVED = tuple(
 )
 
 
-def rules() -> tuple[Rule, ...]:
-    """All rules: requirements, rope, train, radii, parts, frame, drum."""
-    return (
-        *NAMES,
-        *LIMITS,
-        *LAND_EDGE,
-        *METALS,
-        # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
-        *TRAIN,
-        *RATIO,
-        *ROPE,
-        *ROPE_LIMITS,
-        *RADIUS,
-        *PRELOAD,
-        *PARTS,
-        *FRAME,
-        *WINDING,
-        *DISTANCE,
-        *DRUM,
-        *BACK,
-        *WINDUP,
-    )
+# Requirements, rope, train, radii, parts, frame, drum.
+RULES: tuple[Rule, ...] = (
+    *NAMES,
+    *LIMITS,
+    *LAND_EDGE,
+    *METALS,
+    # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
+    *TRAIN,
+    *RATIO,
+    *ROPE,
+    *ROPE_LIMITS,
+    *RADIUS,
+    *PRELOAD,
+    *PARTS,
+    *FRAME,
+    *WINDING,
+    *DISTANCE,
+    *DRUM,
+    *BACK,
+    *WINDUP,
+)
 
 
 def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
@@ -66,7 +65,7 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
     missing = list(_missing(SpurKnown(data, {})))
     if missing:
         raise SizingError(*missing)
-    return repeated(data, SpurKnown, rules(), _first_guesses(data), moved)
+    return repeated(data, SpurKnown, RULES, _first_guesses(data), moved)
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
@@ -74,31 +73,18 @@ def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
     given = SpurKnown(data, {})
     radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
     return {
+        **MIDDLE_SIZE,
         "rope.helix_lead_mm": 1.5,
         "transmission.turns": 5,
         "transmission.centre_distance_mm": 1.4 * radius,
-        "drive.encoder": "encoder-20-5",
-        "drive.drum_encoder": "encoder-24-ring",
         "drum.tensioner": "M3",
-        "drum.bearing": "618/8",
-        "drum.web_thickness_mm": 2.0,
-        "drum.shaft_bore_mm": 2.0,
-        "drum.hub_diameter_mm": 20.0,
         "drum.sector_half_angle_deg": 110.0,
         "drum.rim_inner_radius_mm": 0.8 * radius,
         "drum.outer_face_y_mm": 20.0,
         "drum.hub_face_y_mm": 30.0,
-        "input_pulleys.lower_bearing": "618/8",
-        "input_pulleys.upper_bearing": "625",
-        "support.motor_shelf_mm": 4.0,
         "support.side_wall_mm": 4.0,
         "support.bridge_mm": 4.0,
-        "support.bearing_shelf_mm": 6.0,
-        "support.encoder_shelf_mm": 6.0,
-        "support.coupling_space_mm": 15.0,
         "support.plate_mm": 8.0,
-        "support.back_y_mm": -60.0,
-        "limits.frame_windup_max_mrad": 1.0,
     }
 
 
