@@ -5,8 +5,9 @@ from __future__ import annotations
 from mbcdm_cad.checks.drum_sector import STOP_WINDOW_DEG
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.sizing.arithmetic import greatest, significant
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
-from mbcdm_cad.sizing.rule import Found, Rule, constant
+from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
 
 # D/d below which no life is promised: rope makers' tables of wire rope end there.
 LEAST_WIRE_RATIO = 10.0
@@ -30,13 +31,14 @@ def _friction(given: RopeKnown) -> float:
 
 
 def _test_torque(given: KnownFields) -> float:
-    return float(f"{TEST_SHARE * given['loads.peak_torque_Nm']:.2g}")
+    return significant(TEST_SHARE * given["loads.peak_torque_Nm"], 2)
 
 
 def _transfer_gap(given: RopeKnown) -> Found:
     """What is left of half a rope behind the land's edge and a broken edge, but never less than the run-out."""
     wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
-    return Found(round(max(wide, RUN_OUT_MM), 4), "transfer_gap" if wide > RUN_OUT_MM else "bodies_clear")
+    driver = driver_of({"bodies_clear": RUN_OUT_MM, "transfer_gap": wide}, max)
+    return Found(round(greatest(wide, RUN_OUT_MM), 4), driver)
 
 
 def needed(field: str, remedy: str) -> Broken:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
+from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, least
 from mbcdm_cad.sizing.known import KnownFields
 
 # Rounding must not lift a figure that is already on its step.
@@ -50,14 +51,22 @@ def rounded_down(value: float, step: float) -> float:
 
 def largest(needs: dict[str, float], step: float) -> Found:
     """The smallest value that meets all needs, rounded up; the need that determines it is the driver."""
-    driver = max(needs, key=lambda name: needs[name])
-    return Found(rounded_up(needs[driver], step), driver, f"up to {step:g}")
+    return Found(rounded_up(greatest(*needs.values()), step), driver_of(needs, max), f"up to {step:g}")
 
 
 def smallest(needs: dict[str, float], step: float) -> Found:
     """The largest value within all limits, rounded down; the limit that determines it is the driver."""
-    driver = min(needs, key=lambda name: needs[name])
-    return Found(rounded_down(needs[driver], step), driver, f"down to {step:g}")
+    return Found(rounded_down(least(*needs.values()), step), driver_of(needs, min), f"down to {step:g}")
+
+
+def driver_of(needs: Mapping[str, float], which: Callable[..., str]) -> str:
+    """Name of the largest need (``which`` is ``max``) or of the smallest (``min``).
+
+    Empty for columns, where it would differ from design to design: for many designs no drivers are recorded.
+    """
+    if any(isinstance(need, PerDesign) for need in needs.values()):
+        return ""
+    return which(needs, key=lambda name: needs[name])
 
 
 def constant(field: str, value: Any, text: str, driver: str) -> Rule:

@@ -20,6 +20,7 @@ from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, STOP_CUTTER, STOP_PLAY_MM
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
+from mbcdm_cad.sizing import arithmetic
 
 # The rope's bending stiffness rounds the change of slope where span meets pulley over a few sqrt(EI/T), about 0.7 mm
 # for 49 loose wires of 0.09 mm at 70 N; drawn 2.5 diameters long.
@@ -128,8 +129,8 @@ def widest_bend_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radi
     inset = cutter / sqrt(2.0)
     along = end.stop_length_ratio * d_mm / 2 + STOP_PLAY_MM - inset
     room = surface - wall_mm - STOP_CORNER_SPARE_MM - cutter
-    deepest = inset + sqrt(max(room**2 - along**2, 0.0)) - stop_radius - STOP_PLAY_MM
-    return min(surface - stop_radius - STOP_WALL_MM, deepest)
+    deepest = inset + arithmetic.sqrt(arithmetic.greatest(room**2 - along**2, 0.0)) - stop_radius - STOP_PLAY_MM
+    return arithmetic.least(surface - stop_radius - STOP_WALL_MM, deepest)
 
 
 # The stretches of a cable by what carries them: wound on the input pulley, free and on the guide, on the drum.

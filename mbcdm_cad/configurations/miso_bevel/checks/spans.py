@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import radians, tan, tau
+from math import tau
 
 import numpy as np
 
@@ -19,14 +19,14 @@ from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.configurations.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
+from mbcdm_cad.sizing.arithmetic import cos, hypot, radians, sin, sqrt, tan
 
 # Crest between two grooves, in rope diameters: thinner it would be a burr that cuts the rope (estimate).
 GROOVE_CREST = 0.05
 # Turns left on the pulley when all is unwound: the span never pulls at the bend before the stop (estimate).
 DEAD_TURNS = 0.5
-# Finest step of the search for the self-clearance, rad; the distance is flat there to 1e-6 mm.
-_SEARCH_STEPS = 81
-_SEARCH_ROUNDS = 4
+# Newton's steps towards the point of a turn that is nearest to the span: it settles within five.
+_NEWTON_STEPS = 6
 
 
 def centre_distance(s: BevelUnderTest) -> Comparison:
@@ -77,7 +77,7 @@ def straight_span_clearance_mm(drive: BevelDrive, cable: BevelRun) -> float:
 
     The span leaves helix and pulley at the contact point along the tangent, rising by the fleet angle over the turn
     before; no credit for the rope's stiffness, which bends it away at first. Negative: they overlap. For each angle
-    of the previous turn the nearest point of the span is known in closed form, the angle is searched.
+    of the previous turn the nearest point of the span is known in closed form; Newton's method finds the angle.
     """
     slope = tan(radians(fleet_angle_deg(drive, cable)))
     distance = straight_span_distance_mm(cable.input_radius_mm, drive.helix_lead_mm, slope)
@@ -86,19 +86,25 @@ def straight_span_clearance_mm(drive: BevelDrive, cable: BevelRun) -> float:
 
 def straight_span_distance_mm(radius_mm: float, lead_mm: float, slope: float) -> float:
     """Distance of the centre lines of a straight span that rises by ``slope`` and of the turn wound before it, mm."""
-    r, lead = radius_mm, lead_mm
-    low, high = -0.5, 1.5
-    best = np.inf
-    for _ in range(_SEARCH_ROUNDS):
-        angle = np.linspace(low, high, _SEARCH_STEPS)
-        x, y, z = r * (1 - np.cos(angle)), r * np.sin(angle), lead * (1 - angle / tau)
-        along = np.maximum((y + slope * z) / (1 + slope**2), 0.0)
-        distance = np.sqrt(x**2 + (along - y) ** 2 + (slope * along - z) ** 2)
-        k = int(np.argmin(distance))
-        best = min(best, float(distance[k]))
-        step = (high - low) / (_SEARCH_STEPS - 1)
-        low, high = angle[k] - step, angle[k] + step
-    return best
+    lean = 1.0 + slope**2
+    fall = -lead_mm / tau
+    # At an angle of the turn, the distance squared is x^2 + w^2 / lean, with x outwards and w along the pulley's axis.
+    # It has one minimum, a little behind the contact; as long as x grows with the square of the angle it lies here.
+    angle = (2.0 * lead_mm * -_slant(fall, slope, radius_mm, 1.0) / (lean * radius_mm**2)) ** (1 / 3)
+    for _ in range(_NEWTON_STEPS):
+        sine, cosine = sin(angle), cos(angle)
+        x, w = radius_mm * (1.0 - cosine), lead_mm + fall * angle - slope * radius_mm * sine
+        rate = _slant(fall, slope, radius_mm, cosine)
+        first = x * radius_mm * sine + w * rate / lean
+        second = radius_mm * (radius_mm * sine**2 + x * cosine) + (rate**2 + w * slope * radius_mm * sine) / lean
+        angle = angle - first / second
+    w = lead_mm + fall * angle - slope * radius_mm * sin(angle)
+    return hypot(radius_mm * (1.0 - cos(angle)), w / sqrt(lean))
+
+
+def _slant(fall_mm: float, slope: float, radius_mm: float, cosine: float) -> float:
+    """How fast the turn leaves the span along the pulley's axis, mm/rad."""
+    return fall_mm - slope * radius_mm * cosine
 
 
 def self_clearance(s: BevelUnderTest) -> Comparison:

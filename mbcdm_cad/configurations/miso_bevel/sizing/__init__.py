@@ -16,8 +16,9 @@ from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
-# Rope, parts by load, radii, where the pulleys stand, drum, frame.
-RULES: tuple[Rule, ...] = (
+# Rope, parts by load, radii, where the pulleys stand. None of them asks a check on a drive, so that they work on many
+# designs at once too.
+BEFORE_FRAME: tuple[Rule, ...] = (
     *NAMES,
     *LIMITS,
     *ROPE,
@@ -33,6 +34,10 @@ RULES: tuple[Rule, ...] = (
     *SURFACE,
     *LEAD,
     *DISTANCE,
+)
+# Then frame and drum.
+RULES: tuple[Rule, ...] = (
+    *BEFORE_FRAME,
     *FRAME,
     *WEB,
     *STOP_PIN,

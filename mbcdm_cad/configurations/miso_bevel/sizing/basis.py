@@ -19,7 +19,8 @@ from mbcdm_cad.configurations.common_rules import (
 )
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
-from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_down
+from mbcdm_cad.sizing.arithmetic import greatest, least
+from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down
 
 
 def _land_edge(given: BevelKnown) -> Found:
@@ -28,9 +29,9 @@ def _land_edge(given: BevelKnown) -> Found:
     wanted = EDGE_BREAK_MM + RUN_OUT_MM
     if given.has("transmission.drum_radii_mm") and _guide_is_known(given):
         rises = [b - a for a, b in zip(given.guide_mm, given.guide_mm[1:], strict=False)]
-        limit = min(limit, rounded_down(min(rises) - given.d_mm / 2, 0.001))
-    driver = "land_edge" if wanted <= limit else "land_width"
-    return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), driver)
+        limit = least(limit, rounded_down(least(*rises) - given.d_mm / 2, 0.001))
+    driver = driver_of({"land_edge": wanted, "land_width": limit}, min)
+    return Found(round(greatest(least(wanted, limit), EDGE_BREAK_MM), 4), driver)
 
 
 def _guide_is_known(given: BevelKnown) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from math import atan, hypot, pi, radians, sqrt, tan
+from math import pi, sqrt
 
 from pydantic import ValidationError
 
@@ -28,6 +28,7 @@ from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
+from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
 from mbcdm_cad.sizing.known import RopeKnown
 
 STEPS = 4
@@ -86,7 +87,7 @@ class BevelKnown(RopeKnown):
     @property
     def modulus_GPa(self) -> float:
         """The rope's modulus: the design's own, else the catalogue's."""
-        return float(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
+        return number(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
 
     @property
     def area_mm2(self) -> float:
@@ -105,10 +106,10 @@ class BevelKnown(RopeKnown):
         """Drum radius over input radius."""
         both = ("transmission.ratios.input_to_guide", "transmission.ratios.guide_to_drum")
         if all(self.has(field) for field in both):
-            return float(self[both[0]] * self[both[1]])
+            return number(self[both[0]] * self[both[1]])
         if self.has("transmission.input_radii_mm"):
-            return float(self.drum_mm[0] / self["transmission.input_radii_mm"][0])
-        return float(self["transmission.ratio"])
+            return number(self.drum_mm[0] / self["transmission.input_radii_mm"][0])
+        return number(self["transmission.ratio"])
 
     @property
     def drum_mm(self) -> list[float]:
@@ -120,7 +121,7 @@ class BevelKnown(RopeKnown):
         """Pitch radius of the drum's step 1."""
         if self.has("transmission.drum_radii_mm"):
             return self.drum_mm[0]
-        return float(self["transmission.drum_radius_mm"])
+        return number(self["transmission.drum_radius_mm"])
 
     @property
     def guide_mm(self) -> list[float]:
@@ -145,7 +146,7 @@ class BevelKnown(RopeKnown):
     def nut_pocket_mm(self) -> float:
         """Half width of the nuts' pocket: the cutter's corner does not lift the nut."""
         corner = self.entry("materials", "drum.material")["min_internal_radius_mm"]
-        return float(self.nut_mm + self["clearances.running_mm"] + corner)
+        return number(self.nut_mm + self["clearances.running_mm"] + corner)
 
     def wall_mm(self, part: str) -> float:
         """Thinnest wall of the material of a part, ``"drum"``."""
@@ -172,7 +173,7 @@ class BevelKnown(RopeKnown):
     @property
     def drum_inner_mm(self) -> float:
         """y of the drum's inner face."""
-        return self.guide_mm[0] - self.d_mm / 2 + float(self["clearances.transfer_gap_mm"])
+        return self.guide_mm[0] - self.d_mm / 2 + number(self["clearances.transfer_gap_mm"])
 
     @property
     def highest_tension_N(self) -> float:
@@ -189,7 +190,7 @@ class BevelKnown(RopeKnown):
         """Largest fleet angle that the input pulleys' surface allows; smooth ones as long as none is chosen."""
         if self.get("input_pulleys.surface", "smooth") == "grooved":
             return self.grooved_fleet_deg
-        return float(self["limits.fleet_angle_max_deg"])
+        return number(self["limits.fleet_angle_max_deg"])
 
     def clearing_lead_mm(self, input_radius_mm: float) -> float:
         """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed."""
@@ -200,12 +201,12 @@ class BevelKnown(RopeKnown):
     @property
     def grooved_fleet_deg(self) -> float:
         """Largest fleet angle on grooves."""
-        return float(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
+        return number(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
 
     def grooved_lead_mm(self, input_radius_mm: float) -> float:
         """The same on grooves, whose crests need room too."""
         lead = clearing_lead_mm(self.d_mm, input_radius_mm, self.grooved_fleet_deg)
-        return max(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
+        return greatest(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
 
     @property
     def motor_shelf_bottom_mm(self) -> float:
@@ -264,4 +265,4 @@ def span_for_fleet_mm(walk_mm: float, fleet_deg: float) -> float:
 
 def fleet_deg(walk_mm: float, span_mm: float) -> float:
     """Fleet angle of a walk over a free span."""
-    return float(atan(walk_mm / span_mm) * 180.0 / pi)
+    return atan(walk_mm / span_mm) * 180.0 / pi

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from math import inf, sqrt
+from math import sqrt
+from operator import itemgetter
 from typing import Any
 
 from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, clamp_force_N, grip_Nmm
@@ -19,7 +20,8 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, D
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.parts.collar.dims import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, index_of_greatest, least, number
+from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
 
 # An input carries half the peak torque, a little more in the direction that its preload's bias loads.
 TORQUE_SPARE = 1.095
@@ -53,22 +55,26 @@ Entry = Mapping[str, Any]
 Margins = Mapping[str, float]
 
 
-def _first(candidates: Iterable[tuple[float, str, Callable[[], Margins]]]) -> Found:
-    """The lightest candidate whose margins are all kept; else the one that misses least.
+def _kept(margins: Margins) -> bool:
+    """Whether no margin is negative; those that are the same for all designs are asked first."""
+    return all(m >= 0.0 for m in margins.values() if not isinstance(m, PerDesign)) and bool(
+        least(*margins.values()) >= 0.0
+    )
 
-    A candidate is (mass, name, what works its margins out): those of the heavier ones are never asked for.
+
+def _first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
+    """The first candidate whose margins are all kept; else the one that misses least.
+
+    A candidate is (name, what works its margins out), the lightest first; those after the one found are not worked out.
     """
-    lighter: Margins = {}
-    nearest: tuple[float, str, str] = (-inf, "", "")
-    for _, name, worked_out in sorted(candidates, key=lambda item: (item[0], item[1])):
+    refused: list[tuple[str, Margins]] = []
+    for name, worked_out in candidates:
         margins = worked_out()
-        least = min(margins, key=lambda check: margins[check])
-        if margins[least] >= 0.0:
-            refused = min(lighter, key=lambda check: lighter[check], default="")
-            return Found(name, refused, LIGHTEST)
-        lighter = margins
-        nearest = max(nearest, (margins[least], name, least), key=lambda item: item[0])
-    return Found(nearest[1], nearest[2], "nothing in the catalogue does: the nearest")
+        if _kept(margins):
+            return Found(name, driver_of(refused[-1][1], min) if refused else "", LIGHTEST)
+        refused.append((name, margins))
+    name, margins = refused[index_of_greatest([least(*margins.values()) for _, margins in refused])]
+    return Found(name, driver_of(margins, min), "nothing in the catalogue does: the nearest")
 
 
 def _careful(factors: tuple[float, float], pick: Callable[[float], Found]) -> Found:
@@ -85,35 +91,43 @@ def _with_partner(
     others = given.entries(other_kind)
     if given.has(field):
         others = {given[field]: given.entry(other_kind, field)}
-    best = _first(
-        (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", partial(margins, entry, other))
+    pairs = [
+        (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", entry, other)
         for name, entry in given.entries(kind).items()
         # A motor with a shaft of its own is chosen where no gearhead is wanted.
         if "shaft_diameter_mm" not in entry
         for other_name, other in others.items()
-    )
+    ]
+    pairs.sort(key=itemgetter(0, 1))
+    best = _first((names, partial(margins, entry, other)) for _, names, entry, other in pairs)
     return Found(best.value.split(" ")[0], best.driver, best.rounding)
 
 
 def _lightest(given: BevelKnown, kind: str, margins: Callable[[Entry], Margins]) -> Found:
     """The lightest entry of a kind whose margins are all kept."""
-    return _first((entry["mass_g"], name, partial(margins, entry)) for name, entry in given.entries(kind).items())
+    return _ordered(given.entries(kind), "mass_g", margins)
+
+
+def _ordered(entries: Mapping[str, Entry], by: str, margins: Callable[[Entry], Margins]) -> Found:
+    """The first of the entries whose margins are all kept, the smallest ``by`` one of their fields first."""
+    listed = sorted((entry[by], name) for name, entry in entries.items())
+    return _first((name, partial(margins, entries[name])) for _, name in listed)
 
 
 def _share_N(given: BevelKnown) -> float:
-    return float(given["loads.peak_torque_Nm"] * 1e3 / (4.4 * given.first_drum_mm))
+    return number(given["loads.peak_torque_Nm"] * 1e3 / (4.4 * given.first_drum_mm))
 
 
 def _tension_N(given: BevelKnown) -> float:
-    return float(given["rope.preload_N"] + _share_N(given))
+    return number(given["rope.preload_N"] + _share_N(given))
 
 
 def _input_torque_Nm(given: BevelKnown) -> float:
     radius = given.first_drum_mm / given.total_ratio
-    step = max(LEAST_STEP_MM, least_step_mm(given))
-    share = max(BIAS_SHARE, step / given.first_drum_mm)
+    step = greatest(LEAST_STEP_MM, least_step_mm(given))
+    share = greatest(BIAS_SHARE, step / given.first_drum_mm)
     bias = share * given["rope.preload_N"] * radius * 1e-3
-    return float(TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias)
+    return number(TORQUE_SPARE * given["loads.peak_torque_Nm"] / (2 * given.total_ratio) + bias)
 
 
 def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
@@ -139,9 +153,11 @@ def _most_grip_Nmm(given: BevelKnown, shaft_mm: float) -> float:
 
 def _motor(given: BevelKnown) -> Found:
     if given.get("drive.gearhead") == NO_GEARHEAD:
+        faces = given.motors_with_faces()
+        motors = {name: motor for name, (motor, _) in faces.items()}
         return _first(
-            (motor["mass_g"], name, partial(_motor_margins, given, motor, face))
-            for name, (motor, face) in given.motors_with_faces().items()
+            (name, partial(_motor_margins, given, *faces[name]))
+            for name in sorted(motors, key=lambda name: (motors[name]["mass_g"], name))
         )
     return _with_partner(given, "motors", ("gearheads", "drive.gearhead"), partial(_motor_margins, given))
 
@@ -154,7 +170,7 @@ def _gearhead(given: BevelKnown) -> Found:
 def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
     """Stud that stands out of both nuts from the start, and still holds the sleeve with the terminal drawn in."""
     fixed = entry["swage_length_mm"] + entry["lug_thickness_mm"] + 2 * entry["nut_height_mm"]
-    return float(fixed + TAKE_UP_SPARE * take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
+    return number(fixed + TAKE_UP_SPARE * take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
 
 
 def _tensioner(given: BevelKnown) -> Found:
@@ -165,21 +181,19 @@ def _tensioner(given: BevelKnown) -> Found:
         strength = steels[entry["material"]]["yield_MPa"] * entry["stress_area_mm2"]
         return {
             "stud_stress": strength / (STUD_SAFETY * STUD_SPARE * tension) - 1.0,
-            "sleeve_fits": min(
+            "sleeve_fits": least(
                 entry["swage_diameter_mm"] / (ends.sleeve_ratio * d) - 1.0,
                 (entry["swage_length_mm"] - SWAGE_FLOOR_MM) / (ends.grip_ratio * d) - 1.0,
             ),
             "take_up": entry["stud_length_mm"] / _stud_needed_mm(given, entry) - 1.0,
         }
 
-    return _first(
-        (entry["stud_length_mm"], name, partial(margins, entry)) for name, entry in given.entries("tensioners").items()
-    )
+    return _ordered(given.entries("tensioners"), "stud_length_mm", margins)
 
 
 def _smallest_input_mm(given: BevelKnown) -> float:
     if given.has("transmission.drum_radii_mm") and given.has("transmission.ratios.input_to_guide"):
-        return min(given.input_mm)
+        return least(*given.input_mm)
     return given.first_drum_mm / given.total_ratio
 
 

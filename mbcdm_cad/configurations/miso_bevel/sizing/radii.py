@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from math import hypot, inf, pi, sqrt
+from math import inf, pi
+
+import numpy as np
 
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.design_under_test import NoFigureError
@@ -28,7 +30,8 @@ from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.input_pulley.dims import NECK_GAP_MM
-from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
+from mbcdm_cad.sizing.arithmetic import greatest, hypot, index_of_greatest, least, number, sqrt
+from mbcdm_cad.sizing.rule import Found, Rule, driver_of, largest, rounded_down, rounded_up
 
 STEP_MM = 0.1
 # What is said of a centre distance that leaves no span; a search may still find radii for it.
@@ -64,14 +67,14 @@ def _steps_ratio(given: BevelKnown, step_mm: float) -> float:
 
 
 def _swage_mm(given: BevelKnown) -> float:
-    return float(given.entry("tensioners", "drum.tensioner")["swage_diameter_mm"] / 2)
+    return number(given.entry("tensioners", "drum.tensioner")["swage_diameter_mm"] / 2)
 
 
 def least_step_mm(given: BevelKnown) -> float:
     """What rope, travel and terminals ask of the step, before lead, gaps and guide are known."""
     d = given.d_mm
     walk = given.walk_mm(d)
-    return max(d + 2 * walk, given.nut_pocket_mm - d / 2, given.nut_mm + _swage_mm(given)) + TERMINAL_GAP_MM
+    return greatest(d + 2 * walk, given.nut_pocket_mm - d / 2, given.nut_mm + _swage_mm(given)) + TERMINAL_GAP_MM
 
 
 def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
@@ -85,7 +88,7 @@ def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
         "terminals_apart": given.nut_mm + _swage_mm(given) + TERMINAL_GAP_MM + SLANT_MM,
     }
     if given.has("transmission.ratios.guide_to_drum"):
-        per_mm = float(given["transmission.ratios.guide_to_drum"])
+        per_mm = number(given["transmission.ratios.guide_to_drum"])
     else:
         per_mm = given.first_drum_mm / _guide_wanted(given, step_mm)[1]
     needs["land_width"] = per_mm * (d / 2 + given["clearances.land_edge_mm"] + FLANK_GAP_MM)
@@ -98,7 +101,7 @@ def _drum_radii(given: BevelKnown) -> Found:
     needs: dict[str, float] = {}
     for _ in range(4):
         needs = _step_needs(given, step)
-        step = max(needs.values())
+        step = greatest(*needs.values())
     found = largest(needs, STEP_MM)
     first = given.first_drum_mm
     return Found([round(first + k * found.value, 6) for k in range(STEPS)], found.driver, f"steps {found.rounding}")
@@ -116,14 +119,13 @@ def _guide_wanted(given: BevelKnown, step_mm: float) -> tuple[str, float]:
         "drum_sweep": outer_input + d + MOVING_GAP_MM + max(nut - d / 2, -gap),
         "bend_ratio": given["limits.bend_ratio_min"] * d / 2,
     }
-    driver = max(needs, key=lambda name: needs[name])
-    room = _guide_room_mm(given, outer_input, step_mm)
-    if needs[driver] > room:
+    radius, room = greatest(*needs.values()), _guide_room_mm(given, outer_input, step_mm)
+    if radius > room:
         # What a setback of the inputs mends too gives way to the centre distance that is asked.
-        left = {name: min(need, room) if name in _MENDED_BY_SETBACK else need for name, need in needs.items()}
-        driver = max(left, key=lambda name: left[name])
+        left = {name: least(need, room) if name in _MENDED_BY_SETBACK else need for name, need in needs.items()}
+        driver = list(left)[index_of_greatest(list(left.values()))]
         return "centre_distance" if driver in _MENDED_BY_SETBACK else driver, left[driver]
-    return driver, float(needs[driver])
+    return driver_of(needs, max), number(radius)
 
 
 _MENDED_BY_SETBACK = ("front_wall", "drum_sweep")
@@ -136,9 +138,9 @@ def _guide_room_mm(given: BevelKnown, outer_input_mm: float, step_mm: float) -> 
         return inf
     d, outer = given.d_mm, _steps_ratio(given, step_mm)
     walk = given.walk_mm(rounded_up(given.grooved_lead_mm(outer_input_mm), LEAD_STEP_MM))
-    span = max(span_for_fleet_mm(walk, given.grooved_fleet_deg) * SPAN_SPARE, 2 * BLEND_DIAMETERS * d)
-    across = min(sqrt(max(distance**2 - span**2, 0.0)), distance - d - given["clearances.running_mm"])
-    return float((across - outer_input_mm) / outer)
+    span = greatest(span_for_fleet_mm(walk, given.grooved_fleet_deg) * SPAN_SPARE, 2 * BLEND_DIAMETERS * d)
+    across = least(sqrt(greatest(distance**2 - span**2, 0.0)), distance - d - given["clearances.running_mm"])
+    return number((across - outer_input_mm) / outer)
 
 
 def _guide_to_drum(given: BevelKnown) -> Found:
@@ -152,13 +154,13 @@ def _guide_to_drum(given: BevelKnown) -> Found:
 
 
 def _input_to_guide(given: BevelKnown) -> float:
-    return float(round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9))
+    return number(round(given["transmission.ratio"] / given["transmission.ratios.guide_to_drum"], 9))
 
 
 def _centre_distance(given: BevelKnown) -> Found:
     d, running = given.d_mm, given["clearances.running_mm"]
     fleet = given.fleet_limit_deg
-    guide, pulley = max(given.guide_mm), max(given.input_mm)
+    guide, pulley = greatest(*given.guide_mm), greatest(*given.input_mm)
     span = span_for_fleet_mm(given.walk_mm(given["rope.helix_lead_mm"]), fleet) * SPAN_SPARE
     drum_bearing = given.entry("bearings", "drum.bearing")
     ring, input_encoder = given.entry("encoders", "drive.drum_encoder"), given.entry("encoders", "drive.encoder")
@@ -177,21 +179,27 @@ def _surface(given: BevelKnown) -> Found:
     """Smooth, unless the centre distance that is asked leaves a fleet angle that only grooves allow."""
     if not given.has("transmission.centre_distance_mm"):
         return Found("smooth", "centre distance follows")
-    distance, across = given["transmission.centre_distance_mm"], max(given.guide_mm) + max(given.input_mm)
+    distance = given["transmission.centre_distance_mm"]
+    across = greatest(*given.guide_mm) + greatest(*given.input_mm)
     if distance <= across:
         raise SizingError(
             Broken(
                 ("transmission", "centre_distance_mm"),
                 NO_ROOM,
-                f"{distance:g} mm",
-                f"over {across:.4g} mm, their radii",
+                _shown_mm(distance),
+                f"over {_shown_mm(across)}, their radii",
                 "raise it, lower the drum's radius, or leave it out",
                 may_move=True,
             )
         )
-    span = sqrt(max(distance**2 - across**2, 1e-6))
-    angle = fleet_deg(given.walk_mm(given.clearing_lead_mm(max(given.input_mm))), span)
+    span = sqrt(greatest(distance**2 - across**2, 1e-6))
+    angle = fleet_deg(given.walk_mm(given.clearing_lead_mm(greatest(*given.input_mm))), span)
     return Found("smooth" if angle <= given["limits.fleet_angle_max_deg"] else "grooved", "fleet_angle")
+
+
+def _shown_mm(length_mm: float) -> str:
+    """A length for a message; of a column the shortest."""
+    return f"{float(np.min(length_mm)):.4g} mm"
 
 
 def _setback(given: BevelKnown) -> Found:
@@ -230,13 +238,13 @@ def take_up_mm(given: BevelKnown) -> float:
     """
     rope, first = given.rope, given.first_drum_mm
     known = given.has("transmission.drum_radii_mm")
-    outer = max(given.drum_mm) if known else USUAL_OUTER * first
-    distance = float(given.get("transmission.centre_distance_mm", USUAL_DISTANCE * first))
+    outer = greatest(*given.drum_mm) if known else USUAL_OUTER * first
+    distance = number(given.get("transmission.centre_distance_mm", USUAL_DISTANCE * first))
     wound = 2 * outer * given.half_travel_rad + 2 * pi * outer / given.total_ratio * given["rope.dead_turns"]
     length = wound + distance + outer * (ANCHOR_SPARE_RAD + USUAL_GUIDE)
     cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
     stretch = given["rope.preload_N"] / (given.modulus_GPa * 1e3 * given.area_mm2)
-    return float(length * (stretch + rope["bedding_in_share"]) + cut)
+    return number(length * (stretch + rope["bedding_in_share"]) + cut)
 
 
 def neck_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: float) -> float:

@@ -9,7 +9,8 @@ from mbcdm_cad.configurations.miso_bevel.cable_path import widest_bend_mm
 from mbcdm_cad.configurations.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import neck_mm
 from mbcdm_cad.design.bought import TerminationSpec
-from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+from mbcdm_cad.sizing.arithmetic import greatest, least, number, significant
+from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
 
 # Preload over the least at which no cable goes slack at peak torque, wraps taken as even.
 PRELOAD_FACTOR = 2.0
@@ -31,7 +32,7 @@ MEAN_OVER_FIRST = 1.1
 
 def _share_N(given: BevelKnown) -> float:
     """What the peak torque adds to a cable, four of them sharing it."""
-    return float(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
+    return number(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
 
 
 def _rope(given: BevelKnown) -> Found:
@@ -83,12 +84,12 @@ def _preload(given: BevelKnown) -> Found:
     ends = given.rope["breaking_load_N"] * given.termination.strength_share
     held = ends / (given["limits.tension_safety_factor"] * HELD_SPARE) - UNEVEN * share
     wanted = PRELOAD_FACTOR * share
-    driver = "no_slack" if wanted <= min(most, held) else "tension"
-    return Found(float(f"{max(min(wanted, most, held), 0.5 * wanted):.2g}"), driver, "two digits")
+    driver = driver_of({"no_slack": wanted, "tension": least(most, held)}, min)
+    return Found(significant(greatest(least(wanted, most, held), 0.5 * wanted), 2), driver, "two digits")
 
 
 def _lead(given: BevelKnown) -> Found:
-    largest_input = max(given.input_mm)
+    largest_input = greatest(*given.input_mm)
     return Found(
         rounded_up(given.clearing_lead_mm(largest_input), LEAD_STEP_MM), "self_clearance", f"up to {LEAD_STEP_MM:g}"
     )
