@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.loader import load_design
+import mbcdm_cad as mc
+from mbcdm_cad.configurations.loader import load_design, load_text
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many
 from mbcdm_cad.model.hysteresis import simulate
@@ -30,6 +31,8 @@ SERIES_LIMIT_S = 3.0
 DESIGNS = 100_000
 DESIGNS_PER_S_LIMIT = 1e5
 SINGLES = 40
+SIZED = 10_000
+SIZED_PER_S_LIMIT = 1e4
 GRID_SAMPLES = 5_000
 GRID_CELL_RAD = 1e-3
 
@@ -87,9 +90,36 @@ def measured(design: Path, repeat: int) -> list[Figure]:
     analyse_many(designs(d, 1000), need)
     bulk = least(lambda: analyse_many(batch, need), repeat)
     found.append(Figure("analyse_many", DESIGNS / bulk, "designs/s", DESIGNS_PER_S_LIMIT, at_least=True))
+    found += _sized(design, repeat)
     one = least(lambda: [analyse(drive) for _ in range(SINGLES)], repeat) / SINGLES
     found.append(Figure("analyse, one design", one * 1e3, "ms"))
     return found
+
+
+def _sized(design: Path, repeat: int) -> list[Figure]:
+    """Designs a second from requirements: about one design, and over random ones in usual proportions; one by one."""
+    short = mc.load(design.with_name("mbcdm-short.yaml"))
+    text = "name: x\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 30.0}\n"
+    text += "transmission: {ratio: 8.0, drum_radius_mm: 80.0}\nloads: {peak_torque_Nm: 1.0}\n"
+    usual, rng = mc.DriveDesign(load_text(text)), np.random.default_rng(2)
+    near = {
+        "transmission.centre_distance_mm": rng.uniform(34.0, 40.0, SIZED),
+        "loads.test_torque_Nm": rng.uniform(0.2, 0.9, SIZED),
+    }
+    wide = {
+        "transmission.ratio": rng.uniform(4.0, 12.0, SIZED),
+        "transmission.drum_radius_mm": rng.uniform(55.0, 110.0, SIZED),
+        "travel.half_angle_deg": rng.uniform(12.0, 40.0, SIZED),
+        "loads.peak_torque_Nm": np.exp(rng.uniform(np.log(0.4), np.log(4.0), SIZED)),
+    }
+    found = []
+    for label, of, ranges in (("about one design", short, near), ("of random requirements", usual, wide)):
+        taken = least(partial(mc.size_many, of, ranges), repeat)
+        limit = SIZED_PER_S_LIMIT if of is short else None
+        found.append(Figure(f"size_many, 1e4 {label}", SIZED / taken, "designs/s", limit, at_least=True))
+    radii = wide["transmission.drum_radius_mm"][:SINGLES]
+    alone = least(lambda: [usual.with_(transmission__drum_radius_mm=float(radius)) for radius in radii], repeat)
+    return [*found, Figure("reading and sizing one whole design", alone / SINGLES * 1e3, "ms")]
 
 
 def main() -> int:

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import yaml
 
-from mbcdm_cad.configurations.loader import load_tree, resolve_tree
+from mbcdm_cad.configurations.loader import design_file_of, load_tree, resolve_tree
 from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.design_file import SizingOfMany
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import open_data
 from mbcdm_cad.design.sigmas import SIGMA, VALUE
-from mbcdm_cad.errors import InputError, Problem, shortened
+from mbcdm_cad.errors import InputError, MbcdmError, Problem, shortened
 
 SEPARATOR = "__"
 
@@ -37,6 +40,30 @@ def changed_drives(loaded: LoadedDesign, rows: Iterable[Mapping[str, Any]]) -> I
     tree = yamltree.parse(loaded.text, str(loaded.path))
     for changes in rows:
         yield resolve_tree(yamltree.Tree(_changed(tree.data, changes, loaded), tree.lines), loaded.path)
+
+
+def data_of_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> tuple[SizingOfMany, list[Any]]:
+    """How this configuration sizes many designs, and the groups of those with the fields of ``columns`` changed.
+
+    Fields hold numbers or names, one a design. Raises ``InputError`` for a value that the file could not hold,
+    ``MbcdmError`` for a field of another kind, and for a configuration that sizes designs only one by one.
+    """
+    tree = yamltree.parse(loaded.text, str(loaded.path))
+    file = design_file_of(tree, str(loaded.path))
+    if file.size_many is None:
+        raise MbcdmError(
+            f"{loaded.drive.configuration}: its rules need a drive for each design; size them one by one, or use "
+            "analyse_many"
+        )
+    for field, values in columns.items():
+        if values.dtype.kind not in "iufU":
+            raise MbcdmError(f"{field}: only numbers and names can differ from design to design; give one of them each")
+    # Limits of single fields hold for all values between the smallest and the largest.
+    for end in (np.min, np.max):
+        row = {field: end(values) for field, values in columns.items() if values.dtype.kind != "U"}
+        data = open_data(yamltree.Tree(_changed(tree.data, row, loaded), tree.lines), loaded.path, file)
+    many = file.size_many()
+    return many, list(many.size(data, columns))
 
 
 def _changed(data: Any, changes: Mapping[str, Any], loaded: LoadedDesign) -> Any:

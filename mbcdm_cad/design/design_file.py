@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,6 +17,20 @@ from mbcdm_cad.design.rules import Broken, NamedEntry
 from mbcdm_cad.design.sized import Moved, Sizing
 
 __all__ = ["DesignFile", "Given"]
+
+
+@dataclass(frozen=True)
+class SizingOfMany:
+    """How a configuration sizes many designs at once, as far as no frame is needed.
+
+    ``size`` fills the gaps of a file's data with the fields of some columns changed row by row, and yields the designs
+    in groups that agree on all choices. ``fields`` are those that its rules fill. ``drive`` is called with a group and
+    a drive of the same file; in what it returns the numbers that the cable model reads are columns.
+    """
+
+    size: Callable[[dict[str, Any], Mapping[str, Sequence[Any]]], Iterator[Any]]
+    fields: tuple[str, ...]
+    drive: Callable[[Any, Drive], Drive]
 
 
 @dataclass(frozen=True)
@@ -43,6 +57,8 @@ class DesignFile:
     freedoms: Callable[[], tuple[Freedom, ...]] = tuple
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
+    # Sizing of many designs at once, where the configuration's rules can do that.
+    size_many: Callable[[], SizingOfMany] | None = None
 
     @cached_property
     def nodes(self) -> SchemaNodes:

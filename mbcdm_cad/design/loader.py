@@ -77,17 +77,32 @@ def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved) -> tuple[Tree,
     """The tree with its gaps filled, and what filled them. What the file does give must satisfy the schema by then."""
     if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return tree, ()
-    data = copy.deepcopy(tree.data)
-    for name, field in file.schema.model_fields.items():
-        if field.is_required() and _is_block(field.annotation) and data.get(name) is None:
-            data[name] = {}
-    data.setdefault("name", slug(Path(path).stem))
     try:
-        sizing = file.size(data, moved)
+        sizing = file.size(_with_blocks(tree, path, file), moved)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise
     return Tree(sizing.data, tree.lines), sizing.values
+
+
+def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
+    """A copy of the data with the blocks that rules will fill."""
+    data: dict[str, Any] = copy.deepcopy(tree.data)
+    for name, field in file.schema.model_fields.items():
+        if field.is_required() and _is_block(field.annotation) and data.get(name) is None:
+            data[name] = {}
+    data.setdefault("name", slug(Path(path).stem))
+    return data
+
+
+def open_data(tree: Tree, path: Path, file: DesignFile) -> dict[str, Any]:
+    """The file's data as sizing rules read it: plain values, with the blocks that they will fill.
+
+    Raises InputError where what the file gives is wrong by itself.
+    """
+    tree, _ = _split(tree, str(path), file)
+    _has_gaps(tree, str(path), file)
+    return _with_blocks(tree, str(path), file)
 
 
 def _is_block(annotation: Any) -> bool:

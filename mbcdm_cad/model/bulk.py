@@ -5,6 +5,7 @@ Nothing here is approximate: every figure equals that of :func:`mbcdm_cad.model.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -109,6 +110,18 @@ def analyse_many(d: DriveSI, need: Requirements) -> BulkFigures:
             getattr(full, f.name)[..., good] = getattr(some, f.name)
         blocks.append(full)
     return BulkFigures(*(np.concatenate([getattr(b, f.name) for b in blocks], axis=-1) for f in fields(BulkFigures)))
+
+
+def merged(parts: Sequence[tuple[Sequence[int], BulkFigures]], n: int) -> BulkFigures:
+    """Figures of parts of a batch of n put together; each comes with its designs' places. NaN where there is none."""
+    first, found = parts[0][1], []
+    for f in fields(BulkFigures):
+        value = getattr(first, f.name)
+        whole = np.zeros(n, dtype=bool) if value.dtype == bool else np.full((*value.shape[:-1], n), np.nan)
+        for places, figures in parts:
+            whole[..., places] = getattr(figures, f.name)
+        found.append(whole)
+    return BulkFigures(*found)
 
 
 def _taken(d: DriveSI, which: Any) -> DriveSI:

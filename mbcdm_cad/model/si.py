@@ -266,7 +266,7 @@ def to_si(drive: Drive) -> DriveSI:
         geometry=found.geometry,
         parameters=found.parameters,
         preload_N=np.array([run.preload_N for run in drive.cables], dtype=float),
-        friction_coefficient=np.asarray(float(drive.friction_coefficient)),
+        friction_coefficient=np.asarray(drive.friction_coefficient, dtype=float),
         modulus_Pa=np.asarray(drive.cable.modulus_GPa * GPA),
         area_m2=np.asarray(drive.cable.area_mm2 * MM2),
         input_wrap_rad=unlimited,

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.sizing.arithmetic import PerDesign, Split, per_design
 from mbcdm_cad.sizing.known import KnownFields
@@ -55,7 +56,8 @@ def fill_many(
                     todo.append((rows[part], known(_taken(given.data, part)), divided.rule))
                 continue
             except SizingError as error:
-                why = str(error)
+                broken = error.broken[0]
+                why = f"{dotted(broken.path)}: {broken.what} (value {broken.value})"
             except _NoValueError as error:
                 why = str(error)
             yield Alike(rows, given, why)

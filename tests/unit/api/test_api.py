@@ -25,6 +25,7 @@ SIGNATURES = {
     "load": "(path: 'str | Path') -> 'DriveDesign'",
     "reference_design": "(name: 'str' = 'mbcdm') -> 'DriveDesign'",
     "analyse_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'Sweep'",
+    "size_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'SizedDesigns'",
     "load_run": "(path: 'str | Path') -> 'MeasuredRun'",
     "close_loop": "(design: 'DriveDesign', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path]')"
     " -> 'LoopReport'",
@@ -45,6 +46,7 @@ NAMES = [
     "reference_design",
     "DriveDesign",
     "analyse_many",
+    "size_many",
     "load_run",
     "MeasuredRun",
     "close_loop",

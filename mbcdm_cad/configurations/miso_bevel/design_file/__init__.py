@@ -9,7 +9,7 @@ from mbcdm_cad.configurations.miso_bevel.design_file.resolve import drive
 from mbcdm_cad.configurations.miso_bevel.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.configurations.miso_bevel.design_file.starting import STARTING
-from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.design_file import DesignFile, SizingOfMany
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing
 
@@ -18,6 +18,12 @@ def _size(data: dict[str, Any], moved: Moved) -> Sizing:
     from mbcdm_cad.configurations.miso_bevel.sizing import size  # only files with gaps need the rules
 
     return size(data, moved)
+
+
+def _size_many() -> SizingOfMany:
+    from mbcdm_cad.configurations.miso_bevel.sizing import many
+
+    return SizingOfMany(many.size_many, many.FIELDS, many.drive_of_many)
 
 
 def _derived() -> tuple[str, ...]:
@@ -32,4 +38,6 @@ def _freedoms() -> tuple[Freedom, ...]:
     return FREEDOMS
 
 
-DESIGN_FILE = DesignFile(BevelDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING)
+DESIGN_FILE = DesignFile(
+    BevelDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING, _size_many
+)
