@@ -15,7 +15,8 @@ class Problem:
     """One thing wrong with an input file: where, what, which value against which limit, and what to do about it.
 
     ``value`` and ``limit`` may be empty where there is none to give. ``may_move``: nothing is wrong with the file as
-    such, and other values of fields that are free may mend it; a search goes on.
+    such, and other values of fields that are free may mend it; a search goes on. ``missing``: the file leaves out what
+    it must give.
     """
 
     file: str
@@ -26,6 +27,7 @@ class Problem:
     limit: str = ""
     remedy: str = ""
     may_move: bool = False
+    missing: bool = False
 
     def __str__(self) -> str:
         """``FILE:LINE: field: what (value ..., limit ...); remedy`` on one line."""

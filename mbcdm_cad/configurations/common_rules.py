@@ -43,7 +43,8 @@ def _transfer_gap(given: RopeKnown) -> Found:
 
 def needed(field: str, remedy: str) -> Broken:
     """A requirement that is missing."""
-    return Broken(tuple(field.split(".")), "missing; it is a requirement, so no sizing rule gives it", "", "", remedy)
+    what = "missing; it is a requirement, so no sizing rule gives it"
+    return Broken(tuple(field.split(".")), what, "", "", remedy, missing=True)
 
 
 SCHEMA_VERSION = constant("schema_version", 1, "the version of the file's layout", "the program")

@@ -61,7 +61,7 @@ def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
     example = next(iter(node.get("examples", [])), None)
     if kind == "missing":
         shown = f"add it, for example {path[-1]}: {flow(example)}" if _simple(example) else "add it"
-        return Problem(file, line, where, "missing", "", limit, f"{shown}{_meaning(node)}")
+        return Problem(file, line, where, "missing", "", limit, f"{shown}{_meaning(node)}", missing=True)
     if kind == "extra_forbidden":
         known = (node_at(path[:-1]) or {}).get("properties", {})
         return Problem(file, line, where, "unknown field", remedy=did_you_mean(str(path[-1]), known))

@@ -20,7 +20,7 @@ from mbcdm_cad.errors import did_you_mean, shortened
 
 
 class Broken(NamedTuple):
-    """A rule that does not hold: field path, what, value, limit, remedy; ``may_move`` as in :class:`Problem`."""
+    """A rule that does not hold: field path, what, value, limit, remedy; the others as in :class:`Problem`."""
 
     path: FieldPath
     what: str
@@ -28,6 +28,7 @@ class Broken(NamedTuple):
     limit: str
     remedy: str
     may_move: bool = False
+    missing: bool = False
 
 
 class NamedEntry(NamedTuple):

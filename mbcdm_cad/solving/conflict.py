@@ -165,7 +165,7 @@ def _has_rule(question: Question, name: str) -> bool:
     try:
         found = question.resolve(*question.trial({name: Out()}))
     except InputError as error:
-        return not any(problem.field == name or problem.what.startswith("missing") for problem in error.problems)
+        return not any(problem.field == name or problem.missing for problem in error.problems)
     return any(value.field == name for value in found.sized)
 
 

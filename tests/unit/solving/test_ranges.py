@@ -92,3 +92,12 @@ def test_only_solve_reads_ranges_all_else_says_so() -> None:
         load_text(SHORT.replace("60.0", "{min: 50, max: 70}"), "short.yaml")
     assert "short.yaml:4: transmission.drum_radius_mm: a range" in str(refused.value)
     assert "mbcdm solve short.yaml --apply FILE" in str(refused.value)
+
+
+def test_a_requirement_left_out_is_marked_as_missing() -> None:
+    with pytest.raises(InputError) as refused:
+        load_text("name: x\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 30.0}\n")
+    assert {problem.field for problem in refused.value.problems if problem.missing} >= {"loads.peak_torque_Nm"}
+    with pytest.raises(InputError) as wrong:
+        load_text("name: x\nconfiguration: miso_bevel\ntravel: {half_angle_deg: -30.0}\n")
+    assert not any(problem.missing for problem in wrong.value.problems)
