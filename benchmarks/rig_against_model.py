@@ -47,7 +47,15 @@ def rig_drum_rad(drive: Drive, inputs_rad: Any, load_Nm: Any, **options: Any) ->
     zero = np.zeros((n_cables, n))
     input_of = np.array([c.input_index for c in cables])
     course = equilibrium.QuasistaticCourse(
-        input_of, gears, inputs, zero, zero, predicted, load, np.zeros((n_cables, 3, 0))
+        input_of,
+        gears,
+        inputs,
+        zero,
+        zero,
+        predicted,
+        load,
+        np.zeros((n_cables, 3, 0)),
+        np.zeros((0, 2), dtype=np.int64),
     )
     failed = equilibrium.run(state, course, pulleys, drum, tension)
     if failed >= 0:

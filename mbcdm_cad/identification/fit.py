@@ -137,7 +137,8 @@ class Fitter:
             before = self.base[0]
             after = effect.apply(before, np.array([p.size for p in effect.parameters]), self.simulate[0])
             strain = any(getattr(before, n) is not getattr(after, n) for n in _STRAINS)
-            self._kinds[effect] = 0 if strain else 1 if after.winding != before.winding else 2
+            history = after.winding != before.winding or after.creep != before.creep
+            self._kinds[effect] = 0 if strain else 1 if history else 2
         return self._kinds[effect]
 
     def setup(self, run: int, offsets_rad: Floats) -> Setup:

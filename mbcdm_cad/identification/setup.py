@@ -8,6 +8,7 @@ import numpy as np
 
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
@@ -26,7 +27,8 @@ class Setup:
     ``d`` is None for a drive of which only the ratio is known; ``load_Nm`` None without a torque column.
     ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
     stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
-    history is at work, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none.
+    history is at work, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none;
+    ``creep`` is how much of the rope's going over is at work that a wrap of ``through_rad`` on the inputs lets happen.
     """
 
     d: DriveSI | None
@@ -38,6 +40,8 @@ class Setup:
     added_rad: Floats
     winding: float = 0.0
     play_rad: tuple[float, ...] = ()
+    creep: float = 0.0
+    through_rad: float = 0.0
 
     @property
     def drive(self) -> DriveSI:
@@ -109,7 +113,7 @@ def rigid_drum_rad(s: Setup) -> Floats:
     return np.asarray(((weight * d.sigma)[:, None] * wound).sum(axis=0) / (weight * d.drum_radius_m).sum())
 
 
-def _simulated(s: Setup, winding: bool) -> Response:
+def _simulated(s: Setup, winding: bool, through: bool = False) -> Response:
     """The cables' answer to the quiet inputs, on every few samples (``Prepared.coarse``)."""
     p = s.p
     at = p.coarse
@@ -117,6 +121,8 @@ def _simulated(s: Setup, winding: bool) -> Response:
     if s.shift_rad is not None:
         angle = angle + s.shift_rad[:, at]
     path = None if s.path_m is None else s.path_m[:, at]
+    if through:
+        return simulate_profiles(s.drive, angle, s.load[at], path, winding, s.through_rad)
     return simulate(s.drive, angle, s.load[at], path, winding)
 
 
@@ -125,14 +131,14 @@ def _between(p: Prepared, values: Floats) -> Floats:
     return np.interp(np.arange(p.time_s.size), p.coarse, values)
 
 
-def respond(s: Setup, winding: bool = False) -> Floats:
+def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
     """Drum angle on all samples, rad, (n,).
 
     The elastic part changes slowly and is interpolated; the common motion of the inputs carries the drum along on every
     sample, and the noise kept from the cables is added back linearly.
     """
     p, s = s.p, taken_up(s)
-    elastic = _simulated(s, winding).drum_angle_rad - p.common_rad[p.coarse] / s.ratio
+    elastic = _simulated(s, winding, through).drum_angle_rad - p.common_rad[p.coarse] / s.ratio
     noise = input_shares(s.drive) @ (p.angle_rad - p.mean_rad - p.apart_rad)
     return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
 
@@ -190,23 +196,26 @@ class Simulator:
     """Predicts setups and remembers the last simulations."""
 
     def __init__(self) -> None:
-        self._known: list[tuple[Setup, bool, Floats]] = []
+        self._known: list[tuple[Setup, tuple[bool, float], Floats]] = []
 
     def __call__(self, s: Setup) -> Floats:
         """Reading of the output encoder, rad, shape (n,)."""
         drum = self._drum(s, False)
         if s.winding != 0.0:
             drum = drum + s.winding * (self._drum(s, True) - drum)
+        if s.creep != 0.0:
+            drum = drum + s.creep * (self._drum(s, True, through=True) - self._drum(s, True))
         return drum + s.added_rad
 
-    def _drum(self, s: Setup, winding: bool) -> Floats:
+    def _drum(self, s: Setup, winding: bool, through: bool = False) -> Floats:
+        asked = (winding, s.through_rad if through else 0.0)
         for known, flag, drum in self._known:
             same = known.d is s.d and known.p is s.p and known.load_Nm is s.load_Nm
             same = same and known.path_m is s.path_m and known.shift_rad is s.shift_rad
-            if same and known.play_rad == s.play_rad and flag == winding:
+            if same and known.play_rad == s.play_rad and flag == asked:
                 return drum
         rigid = s.d is None or s.load_Nm is None
-        drum = rigid_drum_rad(s) if rigid else respond(s, winding)
-        self._known.append((s, winding, drum))
+        drum = rigid_drum_rad(s) if rigid else respond(s, winding, through)
+        self._known.append((s, asked, drum))
         del self._known[:-REMEMBERED]
         return drum

@@ -18,6 +18,7 @@ import numpy as np
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.series import Response, checked_series, path_offset_m
 from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.through_wrap import Profile, go_over
 from mbcdm_cad.model.wrap_profile import ANGLE, RATIO, commit, probe
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
@@ -35,12 +36,19 @@ BALANCED, NO_BALANCE, RUN_OFF = 0, 1, 2
 
 
 def simulate_profiles(
-    d: DriveSI, input_angle_rad: Any, load_Nm: Any, path_m: Any = None, winding: bool = False
+    d: DriveSI,
+    input_angle_rad: Any,
+    load_Nm: Any,
+    path_m: Any = None,
+    winding: bool = False,
+    through_rad: float | None = None,
 ) -> Response:
     """Run the model over a series; arguments and shapes as in :func:`mbcdm_cad.model.hysteresis.simulate`.
 
     Finite ``input_wrap_rad`` and ``drum_wrap_rad`` are the live wraps with all angles zero; slip that reaches the
-    anchor stops there, and a cable can go slack (tension 0) and come back. Errors besides those of the series:
+    anchor stops there, and a cable can go slack (tension 0) and come back. ``through_rad`` is the wrap over each input
+    that friction alone holds, for cables that run through there: their two sides then share it, and rope goes over from
+    one to the other (:mod:`mbcdm_cad.model.through_wrap`). Errors besides those of the series:
     ``ModelError`` where a pulley would wind off more than its wrap, and for winding with slip on passed bodies.
     """
     angle, load = checked_series(d, input_angle_rad, load_Nm)
@@ -51,7 +59,8 @@ def simulate_profiles(
             "leave passed_wrap_rad at 0 or winding off"
         )
     offset = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)] + path_offset_m(d, path_m, load.size)
-    wraps = [(d.input_radius_m, d.input_wrap_rad), (d.drum_radius_m, d.drum_wrap_rad)]
+    on_input = d.input_wrap_rad if through_rad is None else np.full(d.n_cables, 0.5 * through_rad)
+    wraps = [(d.input_radius_m, on_input), (d.drum_radius_m, d.drum_wrap_rad)]
     # Slipped on from both ends: two wraps of half the angle, which stand still.
     wraps += slipped
     radius, length = (np.stack([np.broadcast_to(w[i], (d.n_cables,)) for w in wraps], axis=1) for i in (0, 1))
@@ -66,6 +75,7 @@ def simulate_profiles(
         np.minimum(length, ENDLESS_RAD),
         float(d.friction_coefficient),
         winding,
+        _pairs(d, through_rad),
     )
     series = _Series(np.ascontiguousarray(angle[list(d.input_of)]), np.ascontiguousarray(offset), load)
     outcome, k, j = _run(wound, series, drum, tension)
@@ -84,13 +94,24 @@ def simulate_profiles(
 
 
 class _Wraps(NamedTuple):
-    """Constants of the cables (n, 5), radius and length of their wraps (n, n_wraps), friction, whether they wind."""
+    """Constants of the cables (n, 5), radius and length of their wraps (n, n_wraps), friction, whether they wind.
+
+    ``through`` (m, 2): the two sides of each cable that has one wrap on its input.
+    """
 
     table: Floats
     radius: Floats
     length: Floats
     mu: float
     winding: bool
+    through: Any
+
+
+def _pairs(d: DriveSI, through_rad: float | None) -> Any:
+    """The two sides of each cable, (n_inputs, 2), where they share a wrap; else (0, 2)."""
+    inputs = range(d.n_inputs) if through_rad is not None else ()
+    sides = [[j for j in range(d.n_cables) if d.input_of[j] == i] for i in inputs]
+    return np.array(sides, dtype=np.int64).reshape(-1, 2)
 
 
 class _Series(NamedTuple):
@@ -138,6 +159,14 @@ def _place(ends: Floats, table: Floats, winding: bool, angle: Floats, theta: flo
         for j in range(table.shape[0]):
             ends[j, INPUT_WRAP] = table[j, SIGMA] * angle[j]
             ends[j, DRUM_WRAP] = -table[j, SIGMA] * theta
+
+
+@compiled
+def _roomier(stacks: Floats) -> Floats:
+    """The stacks with room for twice as many knots."""
+    wider = np.zeros((*stacks.shape[:3], 2 * stacks.shape[3]))
+    wider[:, :, :, : stacks.shape[3]] = stacks
+    return wider
 
 
 @compiled
@@ -197,10 +226,19 @@ def _run(wound: _Wraps, series: _Series, drum: Floats, tension: Floats) -> tuple
             log_u = math.log(pulled[j])
             for w in range(n_wraps):
                 if counts[j, w] + 2 > stacks.shape[3]:
-                    wider = np.zeros((n_cables, n_wraps, 4, 2 * stacks.shape[3]))
-                    wider[:, :, :, : stacks.shape[3]] = stacks
-                    stacks = wider
+                    stacks = _roomier(stacks)
                 counts[j, w] = commit(stacks[j, w], counts[j, w], ends[j, w], pulled[j], log_u, mu)
             tension[j, k] = table[j, PRELOAD] * pulled[j] if pulled[j] > FAINT else 0.0
+        for m in range(wound.through.shape[0]):
+            one, other = wound.through[m, 0], wound.through[m, 1]
+            if counts[one, INPUT_WRAP] + counts[other, INPUT_WRAP] + 2 > stacks.shape[3]:
+                stacks = _roomier(stacks)
+            counts[one, INPUT_WRAP], counts[other, INPUT_WRAP] = go_over(
+                Profile(stacks[one, INPUT_WRAP], counts[one, INPUT_WRAP]),
+                Profile(stacks[other, INPUT_WRAP], counts[other, INPUT_WRAP]),
+                length[one, INPUT_WRAP],
+                mu,
+                math.log(table[one, PRELOAD] / table[other, PRELOAD]),
+            )
         drum[k] = theta
     return BALANCED, 0, 0

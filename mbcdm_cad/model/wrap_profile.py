@@ -6,7 +6,8 @@ goes straight in ln T changes the chain in one of two ways: cable wound on slowe
 cone from the new end cuts off all knots outside it. Each knot is pushed once and popped once, so that a sample costs
 about the same however long the history, and there is no cell length to choose.
 
-Tensions are over the preload (u), integrals are of (u - 1) dx from the anchor, in rad.
+Tensions are over the preload (u), integrals are of (u - 1) dx from the anchor, in rad; that at knot 0 is
+0 unless the anchor has moved (:mod:`mbcdm_cad.model.through_wrap`).
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ def probe(
     if k < 0:
         length = x - stack[ANGLE, 0]
         share = -sense * math.expm1(-sense * mu * length) / mu
-        return u * share - length, share, -1, stack[ANGLE, 0], log_u - sense * mu * length, 0.0
+        start = stack[SUM, 0]
+        return start + u * share - length, share, -1, stack[ANGLE, 0], log_u - sense * mu * length, start
     low, high = stack[ANGLE, k], stack[ANGLE, k + 1]
     slope = (stack[LOG, k + 1] - stack[LOG, k]) / (high - low)
     outside = log_u - sense * mu * (x - high) - stack[LOG, k + 1]

@@ -14,7 +14,8 @@ from mbcdm_cad.routes.route import CableRoute, DriveRoutes, Wrap
 class RigCable:
     """One cable, SI. ``sigma`` is the sense in which its tension turns the drum, ``input_index`` the input it is on.
 
-    ``route`` is its way in the design; the radii of input and drum are those built.
+    ``route`` is its way in the design; the radii of input and drum are those built. ``own_wrap_rad`` is this side's
+    half of a wrap over the input on which friction alone holds; 0 where the cable counts as anchored there.
     """
 
     name: str
@@ -26,6 +27,7 @@ class RigCable:
     preload_N: float
     friction: float
     route: CableRoute
+    own_wrap_rad: float = 0.0
 
     @property
     def free_span_m(self) -> float:

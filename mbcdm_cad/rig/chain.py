@@ -107,12 +107,15 @@ def chains(
     """
     n = len(cables)
     turns = max(c.drum_radius_m / c.input_radius_m for c in cables)
-    if transport and (reach_rad >= drum_wrap_rad or reach_rad * turns >= input_wrap_rad):
+    # A wrap that is anchored nowhere takes from its other side what it winds off.
+    anchored = any(c.own_wrap_rad == 0.0 for c in cables)
+    if transport and (reach_rad >= drum_wrap_rad or (anchored and reach_rad * turns >= input_wrap_rad)):
         raise ValueError(
             f"a travel of {reach_rad:.4g} rad winds off more than the wraps hold ({input_wrap_rad:.4g} rad on the "
             f"inputs at {turns:.4g} turns a drum turn, {drum_wrap_rad:.4g} rad on the drum)"
         )
-    longest = max(input_wrap_rad + reach_rad * turns, drum_wrap_rad + reach_rad, 2.0 * math.pi) + 1.0
+    through = 2.0 * max(c.own_wrap_rad for c in cables)
+    longest = max(input_wrap_rad + reach_rad * turns, drum_wrap_rad + reach_rad, 2.0 * math.pi, through) + 1.0
     n_wraps, n_pieces = 2 + max(len(c.passed) for c in cables), math.ceil(longest / piece_rad) + 4
     state = Chains(np.zeros((n, 7)), np.zeros((n, n_wraps, _COLUMNS)), np.empty((n, n_wraps, n_pieces)), np.empty(n))
     for j, c in enumerate(cables):
@@ -126,7 +129,8 @@ def chains(
             1.0 if transport else 0.0,
         )
         state.pieces[j] = state.tension[j] = c.preload_N
-        spans = [(INPUT, input_wrap_rad, c.input_radius_m), (n_wraps - 1, drum_wrap_rad, c.drum_radius_m)]
+        on_input = c.own_wrap_rad or input_wrap_rad
+        spans = [(INPUT, on_input, c.input_radius_m), (n_wraps - 1, drum_wrap_rad, c.drum_radius_m)]
         spans += [(w, p.angle_rad if passed_slip else 0.0, p.radius_m) for w, p in enumerate(c.passed, start=1)]
         for w, wrap_rad, radius_m in spans:
             wrap = state.wraps[j, w]

@@ -41,6 +41,9 @@ A file's name begins with what it tests: `null` (no effect: the declared model),
 along), the name of a single effect, `pair` and `three` (several effects), `out` (an effect that the loop has no name
 for), `none` (an effect that the logged signals contain, so that nothing is left to explain).
 
+`params/experiments/siso_spur/` has those for effects of a cable that nothing anchors on its input; run them with
+`params/siso_spur.yaml`.
+
 The column "adds" is the difference in transmission error between this run and the same run without any effect, with
 perfect sensors: its standard deviation and its spread (largest minus smallest), after the first eighth of the run.
 

@@ -16,6 +16,7 @@ from mbcdm_cad.rig.effects.encoder_scale import EncoderScale
 from mbcdm_cad.rig.effects.encoder_subdivision import EncoderSubdivision
 from mbcdm_cad.rig.effects.gear_mesh import GearMesh
 from mbcdm_cad.rig.effects.gearhead_lash import GearheadLash
+from mbcdm_cad.rig.effects.input_creep import InputCreep
 from mbcdm_cad.rig.effects.land_wear import LandWear
 from mbcdm_cad.rig.effects.modulus import Modulus
 from mbcdm_cad.rig.effects.motor_cogging import MotorCogging
@@ -41,6 +42,7 @@ AnyEffect = Annotated[
     | EncoderSubdivision
     | GearMesh
     | GearheadLash
+    | InputCreep
     | LandWear
     | Modulus
     | MotorCogging

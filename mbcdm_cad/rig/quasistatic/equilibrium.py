@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.chain import Chains, carry, look, settle, strain
+from mbcdm_cad.rig.through import go_over
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
@@ -43,7 +44,8 @@ class QuasistaticCourse(NamedTuple):
     ``input_of`` (n_cables,) is the input of each cable; ``gears`` (n_inputs, 2): stiffness in N m/rad (infinite: held)
     and play in rad; ``motor`` (n_inputs, n) gearhead angles; ``path`` and ``lever`` (n_cables, n) extra path in m and
     its slope in m/rad about the ``predicted`` drum angle (n,); ``load`` (n,) N m; ``strains`` (n_cables, w, n)
-    stress-free strain of rope over bed on each wrap, or n = 0.
+    stress-free strain of rope over bed on each wrap, or n = 0; ``through`` (m, 2) the two sides of each cable that is
+    anchored nowhere on its input.
     """
 
     input_of: NDArray[np.int64]
@@ -54,6 +56,7 @@ class QuasistaticCourse(NamedTuple):
     predicted: Floats
     load: Floats
     strains: Floats
+    through: NDArray[np.int64]
 
 
 class _Leftover(NamedTuple):
@@ -144,6 +147,9 @@ def run(chains: Chains, course: QuasistaticCourse, pulleys: Floats, drum: Floats
         for j in range(n_cables):
             settle(chains, j, left.tension[j])
             tension[j, k] = left.tension[j]
+        for m in range(course.through.shape[0]):
+            if not go_over(chains, course.through[m, 0], course.through[m, 1]):
+                return k
         pulleys[:, k] = x[:n_inputs]
         drum[k] = x[n_inputs]
     return -1

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.rig import chain
+from mbcdm_cad.rig import chain, through
 from mbcdm_cad.rig.bench import Bench, bench_of
 from mbcdm_cad.rig.quasistatic import equilibrium
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
@@ -81,8 +81,8 @@ def balance(bench: Bench, experiment: Experiment, load_Nm: Floats) -> tuple[Floa
     pulleys, drum, tension = np.empty_like(motor), np.empty(n), np.empty((n_cables, n))
     total = load_Nm + sum(bench.hidden_Nm, np.zeros(n))
     strains = np.zeros((*chains.wraps.shape[:2], 0)) if bench.strains is None else bench.strains
-    input_of = np.array([c.input_index for c in bench.cables])
-    course = equilibrium.QuasistaticCourse(input_of, gears, motor, path, lever, bench.drum_rad, total, strains)
+    input_of, sides = np.array([c.input_index for c in bench.cables]), through.pairs_of(bench.cables)
+    course = equilibrium.QuasistaticCourse(input_of, gears, motor, path, lever, bench.drum_rad, total, strains, sides)
     failed = equilibrium.run(chains, course, pulleys, drum, tension)
     if failed >= 0:
         raise RigError(

@@ -26,7 +26,9 @@ def test_names_are_those_of_the_files_and_seeds_differ(library):
 
 
 def test_the_library_holds_every_effect(library, project):
-    used = {effect.effect for e in library.values() for effect in e.effects}
+    # Effects that miso_bevel's cables cannot have are in the folder of a drive that can.
+    others = (read_experiment(path) for path in (project / "params" / "experiments" / "siso_spur").glob("*.yaml"))
+    used = {effect.effect for e in (*library.values(), *others) for effect in e.effects}
     files = {p.stem for p in (project / "mbcdm_cad" / "rig" / "effects").glob("*.py")}
     assert used == files - {"__init__", "base", "shapes", "registry"}
 
