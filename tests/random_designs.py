@@ -33,7 +33,7 @@ sys.path.insert(0, str(Path(__file__).parent / "support"))
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from interference_of_solids import interferences
-from random_generator import SPUR, USUAL, Passing, load, passing
+from random_generator import BEVEL, ROUND, SPUR, USUAL, Passing, load, passing
 
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
@@ -41,7 +41,11 @@ from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.configurations.miso_bevel.checks import envelope
 from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES as BEVEL_VOLUMES
+from mbcdm_cad.configurations.miso_spur.checks import room as round_room
+from mbcdm_cad.configurations.miso_spur.support.volume import VOLUMES as ROUND_VOLUMES
 from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.configurations.siso_bevel.checks import room as bevel_room
+from mbcdm_cad.configurations.siso_bevel.support.volume import VOLUMES as SISO_BEVEL_VOLUMES
 from mbcdm_cad.configurations.siso_spur.checks import room
 from mbcdm_cad.configurations.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.errors import InputError
@@ -58,10 +62,20 @@ MASS_SHARE = 0.03
 MESH_MM = 0.05
 
 
-SPACES = {"miso_bevel": USUAL, "siso_spur": SPUR}
+SPACES = {space.configuration: space for space in (USUAL, SPUR, ROUND, BEVEL)}
 # What foresees box and volumes before anything is drawn.
-BOXES = {"miso_bevel": envelope.box_mm, "siso_spur": room.box_mm}
-VOLUMES = {"miso_bevel": BEVEL_VOLUMES, "siso_spur": SPUR_VOLUMES}
+BOXES: dict[str, Any] = {
+    "miso_bevel": envelope.box_mm,
+    "siso_spur": room.box_mm,
+    "miso_spur": round_room.box_mm,
+    "siso_bevel": bevel_room.box_mm,
+}
+VOLUMES = {
+    "miso_bevel": BEVEL_VOLUMES,
+    "siso_spur": SPUR_VOLUMES,
+    "miso_spur": ROUND_VOLUMES,
+    "siso_bevel": SISO_BEVEL_VOLUMES,
+}
 
 
 def box_mm(drive: Any) -> tuple[float, float, float]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
-from math import exp, log
+from dataclasses import dataclass, replace
+from math import exp, inf, log
 from typing import Any
 
 import numpy as np
@@ -27,8 +27,9 @@ PRINTED = {"drum": {"material": "pa12"}, "guide": {"material": "pa12"}, "support
 class Space:
     """What is drawn: ranges, and how often a file states what it may leave free.
 
-    With ``configuration`` siso_spur torque is drawn for a drum of 60 mm and grows with the radius squared; no distance.
-    ``distance`` is a fixed centre distance in radii of the drum's first step; ``ropes`` are those that a file may name.
+    For the configurations without a guide torque is drawn for an input on a drum of 60 mm and grows with the radius
+    squared; no distance. ``wind_off_deg`` is what ratio times full travel may come to at most. ``distance`` is a fixed
+    centre distance in radii of the drum's first step; ``ropes`` are those that a file may name.
     """
 
     ratio: tuple[float, float]
@@ -39,6 +40,7 @@ class Space:
     ropes: tuple[str, ...]
     stated: float = 0.5
     configuration: str = "miso_bevel"
+    wind_off_deg: float = inf
 
 
 # All that is aimed at.
@@ -62,34 +64,48 @@ SPUR = Space(
     0.4,
     "siso_spur",
 )
+# Two to four such inputs round one drum; half the travel is at most this over their number, deg.
+ROUND_TRAVEL_DEG = 140.0
+ROUND = replace(SPUR, configuration="miso_spur")
+# The input winds under a turn: 18 degrees of reserve and 25 for the end of the winding besides.
+BEVEL = replace(SPUR, ratio=(1.5, 7.0), torque_Nm=(0.1, 0.7), configuration="siso_bevel", wind_off_deg=317.0)
 
 
-def _spur(seed: int, space: Space) -> Data:
-    """A file of requirements for siso_spur."""
+def _without_guide(seed: int, space: Space) -> Data:
+    """A file of requirements for a configuration whose inputs drive the drum straight."""
     rng = random.Random(seed)
     torque = exp(rng.uniform(*map(log, space.torque_Nm)))
     radius = round(exp(rng.uniform(*map(log, space.drum_radius_mm))), 1)
     data: Data = {
         "name": f"random-{seed}",
-        "configuration": "siso_spur",
+        "configuration": space.configuration,
         "travel": {"half_angle_deg": round(rng.uniform(*space.half_travel_deg), 1)},
         "transmission": {"input_to_drum": round(rng.uniform(*space.ratio), 2), "drum_radius_mm": radius},
         "loads": {"peak_torque_Nm": float(f"{torque * (radius / 60.0) ** 2:.2g}")},
     }
     if rng.random() < space.stated:
         data["rope"] = {"type": rng.choice(space.ropes)}
-    if rng.random() < space.stated:
+    if space.configuration == "siso_bevel":
+        ratio, half = data["transmission"]["input_to_drum"], data["travel"]["half_angle_deg"]
+        data["travel"]["half_angle_deg"] = round(min(half, space.wind_off_deg / (2 * ratio)) - 0.05, 1)
+    elif rng.random() < space.stated:
         data["input_pulleys"] = {"surface": rng.choice(("smooth", "grooved"))}
     if rng.random() < space.stated:
         metal = rng.choice(("pla", "pa12"))
         data |= {"drum": {"material": metal}, "support": {"material": metal}}
+    if space.configuration == "miso_spur":
+        names = "abcd"[: rng.randint(2, 4)]
+        data["inputs"] = [{"name": name} for name in names]
+        # Further the terminals of one sector come round to the next input.
+        data["travel"]["half_angle_deg"] = min(data["travel"]["half_angle_deg"], ROUND_TRAVEL_DEG / len(names))
+        data["loads"]["peak_torque_Nm"] = round(data["loads"]["peak_torque_Nm"] * len(names), 4)
     return data
 
 
 def requirements(seed: int, space: Space = USUAL) -> Data:
     """One file of requirements: ratio, radius and torque spread evenly over their decades, travel over its degrees."""
-    if space.configuration == "siso_spur":
-        return _spur(seed, space)
+    if space.configuration != "miso_bevel":
+        return _without_guide(seed, space)
     rng = random.Random(seed)
 
     def decades(low: float, high: float) -> float:

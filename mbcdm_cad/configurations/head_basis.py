@@ -56,7 +56,7 @@ def needed_ratio(given: TrialKnown) -> float:
     """What the motor's continuous torque asks for, its gearhead counted."""
     motor = given.entry("motors", "drive.motor")
     gear = given.gearhead.ratio
-    needed = TORQUE_SPARE * given["loads.peak_torque_Nm"] * 1e3 / (motor["rated_torque_mNm"] * gear)
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / (motor["rated_torque_mNm"] * gear)
     return rounded_up(max(needed, 1.0), 0.05)
 
 
@@ -68,7 +68,7 @@ def _gearhead(given: TrialKnown) -> Found:
     if _has_face(given):
         given["drive.motor"]
         return Found(NO_GEARHEAD, "the motor's own shaft")
-    needed = TORQUE_SPARE * given["loads.peak_torque_Nm"] * 1e3 / given.ratio
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio
     motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
     pairs = [
         (motor["mass_g"] + head["mass_g"], name)
@@ -85,7 +85,7 @@ def _gearhead(given: TrialKnown) -> Found:
 
 
 def _motor(given: TrialKnown) -> Found:
-    needed = TORQUE_SPARE * given["loads.peak_torque_Nm"] * 1e3 / given.ratio
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio
     head = given["drive.gearhead"]
     if head == NO_GEARHEAD:
         rated = {name: motor for name, (motor, _) in given.motors_with_faces().items()}

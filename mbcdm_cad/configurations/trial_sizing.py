@@ -54,11 +54,13 @@ class TrialKnown(RopeKnown):
     """Adds figures that follow from a few fields each, and the checks on a trial drive.
 
     ``schema``: that of the configuration's files. ``asked``: fields that every check on a trial drive rests on, the
-    dimensions known so far besides.
+    dimensions known so far besides. ``own_checks``: checks that only this configuration has and that a field must hold
+    beside those which its rule names.
     """
 
     schema: type[Design]
     asked: tuple[str, ...] = ()
+    own_checks: Mapping[str, tuple[str, ...]] = {}
 
     def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any]) -> None:
         super().__init__(data)
@@ -101,9 +103,14 @@ class TrialKnown(RopeKnown):
         """Drum radius over input radius."""
 
     @property
+    def input_peak_Nm(self) -> float:
+        """What one input holds of the peak torque at the drum."""
+        return float(self["loads.peak_torque_Nm"] / max(1, len(self.get("inputs", ()))))
+
+    @property
     def half_torque_N(self) -> float:
-        """What the peak torque adds to one cable and takes from the other."""
-        return float(self["loads.peak_torque_Nm"] * 1e3 / (2 * self.drum_mm))
+        """What the peak torque adds to one cable and takes from the other, of one input."""
+        return self.input_peak_Nm * 1e3 / (2 * self.drum_mm)
 
     @abstractmethod
     def checks(self) -> Mapping[str, Check]:
@@ -158,6 +165,7 @@ class TrialKnown(RopeKnown):
         Each trial moves by what the worst check misses, where it is a length, else by steps that grow. Where none of
         the trials passes, the one that missed least.
         """
+        checks = (*checks, *self.own_checks.get(field, ()))
         value = rounded_up(start, step) if step > 0.0 else _down(start, -step)
         driver, least, pace = "", (-inf, value), abs(step)
         for _ in range(_MOST_TRIALS):

@@ -62,6 +62,7 @@ class RoundDrumDrive(SpurDrive):
                     "cables": tuple(self.cables[j] for j in places),
                     "sigmas": sigmas,
                     "level_mm": self.levels_mm[index],
+                    "frame_angle_rad": tau / self.n_inputs,
                 }
             )
         )

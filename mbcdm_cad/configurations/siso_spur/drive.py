@@ -83,7 +83,8 @@ class SpurDrive(HeadedDrive):
     """A drive whose one cable goes round an input beside the drum, both ends on the drum.
 
     ``turns``: how often it comes round to the line of centres. ``level_mm``: where along y the middle of the cable
-    lies; the input's pulley and its far shelf lie that much further from the frame's plate.
+    lies; the input's pulley and its far shelf lie that much further from the frame's plate. ``frame_angle_rad``:
+    angle round the drum's axis that this input's part of the frame has to itself.
     """
 
     cables: tuple[SpurRun, ...]
@@ -96,6 +97,7 @@ class SpurDrive(HeadedDrive):
     bearings: SpurBearings
     support: YokeSpec
     level_mm: float = 0.0
+    frame_angle_rad: float = tau
 
     @property
     def input_radius_mm(self) -> float:

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from mbcdm_cad.configurations.siso_spur.design_file.reference import SHARED as OF_ONE_INPUT
 from mbcdm_cad.design.design_file import Given
 
 INPUTS = [{"name": "upper"}, {"name": "lower"}]
-CABLES = [
-    {"name": f"{name}_{n}", "input": name, "drum_side": side}
-    for name in ("upper", "lower")
-    for n, side in enumerate(("+x", "-x"), 1)
-]
+
+
+def sides(inputs: Iterable[str]) -> list[dict[str, str]]:
+    """Both sides of a cable for each of these inputs, as entries of ``cables``."""
+    return [
+        {"name": f"{name}_{n}", "input": name, "drum_side": side}
+        for name in inputs
+        for n, side in enumerate(("+x", "-x"), 1)
+    ]
+
+
+CABLES = sides(item["name"] for item in INPUTS)
 
 SHARED = OF_ONE_INPUT | {
     "name": Given("miso_spur"),

@@ -1,20 +1,31 @@
-"""A short design file to start from: requirements only, everything else follows from them by the sizing rules."""
+"""A short design file to start from: requirements only, everything else follows from them by the sizing rules.
+
+Places in capitals are filled in for each configuration with inputs beside the drum.
+"""
 
 from __future__ import annotations
 
-STARTING = """\
+_TEXT = """\
 # Requirements of a cable drive; every other field follows from them by a rule ('mbcdm explain FILE' says how).
 # Lengths in mm, angles in degrees. Any field of docs/design-file.md may be given too: it then stays as it is.
 name: {name}
-configuration: siso_spur
+configuration: CONFIGURATION
 travel:
   half_angle_deg: 35.0      # deg: travel from the centre to each side
 transmission:
   input_to_drum: 9.9        # drum radius over input radius; left out: what the motor needs
   drum_radius_mm: 60.0      # mm: drum pitch radius; left out: as small as the rope allows
 loads:
-  peak_torque_Nm: 2.0       # N m: torque to hold both ways
+  peak_torque_Nm: TORQUE       # N m: torque to hold both ways
 # drive: {{motor: tmotor-u8-100kv}}  # a motor with a shaft of its own needs no gearhead
 # rope: {{type: FF-081}}      # left out: the thinnest 7x7 wire rope that holds
 # drum: {{material: pla}}     # left out: aluminium; so for support
 """
+
+
+def starting(configuration: str, torque_Nm: float, more: str = "") -> str:
+    """The text with a place for the design's ``name``, ``more`` lines behind it."""
+    return _TEXT.replace("CONFIGURATION", configuration).replace("TORQUE", f"{torque_Nm:.1f}") + more
+
+
+STARTING = starting("siso_spur", 2.0)

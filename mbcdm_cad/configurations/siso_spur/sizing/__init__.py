@@ -1,4 +1,4 @@
-"""Sizing rules of siso_spur, in the order of the drive.
+"""Sizing rules of siso_spur, in the order of the drive, and all but names for several inputs round one drum too.
 
 Many rules ask checks on a trial drive, whose open fields hold the values of the pass before. Passes are repeated until
 no field changes; the first begins with those of a drive of middle size.
@@ -6,10 +6,10 @@ no field changes; the first begins with those of a drive of middle size.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from mbcdm_cad.configurations.common_rules import needed
+from mbcdm_cad.configurations.common_rules import SCHEMA_VERSION, needed
 from mbcdm_cad.configurations.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
 from mbcdm_cad.configurations.head_parts import PARTS
 from mbcdm_cad.configurations.siso_spur.sizing.basis import (
@@ -36,7 +36,6 @@ DERIVED = tuple(
 
 # Requirements, rope, train, radii, parts, frame, drum.
 RULES: tuple[Rule, ...] = (
-    *NAMES,
     *LIMITS,
     *LAND_EDGE,
     *METALS,
@@ -62,10 +61,15 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
 
     Raises ``SizingError`` where a requirement is missing.
     """
+    return sized(data, SpurKnown, NAMES, moved)
+
+
+def sized(data: dict[str, Any], known: type[SpurKnown], names: Sequence[Rule], moved: Moved | None) -> Sizing:
+    """The same with the configuration's own ``known`` and rules of its inputs' and cables' ``names``."""
     missing = list(_missing(SpurKnown(data, {})))
     if missing:
         raise SizingError(*missing)
-    return repeated(data, SpurKnown, RULES, _first_guesses(data), moved)
+    return repeated(data, known, (SCHEMA_VERSION, *names, *RULES), _first_guesses(data), moved)
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:

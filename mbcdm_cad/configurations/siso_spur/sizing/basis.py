@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import degrees, log, sqrt
 
-from mbcdm_cad.configurations.common_rules import SCHEMA_VERSION
 from mbcdm_cad.configurations.head_basis import needed_ratio, rope, thinnest_rope
 from mbcdm_cad.configurations.siso_spur.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
@@ -26,7 +25,7 @@ def _windup(given: SpurKnown) -> Found:
     """What the cable's spans yield at the test torque; a plastic frame is some twenty times as soft as one of metal."""
     reach = given["transmission.drum_radius_mm"] + given.input_mm
     span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - reach**2, 1.0))
-    stiffness = 2 * given.axial_stiffness_N / span * given["transmission.drum_radius_mm"] ** 2
+    stiffness = len(given["cables"]) * given.axial_stiffness_N / span * given["transmission.drum_radius_mm"] ** 2
     turn = given["loads.test_torque_Nm"] * 1e3 / stiffness * 1e3
     share, driver = (PLASTIC_WINDUP, "printed") if given.printed("support") else (1.0, "spans")
     return Found(float(f"{max(share * turn, 1e-4):.3g}"), driver, "three digits")
@@ -77,7 +76,6 @@ def _lead(given: SpurKnown) -> Found:
 
 LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out beyond it", "rim_width"),)
 NAMES = (
-    SCHEMA_VERSION,
     constant("inputs", INPUTS, "the one input", "the configuration"),
     constant("cables", CABLES, "the two sides of the one cable", "the configuration"),
 )

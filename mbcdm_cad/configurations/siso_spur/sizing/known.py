@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.configurations.siso_spur.checks import FAMILIES
@@ -11,6 +12,7 @@ from mbcdm_cad.configurations.siso_spur.design_file.rules import broken_rules, n
 from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurDesign
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.configurations.trial_sizing import TrialKnown, sound
+from mbcdm_cad.design.blocks import Design
 
 CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
 
@@ -18,8 +20,8 @@ CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check 
 class SpurKnown(TrialKnown):
     """Adds the figures of one cable over an input beside the drum."""
 
-    schema = SpurDesign
-    asked = (
+    schema: type[Design] = SpurDesign
+    asked: tuple[str, ...] = (
         "travel.half_angle_deg",
         "loads.peak_torque_Nm",
         "transmission.drum_radius_mm",
@@ -51,6 +53,6 @@ class SpurKnown(TrialKnown):
         """See the base class."""
         return CHECKS
 
-    def of_design(self, design: SpurDesign) -> SpurUnderTest:
+    def of_design(self, design: Any) -> SpurUnderTest:
         """See the base class."""
         return SpurUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))

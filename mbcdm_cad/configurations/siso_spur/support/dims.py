@@ -16,7 +16,9 @@ In section, y to the right (front), z up:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi, tan
 
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, groove_depth_mm, least_wall_z_mm
 from mbcdm_cad.design.bought import InsertSpec, Screw
@@ -155,7 +157,11 @@ def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
     insert, mount_insert = (drive.insert(s.material, each.thread_mm) for each in (screw, mount))
     edge = _round_thread_mm(drive, mount, mount.thread_mm)
     beside = head.half_x - edge
+    thread = (mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2
     lowest, highest = round_boss.radius + edge, z + head.back_y - edge
+    if drive.frame_angle_rad < pi:
+        # Beside the threads of the next arm.
+        lowest = max(lowest, (beside + thread + HOLE_WEB_MM) / tan(drive.frame_angle_rad / 2))
     return YokeDims(
         levels=levels,
         boss=round_boss,
@@ -183,6 +189,6 @@ def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
         dowel_radius=DOWEL_MM / 2,
         dowel_depth=dowel_length_mm(drive) - s.bearing_shelf_mm + 0.5,
         mounts=((-beside, lowest), (beside, lowest), (-beside, highest), (beside, highest)),
-        mount_radius=(mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2,
+        mount_radius=thread,
         mount_insert=mount_insert,
     )

@@ -1,0 +1,38 @@
+"""What the sizing rules of miso_spur read: that of siso_spur, with checks asked on a drive with all its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.configurations.miso_spur.checks import FAMILIES
+from mbcdm_cad.configurations.miso_spur.design_file.resolve import drive
+from mbcdm_cad.configurations.miso_spur.design_file.rules import broken_rules
+from mbcdm_cad.configurations.miso_spur.design_file.schema import RoundDrumDesign
+from mbcdm_cad.configurations.miso_spur.design_under_test import RoundDrumUnderTest
+from mbcdm_cad.configurations.siso_spur.design_file.rules import named_entries
+from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.configurations.trial_sizing import sound
+
+CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
+
+
+class RoundDrumKnown(SpurKnown):
+    """Adds what sectors beside each other and inputs round the drum ask for."""
+
+    schema = RoundDrumDesign
+    asked = (*SpurKnown.asked, "inputs")
+    own_checks: Mapping[str, tuple[str, ...]] = {
+        "transmission.centre_distance_mm": ("sectors_clear_inputs", "heads_apart"),
+        "drum.hub_diameter_mm": ("dowel_holes", "hub_dowels"),
+        "drum.hub_face_y_mm": ("sectors_apart", "dowel_holes"),
+    }
+
+    def checks(self) -> Mapping[str, Check]:
+        """See the base class."""
+        return CHECKS
+
+    def of_design(self, design: Any) -> RoundDrumUnderTest:
+        """See the base class."""
+        return RoundDrumUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))

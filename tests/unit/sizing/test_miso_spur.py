@@ -1,0 +1,62 @@
+"""Short files of miso_spur: those of siso_spur with the load shared, and what stands beside each other apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from mbcdm_cad.configurations.check_design import run_checks
+from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.configurations.miso_spur.design_file import DESIGN_FILE
+from mbcdm_cad.configurations.miso_spur.sizing import size
+from mbcdm_cad.configurations.siso_spur.sizing import size as size_of_one
+from mbcdm_cad.design.drive import Drive
+
+PARAMS = Path(__file__).parents[3] / "params"
+
+
+def short(peak_Nm: float, inputs: int | None = None, **more: Any) -> dict[str, Any]:
+    """Requirements, with a number of inputs or none stated."""
+    data: dict[str, Any] = {
+        "name": "short",
+        "configuration": "miso_spur",
+        "travel": {"half_angle_deg": 35.0},
+        "transmission": {"input_to_drum": 9.9, "drum_radius_mm": 60.0},
+        "loads": {"peak_torque_Nm": peak_Nm},
+    }
+    if inputs is not None:
+        data["inputs"] = [{"name": f"input_{k}"} for k in range(inputs)]
+    return data | more
+
+
+def failed(drive: Drive) -> dict[str, str]:
+    return {check.id: check.message for check in run_checks(drive) if check.status == "fail"}
+
+
+@pytest.mark.parametrize(
+    ("peak_Nm", "inputs", "more"),
+    [(4.0, None, {}), (6.0, 3, {}), (6.0, 4, {"rope": {"type": "uhmwpe-1.5"}})],
+)
+def test_a_short_file_passes_every_check(peak_Nm: float, inputs: int | None, more: dict[str, Any]) -> None:
+    drive = load_text(yaml.safe_dump(short(peak_Nm, inputs, **more))).drive
+    assert len(drive.input_names) == (inputs or 2)
+    assert not failed(drive), failed(drive)
+
+
+def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
+    """Train, rope, preload and turns of n inputs under n M are those of siso_spur under M."""
+    alike = ("drive.motor", "drive.gearhead", "rope.type", "rope.preload_N", "rope.helix_lead_mm", "transmission.turns")
+    one = {v.field: v.value for v in size_of_one(short(2.0, configuration="siso_spur")).values}
+    three = {v.field: v.value for v in size(short(6.0, 3)).values}
+    assert {name: three[name] for name in alike} == {name: one[name] for name in alike}
+
+
+def test_what_is_given_stays_and_the_starting_file_passes() -> None:
+    data = yaml.safe_load((PARAMS / "miso_spur.yaml").read_text())
+    values = {value.field: value.value for value in size(data).values}
+    assert values == {"input_pulleys.collar_screw": "M1.6x6", "drum.stop_pin_mm": 3.0}, "other than the schema's own"
+    drive = load_text(DESIGN_FILE.starting.format(name="started")).drive
+    assert not failed(drive), failed(drive)
