@@ -138,7 +138,7 @@ def exercise(found: Passing, poses: int) -> Iterator[Failure]:
             yield Failure(found.seed, "draw", f"{name}: {type(error).__name__}: {error}")
             continue
         try:
-            files = make_part_files(name, solids[name], material[name], MESH_MM, not name.startswith(CABLE))
+            files = make_part_files(name, solids[name], material[name], MESH_MM)
         except Exception as error:
             stage = "mesh" if "mesh" in str(error) else "sound"
             yield Failure(found.seed, stage, f"{error}")

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mbcdm_cad.build.clash import Clash
-from mbcdm_cad.build.pairs import Box, Cables, Found, Pair, PartShape, Rod, RodShape, Test, rounded
+from mbcdm_cad.build.pairs import Box, Cables, Faces, Found, Pair, PartShape, Rod, RodShape, Test, rounded
 from mbcdm_cad.build.scene import Pose, is_longest
 from mbcdm_cad.parts.bill import cable_item
 from mbcdm_cad.parts.item import Item
@@ -77,9 +77,13 @@ def interference_run(
 ) -> InterferenceRun:
     """All pairs and tests over ``poses_deg``. ``scenes`` by drum angle: the poses, the centre, both ends.
 
-    ``bodies`` by part; items whose part is not among them are left out.
+    ``bodies`` by part; items whose part is not among them are left out. The faces of each body are tested against each
+    other too.
     """
     run = InterferenceRun()
+    for part, body in bodies.items():
+        faces = Faces(part, body)
+        run.tests.setdefault(faces.key, faces)
     placed = {
         angle: [(item, bodies[item.part].box_at(item.location)) for item in scene.bodies if item.part in bodies]
         for angle, scene in scenes.items()

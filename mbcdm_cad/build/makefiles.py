@@ -13,7 +13,7 @@ from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.parts.bill import CABLE, PartSpec
+from mbcdm_cad.parts.bill import PartSpec
 from mbcdm_cad.parts.make import make
 
 # What is done with a part's name and its STEP file as soon as that is there, before its mesh.
@@ -35,9 +35,7 @@ def drawn_part(
         solid = make(spec.maker, spec.args)
     except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
         raise GeometryError(f"{spec.name}: cannot be drawn with these dimensions") from error
-    # A swept rod that cuts itself takes a second to find here, and the interference run finds it by distance.
-    is_cable = spec.name.startswith(CABLE)
-    return make_part_files(spec.name, solid, material, mesh_tolerance_mm, not is_cable, on_step)
+    return make_part_files(spec.name, solid, material, mesh_tolerance_mm, on_step)
 
 
 def make_part_files(
@@ -45,14 +43,14 @@ def make_part_files(
     solid: Shape,
     material: Material,
     mesh_tolerance_mm: float | None,
-    self_intersection: bool = True,
     on_step: OnStep = _nothing,
 ) -> PartFiles:
     """Validate, translate, mesh (where a tolerance is given) and measure one solid.
 
-    Raises ``GeometryError`` as :func:`validate_solid` (see there for ``self_intersection``) and :func:`mesh_solid` do.
+    Raises ``GeometryError`` as :func:`validate_solid` and :func:`mesh_solid` do. Faces that cut each other are looked
+    for in the interference run.
     """
-    validate_solid(name, solid, self_intersection)
+    validate_solid(name, solid)
     step = part_step(name, solid, material)
     on_step(name, step)
     mesh = TriangleMesh.empty() if mesh_tolerance_mm is None else mesh_solid(name, solid, mesh_tolerance_mm)

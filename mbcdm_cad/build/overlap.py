@@ -12,8 +12,8 @@ from OCP.GProp import GProp_GProps
 
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.kernel import Shape, kernel_shape, location
-from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.parts.placement import Placement, Vector
+from mbcdm_cad.parts.rod import swept_rod
 from mbcdm_cad.routes.curves import Piece
 
 
@@ -31,7 +31,7 @@ def common(first: Shape, second: Shape, placement: Placement) -> tuple[float, Ve
 def rod(pieces: Sequence[Piece], radius_mm: float) -> Any:
     """The solid of a rod along ``pieces`` of a centre line. Raises ``GeometryError`` where the kernel finds none."""
     try:
-        return create_cable(tuple(pieces), radius_mm)
+        return swept_rod(pieces, radius_mm)
     except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
         x, y, z = pieces[0].points(np.array([0.0]))[0]
         raise GeometryError(

@@ -1,4 +1,4 @@
-"""Interference tests of single pairs: two solids, a piece of a cable and a solid, all cables of one pose.
+"""Single tests of the interference run: two solids, a piece of a cable and a solid, all cables of a pose, one solid.
 
 The key of a test is made from the content of the shapes and their relative position, so its answer is valid wherever
 these are the same. Kernel and compiled code are imported inside the functions: a run whose answers are all known does
@@ -209,7 +209,32 @@ class Cables:
         return [(i, j, round(depth_mm, _FIGURE_DIGITS), *place) for i, j, depth_mm, place in found]
 
 
-Test = Pair | Rod | Cables
+@dataclass(frozen=True)
+class Faces:
+    """The faces of one part against each other."""
+
+    part: str
+    body: PartShape
+
+    @property
+    def key(self) -> str:
+        """The test's name."""
+        return digest("faces", self.body.key)
+
+    @property
+    def work(self) -> float:
+        """Rough measure of how long the test takes."""
+        return 0.0 if self.body.mesh is None else 1e4 * len(self.body.mesh.triangles)
+
+    def test(self) -> Found:
+        """Nothing is shared with another body. Raises ``GeometryError`` where faces cut each other."""
+        from mbcdm_cad.build.validate import validate_faces
+
+        validate_faces(self.part, self.body.solid)
+        return []
+
+
+Test = Pair | Rod | Cables | Faces
 
 
 def rounded(placement: Placement) -> Placement:

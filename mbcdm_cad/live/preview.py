@@ -112,12 +112,11 @@ class Previewer:
         return page
 
     def _in_order(self, names: Sequence[str], pulleys: Collection[str]) -> list[str]:
-        """Pulleys first, little ones before large ones; then what takes longest, so that nothing ends late.
+        """Pulleys first, for their files are waited for; of them and of the others what takes longest comes first.
 
         How much work a part is, its last STEP file tells by its length.
         """
-        rising = sorted(names, key=lambda name: self._lengths.get(name, 0))
-        return [name for name in rising if name in pulleys] + [name for name in rising[::-1] if name not in pulleys]
+        return sorted(names, key=lambda name: (name not in pulleys, -self._lengths.get(name, 0)))
 
     def _write_step(self, name: str, step: bytes) -> None:
         write_whole({(self._folder / "parts" / name).with_suffix(".step"): step}, durable=False)

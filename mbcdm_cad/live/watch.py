@@ -34,6 +34,8 @@ _GATHER_MS = 40
 _LOOK_MS = 10
 # So often the wait for a save looks whether it is to end, ms.
 _END_MS = 300
+# The whole build gives way to the browser, which loads the new page at the same time, and to what the next save needs.
+_BUILD_NICENESS = 10
 
 Say = Callable[[str], None]
 
@@ -181,6 +183,8 @@ class Watch:
             stderr=asyncio.subprocess.PIPE,
             start_new_session=True,
         )
+        with contextlib.suppress(ProcessLookupError):
+            os.setpriority(os.PRIO_PROCESS, process.pid, _BUILD_NICENESS)
         try:
             _, errors = await process.communicate()
         except asyncio.CancelledError:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from mbcdm_cad.build.interference import answers
-from mbcdm_cad.build.validate import validate_solid
+from mbcdm_cad.build.validate import validate_faces, validate_solid
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.configurations.loader import load_text, new_design_text
 from mbcdm_cad.configurations.miso_bevel.bill import bill
@@ -40,6 +40,7 @@ def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> No
     solids = {name: make(spec.maker, spec.args) for name, spec in centred.parts.items() if not name.startswith(CABLE)}
     for name in ("frame", "top_plate", "gearhead", "input_pulley_left", "input_pulley_right"):
         validate_solid(name, solids[name])
+        validate_faces(name, solids[name])
     mass = sum(
         solids[item.part].Volume() * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
         for item in centred.items

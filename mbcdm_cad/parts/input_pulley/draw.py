@@ -8,8 +8,8 @@ from math import ceil, cos, radians, sin, sqrt, tau
 
 import cadquery as cq
 
-from mbcdm_cad.parts.curve_edges import helix_edge
 from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.rod import edge_of
 from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, one_solid, turned
 from mbcdm_cad.parts.volume import groove_mm3
 
@@ -58,7 +58,7 @@ def _groove_tool(groove: Groove) -> cq.Solid:
         ]
     )
     middle = groove.root_radius + groove.radius
-    path = cq.Wire.assembleEdges([helix_edge(groove.helix(middle))])
+    path = cq.Wire.assembleEdges([cq.Edge(edge_of(groove.helix(middle)))])
     return one_solid(cq.Solid.sweep(profile, [], path, True, True, None, "right"), f"groove of {groove.cable_name}")
 
 

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from mbcdm_cad.build.measure import bounding_box
-from mbcdm_cad.build.validate import validate_solid
+from mbcdm_cad.build.validate import validate_faces, validate_solid
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.parts.bill import CABLE, Bill
 
@@ -35,6 +35,7 @@ def test_volume_is_what_it_was(solids: dict[str, cq.Solid], name: str) -> None:
 @pytest.mark.parametrize("name", GOLDEN)
 def test_is_one_sound_solid(solids: dict[str, cq.Solid], name: str) -> None:
     validate_solid(name, solids[name])
+    validate_faces(name, solids[name])
 
 
 @pytest.mark.parametrize("name", GOLDEN)

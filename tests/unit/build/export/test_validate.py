@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import cadquery as cq
+import numpy as np
 import pytest
 
 from mbcdm_cad.build.errors import GeometryError
-from mbcdm_cad.build.validate import validate_solid
+from mbcdm_cad.build.pairs import Faces, PartShape
+from mbcdm_cad.build.validate import validate_faces, validate_solid
 
 
 def test_sound_solids_pass(solids: dict[str, cq.Solid]) -> None:
@@ -41,7 +43,6 @@ FAULTS = {
     "face": (lambda: cq.Face.makePlane(1, 1), "a Face of 0 solids"),
     "open": (lambda: _solid_of(*cq.Solid.makeBox(1, 1, 1).Faces()[1:]), "open"),
     "inside out": (_inside_out, "inside out"),
-    "crossing shells": (_crossing, "not sound|not valid"),
 }
 
 
@@ -57,7 +58,13 @@ def test_null_shape() -> None:
         validate_solid("drum", None)
 
 
-def test_self_intersection_can_be_left_out() -> None:
-    validate_solid("drum", _crossing(), self_intersection=False)
-    with pytest.raises(GeometryError, match="SelfIntersect"):
-        validate_solid("drum", _crossing())
+def test_faces_that_cut_each_other_are_found_apart() -> None:
+    validate_solid("drum", _crossing())
+    with pytest.raises(GeometryError, match=r"drum: .*SelfIntersect"):
+        validate_faces("drum", _crossing())
+
+
+def test_the_interference_run_looks_for_them() -> None:
+    shape = _crossing()
+    with pytest.raises(GeometryError, match=r"drum: .*SelfIntersect"):
+        Faces("drum", PartShape("key", np.zeros((2, 3)), lambda: shape)).test()

@@ -149,7 +149,7 @@ def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive)
     """Metal removed by Pappus' theorem for a helix; the rope's rod and the pulley share nothing."""
     from mbcdm_cad.build.overlap import common, rod
     from mbcdm_cad.build.pairs import CABLE_UNDERSIZE_MM, VOLUME_LIMIT_MM3
-    from mbcdm_cad.build.validate import validate_solid
+    from mbcdm_cad.build.validate import validate_faces, validate_solid
     from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 
     drive = grooved(reference)
@@ -157,6 +157,7 @@ def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive)
     pulley = dims.inputs[0]
     solid = create_input_pulley(pulley)
     validate_solid("input_pulley", solid)
+    validate_faces("input_pulley", solid)
     plain = replace(pulley, grooves=(), lower_surface_radius=pulley.lower_land_radius)
     plain = replace(plain, upper_surface_radius=pulley.upper_land_radius)
     removed = create_input_pulley(plain).Volume() - solid.Volume()
