@@ -19,7 +19,7 @@ def test_pulleys_come_first_and_then_the_most_work(tmp_path: Path) -> None:
     previewer = Previewer(tmp_path, Cache(None), lambda: None)
     previewer._lengths = {"drum": 900, "frame": 500, "guide": 20, "input_pulley": 90, "dowel": 4}
     names = ["dowel", "frame", "drum", "input_pulley", "guide"]
-    assert previewer._in_order(names, {"guide", "input_pulley"}) == ["guide", "input_pulley", "drum", "frame", "dowel"]
+    assert previewer._in_order(names, {"guide", "input_pulley"}) == ["input_pulley", "guide", "drum", "frame", "dowel"]
     assert previewer._in_order(["collar"], {"guide"}) == ["collar"] and previewer._in_order([], set()) == []
 
 
