@@ -44,6 +44,9 @@ EDITS: dict[str, tuple[str, Callable[[float], str], str]] = {
     ),
 }
 WAIT_S = 900.0
+POLLING_MS = 100.0
+# Between two saves, while the browser still draws the page of the last build with the processor.
+PAUSE_S = 5.0
 NAMES = ("checks", "STEP", "page", "picture")
 
 
@@ -108,11 +111,14 @@ def measured_s(running: Watching, page: Page, text: str, part: str) -> tuple[flo
     if state["stage"] != "drawing":
         sys.exit(running.log.read_text())
     drawn = running.wait(lambda: step.stat().st_mtime_ns != before)
+    # Looked for now and then: at each frame, which is what Playwright does, reading the page takes a core of its own.
     page.wait_for_function(
-        "sha => document.readyState !== 'loading' && document.body.textContent.includes(sha)", arg=sha256[:12]
+        "sha => document.readyState !== 'loading' && document.body.textContent.includes(sha)",
+        arg=sha256[:12],
+        polling=POLLING_MS,
     )
     shown = time.perf_counter()
-    page.wait_for_function("performance.getEntriesByName('first-picture').length")
+    page.wait_for_function("performance.getEntriesByName('first-picture').length", polling=POLLING_MS)
     pictured = time.perf_counter()
     running.built()
     return tuple(moment - start for moment in (checked, drawn, shown, pictured))
@@ -132,6 +138,7 @@ def main() -> None:
             assert running.text.count(old) == 1, old
             found = []
             for _ in range(runs):
+                time.sleep(PAUSE_S)
                 load = os.getloadavg()[0]
                 text = running.text.replace(old, new(random.random()))  # what no run has drawn and cached before
                 found.append(measured_s(running, page, text, part))
