@@ -113,7 +113,11 @@ class DrumDims:
         Where a long terminal puts the lug so far along the tangent that the rim falls away below it, as deep as the
         rim's surface is under the lug's far corner.
         """
-        least = self.flat_wall + LUG_ROOT_MM
-        surface = self.lands[-1].surface_radius_mm
-        falls_to = t.radius_mm - sqrt(max(surface**2 - t.lug_end**2, 0.0))
-        return least if falls_to <= least else falls_to + LUG_ROOT_MM
+        return lug_root_mm(self.flat_wall, self.lands[-1].surface_radius_mm, t.radius_mm, t.lug_end)
+
+
+def lug_root_mm(flat_mm: float, rim_mm: float, radius_mm: float, lug_end_mm: float) -> float:
+    """As :meth:`DrumDims.lug_root`: flat beside the swage, the rim's surface, the terminal's radius, its lug's end."""
+    least = flat_mm + LUG_ROOT_MM
+    falls_to = radius_mm - sqrt(max(rim_mm**2 - lug_end_mm**2, 0.0))
+    return least if falls_to <= least else falls_to + LUG_ROOT_MM

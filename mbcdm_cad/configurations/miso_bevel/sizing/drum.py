@@ -19,7 +19,7 @@ from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.drum import STOP_PIN_WALL_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import take_up_mm
-from mbcdm_cad.parts.drum_sector.dims import LUG_ROOT_MM
+from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
 from mbcdm_cad.parts.drum_sector.sizes import (
     FLAT_PLAY_MM,
     HUB_SCREW,
@@ -74,7 +74,9 @@ def _outer_face(given: BevelKnown) -> Found:
     strength = given.entry("materials", "drum.material")["yield_MPa"]
     last = max(given.guide_mm)
     hole = spec["clearance_mm"] / 2
-    root = spec["swage_flats_mm"] / 2 + FLAT_PLAY_MM + LUG_ROOT_MM
+    lug_end = terminal_mm(given)[0] - 2 * spec["nut_height_mm"]
+    outer, flat = max(given.drum_mm), spec["swage_flats_mm"] / 2 + FLAT_PLAY_MM
+    root = lug_root_mm(flat, outer - given.d_mm / 2, outer, lug_end)
     lug = LUG_SPARE * LUG_SAFETY * 6 * given.highest_tension_N * root / (strength * spec["lug_thickness_mm"] ** 2)
     needs = {
         "outermost_land": last + given.d_mm / 2 + EDGE_BREAK_MM,
