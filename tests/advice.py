@@ -91,9 +91,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--short", action="store_true", help="edit the file of requirements alone")
     parser.add_argument("--only", help="one edit by its name")
-    parser.add_argument(
-        "--solve", action="store_true", help="ask mbcdm solve about those that stay"
-    )
+    parser.add_argument("--solve", action="store_true", help="ask mbcdm solve about those that stay")
     args = parser.parse_args()
     counted: Counter[str] = Counter()
     for name in [args.only] if args.only else EDITS:

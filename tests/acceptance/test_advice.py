@@ -1,0 +1,20 @@
+"""A part of ``tests/advice.py``: following the advice of ``check`` after one edit ends in a pass or says what stays."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.advice import PASSES, STAYS, follow, start
+
+# Edits of the complete reference file, and of its requirements alone.
+COMPLETE = ("L 38", "scale 1.05", "guide_to_drum 5")
+SHORT = ("travel 60",)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "short"), [*((n, False) for n in COMPLETE), *((n, True) for n in SHORT)])
+def test_advice_ends_in_a_pass_or_says_what_stays(name: str, short: bool) -> None:
+    end = follow(start(name, short=short))
+    assert end.kind in (PASSES, STAYS), (end.kind, end.words)
+    if end.kind == STAYS:
+        assert "mbcdm solve" in end.words, end.words
