@@ -8,7 +8,12 @@ from typing import Any
 
 
 def scaled(value: Any, factor: float) -> Any:
-    """A number times a factor, to four significant digits: what a file can be written with."""
+    """A number times a factor, to four significant digits: what a file can be written with.
+
+    Of a list, such as the radii of steps, the first value stays and the distances from it are multiplied.
+    """
+    if isinstance(value, list):
+        return [round(value[0] + factor * (item - value[0]), 3) for item in value]
     return float(f"{value * factor:.4g}")
 
 

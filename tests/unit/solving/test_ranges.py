@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.design.freedom import scaled
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.question import question_of
 
@@ -101,3 +102,8 @@ def test_a_requirement_left_out_is_marked_as_missing() -> None:
     with pytest.raises(InputError) as wrong:
         load_text("name: x\nconfiguration: miso_bevel\ntravel: {half_angle_deg: -30.0}\n")
     assert not any(problem.missing for problem in wrong.value.problems)
+
+
+def test_moved_steps_keep_their_first_radius() -> None:
+    assert scaled([60.0, 63.0], 1.5) == [60.0, 64.5]
+    assert scaled(12.0, 1.5) == 18.0
