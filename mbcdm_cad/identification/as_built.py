@@ -44,7 +44,8 @@ def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tup
                 f"{KEY}[{k}]: no effect {entry.name!r} of form {entry.form!r}, stage {entry.stage or 'none'}; "
                 f"there are {'; '.join(forms)}"
             )
-        values = {value.name: value.value for value in entry.values}
+        values = {p.name: p.default for p in same[0].parameters if p.default is not None}
+        values |= {value.name: value.value for value in entry.values}
         wanted = [parameter.name for parameter in same[0].parameters]
         if missing := [name for name in wanted if name not in values]:
             raise ModelError(f"{KEY}[{k}]: {entry.name} lacks {', '.join(missing)}; give {', '.join(wanted)}")

@@ -25,7 +25,8 @@ class Parameter:
     """One figure that the fit turns: its name with unit, a typical small size, and bounds.
 
     ``role``: "size" says how large the effect is, and only sizes are tested against zero; "place" says where it lies (a
-    time, a time constant), "order" is the cycles a turn of the output of a line in the spectrum.
+    time, a time constant), "order" is the cycles a turn of the output of a line in the spectrum. ``default`` is what it
+    is in an as-built file that does not give it.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Parameter:
     low: float = -np.inf
     high: float = np.inf
     role: Literal["size", "place", "order"] = "size"
+    default: float | None = None
 
 
 @dataclass(frozen=True)
@@ -61,8 +63,11 @@ class Effect:
     are refitted, however little they promise, before this one is taken; ``doubtful`` says of fitted values that no such
     part is built, in a sentence that says what to look for instead, or nothing. ``hangs_on`` is what it hangs on where
     that is not angle, direction or load: no correction table can hold it. ``last``: a shape more than a cause, taken
-    only where no cause will do. ``plain`` says it in a sentence for a person who has not read these names: figures in
-    braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and ``{cables}``.
+    only where no cause will do. ``inside``: a form that works the cables where the other forms of its name only add to
+    the reading; it is tried in place of one of them, beside which something seems to ease the cables' friction.
+    ``unmeasured``: what a quantity does that this run did not measure; it is fitted and never named. ``plain`` says it
+    in a sentence for a person who has not read these names: figures in braces, ``{way_...}`` for "higher" or "lower",
+    ``{stage}`` and ``{cables}``.
     """
 
     name: str
@@ -84,6 +89,8 @@ class Effect:
     doubtful: Callable[[Floats], str] | None = None
     hangs_on: str = ""
     last: bool = False
+    inside: bool = False
+    unmeasured: bool = False
     plain: str = ""
 
     @property

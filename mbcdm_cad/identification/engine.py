@@ -83,7 +83,8 @@ class _Loop:
         if unknown is not None:
             verdict = "partly_explained" if groups or fit.effects else "unknown"
         else:
-            verdict = "explained" if groups else "not_testable" if all(p.few for p in self.prepared) else "none"
+            blind = all(p.few for p in self.prepared) or self.judge.unmeasured
+            verdict = "explained" if groups else "not_testable" if blind else "none"
         return LoopResult(
             verdict,
             tuple(named),
@@ -135,7 +136,7 @@ class _Loop:
 
     def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
         figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
-        others = [e.form for e in self.library if e.key == effect.key and e is not effect]
+        others = [e.form for e in self.library if e.key == effect.key and e.form != effect.form and not e.inside]
         return Named(
             effect.name,
             effect.form,
@@ -157,6 +158,11 @@ class _Loop:
         """What the data themselves say against the sensors, and against figures that would fit."""
         noise = self.search.noise
         found = [doubt_of(noise, runs_of(self.prepared))] if noise.far_above else []
+        if self.judge.unmeasured:
+            found.append(
+                f"no torque was measured: {' or '.join(self.judge.unmeasured)} would explain the error as well as the "
+                "load itself; log the load's torque, or run without a load"
+            )
         return (*found, *self.search.doubts.values())
 
     def _evidence(self, groups: Sequence[Group], fit: Fit) -> tuple[Evidence, ...]:

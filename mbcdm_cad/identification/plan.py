@@ -51,7 +51,7 @@ class Rival:
 
 @dataclass(frozen=True)
 class Foreseen:
-    """One effect: the smallest size that would be named with power ``POWER``; None where the run cannot show it."""
+    """One effect: the smallest size that would be named with the plan's power; None where the run cannot show it."""
 
     label: str
     parameter: str
@@ -65,10 +65,11 @@ class RunPlan:
 
     noise: Noise
     effects: tuple[Foreseen, ...]
+    power: float = POWER
 
     def to_json(self) -> dict[str, Any]:
         """For a file."""
-        return {"power": POWER, "noise": self.noise.to_json(), "effects": [asdict(one) for one in self.effects]}
+        return {"power": self.power, "noise": self.noise.to_json(), "effects": [asdict(one) for one in self.effects]}
 
     def text(self) -> str:
         """For the terminal."""
@@ -76,7 +77,7 @@ class RunPlan:
         lines = [
             f"noise floor {1e6 * self.noise.total_rad:.3g} urad ({self.noise.source})",
             "",
-            f"{'effect':<{width}}  {'named from (power 0.9)':<34}  not told from, below",
+            f"{'effect':<{width}}  {f'named from (power {self.power:g})':<34}  not told from, below",
         ]
         for one in self.effects:
             rivals = "; ".join(f"{rival.label}: {_words(one.parameter, rival.from_size)}" for rival in one.rivals)
@@ -98,14 +99,18 @@ def noise_from(drive: Drive, run: Run) -> Noise:
     return noise_of(fitter.base, [fitter.fit().residual])
 
 
-def plan_of(drive: Drive, run: Run, noise: Noise | None = None) -> RunPlan:
-    """What ``run`` could say of ``drive``; it need not have been made. ``noise`` is that of a pilot run."""
+def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:
+    """What ``run`` could say of ``drive``; it need not have been made. ``noise`` is that of a pilot run.
+
+    ``power`` is the probability with which an effect of the smallest size is to be named.
+    """
     fitter = planned_fitter(drive, run)
     bare = fitter.fit()
     noise = noise or noise_of(fitter.base, [bare.residual])
     p = fitter.runs[0]
-    tried = [found for effect in library(fitter.d, p) for found in _columns(fitter, bare, effect)]
-    least = {id(one): _least(one[2], noise, p, len(tried)) for one in tried}
+    offered = [effect for effect in library(fitter.d, p) if not effect.inside]
+    tried = [found for effect in offered for found in _columns(fitter, bare, effect)]
+    least = {id(one): _least(one[2], noise, p, len(tried), power) for one in tried}
     foreseen = []
     for one in tried:
         effect, label, columns = one
@@ -125,7 +130,7 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None) -> RunPlan:
         rivals.sort(key=lambda rival: -rival[0])
         worst = tuple(rival for _, rival in rivals[:MOST_RIVALS])
         foreseen.append(Foreseen(label, _size_name(effect), size, worst))
-    return RunPlan(noise, tuple(foreseen))
+    return RunPlan(noise, tuple(foreseen), power)
 
 
 def planned_fitter(drive: Drive, run: Run) -> Fitter:
@@ -179,11 +184,11 @@ def counting(noise: Noise, step_s: float) -> float:
     return noise.total_rad**2 / max(square, noise.total_rad**2)
 
 
-def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int) -> tuple[float, float]:
-    """RMS over the floor that is named with ``POWER``, and RMS that one unit of the size makes at its worst phase."""
+def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: float) -> tuple[float, float]:
+    """RMS over the floor that is named with ``power``, and RMS that one unit of the size makes at its worst phase."""
     n = columns.shape[0] * counting(noise, p.step_s)
     held = max(4.0, n * float(p.test.sum()) / max(float(p.used.sum()), 1.0))
-    sure = float(norm.ppf(POWER))
+    sure = float(norm.ppf(power))
     # The fall of the held-out mean square, less what noise takes from it, is to be LEAST_FALL of the floor's.
     chance = sure / np.sqrt(held)
     by_size = chance + np.sqrt(chance**2 + LEAST_FALL**2)

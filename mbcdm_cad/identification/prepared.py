@@ -31,8 +31,10 @@ LONGEST_LOAD_S = 1.3
 LEAST_POWER = 1.6
 SPECTRUM_SHARE, SPECTRUM_LEAST = 0.1, 6
 PAD_S = 5.0
-# Servos do not stray apart faster than this, Hz: a faster difference of the inputs is what their encoders add.
+# Servos seldom stray apart faster than this, Hz. A faster difference of the inputs is what their encoders add, unless
+# its power is so many times their noise's: the cogging of a motor moves the cables to and fro and eases their friction.
 FASTEST_HZ = 4.0
+FAST_POWER = 20.0
 # An angle is smoothed over this to count its steps once more, s.
 COUNTING_WINDOW_S = 0.2
 # The speed is computed over the shortest window that leaves noise of this share of its RMS, between these limits in s.
@@ -44,10 +46,14 @@ TEMPERATURE_WINDOW_S = 5.0
 # interpolated.
 COARSEST_S = 0.15
 COARSE_TURN_RAD = 0.1
+# Simulated samples in one cycle of a ripple that works the cables.
+IN_A_CYCLE = 10.0
 # The narrowest mean is over so many samples; means count as apart by so many standard errors.
 NARROWEST = 5
 APART_ERRORS = 2.5
 SECTORS = 8
+# Where no torque was measured, samples so near a reversal are not used, s: a brake flips there, nobody knows when.
+FLIP_S = 0.25
 # Half sweeps that must follow the first for it to be left out.
 FEWEST_SWEEPS = 3
 # Where the mean misses the load by so many standard errors of one sample, it is on a flank and the sample is taken.
@@ -76,7 +82,7 @@ class Prepared:
     ``sector`` is the angle sector; ``used`` marks samples of known history, ``held`` those held back. ``floor_rad`` is
     the RMS that the sensors alone put into the residual, 0 where the measurement file does not say; ``input_step_rad``
     one step of the inputs; ``few``: too few half sweeps to leave the first one out. ``cut`` says which samples of the
-    run these are.
+    run these are. ``cycles_a_turn`` of the inputs: the fastest ripple that simulated samples must follow.
     """
 
     time_s: Floats
@@ -99,6 +105,7 @@ class Prepared:
     run: Run
     cut: Cut
     windows: Windows
+    cycles_a_turn: float = 0.0
 
     @property
     def train(self) -> NDArray[np.bool_]:
@@ -128,6 +135,9 @@ class Prepared:
         """
         n = self.time_s.size
         turned = np.abs(np.diff(self.common_rad)) / COARSE_TURN_RAD
+        if self.cycles_a_turn:
+            cycles = np.abs(np.diff(self.common_rad)) * self.cycles_a_turn / (2.0 * np.pi)
+            turned = np.maximum(turned, IN_A_CYCLE * cycles)
         passed = np.maximum(turned, np.diff(self.time_s) / COARSEST_S)
         grid = np.flatnonzero(np.diff(np.floor(np.cumsum(passed)), prepend=-1.0))
         few = np.flatnonzero(self.cut.lead)
@@ -145,6 +155,20 @@ class Prepared:
             noise = 0.0 if self.run.load_Nm is None else noise_of_signal(self.run.load_Nm)
             found.append((self.load_Nm, max(BENT_SHARE * float(np.ptp(self.load_Nm)), BENT_NOISE * noise)))
         return found
+
+    def following(self, cycles_a_turn: float) -> Prepared:
+        """The run with so many simulated samples that a ripple of that order of the inputs is followed.
+
+        Orders near by share one object, so that a fit may turn the order and the simulations stay remembered.
+        """
+        if cycles_a_turn <= self.cycles_a_turn:
+            return self
+        order = 2.0 ** math.ceil(math.log2(cycles_a_turn))
+        return self._followed.setdefault(order, replace(self, cycles_a_turn=order))
+
+    @cached_property
+    def _followed(self) -> dict[float, Prepared]:
+        return {}
 
     def rewindowed(self, factor: float) -> Prepared:
         """The same samples with other windows on the difference of the inputs and on the load."""
@@ -201,7 +225,7 @@ def told_from_noise(
     ``noise`` is the least standard deviation that the white noise can have; what it has is taken from the upper half of
     the spectrum. ``counting`` (n,) is an error that the counting of steps would make of such a motion: noise too, and
     not white. Each frequency is weighted with the share of its power that is not noise (Wiener's filter); a frequency
-    whose power is not ``LEAST_POWER`` times the noise's goes, and so does what is faster than ``FASTEST_HZ``.
+    whose power is not ``LEAST_POWER`` times the noise's goes; above ``FASTEST_HZ`` it must be ``FAST_POWER`` times.
     """
     n = values.size
     spectrum, power, inside = _spectrum(values, step_s)
@@ -211,9 +235,9 @@ def told_from_noise(
     if counting is not None:
         floor = np.maximum(floor, _near_mean(_spectrum(counting, step_s)[1]))
     mean = _near_mean(power)
-    weight = np.where(mean > LEAST_POWER * floor, 1.0 - floor / np.maximum(mean, floor.max() * 1e-9 or 1.0), 0.0)
     size = 2 * (power.size - 1)
-    weight[np.arange(power.size) > FASTEST_HZ * size * step_s] = 0.0
+    least = np.where(np.arange(power.size) > FASTEST_HZ * size * step_s, FAST_POWER, LEAST_POWER)
+    weight = np.where(mean > least * floor, 1.0 - floor / np.maximum(mean, floor.max() * 1e-9 or 1.0), 0.0)
     kept = irfft(spectrum * weight, size)[inside : inside + n] + float(values.mean())
     highest = np.flatnonzero(weight > 0.0)
     period = size * step_s / max(int(highest[-1]) if highest.size else 1, 1)
@@ -327,11 +351,15 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     held = held_sweeps(sweep, output, load)
     words = held_words(held, sweep, load)
     floor, input_step = sensor_floor_rad(run, ratio), input_step_rad(run)
+    blind = np.zeros(time.size, dtype=np.bool_)
+    if load is None and run.ratio is None:
+        flips = time[1:][np.diff(sweep) != 0]
+        blind = np.searchsorted(flips, time + FLIP_S) > np.searchsorted(flips, time - FLIP_S)
 
     def taken(cut: Cut) -> Prepared:
         at = cut.index
         here = sweep[at]
-        used = (here >= 0) & ~cut.unknown
+        used = (here >= 0) & ~cut.unknown & ~blind[at]
         return Prepared(
             time[at],
             run.input_rad[:, at],

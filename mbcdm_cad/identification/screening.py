@@ -74,7 +74,12 @@ class Screening:
                 starts = [np.frombuffer(start) for start in known.get(effect, [])]
             else:
                 starts = [np.array(s) for s in effect.first_guesses(f.base[0], fit.residual[f.parts[0]])]
-            falls += [fit.square - self._projected(fit, *self._slopes(fit, effect, s), basis)[0] for s in starts]
+            for at in starts:
+                try:
+                    change, columns = self._slopes(fit, effect, at)
+                except ModelError:
+                    continue
+                falls.append(fit.square - self._projected(fit, change, columns, basis)[0])
         return max(falls)
 
     def _basis(self, fit: Fit) -> Floats:

@@ -62,7 +62,9 @@ class Search:
     """
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect], bare: Fit) -> None:
-        self.fitter, self.library, self.bare = fitter, tuple(library), bare
+        self.fitter, self.bare = fitter, bare
+        self.library = tuple(effect for effect in library if not effect.inside)
+        self.inside = tuple(effect for effect in library if effect.inside)
         self.noise = self.noise_left(bare)
         self.twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
         self.steps: list[Step] = []
@@ -177,6 +179,7 @@ class Search:
         floor is left, its other forms are given the same chance.
         """
         now = self._grown(self.bare)
+        now = self._from_inside(now)
         if self.too_much(now):
             now = self._gone_on(now)
         for effect in now.effects:
@@ -207,6 +210,32 @@ class Search:
             self._note("taken", better.effects[-1], now, better)
             now = self.backward(better)
             self.noise = min(self.noise, self.noise_left(now), key=lambda noise: noise.total_rad)
+        return now
+
+    def _from_inside(self, now: Fit) -> Fit:
+        """``now`` with a line that works the cables, if so what seemed to ease their friction is no longer needed.
+
+        A ripple inside the drive moves the cables to and fro. As an error of the reading it leaves that to others.
+        """
+        for line in now.effects:
+            forms = [effect for effect in self.inside if effect.key == line.key]
+            kept = [effect for effect in now.effects if effect is not line and not effect.generic]
+            if not forms or len(kept) + 1 == len(now.effects):
+                continue
+            values = [now.values_of(effect) for effect in (*kept, line)]
+            begun = self._each(
+                [
+                    partial(Fitter.fit, effects=(*kept, form), values=values, offsets=now.offsets, settled=1e-4)
+                    for form in forms
+                ]
+            )
+            if not begun:
+                continue
+            best = min(begun, key=lambda one: one.square)
+            found = self._grown(best) if self.enough(best, now) else best
+            if len(found.effects) < len(now.effects) and not self.enough(found, now):
+                self._note("works the cables", best.effects[-1], now, found)
+                return self._from_inside(found)
         return now
 
     def _gone_on(self, now: Fit) -> Fit:

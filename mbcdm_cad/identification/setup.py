@@ -8,6 +8,7 @@ import numpy as np
 
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.play import faces, lags
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
@@ -15,9 +16,6 @@ from mbcdm_cad.routes import Floats
 
 # Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
 REMEMBERED = 24
-# Rounds for each input with play, in which a floating pulley finds its place; slipping cables are softer, so each round
-# leaves under half of the way.
-ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +73,10 @@ class Setup:
         play[index] += play_rad
         return replace(self, play_rad=tuple(play))
 
+    def following(self, cycles_a_turn: float) -> Setup:
+        """Simulate the cables on samples so close that a ripple of that order of the inputs is followed."""
+        return replace(self, p=self.p.following(cycles_a_turn))
+
     def with_added(self, added_rad: Floats) -> Setup:
         """Add to the reading."""
         return replace(self, added_rad=self.added_rad + added_rad)
@@ -113,17 +115,20 @@ def rigid_drum_rad(s: Setup) -> Floats:
     return np.asarray(((weight * d.sigma)[:, None] * wound).sum(axis=0) / (weight * d.drum_radius_m).sum())
 
 
-def _simulated(s: Setup, winding: bool, through: bool = False) -> Response:
-    """The cables' answer to the quiet inputs, on every few samples (``Prepared.coarse``)."""
-    p = s.p
-    at = p.coarse
-    angle = p.common_rad[at] + p.apart_rad[:, at]
+def _worked(s: Setup) -> tuple[Floats, Floats, Floats | None]:
+    """What works the cables on every few samples (``Prepared.coarse``): quiet inputs, load, paths."""
+    at = s.p.coarse
+    angle = s.p.common_rad[at] + s.p.apart_rad[:, at]
     if s.shift_rad is not None:
         angle = angle + s.shift_rad[:, at]
-    path = None if s.path_m is None else s.path_m[:, at]
+    return angle, s.load[at], None if s.path_m is None else s.path_m[:, at]
+
+
+def _simulated(s: Setup, winding: bool, through: bool = False) -> Response:
+    """The cables' answer on those samples."""
     if through:
-        return simulate_profiles(s.drive, angle, s.load[at], path, winding, s.through_rad)
-    return simulate(s.drive, angle, s.load[at], path, winding)
+        return simulate_profiles(s.drive, *_worked(s), winding, s.through_rad)
+    return simulate(s.drive, *_worked(s), winding)
 
 
 def _between(p: Prepared, values: Floats) -> Floats:
@@ -144,47 +149,18 @@ def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
 
 
 def taken_up(s: Setup) -> Setup:
-    """The setup with each pulley that has play put where it lies in it.
+    """The setup with each pulley that has play put where it lies in it (:mod:`mbcdm_cad.model.play`).
 
-    A pulley lags by half its play on the face that carries, and floats between where neither face is pressed: there it
-    stands where its cables leave no torque. That is found by rounds over the whole run, one input after the other, as
-    each moves what the others carry: the torque left, over the stiffness that the pulley sees while its cables stick,
-    is how far it has yet to move. A single input turns with the drum and sees none: it never floats, and the sign of
-    its torque decides.
+    That is worked out with the declared wraps and without winding history: both change the torque that a pulley carries
+    by little, and so where it floats.
     """
     if not any(s.play_rad):
         return s if s.play_rad == () else replace(s, play_rad=())
     d, bare = s.drive, replace(s, play_rad=())
-    start, lag = np.zeros(d.n_inputs), np.zeros(s.p.angle_rad.shape)
-    with_play = [index for index in range(d.n_inputs) if s.play_rad[index] != 0.0]
-    for index in with_play:
-        bias = float(np.sum(d.sigma * d.input_radius_m * d.preload_N * d.of_input(index)))
-        start[index] = 0.5 * s.play_rad[index] * (1.0 if bias >= 0.0 else -1.0)
-    lag += start[:, None]
-    for _ in range(ROUNDS * len(with_play)):
-        for index in with_play:
-            half = 0.5 * s.play_rad[index]
-            carried = input_torque_Nm(bare.with_shifts(start[:, None] - lag), index)
-            stiffness = _input_stiffness_Nm_rad(d, index)
-            if stiffness == 0.0:
-                lag[index] = np.where(carried == 0.0, lag[index], half * np.sign(carried))
-            else:
-                lag[index] = np.clip(lag[index] + carried / stiffness, -half, half)
-    return bare.with_shifts(start[:, None] - lag)
-
-
-def _input_stiffness_Nm_rad(d: DriveSI, index: int) -> float:
-    """Torque at one input per angle of it, the other inputs held and the drum under a constant load, N m/rad.
-
-    Zero for a single input.
-    """
-    if d.n_inputs == 1:
-        return 0.0
-    each = d.axial_stiffness_N / d.free_span_m
-    own = d.of_input(index)
-    direct = float(np.sum(own * each * d.input_radius_m**2))
-    crossed = float(np.sum(own * each * d.input_radius_m * d.drum_radius_m))
-    return direct - crossed**2 / float(np.sum(each * d.drum_radius_m**2))
+    angle, load, path = _worked(bare)
+    lag = lags(d, angle, load, path, s.play_rad)
+    rest = faces(d)[:, None] * 0.5 * np.array(s.play_rad)[:, None]
+    return bare.with_shifts(rest - np.stack([_between(s.p, row) for row in lag]))
 
 
 def input_torque_Nm(s: Setup, index: int) -> Floats:

@@ -68,6 +68,8 @@ class Judge:
     def __init__(self, search: Search) -> None:
         self.search, self.fitter = search, search.fitter
         self.helpful: list[TakenBack] = []
+        # Names that a quantity which the runs did not measure would explain as well.
+        self.unmeasured: list[str] = []
         self._estimates: dict[Fit, Estimate] = {}
 
     def judged(self) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
@@ -77,7 +79,23 @@ class Judge:
         unknown = self.left(fit)
         if unknown is not None:
             fit, groups, unknown = self._unblamed(fit, groups, unknown)
-        return self._not_generic(fit, groups, unknown)
+        fit, groups, unknown = self._not_generic(fit, groups, unknown)
+        return fit, self._measured(fit, groups), unknown
+
+    def _measured(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Group, ...]:
+        """Take back names that what was not measured would explain as well; they stay in the fit, as helpful."""
+        kept = []
+        for group in groups:
+            members = [group.effect, *(one.effects[-1] for one in group.alike)]
+            if not any(member.unmeasured for member in members):
+                kept.append(group)
+                continue
+            less = self.search.without(fit, group.effect)
+            fall = float(np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2)))
+            block, odds = self.spread(fit, group.effect, self.fitter), self._odds(less, fit)
+            self.helpful.append(TakenBack(group.effect, fit.values_of(group.effect), block, fall, odds))
+            self.unmeasured += [f"{member.name} ({member.form})" for member in members]
+        return tuple(kept)
 
     def _settled(self) -> tuple[Fit, tuple[Group, ...]]:
         """The search's fit, after every effect was tried against the others of its looks."""

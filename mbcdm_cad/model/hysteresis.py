@@ -150,51 +150,78 @@ def _move(c: Floats, s: Floats, turns: Floats, stretch: float, tension: float) -
 
 
 @compiled
+def balance(
+    table: Floats, state: Floats, turns: Floats, offset: Floats, load: float, theta: float, found: Floats
+) -> Any:
+    """Drum angle that balances ``load`` from the guess ``theta``, and whether one does; states stay as they are.
+
+    ``offset`` (n_cables,) is the stretch that inputs and paths give; ``found`` (n_cables, 2) is filled with the tension
+    of each cable there and dT/d(delta).
+    """
+    n_cables = table.shape[0]
+    scale = 0.0
+    for j in range(n_cables):
+        scale += table[j, PRELOAD] * table[j, DRUM]
+    low, high, miss = -math.inf, math.inf, math.inf
+    for _ in range(STEPS):
+        miss, slope = -load, 0.0
+        for j in range(n_cables):
+            lever = table[j, SIGMA] * table[j, DRUM]
+            pulled, rate = _look(table[j], state[j], turns[j], offset[j] - lever * theta)
+            found[j, 0], found[j, 1] = pulled, rate
+            miss += lever * pulled
+            slope += lever * lever * rate
+        if abs(miss) <= 1e-13 * scale:
+            break
+        if miss > 0.0:
+            low = theta
+        else:
+            high = theta
+        following = theta + miss / slope
+        if not (low < following < high):
+            following = 0.5 * (low + high)
+        if following == theta or not math.isfinite(following):
+            break
+        theta = following
+    return theta, abs(miss) <= 1e-9 * scale
+
+
+@compiled
+def settle(table: Floats, state: Floats, turns: Floats, offset: Floats, theta: float, found: Floats) -> None:
+    """Bring every cable to where :func:`balance` found it."""
+    for j in range(table.shape[0]):
+        lever = table[j, SIGMA] * table[j, DRUM]
+        _move(table[j], state[j], turns[j], offset[j] - lever * theta, found[j, 0])
+
+
+@compiled
+def at_preload(table: Floats) -> Floats:
+    """States of cables that no motion has worked yet, (n_cables, 5)."""
+    state = np.zeros((table.shape[0], 5))
+    for j in range(table.shape[0]):
+        state[j, TENSION] = table[j, PRELOAD]
+    return state
+
+
+@compiled
 def _run(table: Floats, offsets: Floats, load: Floats, drum: Floats, tension: Floats, turns: Floats) -> int:
     """Fill ``drum`` and ``tension``; the first sample that cannot be balanced, or -1."""
     n_cables = table.shape[0]
-    state = np.zeros((n_cables, 5))
-    theta, offset_before = 0.0, np.zeros(n_cables)
-    scale = 0.0
-    for j in range(n_cables):
-        state[j, TENSION] = table[j, PRELOAD]
-        scale += table[j, PRELOAD] * table[j, DRUM]
-    offset, found = np.empty(n_cables), np.empty(n_cables)
+    state, theta = at_preload(table), 0.0
+    offset, before, found = np.empty(n_cables), np.zeros(n_cables), np.empty((n_cables, 2))
     for k in range(load.size):
         # Predict: the drum follows the inputs, each cable weighing in by its stiffness while it sticks.
         push, grip = 0.0, 0.0
         for j in range(n_cables):
             offset[j] = offsets[j, k]
-            push += table[j, SIGMA] * table[j, DRUM] / table[j, FREE] * (offset[j] - offset_before[j])
+            push += table[j, SIGMA] * table[j, DRUM] / table[j, FREE] * (offset[j] - before[j])
             grip += table[j, DRUM] ** 2 / table[j, FREE]
-            offset_before[j] = offset[j]
-        theta += push / grip
-        low, high = -math.inf, math.inf
-        for _ in range(STEPS):
-            miss, slope = -load[k], 0.0
-            for j in range(n_cables):
-                lever = table[j, SIGMA] * table[j, DRUM]
-                pulled, rate = _look(table[j], state[j], turns[j], offset[j] - lever * theta)
-                found[j] = pulled
-                miss += lever * pulled
-                slope += lever * lever * rate
-            if abs(miss) <= 1e-13 * scale:
-                break
-            if miss > 0.0:
-                low = theta
-            else:
-                high = theta
-            following = theta + miss / slope
-            if not (low < following < high):
-                following = 0.5 * (low + high)
-            if following == theta or not math.isfinite(following):
-                break
-            theta = following
-        if not abs(miss) <= 1e-9 * scale:
+            before[j] = offset[j]
+        theta, balanced = balance(table, state, turns, offset, load[k], theta + push / grip, found)
+        if not balanced:
             return k
-        for j in range(n_cables):
-            lever = table[j, SIGMA] * table[j, DRUM]
-            _move(table[j], state[j], turns[j], offset[j] - lever * theta, found[j])
-            tension[j, k] = state[j, TENSION]
+        settle(table, state, turns, offset, theta, found)
         drum[k] = theta
+        for j in range(n_cables):
+            tension[j, k] = state[j, TENSION]
     return -1

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from mbcdm_cad.identification.effect import Effect, Parameter
+from mbcdm_cad.identification.effect import Effect, Figure, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
@@ -16,6 +16,11 @@ from mbcdm_cad.storage.compiled import compiled
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
 # Torque at the drum over which the contact changes sides: a few times the sensor's noise.
 DRUM_CHANGE_NM = 0.01
+# An encoder before the play may have been set to zero with the pulley anywhere in it, so where its zero lies is fitted.
+INPUT_PLAY = (
+    Parameter("play_rad", 1e-4, 0.0),
+    Parameter("zero_rad", 1e-4, -0.01, 0.01, role="place", default=0.0),
+)
 
 
 def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
@@ -23,7 +28,8 @@ def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_play(index, float(values[0]))
+    rest = np.full(setup.p.time_s.size, float(values[1]))
+    return setup.with_play(index, float(values[0])).with_shift(index, rest)
 
 
 @compiled
@@ -50,7 +56,7 @@ def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[li
     share = float(np.sum(d.drum_radius_m**2 / d.free_span_m * d.of_input(index)))
     share /= float(np.sum(d.drum_radius_m**2 / d.free_span_m))
     width = float(np.ptp(np.quantile(residual[setup.p.used], [0.05, 0.95])))
-    return [[0.0], [width * setup.ratio / share]]
+    return [[0.0, 0.0], [width * setup.ratio / share, 0.0]]
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
@@ -79,8 +85,9 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 "play between input encoder and pulley; the preload's bias holds one side",
                 f"gearhead and collar of input {name}",
                 SEPARATE,
-                (Parameter("play_rad", 1e-4, 0.0),),
+                INPUT_PLAY,
                 partial(_input, index),
+                figures=(Figure("play_rad", lambda v: float(v[0])),),
                 starts=partial(_at_input, d, index),
                 stage=f"input_{name}",
                 generic=True,

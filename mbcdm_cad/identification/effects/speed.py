@@ -17,6 +17,10 @@ def _bearing(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return replace(setup, load_Nm=setup.load + values[0] * sign_of_speed(setup))
 
 
+def _not_measured(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, load_Nm=values[0] * sign_of_speed(setup))
+
+
 def _hysteresis(setup: Setup, values: Floats, _: Simulator) -> Setup:
     return setup.with_added(-values[0] * sign_of_speed(setup))
 
@@ -31,7 +35,10 @@ def _viscous(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
-    """Delay always; friction through the cables' stiffness where it is known, else as a shift with the sense."""
+    """Delay always; friction through the cables' stiffness where it is known, else as a shift with the sense.
+
+    Without a torque column a friction is no more than a torque that was not measured.
+    """
     late = Effect(
         "delay",
         "late sensor",
@@ -45,7 +52,21 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         plain="the output is read {delay_s} too late",
     )
     bias = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
-    if d is None or p.load_Nm is None:
+    if d is not None and p.load_Nm is None:
+        load = Effect(
+            "friction",
+            "torque that was not measured",
+            "a load or a friction against the motion, through the cables",
+            "brake, bearings and seals of the drum",
+            "log the load's torque, or run without a load",
+            (Parameter("torque_Nm", 0.05, 0.0),),
+            _not_measured,
+            generic=True,
+            unmeasured=True,
+            plain="{torque_Nm} against the motion, which no sensor measured, would explain the error",
+        )
+        return [late, load]
+    if d is None:
         shift = Effect(
             "friction",
             "shift with the sense of motion",

@@ -139,5 +139,5 @@ def _truth(bench: Bench, experiment: Experiment) -> list[dict[str, Any]]:
         truth.append({"name": "winding_history", "in_vocabulary": True, "parameters": {}})
     if experiment.physics.passed_slip:
         slipped = [f"{body.name}_slip" for body in bench.routes.passed]
-        truth += [{"name": name, "in_vocabulary": False, "parameters": {}} for name in slipped]
+        truth += [{"name": name, "in_vocabulary": name == "guide_slip", "parameters": {}} for name in slipped]
     return truth
