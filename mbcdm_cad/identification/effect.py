@@ -65,6 +65,7 @@ class Effect:
     that is not angle, direction or load: no correction table can hold it. ``last``: a shape more than a cause, taken
     only where no cause will do. ``inside``: a form that works the cables where the other forms of its name only add to
     the reading; it is tried in place of one of them, beside which something seems to ease the cables' friction.
+    ``saturates``: from some size on a larger one changes nothing, so that the data may only say "at least".
     ``unmeasured``: what a quantity does that this run did not measure; it is fitted and never named. ``plain`` says it
     in a sentence for a person who has not read these names: figures in braces, ``{way_...}`` for "higher" or "lower",
     ``{stage}`` and ``{cables}``.
@@ -90,6 +91,7 @@ class Effect:
     hangs_on: str = ""
     last: bool = False
     inside: bool = False
+    saturates: bool = False
     unmeasured: bool = False
     plain: str = ""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,10 @@ from mbcdm_cad.routes import Floats
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import AsBuilt, Drive
+
+# A size that, so many times as large, changes the prediction by no more than this share of the floor (RMS) is
+# bounded from below alone.
+LARGER, UNCHANGED_SHARE = 1.5, 0.1
 
 
 def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
@@ -126,7 +131,22 @@ class _Loop:
         block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
         less = self.search.without(fit, effect)
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
-        return self._as_named(effect, whole.values[k], block, float(fall))
+        named = self._as_named(effect, whole.values[k], block, float(fall))
+        if not self._may_be_larger(whole, k):
+            return named
+        opened = {name: replace(value, high=np.inf) for name, value in named.parameters.items()}
+        return replace(named, parameters=opened)
+
+    def _may_be_larger(self, whole: Fit, k: int) -> bool:
+        """Would a larger size of an effect change nothing? A pulley may never reach the far face of its play."""
+        effect, values = whole.effects[k], list(whole.values)
+        if not effect.saturates:
+            return False
+        sizes = np.array([parameter.role == "size" for parameter in effect.parameters])
+        values[k] = np.where(sizes, LARGER, 1.0) * values[k]
+        change = self.whole.output - self.whole.predict(whole.effects, values, whole.offsets) - whole.residual
+        used = self.whole.used
+        return bool(np.std(self.whole.centred(change, used)[used]) < UNCHANGED_SHARE * self.search.floor_rad)
 
     def _other(self, fit: Fit) -> Named:
         """Another that would do as well, from the training samples."""

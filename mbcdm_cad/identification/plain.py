@@ -89,6 +89,8 @@ def _interval(named: Named) -> str:
     for name, value in named.parameters.items():
         if f"{{{name}}}" in named.plain:
             factor, unit = size_of(name, [value.value, value.low, value.high])
+            if math.isinf(value.high):
+                return f"With 95 % certainty it is {value.low / factor:.3g} {unit}".rstrip() + " or more."
             half = 0.5 * abs(value.high - value.low) / factor
             low, high = sorted(abs(v) / factor for v in (value.low, value.high))
             return f"With 95 % certainty it is {_to_place(low, half)} to {_to_place(high, half)} {unit}".strip() + "."

@@ -261,10 +261,10 @@ def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
     """A figure's name without its unit and its values with one, all in the unit that suits the largest."""
     factor, unit = size_of(name, values)
     if not unit:
-        return name.replace("_", " "), [f"{v:.5g}" for v in values]
+        return name.replace("_", " "), ["any size" if math.isinf(v) else f"{v:.5g}" for v in values]
     ending = next(ending for ending, _ in _SIZES if name.endswith(ending))
     word = name if ending == "share" else name.removesuffix(ending)
-    return word.replace("_", " ").strip(), [f"{v / factor:.4g} {unit}" for v in values]
+    return word.replace("_", " ").strip(), ["any size" if math.isinf(v) else f"{v / factor:.4g} {unit}" for v in values]
 
 
 def share_text(share: float) -> str:

@@ -63,7 +63,7 @@ VOCABULARY = (
     "thermal_drift",
     "creep",
     "winding_history",
-    "guide_slip",
+    "passed_slip",
     "slip_step",
 )
 Draw = Callable[[np.random.Generator, Plan], tuple[Effect, ...]]

@@ -91,6 +91,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
                 starts=partial(_at_input, d, index),
                 stage=f"input_{name}",
                 generic=True,
+                saturates=True,
                 plain="there is {play_rad} of play between encoder and pulley of the {stage}",
             )
             for index, name in enumerate(d.input_names)

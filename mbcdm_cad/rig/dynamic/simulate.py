@@ -125,7 +125,7 @@ def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]
     passed = [body.name for body in bench.routes.passed]
     if experiment.physics.passed_slip:
         for name in passed:
-            bench.tell(f"{name}_slip", in_vocabulary=name == "guide")
+            bench.tell("passed_slip", stage=name)
     if drives.cogging_share > 0.0:
         bench.tell("ripple", cause="motor_cogging", parameters={"per_motor_turn": drives.cogging_per_turn})
     if drives.mesh_error_urad > 0.0:

@@ -138,6 +138,6 @@ def _truth(bench: Bench, experiment: Experiment) -> list[dict[str, Any]]:
     if experiment.physics.cable_transport and experiment.load.kind != "none":
         truth.append({"name": "winding_history", "in_vocabulary": True, "parameters": {}})
     if experiment.physics.passed_slip:
-        slipped = [f"{body.name}_slip" for body in bench.routes.passed]
-        truth += [{"name": name, "in_vocabulary": name == "guide_slip", "parameters": {}} for name in slipped]
+        slipped = [body.name for body in bench.routes.passed]
+        truth += [{"name": "passed_slip", "in_vocabulary": True, "stage": name, "parameters": {}} for name in slipped]
     return truth

@@ -41,7 +41,7 @@ def lag_of(setup: Setup, changed: Setup, index: int) -> np.ndarray:
 def test_on_a_face_or_without_torque(index: int) -> None:
     p = run(0.9)
     setup = declared(D, 9.0, p)
-    changed = at_input(D.input_names[index], p).apply(setup, np.array([PLAY]), Simulator())
+    changed = at_input(D.input_names[index], p).apply(setup, np.array([PLAY, 0.0]), Simulator())
     torque = input_torque_Nm(changed, index)
     bias = float(np.sum(D.sigma * D.input_radius_m * D.preload_N * D.of_input(index)))
     start = PLAY / 2.0 * np.sign(bias)
@@ -58,7 +58,7 @@ def test_bias_holds_one_face_under_a_small_load() -> None:
     p = run(0.05)
     setup = declared(D, 9.0, p)
     for name in D.input_names:
-        changed = at_input(name, p).apply(setup, np.array([PLAY]), Simulator())
+        changed = at_input(name, p).apply(setup, np.array([PLAY, 0.0]), Simulator())
         lag = lag_of(setup, changed, D.input_names.index(name))
         assert np.abs(lag).max() < 1e-9, (name, np.abs(lag).max())
 
@@ -68,7 +68,7 @@ def test_with_play_at_both_inputs_both_pulleys_are_on_a_face_or_without_torque()
     setup = declared(D, 9.0, p)
     changed = setup
     for name in D.input_names:
-        changed = at_input(name, p).apply(changed, np.array([PLAY]), Simulator())
+        changed = at_input(name, p).apply(changed, np.array([PLAY, 0.0]), Simulator())
     for index in range(D.n_inputs):
         torque = input_torque_Nm(changed, index)
         bias = float(np.sum(D.sigma * D.input_radius_m * D.preload_N * D.of_input(index)))

@@ -67,7 +67,7 @@ def test_every_cause_is_in_the_truth_and_changes_the_run(tmp_path: Path) -> None
         "bearings: {drum_Nm: 0.05}": "friction",
         "bearings: {guide_Nm: 0.005}": "friction",
         "sensors: {output_delay_s: 0.01}": "delay",
-        "physics: {guide_slip: true}": "guide_slip",
+        "physics: {guide_slip: true}": "passed_slip",
         "effects: [{effect: preload, share: -0.2}]": "preload_error",
         "effects: [{effect: eccentric_pulley, stage: guide, eccentricity_um: 20.0}]": "once_per_rev",
     }

@@ -34,7 +34,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         return []
     return [
         Effect(
-            "guide_slip",
+            "passed_slip",
             "rope creeps on the guide",
             "the rope slips on the guide too, from both ends of its wrap; strength 1 is the whole of it",
             "no part of the bench: the declared model takes the tension over the guide without slip",
