@@ -15,6 +15,8 @@ def finding(result: LoopResult) -> str:
     after, floor = _angle(result.errors.after.value), _angle(result.errors.floor_rad)
     if result.verdict == "none":
         return f"Nothing is missing: the design file predicts the output within {after}, which is the noise ({floor})."
+    if result.verdict == "not_testable" and result.helpful:
+        return "A load that was not measured explains the error as well as a fault of the drive: log the torque."
     if result.verdict == "not_testable":
         return "These runs say nothing about the drive."
     parts = [described(named) for named in result.effects]

@@ -219,6 +219,8 @@ class LoopResult:
         words += ["one of " + " or ".join(named.words for named in group) for group in self.one_of]
         if self.verdict == "none":
             return f"The declared model explains the run: held-out error {before} RMS, noise floor {floor}."
+        if self.verdict == "not_testable" and self.helpful:
+            return f"No torque was measured, and a load explains the error as well as any cause; {sizes}."
         if self.verdict == "not_testable":
             return "This run cannot be used: " + "; ".join(self.not_testable) + "."
         if self.verdict == "unknown":

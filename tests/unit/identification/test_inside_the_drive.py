@@ -44,6 +44,7 @@ def test_a_fast_motion_of_one_input_is_no_noise() -> None:
 def test_a_load_that_was_not_measured_is_no_name() -> None:
     found = judged("null-no-torque", 100.0)
     assert found.verdict == "not_testable" and not found.effects and not found.one_of, found.sentence
+    assert "No torque was measured" in found.sentence, found.sentence
     assert any("no torque was measured" in doubt for doubt in found.doubts), found.doubts
 
 
