@@ -23,7 +23,7 @@ def _slipping(d: DriveSI) -> DriveSI:
 
 def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
     # The profiles of wound-on cable do not know a guide that slips, so what the slip changes is taken without them.
-    bare = replace(setup, winding=0.0)
+    bare = replace(setup, winding=0.0, creep=0.0)
     whole = simulate(replace(bare, d=_slipping(setup.drive))) - simulate(bare)
     return setup.with_added(values[0] * whole)
 
