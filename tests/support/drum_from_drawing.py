@@ -13,7 +13,8 @@ from ezdxf.document import Drawing
 from tests.support.drawing_reader import MissingDimensionError, ReadDimension, table
 from tests.support.milled_from_drawing import one
 
-_OPEN = 40.0
+# Where the sheet says open: beyond the end of the longest sector, mm.
+_OPEN = 300.0
 # What a lug is rooted in below the wall of its pocket stands inside the rim, so that any depth gives the same part.
 _ROOT = 0.3
 
