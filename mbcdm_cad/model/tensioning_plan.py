@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
 
 import numpy as np
 
+from mbcdm_cad.model.tensioned_rope import TensionedRope
 from mbcdm_cad.model.tensioning import (
     TakeUp,
     balanced_tension_N,
@@ -25,23 +25,8 @@ from mbcdm_cad.model.tensioning import (
     untensioned_length_m,
 )
 
-# Wires of a rope and its diameter over theirs (ISO 2408 geometry); a braid's fibres bend freely.
-WIRES = {"7x7": (49, 9.0), "7x19": (133, 15.0), "1x19": (19, 5.0)}
 # A range of tensions wider than this, read from one pitch, sets no preload by itself.
 USABLE_SPREAD = 0.25
-
-
-@dataclass(frozen=True)
-class TensionedRope:
-    """What of the rope counts: EA, mass, bending stiffness with wires free and bonded, and shares; SI."""
-
-    axial_stiffness_N: float
-    mass_kg_m: float
-    loose_N_m2: float
-    bonded_N_m2: float
-    bedding_share: float
-    cut_tolerance_m: float
-    friction: float
 
 
 @dataclass(frozen=True)
@@ -102,17 +87,6 @@ class TensioningPlan:
     def by_pitch(self) -> bool:
         """Whether the pitch of a span alone tells its tension well enough."""
         return all(c.span_m and c.tension_spread <= USABLE_SPREAD for c in self.cables)
-
-
-def rope_stiffnesses(
-    construction: str, diameter_m: float, axial_stiffness_N: float, wire_modulus_Pa: float
-) -> tuple[float, float]:
-    """Bending stiffness (N m^2) with wires that slide freely, and bonded into a round bar of the same EA: EA d^2/16."""
-    bonded = axial_stiffness_N * diameter_m**2 / 16.0
-    if construction not in WIRES:
-        return 0.0, bonded
-    count, ratio = WIRES[construction]
-    return min(count * wire_modulus_Pa * pi / 64.0 * (diameter_m / ratio) ** 4, bonded), bonded
 
 
 def tensioning_plan(cables: Sequence[TensionedCable], rope: TensionedRope, pitch_m: float) -> TensioningPlan:

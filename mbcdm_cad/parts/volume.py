@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import acos, asin, hypot, pi, radians, sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,8 +19,10 @@ from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
-from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.terminal.dims import Tensioner, TerminalDims
+
+if TYPE_CHECKING:  # a drive without a motor head starts without it
+    from mbcdm_cad.parts.motor_head.dims import HeadDims
 
 # Cells of the grid on which pockets are taken out of the drum's rim: about 0.2 x 0.3 mm on a drum of 65 mm.
 _RIM_RADII, _RIM_ANGLES = 80, 500
