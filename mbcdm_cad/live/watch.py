@@ -34,7 +34,8 @@ _GATHER_MS = 40
 _LOOK_MS = 10
 # So often the wait for a save looks whether it is to end, ms.
 _END_MS = 300
-# The whole build gives way to the browser, which loads the new page at the same time, and to what the next save needs.
+# The whole build begins when the browser has loaded the new page, and gives way to what the next save needs.
+_BUILD_AFTER_S = 1.5
 _BUILD_NICENESS = 10
 
 Say = Callable[[str], None]
@@ -174,6 +175,7 @@ class Watch:
 
     async def _whole_build(self, number: int) -> None:
         """`mbcdm build` in a process group of its own, so that all of it ends when a newer save comes."""
+        await asyncio.sleep(_BUILD_AFTER_S)
         watched = self._watched
         arguments = [sys.executable, "-m", "mbcdm_cad", "build", str(watched.path), "--out", str(watched.out)]
         process = await asyncio.create_subprocess_exec(
