@@ -149,3 +149,12 @@ def texts_outside(doc: Drawing) -> list[str]:
         for text, (left, low, right, top) in text_boxes(doc)
         if left < min(xs) or right > max(xs) or low < min(ys) or top > max(ys)
     ]
+
+
+def note_number(doc: Drawing, pattern: str) -> float:
+    """The number that the notes say where ``pattern`` fits; it stands there once."""
+    texts = (_plain(text.dxf.text) for text in doc.modelspace().query("TEXT"))
+    found = [match[1] for text in texts for match in re.finditer(pattern, text)]
+    if len(found) != 1:
+        raise (DoubledDimensionError if found else MissingDimensionError)(f"{pattern}: {found}")
+    return float(found[0])

@@ -105,7 +105,6 @@ def test_bytes_do_not_depend_on_the_process() -> None:
     ("design", "target", "words"),
     [
         (FULL, "why.png", "graphs are SVG files"),
-        (ROOT / "params" / "miso_spur.yaml", "why.svg", "has no sizing rules"),
         (SHORT, "nowhere/why.svg", "nowhere"),
     ],
 )
@@ -115,6 +114,15 @@ def test_what_cannot_be_drawn_is_one_sentence(
     assert run(["explain", str(design), "--graph", str(tmp_path / target)]) == 2
     err = capsys.readouterr().err
     assert words in err and len(err.strip().splitlines()) == 1, err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_configuration_without_rules_has_no_graph(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mbcdm_cad.report.explain.explain_all", lambda loaded: ())
+    assert run(["explain", str(FULL), "--graph", str(tmp_path / "why.svg")]) == 2
+    assert "has no sizing rules" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
