@@ -12,7 +12,9 @@ from ezdxf.document import Drawing
 from tests.support.drawing_reader import MissingDimensionError, ReadDimension, table, view
 from tests.support.drum_from_drawing import drum
 from tests.support.frame_from_drawing import frame
+from tests.support.head_from_drawing import motor_head
 from tests.support.milled_from_drawing import collar, one, slot_tools, top_plate
+from tests.support.other_frames_from_drawing import column, yoke
 from tests.support.turned_from_drawing import turned_volume
 
 # Points nearer than this on the paper are one.
@@ -124,4 +126,16 @@ SMALL: dict[str, Rebuild] = {
 LARGE: dict[str, Rebuild] = {
     "frame": lambda doc, dims: float(frame(doc, dims).Volume()),
     "drum": lambda doc, dims: float(drum(doc, dims).Volume()),
+}
+
+
+def _head(doc: Drawing, dims: list[ReadDimension]) -> float:
+    return float(motor_head(doc, dims).Volume())
+
+
+# Parts that differ from those above, by configuration.
+OTHERS: dict[str, dict[str, Rebuild]] = {
+    "siso_bevel": {"frame": lambda doc, dims: float(column(doc, dims).Volume()), "motor_head": _head},
+    "siso_spur": {"frame": lambda doc, dims: float(yoke(doc, dims).Volume()), "motor_head": _head},
+    "miso_spur": {"motor_head": _head},
 }

@@ -28,7 +28,7 @@ from mbcdm_cad.parts.shapes import cylinder
 from mbcdm_cad.parts.sheets.description import Linear, Sheet
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_of
 from tests.support.drawing_reader import dimensions, document, texts_on_texts, texts_outside
-from tests.support.rebuilt import LARGE, SMALL, pulley
+from tests.support.rebuilt import LARGE, OTHERS, SMALL, pulley
 
 Failures = Iterator[tuple[str, str]]
 # Solids that touch share nothing; this is what booleans leave of a touch.
@@ -83,7 +83,8 @@ def drawing(name: str, sheet: Sheet, shown: cq.Solid, drive: Drive) -> Failures:
         yield "drawing", f"{name}: texts on each other {over[:3]}"
     if outside := texts_outside(doc):
         yield "drawing", f"{name}: texts off the paper {outside[:3]}"
-    rebuild = pulley if name.startswith("input_pulley") else {**SMALL, **LARGE}.get(name)
+    known = {**SMALL, **LARGE, **OTHERS.get(drive.configuration, {})}
+    rebuild = pulley if name.startswith("input_pulley") else known.get(name)
     if rebuild is None:
         yield "drawing", f"{name}: no rule to make it from its sheet"
         return
