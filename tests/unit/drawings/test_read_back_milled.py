@@ -1,4 +1,4 @@
-"""Frames, motor heads and drum made from their drawings alone; without any one dimension, or one twice, they are not."""
+"""Frames, motor heads, drum made from their drawings alone; without any one dimension, or one twice, they are not."""
 
 from __future__ import annotations
 
