@@ -54,6 +54,8 @@ APART_ERRORS = 2.5
 SECTORS = 8
 # Where no torque was measured, samples so near a reversal are not used, s: a brake flips there, nobody knows when.
 FLIP_S = 0.25
+# Where these are more than this share of a run, they tell as much of it as the others, and all are used.
+MOST_BLIND = 0.5
 # Half sweeps that must follow the first for it to be left out.
 FEWEST_SWEEPS = 3
 # Where the mean misses the load by so many standard errors of one sample, it is on a flank and the sample is taken.
@@ -355,6 +357,8 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     if load is None and run.ratio is None:
         flips = time[1:][np.diff(sweep) != 0]
         blind = np.searchsorted(flips, time + FLIP_S) > np.searchsorted(flips, time - FLIP_S)
+        if blind.mean() > MOST_BLIND:
+            blind[:] = False
 
     def taken(cut: Cut) -> Prepared:
         at = cut.index
