@@ -1,4 +1,4 @@
-"""Frames with a motor head from their drawings alone: the column of a siso bevel drive, the yoke of a siso spur drive.
+"""Frames with a motor head from their drawings alone: a column (siso bevel), a yoke (siso spur), a star (miso spur).
 
 X to the right and Z up from the drum's axis, Y from the face that the sheet counts depths from.
 """
@@ -6,6 +6,7 @@ X to the right and Z up from the drum's axis, Y from the face that the sheet cou
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
 import cadquery as cq
 from ezdxf.document import Drawing
@@ -89,8 +90,43 @@ def column(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
     return body
 
 
+@dataclass(frozen=True)
+class _Arm:
+    """Sizes of a plate with its yoke, Y from the end of the boss."""
+
+    wide: float
+    top: float
+    corner: float
+    shelf_x: float
+    shelf_low: float
+    bridge: float
+    back: float
+    face: float
+
+    def bodies(self, near: float, far: float) -> list[cq.Shape]:
+        """Plate and yoke, the shelf between two depths from the plate's back."""
+        plate = box((-self.wide, self.wide), (self.back, self.face), (0.0, self.top))
+        across, y = (-self.shelf_x, self.shelf_x), self.back
+        under = box(across, (y, y + far), (self.top - self.bridge, self.top))
+        shelf = box(across, (y + near, y + far), (self.shelf_low, self.top))
+        joined = cq.Workplane(obj=under.fuse(shelf).clean()).edges("|Y").edges("<Z or >Z")
+        outer = cq.Workplane(obj=plate).edges("|Y and >Z")
+        return [outer.fillet(self.corner).val(), joined.fillet(self.corner).val()]  # type: ignore[list-item]
+
+
 def yoke(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
     """The frame of a siso spur drive, the end of its boss at y = 0."""
+    return _armed(doc, dims, [])
+
+
+def star(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
+    """The frame of a miso spur drive: views show the first arm, a table where the others stand."""
+    rows = table(doc, "Arms")[1:]
+    return _armed(doc, dims, [(float(angle), float(near), float(far)) for _, angle, near, far in rows])
+
+
+def _armed(doc: Drawing, dims: list[ReadDimension], arms: list[tuple[float, float, float]]) -> cq.Shape:
+    """``arms``: angle about the drum's axis and depths of the shelf; none for the one that the views show."""
     rear, section, front = ([d for d in dims if d.view == view] for view in ("rear", "section", "front"))
     (wide,) = (w / 2 for w in plain([d for d in rear if d.across], 1, "width"))
     boss, ears = _halves(rear, "rear", " boss", " ears")
@@ -112,34 +148,39 @@ def yoke(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
     rear_seat, fore_seat = plain(seats, 2, "seats")
     back, face = plain([d for d in others if d not in seats], 2, "plate")
     ear_height = note_number(doc, r"Ears ([\d.]+) high") / 2
-    plate = cq.Workplane(obj=box((-wide, wide), (back, face), (0.0, top))).edges("|Y and >Z").fillet(corner).val()
-    under = box((-shelf_x, shelf_x), (back, back + far), (top - bridge, top))
-    shelf = box((-shelf_x, shelf_x), (back + near, back + far), (shelf_low, top))
-    yoke_ = cq.Workplane(obj=under.fuse(shelf).clean()).edges("|Y").edges("<Z or >Z").fillet(corner).val()
-    body = plate.fuse(  # type: ignore[union-attr]
-        yoke_,
-        along_y(wide, 0.0, 0.0, (back, face)),
-        along_y(boss, 0.0, 0.0, (0.0, end)),
-        box((-ears, ears), (0.0, ear_front), (-ear_height, ear_height)),
+    arm = _Arm(wide, top, corner, shelf_x, shelf_low, bridge, back, face)
+    arms = arms or [(0.0, near, far)]
+    if arms[0] != (0.0, near, far):
+        raise MissingDimensionError(f"the first arm: {arms[0]} in its table, {near}, {far} in the section")
+    body: cq.Shape = along_y(wide, 0.0, 0.0, (back, face))
+    body = body.fuse(
+        along_y(boss, 0.0, 0.0, (0.0, end)), box((-ears, ears), (0.0, ear_front), (-ear_height, ear_height))
     )
-    spans = {"plate": (back - 0.01, face + 0.01), "shelf": (back + near, back + far + 0.01)}
-    for tool in [*_seats(*_bores(section), rear_seat, fore_seat, end), *_yoke_holes(doc, spans, back)]:
+    for angle, start, stop in arms:
+        turned = [part.rotate(cq.Vector(), cq.Vector(0, 1, 0), angle) for part in arm.bodies(start, stop)]
+        body = body.fuse(*turned)
+    shelves = [(back + start, back + stop + 0.01) for _, start, stop in arms]
+    for tool in [
+        *_seats(*_bores(section), rear_seat, fore_seat, end),
+        *_yoke_holes(doc, (back - 0.01, face + 0.01), shelves, back),
+    ]:
         body = body.cut(tool)
     return body
 
 
-def _yoke_holes(doc: Drawing, spans: dict[str, Span], back: float) -> list[cq.Shape]:
-    """All along Y; sunk from the near face, where they are sunk."""
+def _yoke_holes(doc: Drawing, plate: Span, shelves: list[Span], back: float) -> list[cq.Shape]:
+    """All along Y; sunk from the near face, where they are sunk. Those of a shelf stand arm by arm."""
     places = {row[0]: (float(row[1]), float(row[2])) for row in table(doc, "Positions from the drum's axis")[1:]}
     tools: list[cq.Shape] = []
     for letter, count, drill, thread, depth, _, bore, start in table(doc, "Holes")[1:]:
         radius = float(thread[1:].split()[0]) / 2 if thread.startswith("M") else float(drill) / 2
-        if depth == "through":
-            span = spans[start]
-        else:
-            near = {"behind": back, "boss": 0.0}[start]
-            span = (near - 0.01, near + float(depth))
-        for name in [letter] if count == "1" else [f"{letter}{n}" for n in range(1, int(count) + 1)]:
+        names = [letter] if count == "1" else [f"{letter}{n}" for n in range(1, int(count) + 1)]
+        for n, name in enumerate(names):
+            if depth != "through":
+                near = {"behind": back, "boss": 0.0}[start]
+                span = (near - 0.01, near + float(depth))
+            else:
+                span = plate if start == "plate" else shelves[n * len(shelves) // len(names)]
             x, z = places.pop(name)
             tools.append(along_y(radius, x, z, span))
             if bore != "-":

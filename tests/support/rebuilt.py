@@ -14,7 +14,7 @@ from tests.support.drum_from_drawing import drum
 from tests.support.frame_from_drawing import frame
 from tests.support.head_from_drawing import motor_head
 from tests.support.milled_from_drawing import collar, one, slot_tools, top_plate
-from tests.support.other_frames_from_drawing import column, yoke
+from tests.support.other_frames_from_drawing import column, star, yoke
 from tests.support.turned_from_drawing import turned_volume
 
 # Points nearer than this on the paper are one.
@@ -137,5 +137,5 @@ def _head(doc: Drawing, dims: list[ReadDimension]) -> float:
 OTHERS: dict[str, dict[str, Rebuild]] = {
     "siso_bevel": {"frame": lambda doc, dims: float(column(doc, dims).Volume()), "motor_head": _head},
     "siso_spur": {"frame": lambda doc, dims: float(yoke(doc, dims).Volume()), "motor_head": _head},
-    "miso_spur": {"motor_head": _head},
+    "miso_spur": {"frame": lambda doc, dims: float(star(doc, dims).Volume()), "motor_head": _head},
 }

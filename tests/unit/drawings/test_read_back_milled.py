@@ -32,6 +32,7 @@ DESIGNS = {
     "mbcdm": LARGE,
     "siso_bevel": OTHERS["siso_bevel"],
     "siso_spur": OTHERS["siso_spur"],
+    "miso_spur": {"frame": OTHERS["miso_spur"]["frame"]},
 }
 CASES: dict[str, Rebuild] = {f"{file}/{part}": make for file, parts in DESIGNS.items() for part, make in parts.items()}
 
