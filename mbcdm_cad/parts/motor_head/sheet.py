@@ -13,6 +13,22 @@ from mbcdm_cad.parts.sheets.words import mm
 def _holes(d: HeadDims) -> tuple[Holes, ...]:
     """Bored along Z; the axis of A is the input's."""
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
+    # Where the bore for the bearing's shoulder takes in the way of the key, there is no hole of its own.
+    within = d.gear_bolt_circle + d.key_hole_radius <= d.shoulder_radius
+    keys = (
+        ()
+        if within
+        else (
+            Holes(
+                "D",
+                2 * d.key_hole_radius,
+                THROUGH,
+                tuple((x, y, d.bottom_z) for x, y in d.gear_screws),
+                "below",
+                "key for screws of the drive",
+            ),
+        )
+    )
     return (
         Holes("A", 2 * d.shoulder_radius, THROUGH, ((0.0, 0.0, d.bottom_z),), "below", "bearing", counterbore=seat),
         Holes(
@@ -32,14 +48,7 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             "motor shelf",
             "screws of the drive",
         ),
-        Holes(
-            "D",
-            2 * d.key_hole_radius,
-            THROUGH,
-            tuple((x, y, d.bottom_z) for x, y in d.gear_screws),
-            "below",
-            "key for screws of the drive",
-        ),
+        *keys,
         Holes(
             "E",
             2 * d.screw_clearance,

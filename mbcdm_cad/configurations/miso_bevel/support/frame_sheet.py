@@ -29,6 +29,22 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
     v = d.levels
     shelf, motor, top = v.bearing_shelf_top_z, v.motor_shelf_top_z, v.top_plate_bottom_z
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
+    # Where the bore for the bearing's shoulder takes in the way of the key, there is no hole of its own.
+    within = d.gear_bolt_circle + d.key_hole_radius <= d.seat_shoulder_radius
+    keys = (
+        ()
+        if within
+        else (
+            Holes(
+                "C",
+                2 * d.key_hole_radius,
+                THROUGH,
+                tuple((x, y, shelf) for x, y in d.gear_screws),
+                "bearing shelf",
+                "key for gearhead screws",
+            ),
+        )
+    )
     return (
         Holes(
             "A",
@@ -48,14 +64,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "bearing seats",
             counterbore=seat,
         ),
-        Holes(
-            "C",
-            2 * d.key_hole_radius,
-            THROUGH,
-            tuple((x, y, shelf) for x, y in d.gear_screws),
-            "bearing shelf",
-            "key for gearhead screws",
-        ),
+        *keys,
         Holes(
             "D",
             d.plate_screw_radius * 2,
