@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -67,26 +68,6 @@ def significant(value: float, digits: int) -> float:
     return float(f"{value:.{digits}g}")
 
 
-def greatest(*values: float) -> float:
-    """Largest of the values, design by design; what ``max`` gives for numbers."""
-    if any(isinstance(value, PerDesign) for value in values):
-        found = values[0]
-        for value in values[1:]:
-            found = np.maximum(found, value)
-        return found
-    return max(values)
-
-
-def least(*values: float) -> float:
-    """Smallest of the values, design by design; what ``min`` gives for numbers."""
-    if any(isinstance(value, PerDesign) for value in values):
-        found = values[0]
-        for value in values[1:]:
-            found = np.minimum(found, value)
-        return found
-    return min(values)
-
-
 def _either(of_one: Callable[..., float], of_many: Callable[..., Any], text: str) -> Callable[..., float]:
     def either(*values: float) -> float:
         return of_many(*values) if any(isinstance(value, PerDesign) for value in values) else of_one(*values)
@@ -95,6 +76,16 @@ def _either(of_one: Callable[..., float], of_many: Callable[..., Any], text: str
     return either
 
 
+greatest = _either(
+    lambda *values: max(values),
+    lambda *values: reduce(np.maximum, values),
+    "Largest of the values, one or more, design by design.",
+)
+least = _either(
+    lambda *values: min(values),
+    lambda *values: reduce(np.minimum, values),
+    "Smallest of the values, one or more, design by design.",
+)
 sqrt = _either(math.sqrt, np.sqrt, "Square root.")
 hypot = _either(math.hypot, np.hypot, "Length of a vector of two components.")
 sin = _either(math.sin, np.sin, "Sine of an angle in rad.")

@@ -6,30 +6,14 @@ from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, Side, View, X, Y, Z
-from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.words import mm
 
 
 def _holes(d: HeadDims) -> tuple[Holes, ...]:
     """Bored along Z; the axis of A is the input's."""
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
-    # Where the bore for the bearing's shoulder takes in the way of the key, there is no hole of its own.
-    within = d.gear_bolt_circle + d.key_hole_radius <= d.shoulder_radius
-    keys = (
-        ()
-        if within
-        else (
-            Holes(
-                "D",
-                2 * d.key_hole_radius,
-                THROUGH,
-                tuple((x, y, d.bottom_z) for x, y in d.gear_screws),
-                "below",
-                "key for screws of the drive",
-            ),
-        )
-    )
-    return (
+    groups = (
         Holes("A", 2 * d.shoulder_radius, THROUGH, ((0.0, 0.0, d.bottom_z),), "below", "bearing", counterbore=seat),
         Holes(
             "B",
@@ -48,7 +32,18 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             "motor shelf",
             "screws of the drive",
         ),
-        *keys,
+        Holes(
+            "D",
+            2 * d.key_hole_radius,
+            THROUGH,
+            outside_bore(
+                tuple((x, y, d.bottom_z) for x, y in d.gear_screws),
+                d.gear_bolt_circle + d.key_hole_radius,
+                d.shoulder_radius,
+            ),
+            "below",
+            "key for screws of the drive",
+        ),
         Holes(
             "E",
             2 * d.screw_clearance,
@@ -67,6 +62,7 @@ def _holes(d: HeadDims) -> tuple[Holes, ...]:
             fit=FITS["pin_slide"].code,
         ),
     )
+    return tuple(group for group in groups if group.places)
 
 
 def motor_head_sheet(part: str, d: HeadDims) -> Sheet:

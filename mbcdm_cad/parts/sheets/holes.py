@@ -96,6 +96,11 @@ class Holes:
         return max(self.diameter, self.counterbore[0] if self.counterbore else 0.0) / 2
 
 
+def outside_bore(places: tuple[Vector, ...], reach_mm: float, bore_mm: float) -> tuple[Vector, ...]:
+    """The places of holes that reach so far from a bore's axis; none where the bore (its radius) takes them in."""
+    return places if reach_mm > bore_mm else ()
+
+
 def hole_table(groups: Sequence[Holes], title: str = "Holes") -> Table:
     """One line for each group of equal holes."""
     return Table(title, COLUMNS, tuple(group.row() for group in groups))

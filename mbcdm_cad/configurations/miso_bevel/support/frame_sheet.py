@@ -20,7 +20,7 @@ from mbcdm_cad.parts.sheets.description import (
     Z,
     minus,
 )
-from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.words import mm
 
 
@@ -29,23 +29,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
     v = d.levels
     shelf, motor, top = v.bearing_shelf_top_z, v.motor_shelf_top_z, v.top_plate_bottom_z
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
-    # Where the bore for the bearing's shoulder takes in the way of the key, there is no hole of its own.
-    within = d.gear_bolt_circle + d.key_hole_radius <= d.seat_shoulder_radius
-    keys = (
-        ()
-        if within
-        else (
-            Holes(
-                "C",
-                2 * d.key_hole_radius,
-                THROUGH,
-                tuple((x, y, shelf) for x, y in d.gear_screws),
-                "bearing shelf",
-                "key for gearhead screws",
-            ),
-        )
-    )
-    return (
+    groups = (
         Holes(
             "A",
             2 * d.axle_radius,
@@ -64,7 +48,18 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "bearing seats",
             counterbore=seat,
         ),
-        *keys,
+        Holes(
+            "C",
+            2 * d.key_hole_radius,
+            THROUGH,
+            outside_bore(
+                tuple((x, y, shelf) for x, y in d.gear_screws),
+                d.gear_bolt_circle + d.key_hole_radius,
+                d.seat_shoulder_radius,
+            ),
+            "bearing shelf",
+            "key for gearhead screws",
+        ),
         Holes(
             "D",
             d.plate_screw_radius * 2,
@@ -102,6 +97,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "gearhead screws",
         ),
     )
+    return tuple(group for group in groups if group.places)
 
 
 def _from_front(d: FrameDims) -> tuple[Holes, ...]:
