@@ -117,3 +117,10 @@ def test_values_per_design_work_as_numbers_do() -> None:
     with pytest.raises(Split):
         bool(a > b)
     assert bool(a > 0.0) and not bool(a > 9.0)
+
+
+def test_largest_and_smallest_of_one_value_are_that_value() -> None:
+    column = per_design([3.0, 1.0])
+    for function in (greatest, least):
+        assert function(2.5) == 2.5
+        assert function(column).tolist() == [3.0, 1.0], function.__doc__  # type: ignore[attr-defined]
