@@ -1,4 +1,4 @@
-"""The account of a fit: errors on data held back, intervals, limits of the runs, what to do next, traces."""
+"""What the result reports of a fit: errors on data held back, intervals, limits of the runs, next steps, traces."""
 
 from __future__ import annotations
 
@@ -62,27 +62,27 @@ def interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect)
 
 
 def not_testable(d: DriveSI | None, runs: Sequence[Prepared]) -> tuple[str, ...]:
-    """What these runs cannot tell."""
+    """What these runs cannot show."""
     words = []
     if any(p.load_Nm is None for p in runs):
         words.append("no torque column: stiffness, preload, friction of the cables, lash and winding history")
     if d is None:
         words.append("only the ratio is known: pulleys, preload and ropes")
     if all(p.few for p in runs):
-        words.append("too few half sweeps: nothing can be fitted on some and judged on others")
+        words.append("too few half sweeps: none can be held back to judge a fit on the others")
     if all(p.temperature_C is None for p in runs):
         words.append("no temperature: warming and settling look alike")
     return tuple(words)
 
 
 def next_steps(named: Sequence[Named], sets: Sequence[Sequence[Named]], unknown: Unknown | None) -> tuple[str, ...]:
-    """What to look at, and what would tell the members of a set apart."""
+    """What to look at, and what would separate the members of a set."""
     steps = [f"{one.words}: look at {one.where_to_look}" for one in named]
     for group in sets:
         ways = "; or ".join(dict.fromkeys(one.separate_by for one in group))
         steps.append(f"to tell {' from '.join(one.words for one in group)}: {ways}")
     if unknown is not None:
-        steps.append("something unknown: repeat the run at another load and speed, and see whether it comes back")
+        steps.append("something unknown: repeat the run at another load and speed, and see whether it repeats")
     return tuple(steps)
 
 

@@ -54,10 +54,11 @@ def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tup
 
 
 def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") -> str:
-    """The design file with what ``result`` named added to its list ``as_built``; all else stays as it is written.
+    """The text of the design file with the effects that ``result`` names added to its list ``as_built``.
 
-    Members of a set stand there as comments, each ready to be put in force by taking the marks off its lines. What an
-    earlier run left as comments goes: this run has judged it anew. ``source`` names the run.
+    Nothing else of the text changes. Members of a set are written as comments; removing the comment marks of one puts
+    it in force. Comments that an earlier run wrote are removed, because this run has judged the set again. ``source``
+    names the run.
     """
     lines = loaded.text.split("\n")
     start, end = _block(loaded.text, lines)
@@ -83,11 +84,11 @@ def applied_words(result: LoopResult) -> str:
         "(remove the comment marks of the one that the bench confirms)"
         for group in result.one_of
     ]
-    return "; ".join(words) or "nothing was named, so it is the design as it was"
+    return "; ".join(words) or "no effect was named, so the design is unchanged"
 
 
 def _undecided(group: Sequence[Named], number: int, count: int, source: str) -> list[str]:
-    """Members of a set as comments. A line of words has two marks, so that it stays one when one mark is taken off."""
+    """Members of a set as comments. A line of words has two marks: it is still a comment when one mark is removed."""
     which = f"set {number} of {count}: " if count > 1 else ""
     lines = [
         f"  ## UNDECIDED, {which}the runs cannot tell which one of these {len(group)} it is. None is in force.",
@@ -107,10 +108,10 @@ def _block(text: str, lines: list[str]) -> tuple[int, int]:
         if key.value == KEY:
             start, end = key.start_mark.line, value.end_mark.line + (value.end_mark.column > 0)
             end = max(end, start + 1)
-            # A block list ends where the next field begins: blank lines and comments between belong to that.
+            # A block list ends where the next field begins; blank lines and comments before that field belong to it.
             while end > start + 1 and (not lines[end - 1].strip() or lines[end - 1].startswith("#")):
                 end -= 1
-            # Comments that are indented belong to the list, also where all of it is comments.
+            # Indented comments belong to the list, also where the list has nothing else.
             while end < len(lines) and lines[end].startswith(" ") and lines[end].lstrip().startswith("#"):
                 end += 1
             return start, end
@@ -130,7 +131,7 @@ def _entry(named: Named, source: str) -> dict[str, Any]:
 
 
 def _value(name: str, value: float, named: Named) -> dict[str, Any]:
-    """A fitted value; with its interval where it is itself a figure that is reported."""
+    """A fitted value; with its interval if the value itself is a reported figure."""
     found: dict[str, Any] = {"name": name, "value": value}
     figure = named.parameters.get(name)
     if figure is not None and math.isfinite(figure.low) and math.isfinite(figure.high):

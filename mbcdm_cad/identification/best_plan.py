@@ -14,9 +14,9 @@ BLIND = 10.0
 
 @dataclass(frozen=True)
 class Rated:
-    """How a run stands among others: geometric mean over the effects of its size over the best run's; 1 is best.
+    """Rating of a run: geometric mean over the effects of its smallest size over that of the best run; 1 is best.
 
-    ``blind`` effects are shown by another run, and by this one not at all or never apart from a rival.
+    ``blind`` effects are shown by another run but not by this one, or this one never separates them from a rival.
     """
 
     mean_multiple: float
@@ -24,14 +24,14 @@ class Rated:
 
 
 def alone_from(effect: Foreseen) -> float:
-    """Size from which the effect is named and not taken for another; infinite where no size is enough."""
+    """Size from which the effect is named and not confused with another; infinite if no size is enough."""
     if effect.smallest is None:
         return inf
     return max([effect.smallest, *(inf if rival.from_size is None else rival.from_size for rival in effect.rivals)])
 
 
 def rated(plans: Sequence[RunPlan]) -> list[Rated]:
-    """Each plan among all; effects that none of them shows do not count."""
+    """The rating of each plan against all others; effects that no plan shows do not count."""
     sizes = [{one.label: alone_from(one) for one in plan.effects} for plan in plans]
     best = {label: min(size.get(label, inf) for size in sizes) for size in sizes for label in size}
     shown = {label: size for label, size in best.items() if size < inf}

@@ -1,14 +1,14 @@
 """Statistics clustered by sweep and by angle sector: estimates, tests, intervals, and the separation of two fits.
 
 Residuals of a drive are coloured, and what repeats in angle comes back in every sweep. An ordinary test counts each
-sample as new evidence and fires on everything. Here the evidence is what whole sweeps, and whole sectors, agree upon.
+sample as new evidence and accepts every effect. Here the evidence is what whole sweeps and whole sectors agree on.
 Two-way clusters: A. C. Cameron, J. B. Gelbach, D. L. Miller, J. Business & Economic Statistics 29 (2011).
 
 A cell is the part of one sweep that lies in one sector of angle. For columns X and a residual y it keeps the Gram
 matrix [1 X y]^T [1 X y] of its samples: one pass over the samples, after which every test needs only the cells.
 
-Two effects that change the prediction by a and b are told apart by their difference d = a - b against the residual's
-noise along d. The probability to take the wrong one is Phi(-|d|^2 / (2 s)), s the standard deviation of d . r; for
+Two effects that change the prediction by a and b are separated by their difference d = a - b against the residual's
+noise along d. The probability to choose the wrong one is Phi(-|d|^2 / (2 s)), s the standard deviation of d . r; for
 white noise and equal sizes that is Phi(-sqrt(t^2 (1 - rho) / 2)), t the effect's strength and rho the cosine of a
 and b.
 """
@@ -26,7 +26,7 @@ from scipy.stats import t as t_distribution
 
 from mbcdm_cad.routes import Floats
 
-# Samples multiplied at one time: what keeps the copy small however long the run.
+# Samples multiplied at one time, so that the copy stays small for a run of any length.
 BLOCK = 65_536
 # Below this probability of a wrong choice two effects count as separated.
 TOLD_APART = 0.01
@@ -68,7 +68,7 @@ def cell_grams(columns: Floats, y: Floats, sweep: NDArray[np.int64], sector: NDA
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Least squares of a residual on columns, a level besides.
+    """Least squares of a residual on columns and a constant.
 
     ``value`` (k,), ``covariance`` (k, k) clustered two ways, ``freedom``: degrees of freedom, one less than the smaller
     number of clusters. A column that the others make up has value 0 and infinite variance.
@@ -79,7 +79,7 @@ class Estimate:
     freedom: int
 
     def probability(self, which: Sequence[int]) -> float:
-        """Probability that the columns ``which`` are all zero and only look as they do (Wald, as F)."""
+        """Probability of such values of the columns ``which`` by chance if all are zero (Wald test, as F)."""
         chosen = list(which)
         block = self.covariance[np.ix_(chosen, chosen)]
         if not np.all(np.isfinite(block)):
@@ -89,7 +89,7 @@ class Estimate:
             return 1.0
         rank = min(len(chosen), self.freedom)
         square = float(value @ np.linalg.pinv(block, rcond=1e-12, hermitian=True) @ value)
-        # Hotelling's correction: with few clusters the covariance is itself a guess.
+        # Hotelling's correction: with few clusters the covariance is itself uncertain.
         freedom = self.freedom - rank + 1
         if freedom < 1:
             return 1.0
@@ -151,7 +151,7 @@ def _jackknife(whole: Floats, each: Floats, group: NDArray[np.int64], solved: Fl
 
 
 def _at_least(covariance: Floats, least: Floats) -> Floats:
-    """The difference of clusters need not be a covariance: no direction may fall below that of the cells alone."""
+    """The covariance, at least that of the cells in each direction: the difference of clusters need not be positive."""
     root = np.linalg.cholesky(least + 1e-12 * max(np.trace(least), 1e-300) / least.shape[0] * np.eye(least.shape[0]))
     back = np.linalg.inv(root)
     values, vectors = np.linalg.eigh(back @ covariance @ back.T)
@@ -160,10 +160,10 @@ def _at_least(covariance: Floats, least: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Separation:
-    """How well two effects are told apart.
+    """How well two effects are separated.
 
-    ``probability`` of taking the wrong one (0.5: a toss); ``factor`` by which the effect must be larger, all else
-    equal, to be told apart at 1 % (below 1: the data tell them apart now).
+    ``probability`` of choosing the wrong one (0.5: pure chance); ``factor`` by which the effect must be larger, all
+    else equal, to be separated at 1 % (below 1: these data separate them).
     """
 
     probability: float
@@ -171,12 +171,12 @@ class Separation:
 
     @property
     def apart(self) -> bool:
-        """Do these data tell them apart?"""
+        """Whether these data separate them."""
         return self.probability <= TOLD_APART
 
     @property
     def words(self) -> str:
-        """For people."""
+        """In words, for the result."""
         if self.apart:
             return f"separated, {self.probability:.2g} to be wrong"
         if not np.isfinite(self.factor) or self.factor > 100.0:
@@ -189,8 +189,8 @@ def separation(
 ) -> Separation:
     """Compare the changes that two effects, each refitted with all else, make to the prediction.
 
-    ``first`` and ``second`` (n,) in rad; ``residual`` (n,) what is left with the better one; the noise along their
-    difference is taken from sums over sweeps and over sectors, at least that over their cells.
+    ``first`` and ``second`` (n,) in rad; ``residual`` (n,) is that of the better fit. The noise along their difference
+    is taken from sums over sweeps and over sectors, at least that over their cells.
     """
     difference = first - second
     square = float(difference @ difference)

@@ -4,9 +4,9 @@
 
 ``angle`` is that mean over the ratio, ``load`` the torque at the output, ``direction`` the sense of motion from -1 to
 1: after a reversal it goes from one end to the other over a stated angle, so that the correction does not jump. The
-table is taken from the measured output itself, named or not, since what repeats can be taken off whatever it is. What
-hangs on time, temperature or speed cannot: the effects that were named for it are taken out of the data first, and
-listed.
+table is computed from the measured output, whether or not a cause was named, because an error that repeats can be
+corrected whatever its cause. An error that depends on time, temperature or speed cannot be in such a table: effects
+that were named and depend on these are subtracted from the data first, and listed.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ ANGLES, LOADS = 65, 9
 REVERSALS = (0.001, 0.002, 0.003, 0.005, 0.008, 0.012, 0.02, 0.03, 0.05, 0.1)
 # A point of the table with less measured time than this near it is interpolated from its neighbours.
 PRIOR_S = 0.1
-# Weight, in samples, that draws all points to zero: it decides only where the data do not.
+# Weight, in samples, that draws all points to zero: it has influence only where there are hardly any data.
 LEAST_RIDGE = 1e-2
-# A line is in the table if so many of its points make a cycle.
+# A line is in the table if one cycle has at least so many points of the table.
 LEAST_POINTS = 8.0
 DIRECTIONS = (-1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Correction:
-    """The table ``value_rad`` (angles, 2 directions, loads) over ``angle_rad`` and ``load_Nm``, and what it is worth.
+    """The table ``value_rad`` (angles, 2 directions, loads) over ``angle_rad`` and ``load_Nm``, and its accuracy.
 
     ``reversal_rad`` is the angle over which the direction changes; ``load_Nm`` has one entry where the load was not
-    measured or did not vary, ``load_words`` says which. ``left_out`` are effects that no table can hold.
+    measured or did not vary, ``load_words`` says which. ``left_out`` are effects that no table can represent.
     ``before_rad`` and ``after_rad``: RMS of the angle's error on half sweeps that the table was not made from, without
     and with it, each run's mean taken off; ``noise_rad`` is what would stay in any case.
     """
@@ -56,7 +56,7 @@ class Correction:
     held_out: str
 
     def at(self, angle_rad: Floats, direction: Floats, load_Nm: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Correction in rad and whether the table had to be held at its edge, both (n,): what the C function gives."""
+        """Correction in rad and whether the point lies beyond the table, both (n,), as the C function returns."""
         i, u, off_angle = _place(self.angle_rad, angle_rad)
         k, w, off_load = _place(self.load_Nm, load_Nm)
         j = 0.5 * (np.clip(direction, -1.0, 1.0) + 1.0)
@@ -158,7 +158,7 @@ def correction_of(fitter: Fitter, fit: Fit, noise_rad: float) -> Correction:
 
 
 def _without_the_passing(fitter: Fitter, fit: Fit) -> tuple[Floats, list[str]]:
-    """The measured output less what the named effects do that hang on time, temperature or speed, and their names."""
+    """The measured output minus the named effects that depend on time, temperature or speed, and their names."""
     passing = [k for k, effect in enumerate(fit.effects) if effect.hangs_on or _too_fast(fitter, fit, k)]
     if not passing:
         return fitter.output, []
@@ -166,14 +166,14 @@ def _without_the_passing(fitter: Fitter, fit: Fit) -> tuple[Floats, list[str]]:
     whole = fitter.predict(fit.effects, fit.values, fit.offsets)
     less = fitter.predict([fit.effects[k] for k in rest], [fit.values[k] for k in rest], fit.offsets)
     names = [
-        f"{fit.effects[k].label}: hangs on {fit.effects[k].hangs_on or 'more of the angle than the table holds'}"
+        f"{fit.effects[k].label}: depends on {fit.effects[k].hangs_on or 'the angle more finely than the table does'}"
         for k in passing
     ]
     return np.asarray(fitter.output - whole + less), names
 
 
 def _too_fast(fitter: Fitter, fit: Fit, k: int) -> bool:
-    """Is it a line with too few points of the table to a cycle?"""
+    """Whether the effect is a line with too few points of the table in a cycle."""
     index = fit.effects[k].order_index
     if index is None:
         return False
@@ -189,7 +189,7 @@ def _fitted(
     run: NDArray[np.int64],
     fitter: Fitter,
 ) -> tuple[Floats, float]:
-    """The table by least squares on the samples that are not held back, and what it leaves of them (mean square)."""
+    """The table by least squares on the samples that are not held back, and the mean square that it leaves of them."""
     train = fitter.train
     every = max(1, int(train.sum()) // 40_000)
     chosen = np.flatnonzero(train)[::every]
@@ -200,7 +200,7 @@ def _fitted(
     weak = PRIOR_S / fitter.runs[0].step_s / every
     gram = x.T @ x + np.diag(np.concatenate([np.full(columns.shape[1], LEAST_RIDGE), np.full(levels.shape[1], 1e-9)]))
     y = errors[chosen] - errors[chosen].mean()
-    # Neighbouring points of the angle are drawn together where few samples lie: a bend costs, a slope does not.
+    # Where few samples lie, neighbouring points of the angle are smoothed: curvature is penalised, slope is not.
     bend = np.zeros_like(gram)
     for sense_index in range(2):
         for k in range(1, ANGLES - 1):
@@ -216,7 +216,7 @@ def _fitted(
 
 
 def _columns(grid: Floats, load_grid: Floats, angle: Floats, sense: Floats, load: Floats) -> Floats:
-    """What the table is made of: a curve of the angle and one of the load for each direction, and load times angle."""
+    """Columns of the table: a curve of the angle and one of the load for each direction, and load times angle."""
     up = 0.5 * (1.0 + sense)
     hats = _hat_columns(grid, angle)
     parts = [hats * (1.0 - up)[:, None], hats * up[:, None]]
@@ -238,5 +238,5 @@ def _hat_columns(points: Floats, at: Floats) -> Floats:
 
 
 def _held_rms(fitter: Fitter, errors: Floats) -> float:
-    """RMS on the samples held back, each run's mean over the others taken off, rad."""
+    """RMS on the samples held back, each run's mean over its other samples subtracted, rad."""
     return float(np.sqrt(np.mean(fitter.centred(errors, fitter.train)[fitter.test] ** 2)))

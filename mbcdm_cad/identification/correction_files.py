@@ -16,7 +16,7 @@ def correction_files(found: Correction, source: str) -> dict[str, bytes]:
 
 
 def correction_words(found: Correction) -> str:
-    """What it is worth, for the terminal."""
+    """The accuracy of the table in words, for the terminal."""
     words = (
         f"error of the output angle on held-out half sweeps {1e6 * found.before_rad:.3g} urad RMS without and "
         f"{1e6 * found.after_rad:.3g} with it (noise {1e6 * found.noise_rad:.3g}); load {found.load_words}"

@@ -22,11 +22,11 @@ Starts = Callable[[Setup, Floats], list[list[float]]]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One figure that the fit turns: its name with unit, a typical small size, and bounds.
+    """One figure that the fit varies: its name with unit, a typical small size, and bounds.
 
     ``role``: "size" says how large the effect is, and only sizes are tested against zero; "place" says where it lies (a
-    time, a time constant), "order" is the cycles a turn of the output of a line in the spectrum. ``default`` is what it
-    is in an as-built file that does not give it.
+    time, a time constant), "order" is the cycles a turn of the output of a line in the spectrum. ``default`` is its
+    value where an as-built file does not give it.
     """
 
     name: str
@@ -54,21 +54,22 @@ class Effect:
     """One form of an effect.
 
     ``apply`` changes the setup of a run; ``starts`` gives first guesses from the residual (rad, all samples), by
-    default one at zero. ``figures`` are what is reported, ``physical`` what it means in metal; both default to the
-    parameters themselves. ``cables`` are names.
+    default one at zero. ``figures`` are what is reported, ``physical`` what they mean as hardware; both default to the
+    parameters themselves. ``cables`` are the names of the cables concerned.
 
     ``several``: there may be more than one of it in a run. ``once``: it happened once, at a time that the search, which
     may have seen only a part of the run, need not know. ``generic``: a single curve of load or speed without a name may
     look like it, so it is tried against such curves (:mod:`mbcdm_cad.identification.generic`). ``after`` are names that
-    are refitted, however little they promise, before this one is taken; ``doubtful`` says of fitted values that no such
-    part is built, in a sentence that says what to look for instead, or nothing. ``hangs_on`` is what it hangs on where
-    that is not angle, direction or load: no correction table can hold it. ``last``: a shape more than a cause, taken
-    only where no cause will do. ``inside``: a form that works the cables where the other forms of its name only add to
-    the reading; it is tried in place of one of them, beside which something seems to ease the cables' friction.
-    ``saturates``: from some size on a larger one changes nothing, so that the data may only say "at least".
-    ``unmeasured``: what a quantity does that this run did not measure; it is fitted and never named. ``plain`` says it
-    in a sentence for a person who has not read these names: figures in braces, ``{way_...}`` for "higher" or "lower",
-    ``{stage}`` and ``{cables}``.
+    are refitted, however little they promise, before this one is accepted; ``doubtful`` checks fitted values: where no
+    such part can exist it returns a sentence that says what to look for instead, otherwise an empty text. ``hangs_on``
+    is the quantity on which the effect depends, other than angle, direction and load: no correction table can represent
+    it. ``last``: a shape rather than a cause, accepted only where no cause explains the error. ``inside``: a form that
+    moves the cables, where the other forms of its name only add to the reading; it is tried in place of one of them if,
+    beside that one, another effect seems to ease the friction of the cables. ``saturates``: beyond some size a larger
+    one changes nothing, so that the data may only give a lower bound. ``unmeasured``: the influence of a quantity that
+    this run did not measure; it is fitted and never named. ``plain`` describes the effect in a sentence for a person
+    who does not know these names: figures in braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and
+    ``{cables}``.
     """
 
     name: str
@@ -97,22 +98,22 @@ class Effect:
 
     @property
     def key(self) -> tuple[str, str | None, tuple[str, ...]]:
-        """What it is called in a result; forms of one key are one name."""
+        """Its name, stage and cables in a result; forms with the same key have the same name."""
         return self.name, self.stage, self.cables
 
     @property
     def label(self) -> str:
-        """For people: name, stage, cables, form."""
+        """Text for results: name, stage, cables, form."""
         words = [self.name, self.stage or "", *(self.cables if len(self.cables) == 1 else ())]
         return " ".join(filter(None, words)) + f" ({self.form})"
 
     @property
     def order_index(self) -> int | None:
-        """Which parameter is the order of a line; None where the effect is no line."""
+        """Index of the parameter that is the order of a line; None if the effect is not a line."""
         return next((k for k, p in enumerate(self.parameters) if p.role == "order"), None)
 
     def first_guesses(self, setup: Setup, residual: Floats) -> list[list[float]]:
-        """Values to begin with."""
+        """Values from which the fit starts."""
         return self.starts(setup, residual) if self.starts else [[0.0] * len(self.parameters)]
 
     def reported(self) -> tuple[Figure, ...]:
@@ -123,12 +124,12 @@ class Effect:
         )
 
 
-# What a file of ``effects/`` offers: the effects that make sense for a drive (None: only the ratio is known) and a run.
+# Type of ``offer``: the effects that are possible for a drive (None: only the ratio is known) and a run.
 Offer = Callable[[DriveSI | None, Prepared], list[Effect]]
 
 
 def sign_of_speed(setup: Setup) -> Floats:
-    """Sense of motion, -1 to 1, rounded where the drive all but stands."""
+    """Sense of motion, -1 to 1, with a smooth transition near standstill."""
     speed = setup.p.speed_rad_s
     return np.asarray(np.tanh(speed / (0.02 * np.sqrt(np.mean(speed**2)))))
 
@@ -150,10 +151,10 @@ def pair(size: float, unit: str) -> tuple[Parameter, Parameter]:
 
 
 def length(values: Floats) -> float:
-    """Size of the wave."""
+    """Amplitude of the wave, in the unit of ``values``."""
     return float(np.hypot(values[0], values[1]))
 
 
 def phase(values: Floats) -> float:
-    """Shaft angle at which the wave is highest is minus this; rad."""
+    """Phase of the wave, rad: it is highest at minus this shaft angle."""
     return float(np.arctan2(values[1], values[0]))

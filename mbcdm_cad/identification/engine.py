@@ -28,8 +28,8 @@ from mbcdm_cad.routes import Floats
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import AsBuilt, Drive
 
-# A size that, so many times as large, changes the prediction by no more than this share of the floor (RMS) is
-# bounded from below alone.
+# If an effect so many times as large changes the prediction by no more than this share of the floor (RMS), the data
+# give only a lower bound of its size.
 LARGER, UNCHANGED_SHARE = 1.5, 0.1
 
 
@@ -47,7 +47,7 @@ def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
 
 
 class _Loop:
-    """One pass of the loop: searched on the part of each run that ``prepare`` gives first, judged on the whole."""
+    """One pass of the loop: it searches on the shortened run that ``prepare`` returns, and judges on the whole run."""
 
     def __init__(
         self, d: DriveSI | None, ratio: float, prepared: Sequence[tuple[Prepared, Prepared]], known: Sequence[AsBuilt]
@@ -66,7 +66,7 @@ class _Loop:
         self.judge = Judge(self.search)
 
     def result(self) -> LoopResult:
-        """Search, swap, judge."""
+        """Search, try alternatives, judge."""
         fit, groups, unknown = self.judge.judged()
         judged, bare = fit, self.bare
         if self.whole is not self.fitter:
@@ -113,7 +113,7 @@ class _Loop:
         )
 
     def _located(self, fit: Fit) -> Fit:
-        """The search's fit on the whole of the runs; what happened once may lie where the search saw nothing."""
+        """The search's fit on the whole runs; a single event may lie in a part that the search did not use."""
         values = list(fit.values)
         for k, effect in enumerate(fit.effects):
             if not effect.once:
@@ -126,7 +126,7 @@ class _Loop:
         return found or self.whole.fit(fit.effects, fit.values, fit.offsets)
 
     def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
-        """An effect with its figures from all data and the held-out fall that it is worth."""
+        """An effect with its figures from all data and the fall of the held-out error that it causes."""
         k = whole.effects.index(effect)
         block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
         less = self.search.without(fit, effect)
@@ -138,7 +138,7 @@ class _Loop:
         return replace(named, parameters=opened)
 
     def _may_be_larger(self, whole: Fit, k: int) -> bool:
-        """Would a larger size of an effect change nothing? A pulley may never reach the far face of its play."""
+        """Whether a larger size of an effect changes nothing: a pulley may never reach the other flank of its play."""
         effect, values = whole.effects[k], list(whole.values)
         if not effect.saturates:
             return False
@@ -149,7 +149,7 @@ class _Loop:
         return bool(np.std(self.whole.centred(change, used)[used]) < UNCHANGED_SHARE * self.search.floor_rad)
 
     def _other(self, fit: Fit) -> Named:
-        """Another that would do as well, from the training samples."""
+        """An alternative that fits as well, from the training samples."""
         return self._as_named(
             fit.effects[-1], fit.values[-1], self.judge.spread(fit, fit.effects[-1], self.fitter), 0.0
         )
@@ -175,7 +175,7 @@ class _Loop:
         )
 
     def _doubts(self) -> tuple[str, ...]:
-        """What the data themselves say against the sensors, and against figures that would fit."""
+        """Doubts that the data raise about the sensors, and about fitted values that no part can have."""
         noise = self.search.noise
         found = [doubt_of(noise, runs_of(self.prepared))] if noise.far_above else []
         if self.judge.unmeasured:
@@ -186,7 +186,7 @@ class _Loop:
         return (*found, *self.search.doubts.values())
 
     def _evidence(self, groups: Sequence[Group], fit: Fit) -> tuple[Evidence, ...]:
-        """What was taken, given back, and stands beside the named."""
+        """Candidates that were accepted or withdrawn, and alternatives to the named effects."""
         lines = [
             Evidence(s.effect.label, s.after_rad, float(np.sqrt(abs(s.before_rad**2 - s.after_rad**2))), s.action)
             for s in self.search.steps
@@ -199,7 +199,7 @@ class _Loop:
         return tuple(lines)
 
     def _small(self, fit: Fit, most: int = 5) -> tuple[Evidence, ...]:
-        """Candidates that were left out: what they would still take off, below the size that is named."""
+        """Candidates that are too small to name, with the fall of the error that each would still cause."""
         rms = self.search.held_rms(fit)
         return tuple(
             Evidence(s.effect.label, rms, float(np.sqrt(max(0.0, s.fall))), "too small to name")

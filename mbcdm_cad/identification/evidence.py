@@ -21,9 +21,9 @@ ALPHA = 0.05
 
 
 def chance(fitter: Fitter, fit: Fit) -> float:
-    """Probability that the last effect of ``fit`` only looks as if it were there.
+    """Probability that the last effect of ``fit`` was found by chance.
 
-    A Wald test of its sizes, all else fitted beside it, by leaving out sweeps and sectors; linear about the fit.
+    A Wald test of its sizes with all else fitted too, by leaving out sweeps and sectors; linearised at the fit.
     """
     mask = fitter.train
     columns = fitter.centred(fit.jacobian, mask)[mask]
@@ -35,15 +35,16 @@ def chance(fitter: Fitter, fit: Fit) -> float:
     theta[tested] = [fit.values[-1][i - start] for i in tested]
     y = fit.residual[mask] + columns @ theta
     if not (np.isfinite(columns).all() and np.isfinite(y).all()):
-        # A fit at the edge of what can be simulated has slopes that are no numbers: nothing bears it out.
+        # A fit at the edge of what can be simulated has slopes that are not finite, and nothing can support it.
         return 1.0
     found = cluster_estimate(columns, y, fitter.sweep[mask], fitter.sector[mask])
-    # With a handful of half sweeps nothing could ever be named; the size rule on held-out data stands guard there.
+    # With so few half sweeps no effect could pass this test; there the rule on the held-out error decides alone.
     return replace(found, freedom=max(found.freedom, SECTORS - 1)).probability(tested)
 
 
 def supported(fitter: Fitter, less: Fit, fit: Fit, candidates: int) -> bool:
-    """Is the last effect of ``fit`` borne out, against ``less`` without it, one of so many ``candidates``?"""
+    """Whether sweeps and sectors support the last effect of ``fit`` (``less``: without it), one of so many
+    candidates."""
     order = fit.effects[-1].order_index
     if order is not None and not is_line(fitter, less, float(fit.values[-1][order])):
         return False
@@ -51,7 +52,7 @@ def supported(fitter: Fitter, less: Fit, fit: Fit, candidates: int) -> bool:
 
 
 def is_line(fitter: Fitter, less: Fit, order: float) -> bool:
-    """Is there a steady line of this order, in every sector, in what is left without it?"""
+    """Whether the residual without the effect has a steady line of this order in every sector."""
     mask = fitter.train
     angle: Floats = np.concatenate([setup.drum_rad for setup in fitter.base])
     return line_of(order, angle[mask], less.residual[mask], fitter.sweep[mask]).is_line

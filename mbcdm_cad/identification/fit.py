@@ -1,7 +1,7 @@
 """Joint nonlinear least squares: effects, each run's own offsets, on the samples that are not held back.
 
-Several runs share the effects' parameters. Each has offsets of its own: where its output encoder counts from, and where
-its input encoders count from against each other (at most a step or two; one offset less than there are inputs).
+Several runs share the effects' parameters. Each run has its own zero of the output encoder and its own offsets between
+the input encoders (at most a step or two; one offset less than there are inputs).
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Counts by which the input encoders may start apart (each anywhere within one).
+# Largest offset between two input encoders, in counts (each starts anywhere within one).
 APART_COUNTS = 1.5
-# Relative fall of the sum of squares below which a fit has settled.
+# Relative fall of the sum of squares below which a fit has converged.
 SETTLED = 1e-6
-# Share of a parameter's size that a finite difference steps.
+# Step of a finite difference, as a share of a parameter's typical size.
 DIFFERENCE = 0.1
-# What strains the cables in a setup.
+# Fields of a setup that strain the cables.
 _STRAINS = ("d", "load_Nm", "path_m", "shift_rad", "play_rad")
-# Bytes of changed runs that are remembered.
+# Bytes of changed runs that are kept in memory.
 REMEMBERED_BYTES = 2**27
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fit's outcome.
+    """The result of a fit.
 
     ``residual`` (rad) and ``jacobian`` (columns: effects' parameters, then offsets) cover all samples. ``values`` holds
     one array an effect, ``offsets`` the runs' input offsets (rad), ``square`` the mean square of the residual on the
@@ -73,7 +73,7 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """Where a fit stands: values, offsets, prediction and residual (rad, all samples), mean square on its samples."""
+    """The state of a fit: values, offsets, prediction and residual (rad, all samples), mean square on its samples."""
 
     values: list[Floats]
     offsets: Floats
@@ -88,7 +88,8 @@ class _Point:
 
 
 class Fitter:
-    """Fits sets of effects to one or more runs of one drive, ``known`` effects besides (``Drive.as_built``)."""
+    """Fits sets of effects to one or more runs of one drive; ``known`` effects (``Drive.as_built``) are always
+    applied."""
 
     def __init__(
         self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt] = ()
@@ -107,7 +108,7 @@ class Fitter:
         self.train = np.concatenate([p.train for p in self.runs])
         self.test = np.concatenate([p.test for p in self.runs])
         self.used = np.concatenate([p.used for p in self.runs])
-        # Sweeps are numbered on through the runs; sectors are of one drum.
+        # Sweeps are numbered through all runs; sectors are shared, since the runs are of one drum.
         first = np.cumsum([0, *(int(p.sweep.max()) + 2 for p in self.runs)])
         self.sweep = np.concatenate([p.sweep + start for p, start in zip(self.runs, first, strict=False)])
         self.sector = np.concatenate([p.sector for p in self.runs])
@@ -121,7 +122,7 @@ class Fitter:
         self._kinds: dict[Effect, int] = {}
 
     def twin(self) -> Fitter:
-        """The same fitter with memories of its own, for another thread."""
+        """The same fitter with its own cache, for another thread."""
         other = copy(self)
         other.simulate = [Simulator() for _ in self.runs]
         other._changed, other._kinds = {}, {}
@@ -132,7 +133,7 @@ class Fitter:
         return Fitter(self.d, self.ratio, [p.rewindowed(factor) for p in self.runs], self.known)
 
     def kind(self, effect: Effect) -> int:
-        """What an effect changes in a run: 0 the strain of the cables, 1 their winding, 2 what adds to the reading."""
+        """What an effect changes in a run: 0 the strain of the cables, 1 their winding, 2 only the reading."""
         if effect not in self._kinds:
             before = self.base[0]
             after = effect.apply(before, np.array([p.size for p in effect.parameters]), self.simulate[0])
@@ -142,7 +143,7 @@ class Fitter:
         return self._kinds[effect]
 
     def setup(self, run: int, offsets_rad: Floats) -> Setup:
-        """The declared model of a run with each input encoder put apart from the next."""
+        """The declared model of a run with offsets between neighbouring input encoders."""
         setup = self.base[run]
         for index in np.flatnonzero(offsets_rad):
             half = np.full(setup.p.time_s.size, 0.5 * offsets_rad[index])
@@ -150,9 +151,9 @@ class Fitter:
         return setup
 
     def predict(self, effects: Sequence[Effect], values: Sequence[Floats], offsets: Floats) -> Floats:
-        """Reading of the output encoder, all runs one behind the other, up to each run's own zero.
+        """Reading of the output encoder, all runs one after the other, without each run's zero.
 
-        What strains the cables is applied first and remembered, so that what only adds to the reading costs no
+        Effects that strain the cables are applied first and cached, so that those that only change the reading need no
         simulation.
         """
         order = sorted(zip(effects, values, strict=True), key=lambda pair: self.kind(pair[0]))
@@ -178,7 +179,7 @@ class Fitter:
         return self._changed[key]
 
     def centred(self, values: Floats, mask: NDArray[np.bool_]) -> Floats:
-        """Each run's mean over its masked samples taken off; ``values`` (n,) or (n, k)."""
+        """``values`` (n,) or (n, k) with each run's mean over its masked samples subtracted."""
         out = np.array(values, dtype=float)
         for part in self.parts:
             chosen = mask[part]
@@ -198,10 +199,10 @@ class Fitter:
     ) -> Fit:
         """Levenberg-Marquardt from ``values`` and ``offsets``; ``mask`` defaults to the training samples.
 
-        The Jacobian is taken by differences once, or given as ``slopes`` from a fit near by, and is then kept up with
-        the changes that each step brought (Broyden's update). A fit has settled when the sum of squares falls by less
-        than ``settled``, relative; with ``fresh`` that must be so by a Jacobian that was taken there, else the fit is
-        good enough to rank and not to judge.
+        The Jacobian is taken by differences once, or given as ``slopes`` from a fit near by, and is then updated by the
+        changes that each step made (Broyden's update). A fit has converged when the relative fall of the sum of squares
+        is below ``settled``; with ``fresh`` this must hold with a Jacobian computed at that point. Without it a fit is
+        good enough to rank candidates, but not to judge them.
         """
         mask = self.train if mask is None else mask
         apart = np.zeros(self.free.size) if offsets is None else np.array(offsets, dtype=float)
@@ -226,7 +227,7 @@ class Fitter:
     def tried(
         self, effects: Sequence[Effect], values: Sequence[Floats | list[float]], offsets: Floats, fresh: bool = True
     ) -> Fit | None:
-        """A fit of what may be no drive at all; None where it cannot be simulated from where it starts."""
+        """A fit of a candidate that may make the drive impossible; None if it cannot be simulated at its start."""
         try:
             return self.fit(effects, values, offsets, fresh=fresh)
         except ModelError:
@@ -246,11 +247,12 @@ class Fitter:
         mask: NDArray[np.bool_],
         settled: float,
     ) -> tuple[_Point | None, float]:
-        """A better point, or None, and the damping to go on with; None too where the step promises no more.
+        """A better point, or None, and the damping for the next step.
 
-        A promise of less than half of the fall by which a fit has ``settled`` is not worth a simulation.
+        None also where the step promises less than half of the fall at which a fit has ``settled``: a simulation is not
+        worth its time.
         """
-        if now.square == 0.0:  # the prediction is exact already, as on a drum that nothing turned
+        if now.square == 0.0:  # the prediction is already exact, as for a drum that stands still
             return None, damping
         columns = self.centred(jacobian, mask)[mask]
         size = np.linalg.norm(columns, axis=0)
@@ -265,7 +267,7 @@ class Fitter:
             step = scaled / size
             better = self._tried(effects, now, step, mask)
             if better is None and self.free.any() and effects:
-                # An offset that runs into its bound spoils the step of the rest: leave the offsets alone.
+                # An offset that reaches its bound spoils the step of the other parameters: keep the offsets fixed.
                 kept = slope.size - int(self.free.sum())
                 short = np.linalg.solve(normal[:kept, :kept] + damping * np.eye(kept), slope[:kept]) / size[:kept]
                 better = self._tried(effects, now, np.concatenate([short, np.zeros(slope.size - kept)]), mask)
@@ -278,12 +280,12 @@ class Fitter:
         """The point after a step; None if that is no better, or cannot be simulated."""
         try:
             found = self._at(effects, *self.moved(effects, now.values, now.offsets, step), mask)
-        except ModelError:  # a step too far: slack, or a radius gone
+        except ModelError:  # the step is too large: a cable is slack or a radius negative
             return None
         return found if found.square < now.square else None
 
     def _updated(self, jacobian: Floats, before: _Point, after: _Point) -> Floats:
-        """The Jacobian with the change that a step brought put in, in units in which all columns are alike."""
+        """The Jacobian updated by the change that a step made, in units in which all columns have similar size."""
         kept = np.concatenate([np.ones(sum(v.size for v in before.values), dtype=np.bool_), self.free])
         size = np.linalg.norm(jacobian, axis=0)
         size[size == 0.0] = 1.0

@@ -1,8 +1,8 @@
 """Generic regressors: curves of load or speed without a name, one coefficient each.
 
-Several names of the vocabulary can imitate such a curve between them: a compliance that grows with the load looks like
-a soft shaft with some friction and a preload to go with it. Where one regressor does alone what the names do, the names
-are taken back and the verdict is unknown.
+Several effects of the library together can imitate such a curve: a compliance that grows with the load looks like a
+soft shaft with some friction and a preload error. Where one regressor alone explains as much as the named effects, the
+names are withdrawn and the verdict is unknown.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def _regressor(form: str, unit: str, size: float, shape: Callable[[Setup], Float
 
 
 def regressors(loaded: bool) -> tuple[Effect, ...]:
-    """The shapes: of speed always, of load where it was measured."""
+    """The regressors: of speed always, of load if it was measured."""
     of_speed = (
         _regressor("square of the speed", "rad_s2", 1e-4, lambda s: s.p.speed_rad_s**2),
         _regressor(

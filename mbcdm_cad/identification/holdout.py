@@ -1,7 +1,7 @@
 """Choose the half sweeps that are held back, by load, direction and time alone, before any residual is computed.
 
-Every fourth half sweep by number is not enough: where loads are stepped in a rhythm, all half sweeps held back could
-have the same load, and an effect of the load could not be judged on them.
+Taking every fourth half sweep by number is not enough: where loads are stepped periodically, all half sweeps held back
+could have the same load, and an effect of the load could not be judged on them.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def _means(numbers: NDArray[np.int64], sweep: NDArray[np.int64], values: Floats)
 
 
 def held_words(held: NDArray[np.int64], sweep: NDArray[np.int64], load_Nm: Floats | None) -> str:
-    """For people: numbers, counted from the first half sweep that is used, and the loads that they saw."""
+    """Text for results: numbers, counted from the first half sweep that is used, and their mean loads."""
     numbers = ", ".join(str(one + 1) for one in held[:8]) + (", ..." if held.size > 8 else "")
     words = f"half sweeps {numbers}"
     if load_Nm is not None and held.size:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LoopReport:
-    """``result`` of the loop on ``runs``, with what their vetting found.
+    """``result`` of the loop on ``runs``, with the findings of their vetting.
 
     ``loaded`` is the design; ``drive`` is None where only the ratio of the runs' drive is known.
     """
@@ -68,7 +68,7 @@ class LoopReport:
         return {"name": self.drive.name, "file": self.loaded.path.name, "sha256": self.loaded.sha256}
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of the result file, ready for JSON: what is no finite number is None."""
+        """The content of the result file, ready for JSON: a number that is not finite becomes None."""
         content = {**self.result.to_json(), "design": self.design(), "runs": [_run_json(one) for one in self.runs]}
         plain: dict[str, Any] = _finite(content)
         return plain
@@ -92,7 +92,7 @@ def judge(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> LoopReport:
         raise InputError([published[0].problem(("published",), "figures of a paper, not a run", remedy=remedy)])
     drive = drive_of(loaded, files)
     vetted = vetted_runs(files, drive)
-    from mbcdm_cad.identification.engine import close_loop  # compiled parts, once the input is known to be good
+    from mbcdm_cad.identification.engine import close_loop  # loads compiled code: only for valid input
 
     try:
         result = close_loop(drive, [one.run for one in vetted])
@@ -115,7 +115,7 @@ def drive_of(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> Drive | 
 
 
 def json_bytes(content: dict[str, Any]) -> bytes:
-    """JSON text; what is no number is null."""
+    """JSON text; a number that is not finite becomes null."""
     return (json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 

@@ -1,9 +1,9 @@
 """Orders in angle: the part of a residual that repeats N times for a turn of the drum, and which peak is a line.
 
 A broad hump or a local texture has peaks in the spectrum too, and a plain false-alarm probability takes them for lines.
-A line that a wheel makes is steady from sweep to sweep and there in every sector: each sweep gives one pair (cos, sin)
-of it, and Hotelling's T^2 asks if their mean is zero, counted for all orders that the search could have picked; then
-each sector must show the line at the phase of the whole.
+A line caused by a rotating part is steady from sweep to sweep and present in every sector. Each sweep gives one pair
+(cos, sin) of it, and Hotelling's T^2 tests whether their mean is zero, corrected for the number of orders that the
+search could have chosen. Then each sector must show the line at the phase of the whole.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from scipy.stats import f as f_distribution
 from mbcdm_cad.identification.setup import Setup
 from mbcdm_cad.routes import Floats
 
-# The lowest order looked for makes this many cycles over the travel: below, it is a trend.
+# The lowest order in the search makes this many cycles over the travel; a lower one is a trend.
 LEAST_CYCLES = 2.5
 MOST_ORDER = 4000.0
 # A line must exceed by this factor the amplitude that the encoders' own steps can cause at its order.
@@ -31,16 +31,16 @@ LEAST_IN_SECTOR = 0.35
 # Cycles that a sector or a sweep must hold to say anything about a line.
 LEAST_CYCLES_IN_PART = 1.5
 LEAST_SAMPLES_IN_PART = 12
-# The travel is cut into as many sectors as have room for these cycles, up to a number.
+# The travel is divided into as many sectors as can hold these cycles, up to this number.
 MOST_SECTORS = 8
 
 
 def order_spectrum(angle_rad: Floats, residual: Any) -> tuple[Floats, Floats]:
     """(cycles a turn, amplitude in the residual's unit) over the travel covered; binned in angle, then an FFT.
 
-    Shapes (m,). The bins are a quarter of the shortest wave looked for, or wider where the samples are too few. Bins
-    hold means, since samples lie unevenly (sweeps dwell at some angles, and meet the same ones again), and a window of
-    Hann's keeps a slow trend from leaking into every order. Empty where the angle stands still.
+    Shapes (m,). The bins are a quarter of the shortest wave in the search, or wider where the samples are too few. Bins
+    hold means, since samples are spaced unevenly (sweeps dwell at some angles, and pass the same ones again), and a
+    Hann window keeps a slow trend from leaking into every order. Empty if the angle does not change.
     """
     low, span = float(angle_rad.min()), float(np.ptp(angle_rad))
     if span == 0.0:
@@ -50,7 +50,7 @@ def order_spectrum(angle_rad: Floats, residual: Any) -> tuple[Floats, Floats]:
     count = np.bincount(index, minlength=bins)
     full = np.flatnonzero(count)
     window = np.hanning(bins)
-    # Zeros put behind make the grid of orders four times finer than one cycle a travel.
+    # Zero padding makes the grid of orders four times finer than one cycle a travel.
     length = 4 * bins
     half = length // 2 + 1
 
@@ -71,10 +71,10 @@ def order_spectrum(angle_rad: Floats, residual: Any) -> tuple[Floats, Floats]:
 
 @lru_cache(maxsize=4)
 def step_lines(setup: Setup) -> Floats:
-    """Amplitude (rad) that the inputs' encoder steps can put at each order of the spectrum; shape of its orders.
+    """Amplitude (rad) that the inputs' encoder steps can cause at each order of the spectrum; shape of its orders.
 
-    A step's saw tooth has far more cycles a turn than any order looked for, but at steady speed the sampling folds it
-    back to some order, and it then stands there as steadily as a true line.
+    The sawtooth of the steps has far more cycles a turn than any order in the search, but at steady speed the sampling
+    aliases it to a lower order, where it is as steady as a true line.
     """
     p, used = setup.p, setup.p.used
     total: Floats | float = 0.0
@@ -87,7 +87,7 @@ def step_lines(setup: Setup) -> Floats:
 
 
 def strongest_orders(setup: Setup, residual: Floats, most: int = 2) -> list[float]:
-    """The orders with the highest peaks, more than two cycles a travel apart, those of the encoders' steps left out."""
+    """The orders with the highest peaks, more than two cycles a travel apart, without those of the encoders' steps."""
     used = setup.p.used
     angle, values = setup.drum_rad[used], residual[used]
     orders, amplitude = order_spectrum(angle, values - values.mean())
@@ -120,17 +120,17 @@ class OrderVerdict:
 
     @property
     def steady(self) -> bool:
-        """The same in every sweep."""
+        """Whether the line is the same in every sweep."""
         return self.probability <= LINE_ALPHA
 
     @property
     def everywhere(self) -> bool:
-        """In every sector; a line of few cycles has none to compare."""
+        """Whether the line is in every sector; true for a line of few cycles, which has no sectors to compare."""
         return bool(np.all(self.sectors >= LEAST_IN_SECTOR))
 
     @property
     def is_line(self) -> bool:
-        """Both."""
+        """Whether the order is a line: steady, and in every sector."""
         return self.steady and self.everywhere
 
 
@@ -143,8 +143,8 @@ def line_of(
 ) -> OrderVerdict:
     """Test one order (cycles a turn of the drum); arrays (n,), samples in use only.
 
-    The search could have picked any order up to ``most_order``: 2 x travel (in turns) x ``most_order`` trials. The wave
-    is fitted beside a level and a slope, in all, sweep by sweep and sector by sector.
+    The search could have chosen any order up to ``most_order``: 2 x travel (in turns) x ``most_order`` trials. The wave
+    is fitted together with a constant and a slope, over all samples, in each sweep and in each sector.
     """
     wave = np.stack([np.cos(order * angle_rad), np.sin(order * angle_rad)], axis=1)
     travel = float(np.ptp(angle_rad))
@@ -171,7 +171,7 @@ def line_of(
 
 
 def _amplitudes(wave: Floats, angle_rad: Floats, residual: Floats) -> Floats:
-    """(cos, sin) of a line by least squares, beside a level and a slope."""
+    """(cos, sin) of a line by least squares, together with a constant and a slope."""
     columns = np.column_stack([wave, np.ones(angle_rad.size), angle_rad - angle_rad.mean()])
     return np.asarray(np.linalg.lstsq(columns, residual, rcond=1e-10)[0][:2], dtype=float)
 

@@ -1,9 +1,9 @@
 """The noise floor: the part of the residual that does not repeat in the data.
 
-What a drive does, it does again: at the same angle, in the same direction, under the same load, at the same speed. A
-residual is regressed on flexible curves of these, with the lines that stand out of its spectrum and what happens once
-or slowly (a step, warming, settling). What the curves fitted on all other half sweeps do not say of a half sweep is
-noise, whatever its colour. The sensors' declared steps bound it from below; a data sheet seldom says more.
+An error of the drive repeats at the same angle, direction, load and speed. The residual is regressed on flexible curves
+of these quantities, on the strongest lines of its spectrum, and on what happens once or slowly (a step, warming,
+settling). The part of a half sweep that the curves fitted on all other half sweeps do not predict is noise, white or
+coloured. The declared steps of the sensors are its lower bound; a data sheet seldom states more.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from mbcdm_cad.routes import Floats
 ANGLE_KNOTS, LOAD_KNOTS, SPEED_KNOTS = 24, 9, 6
 # A knot with less than this much time near it is drawn to zero.
 PRIOR_S = 0.2
-# Half sweeps that must be left to fit on and to judge; with fewer nothing repeats.
+# Half sweeps that are needed to fit and to judge; with fewer, repetition cannot be tested.
 FEWEST_SWEEPS = 4
 # Samples that the regression works on.
 MOST_SAMPLES = 20_000
-# Lines of the spectrum that are taken out first.
+# Lines of the spectrum that are fitted first.
 MOST_LINES = 3
-# Where nothing repeats, everything faster than this counts as noise, s.
+# Where repetition cannot be tested, everything faster than this counts as noise, s.
 FAST_S = 0.1
-# A floor so many times the declared one speaks against the sensor, or against its data sheet.
+# If the floor is so many times the declared one, the sensor or its data sheet is doubtful.
 FAR_ABOVE = 1.5
 
 
 @dataclass(frozen=True)
 class Noise:
-    """What the residual holds that does not repeat, rad RMS.
+    """The part of the residual that does not repeat, rad RMS.
 
     ``total_rad`` is the floor in use; ``white_rad`` and ``coloured_rad`` its parts (quadratic sum), ``memory_s`` the
-    time over which the coloured part forgets itself, ``declared_rad`` what the sensors' declared steps alone would
-    make, 0 where they are not given. ``source`` says how it was found.
+    correlation time of the coloured part, ``declared_rad`` the noise from the sensors' declared steps alone, 0 where
+    they are not given. ``source`` says how it was found.
     """
 
     total_rad: float
@@ -54,7 +54,7 @@ class Noise:
 
     @property
     def far_above(self) -> bool:
-        """Is it far above what the sensors are declared to do?"""
+        """Whether it is far above the noise that the sensors are declared to have."""
         return 0.0 < self.declared_rad * FAR_ABOVE < self.total_rad
 
     def to_json(self) -> dict[str, float | str]:
@@ -110,13 +110,13 @@ def _of_run(setup: Setup, residual: Floats) -> Noise:
 
 
 def _rest_of_white(window_s: float, step_s: float) -> float:
-    """What the RMS of white noise less its moving mean is to be multiplied with."""
+    """Factor from the RMS of white noise minus its moving mean to the RMS of the noise."""
     width = 2 * round(window_s / (4.0 * step_s)) + 1
     return float(1.0 / np.sqrt(max(1.0 - 2.0 / width + 2.0 / (3.0 * width), 0.2))) if width > 1 else 1.0
 
 
 def _curves(setup: Setup, residual: Floats, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Columns (n, k) that a residual is regressed on, and how strongly each is drawn to zero, in samples (k,)."""
+    """Columns (n, k) on which a residual is regressed, and the weight that draws each to zero, in samples (k,)."""
     p = setup.p
     angle, speed, t = p.output_rad[at], p.speed_rad_s[at], p.time_s[at] - p.time_s[0]
     forward = speed >= 0.0
@@ -160,7 +160,7 @@ def _hats(values: Floats, knots: int) -> list[Floats]:
 
 
 def _step(residual: Floats) -> Floats:
-    """A step where one explains the most."""
+    """A step at the time at which it explains most of the residual."""
     r = residual - residual.mean()
     n = r.size
     k = np.arange(1, n)
@@ -169,10 +169,10 @@ def _step(residual: Floats) -> Floats:
 
 
 def _left_out(columns: Floats, prior: Floats, y: Floats, sweep: NDArray[np.int64]) -> tuple[Floats, float]:
-    """What the curves leave (n,), and the mean square that they leave of sweeps they have not seen, put right.
+    """The residual of the curves (n,), and its mean square on sweeps that were not fitted, corrected for bias.
 
-    Seen sweeps leave too little and unseen ones too much, by about the same factor: the geometric mean of the two is
-    the noise. Every sweep's own sums are taken once, and leaving one out is a difference of sums.
+    On fitted sweeps it is too small and on others too large, by about the same factor: the geometric mean of the two is
+    the noise. The sums of each sweep are computed once; leaving a sweep out subtracts its sums.
     """
     scale = np.sqrt(np.mean(columns**2, axis=0)) + 1e-30
     columns = columns / scale
@@ -195,7 +195,7 @@ def _left_out(columns: Floats, prior: Floats, y: Floats, sweep: NDArray[np.int64
 
 
 def _colour(left: Floats, sweep: NDArray[np.int64], steps_s: Floats) -> tuple[float, float]:
-    """RMS of the white part, and the memory of the rest in s, from the autocovariance within half sweeps."""
+    """RMS of the white part, and the correlation time of the rest in s, from the autocovariance within half sweeps."""
     step = float(np.median(steps_s[1:]))
     lags = np.unique(np.geomspace(1, max(3, left.size // 8), 40).astype(int))
 
@@ -223,5 +223,5 @@ def doubt_of(noise: Noise, names: str) -> str:
 
 
 def runs_of(prepared: Sequence[Prepared]) -> str:
-    """Names of the runs, for a sentence."""
+    """Names of the runs, for a message."""
     return ", ".join(dict.fromkeys(p.run.source or "run" for p in prepared))

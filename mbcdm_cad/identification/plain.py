@@ -1,4 +1,4 @@
-"""The finding in plain sentences for a reader who is new: what is wrong, how sure that is, what to do; no identifiers.
+"""The finding in plain sentences for a new reader: what is wrong, how certain it is, what to do; no identifiers.
 
 Figures are rounded to the digits that their intervals support.
 """
@@ -30,7 +30,7 @@ def finding(result: LoopResult) -> str:
 
 
 def certainty(result: LoopResult) -> str:
-    """How sure that is."""
+    """How certain the finding is."""
     e = result.errors
     fell = f"On data kept aside the error falls from {_angle(e.before.value)} to {_angle(e.after.value)} RMS"
     floor = f"the noise is {_angle(result.errors.floor_rad)}"
@@ -38,7 +38,7 @@ def certainty(result: LoopResult) -> str:
         return ""
     if result.verdict == "unknown" or not (result.effects or result.one_of):
         odds = [f"{min(one.odds, 9999.0):.0f} to 1" for one in result.helpful]
-        sure = f" That it helps is sure with odds of {', '.join(odds)}." if odds else ""
+        sure = f" It lowers the error with odds of {', '.join(odds)}." if odds else ""
         return f"The error is {_angle(e.before.value)} RMS and {floor}: none of the known causes explains it.{sure}"
     words = [f"{fell}; {floor}."]
     if result.effects:
@@ -57,7 +57,7 @@ def steps(result: LoopResult) -> list[str]:
         found.append(_sentence(f"to find out which it is: {ways}, or let 'mbcdm loop --next' plan the run"))
     found += [_sentence(f"look at: {one.named.where_to_look}") for one in result.helpful]
     if result.unknown is not None:
-        found.append("Repeat the run at another load and speed, and see whether what is left comes back.")
+        found.append("Repeat the run at another load and speed, and see whether the remaining error repeats.")
     return list(dict.fromkeys(found))
 
 
@@ -73,7 +73,7 @@ def described(named: Named) -> str:
 
 
 def rounded(name: str, value: Value) -> str:
-    """The size of a figure with its unit, to the place at which its interval begins to tell nothing."""
+    """The size of a figure with its unit, rounded to the digits that its interval supports."""
     factor, unit = size_of(name, [value.value, value.low, value.high])
     size, half = abs(value.value) / factor, 0.5 * abs(value.high - value.low) / factor
     return f"{_to_place(size, half)} {unit}".strip()

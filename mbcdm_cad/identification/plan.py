@@ -1,8 +1,8 @@
 """Predict the finding of a planned run: the smallest size of each effect that is named, and its rivals.
 
 The same Jacobians as in the loop, on the planned motion and load. An effect is named if it lowers the error of held-out
-half sweeps by ``LEAST_FALL`` of the noise and is borne out by all sweeps and sectors; two effects are told apart if the
-part of one that the other cannot imitate stands out of the noise. Linear in the sizes, so right for small effects.
+half sweeps by ``LEAST_FALL`` of the noise and is supported by all sweeps and sectors; two effects are separated if the
+part of one that the other cannot imitate is above the noise. Linear in the sizes, so valid for small effects.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from mbcdm_cad.routes import Floats
 POWER = 0.9
 # t^2 (1 - rho) from which a wrong choice between two effects is less likely than 1 %.
 TOLD_STRENGTH = 10.9
-# Orders of ripple that are looked at, cycles a turn of the output.
+# Orders of ripple that are planned, cycles a turn of the output.
 ORDERS = (20.0, 200.0)
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.
 MOST_RIVALS = 4
@@ -43,7 +43,8 @@ ANY_SIZE = 1e3
 
 @dataclass(frozen=True)
 class Rival:
-    """Another effect that would do as well up to ``from_size`` (in the unit of the effect's own size; None: any)."""
+    """Another effect that fits as well up to ``from_size`` (in the unit of the effect's own size; None: at any
+    size)."""
 
     label: str
     from_size: float | None
@@ -51,7 +52,7 @@ class Rival:
 
 @dataclass(frozen=True)
 class Foreseen:
-    """One effect: the smallest size that would be named with the plan's power; None where the run cannot show it."""
+    """One effect: the smallest size that is named with the plan's power; None if the run cannot show it."""
 
     label: str
     parameter: str
@@ -61,7 +62,7 @@ class Foreseen:
 
 @dataclass(frozen=True)
 class RunPlan:
-    """What a planned run can say, with the noise it was worked out for."""
+    """What a planned run can find, with the noise that was assumed."""
 
     noise: Noise
     effects: tuple[Foreseen, ...]
@@ -94,13 +95,13 @@ def _words(parameter: str, size: float | None) -> str:
 
 
 def noise_from(drive: Drive, run: Run) -> Noise:
-    """The noise that a measured run has, to plan others with."""
+    """The noise of a measured run, for planning other runs."""
     fitter = planned_fitter(drive, run)
     return noise_of(fitter.base, [fitter.fit().residual])
 
 
 def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:
-    """What ``run`` could say of ``drive``; it need not have been made. ``noise`` is that of a pilot run.
+    """What ``run``, measured or only planned, can find on ``drive``. ``noise`` is that of a pilot run.
 
     ``power`` is the probability with which an effect of the smallest size is to be named.
     """
@@ -134,20 +135,20 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
 
 
 def planned_fitter(drive: Drive, run: Run) -> Fitter:
-    """Fits of one run, made or planned."""
+    """The fitter of one run, measured or planned."""
     d = to_si(drive)
     ratio = float(np.mean(d.total_ratio))
     return Fitter(d, ratio, [prepare(arranged(run, drive), ratio)[0]], drive.as_built)
 
 
 def _size_name(effect: Effect) -> str:
-    """Name of the first size; of a wave its length has the same unit."""
+    """Name of the first size; the amplitude of a wave has the same unit."""
     name = next(p.name for p in effect.parameters if p.role == "size")
     return name.replace("cosine_", "amplitude_")
 
 
 def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[tuple[Effect, str, Floats]]:
-    """Derivatives by the sizes on all used samples, what offsets explain taken off, for each place looked at."""
+    """Derivatives by the sizes on all used samples, without what offsets explain, for each place of the effect."""
     places: Sequence[Sequence[float]] = [[0.0] * len(effect.parameters)]
     labels = [effect.label]
     if effect.order_index is not None:
@@ -179,17 +180,17 @@ def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[tuple[Effect, st
 
 
 def counting(noise: Noise, step_s: float) -> float:
-    """Share of samples ``step_s`` apart that count, since noise with a memory repeats itself."""
+    """Share of samples ``step_s`` apart that count as independent, since coloured noise is correlated."""
     square = noise.white_rad**2 + noise.coloured_rad**2 * max(1.0, 2.0 * noise.memory_s / step_s)
     return noise.total_rad**2 / max(square, noise.total_rad**2)
 
 
 def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: float) -> tuple[float, float]:
-    """RMS over the floor that is named with ``power``, and RMS that one unit of the size makes at its worst phase."""
+    """RMS over the floor that is named with ``power``, and RMS that one unit of the size causes at its worst phase."""
     n = columns.shape[0] * counting(noise, p.step_s)
     held = max(4.0, n * float(p.test.sum()) / max(float(p.used.sum()), 1.0))
     sure = float(norm.ppf(power))
-    # The fall of the held-out mean square, less what noise takes from it, is to be LEAST_FALL of the floor's.
+    # The fall of the held-out mean square, reduced by the error of a fit to noise, must be LEAST_FALL of the floor's.
     chance = sure / np.sqrt(held)
     by_size = chance + np.sqrt(chance**2 + LEAST_FALL**2)
     freedom, k = SECTORS - 1, columns.shape[1]
@@ -200,7 +201,7 @@ def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: f
 
 
 def _apart(columns: Floats, others: Floats, noise: Noise, p: Prepared) -> float:
-    """RMS over the floor from which an effect is told from another."""
+    """RMS over the floor from which an effect is separated from another."""
     one, other = np.linalg.qr(columns)[0], np.linalg.qr(others)[0]
     alike = min(1.0, float(np.linalg.svd(one.T @ other, compute_uv=False)[0]))
     n = columns.shape[0] * counting(noise, p.step_s)

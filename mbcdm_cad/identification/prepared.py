@@ -1,10 +1,10 @@
 """A run made ready for the model: smoothed signals, sweeps and sectors, what is held back, the noise floor.
 
-The friction of the model has memory, so noise in its inputs would move the slip fronts and fake a residual. What works
-the friction is the difference between the inputs, and the load; both are smoothed, and the input noise taken out so is
-added back linearly (see :mod:`mbcdm_cad.identification.setup`).
+The friction of the model depends on earlier loads, so noise in its inputs would move the slip fronts and cause a false
+residual. The friction is driven by the load and by the difference between the inputs. Both are smoothed, and the noise
+removed from the inputs is added back linearly (see :mod:`mbcdm_cad.identification.setup`).
 
-A long run is looked at twice: the search works on stretches of it, the figures and errors are those of the whole.
+A long run is prepared twice: the search works on stretches of it; the figures and errors are those of the whole.
 """
 
 from __future__ import annotations
@@ -24,18 +24,20 @@ from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed
 from mbcdm_cad.routes import Floats
 
-# Longest window of the load's smoothing, s; what is used comes from the data.
+# Longest window of the load's smoothing, s; the window in use follows from the data.
 LONGEST_LOAD_S = 1.3
-# What stands apart of the inputs is told from noise by its spectrum: power over the noise's that is kept, share of a
-# frequency over which the spectrum is averaged and least number of its lines, time put before and behind.
+# The difference of the inputs is separated from noise by its spectrum: power, over that of the noise, that is kept;
+# share # of a frequency over which the spectrum is averaged, and least number of its lines; time added before and
+# after.
 LEAST_POWER = 1.6
 SPECTRUM_SHARE, SPECTRUM_LEAST = 0.1, 6
 PAD_S = 5.0
-# Servos seldom stray apart faster than this, Hz. A faster difference of the inputs is what their encoders add, unless
-# its power is so many times their noise's: the cogging of a motor moves the cables to and fro and eases their friction.
+# Servos seldom differ faster than this, Hz. A faster difference of the inputs is an error of their encoders, unless its
+# # power is so many times that of their noise: the cogging of a motor moves the cables to and fro and eases their
+# friction.
 FASTEST_HZ = 4.0
 FAST_POWER = 20.0
-# An angle is smoothed over this to count its steps once more, s.
+# Window over which an angle is smoothed before it is rounded to its steps again, s.
 COUNTING_WINDOW_S = 0.2
 # The speed is computed over the shortest window that leaves noise of this share of its RMS, between these limits in s.
 SPEED_NOISE_SHARE = 0.01
@@ -46,22 +48,22 @@ TEMPERATURE_WINDOW_S = 5.0
 # interpolated.
 COARSEST_S = 0.15
 COARSE_TURN_RAD = 0.1
-# Simulated samples in one cycle of a ripple that works the cables.
+# Simulated samples in one cycle of a ripple that moves the cables.
 IN_A_CYCLE = 10.0
-# The narrowest mean is over so many samples; means count as apart by so many standard errors.
+# The narrowest mean is over so many samples; means differ if they are so many standard errors apart.
 NARROWEST = 5
 APART_ERRORS = 2.5
 SECTORS = 8
-# Where no torque was measured, samples so near a reversal are not used, s: a brake flips there, nobody knows when.
+# Without a measured torque, samples so near a reversal are not used, s: a brake changes sign there at an unknown time.
 FLIP_S = 0.25
-# Where these are more than this share of a run, they tell as much of it as the others, and all are used.
+# If these are more than this share of a run, too few others remain, and all samples are used.
 MOST_BLIND = 0.5
-# Half sweeps that must follow the first for it to be left out.
+# The first half sweep is left out if at least so many follow.
 FEWEST_SWEEPS = 3
-# Where the mean misses the load by so many standard errors of one sample, it is on a flank and the sample is taken.
+# Where mean and load differ by so many standard errors of one sample, the load is on a flank, and the sample is used.
 FLANK_ERRORS = 5.0
-# Between samples on which the cables are simulated, load and difference of the inputs may leave a straight line by this
-# share of their range, the load by this share of its sensor's noise.
+# Between simulated samples, load and difference of the inputs may deviate from a straight line by this share of their #
+# range, the load by this share of its sensor's noise.
 BENT_SHARE = 0.001
 BENT_NOISE = 0.05
 
@@ -79,12 +81,12 @@ class Windows:
 class Prepared:
     """Signals of one run on the samples that the fits use; shapes (n,) or (n_inputs, n).
 
-    ``angle_rad`` is as measured, ``shaft_rad`` freed of the encoders' steps, ``apart_rad`` how far each input slowly
-    stands from their mean. ``sweep`` numbers the half sweeps, -1 for the first, whose friction history nobody knows;
+    ``angle_rad`` is as measured, ``shaft_rad`` without the encoders' steps, ``apart_rad`` how far each input slowly
+    stands from their mean. ``sweep`` numbers the half sweeps, -1 for the first, whose friction history is unknown;
     ``sector`` is the angle sector; ``used`` marks samples of known history, ``held`` those held back. ``floor_rad`` is
     the RMS that the sensors alone put into the residual, 0 where the measurement file does not say; ``input_step_rad``
-    one step of the inputs; ``few``: too few half sweeps to leave the first one out. ``cut`` says which samples of the
-    run these are. ``cycles_a_turn`` of the inputs: the fastest ripple that simulated samples must follow.
+    one step of the inputs; ``few``: too few half sweeps to leave the first one out. ``cut``: which samples of the run
+    these are. ``cycles_a_turn``: order of the fastest ripple of the inputs that the simulated samples must follow.
     """
 
     time_s: Floats
@@ -111,7 +113,7 @@ class Prepared:
 
     @property
     def train(self) -> NDArray[np.bool_]:
-        """Samples that the fits may see."""
+        """Samples that the fits may use."""
         return self.used & ~self.held
 
     @property
@@ -126,12 +128,12 @@ class Prepared:
 
     @cached_property
     def common_rad(self) -> Floats:
-        """The same freed of the encoders' steps."""
+        """Mean of the inputs without the encoders' steps, (n,)."""
         return np.asarray(self.shaft_rad.mean(axis=0))
 
     @cached_property
     def coarse(self) -> NDArray[np.int64]:
-        """Samples on which the cables are simulated: between them all that works the cables is as good as straight.
+        """Samples on which the cables are simulated: between them all signals that move the cables are nearly straight.
 
         The ends of each stretch and the few samples that lead in to it are among them.
         """
@@ -151,7 +153,8 @@ class Prepared:
 
     @property
     def _works_the_cables(self) -> list[tuple[Floats, float]]:
-        """Signals that move the friction, and how far each may leave a straight line between simulated samples."""
+        """Signals that drive the friction, and the deviation from a straight line that each may have between
+        samples."""
         found = [(row, BENT_SHARE * float(np.ptp(row))) for row in self.apart_rad]
         if self.load_Nm is not None:
             noise = 0.0 if self.run.load_Nm is None else noise_of_signal(self.run.load_Nm)
@@ -159,9 +162,9 @@ class Prepared:
         return found
 
     def following(self, cycles_a_turn: float) -> Prepared:
-        """The run with so many simulated samples that a ripple of that order of the inputs is followed.
+        """The run with simulated samples close enough for a ripple of that order of the inputs.
 
-        Orders near by share one object, so that a fit may turn the order and the simulations stay remembered.
+        Similar orders share one object, so that a fit may change the order and still use the cached simulations.
         """
         if cycles_a_turn <= self.cycles_a_turn:
             return self
@@ -180,7 +183,7 @@ class Prepared:
 
 
 def _until_straight(at: NDArray[np.int64], values: Floats, most: float) -> NDArray[np.int64]:
-    """Samples ``at`` with middles of intervals added until ``values`` (n,) leave a straight line by ``most`` only."""
+    """Samples ``at``, intervals halved until ``values`` (n,) deviate from straight lines by at most ``most``."""
     every = np.arange(values.size)
     while True:
         bent = np.abs(values - np.interp(every, at, values[at])) > most
@@ -191,16 +194,17 @@ def _until_straight(at: NDArray[np.int64], values: Floats, most: float) -> NDArr
 
 
 def noise_of_signal(values: Floats) -> float:
-    """Deviation of a signal's noise from sample to sample: second differences see the noise and little else."""
-    # 1.4826 makes a median deviation a standard deviation.
+    """Standard deviation of a signal's white noise, from second differences, which contain hardly any of the signal."""
+    # 1.4826: from the median deviation to the standard deviation of a normal distribution.
     return 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / math.sqrt(6.0)
 
 
 def adaptive_mean(values: Floats, noise: float, longest: int) -> tuple[Floats, NDArray[np.int64]]:
-    """A signal (n,) freed of noise of that standard deviation: its mean over as many samples as it stays steady.
+    """A signal (n,) without noise of that standard deviation: its mean over the samples in which it is steady.
 
-    At each sample the mean is widened as long as its interval still meets those of all narrower ones (intersection of
-    confidence intervals, after Lepski), up to ``longest`` samples. Also the width chosen at each sample.
+    At each sample the window is widened while the confidence interval of the mean intersects those of all narrower
+    windows (intersection of confidence intervals, after Lepski), up to ``longest`` samples. Returns also the width
+    chosen at each sample.
     """
     chosen = low = high = np.empty(0)
     alive = np.ones(values.size, dtype=np.bool_)
@@ -222,12 +226,13 @@ def adaptive_mean(values: Floats, noise: float, longest: int) -> tuple[Floats, N
 def told_from_noise(
     values: Floats, noise: float, step_s: float, counting: Floats | None = None
 ) -> tuple[Floats, float]:
-    """A signal (n,) with the frequencies kept at which it stands out of its noise, and the shortest time kept, s.
+    """A signal (n,) with only the frequencies at which it exceeds its noise, and the shortest period kept, s.
 
-    ``noise`` is the least standard deviation that the white noise can have; what it has is taken from the upper half of
-    the spectrum. ``counting`` (n,) is an error that the counting of steps would make of such a motion: noise too, and
-    not white. Each frequency is weighted with the share of its power that is not noise (Wiener's filter); a frequency
-    whose power is not ``LEAST_POWER`` times the noise's goes; above ``FASTEST_HZ`` it must be ``FAST_POWER`` times.
+    ``noise`` is the least standard deviation of the white noise; the actual one is taken from the upper half of the
+    spectrum. ``counting`` (n,) is the error that the steps of the encoder cause in such a motion: also noise, but not
+    white. Each frequency is weighted with the share of its power that is not noise (Wiener filter). A frequency is
+    removed if its power is below ``LEAST_POWER`` times that of the noise, above ``FASTEST_HZ`` below ``FAST_POWER``
+    times.
     """
     n = values.size
     spectrum, power, inside = _spectrum(values, step_s)
@@ -247,9 +252,9 @@ def told_from_noise(
 
 
 def _spectrum(values: Floats, step_s: float) -> tuple[NDArray[np.complex128], Floats, int]:
-    """Spectrum of a signal about its mean, its power a sample, and the sample at which the signal begins in it.
+    """Spectrum of a signal without its mean, its power per sample, and the sample at which the signal begins in it.
 
-    The ends are turned over, so that a filter sees no jump from the last sample to the first.
+    The signal is extended by reflection at its ends, so that a filter meets no jump from the last sample to the first.
     """
     pad = min(values.size - 1, int(PAD_S / step_s))
     before, after = 2.0 * values[0] - values[pad:0:-1], 2.0 * values[-1] - values[-2 : -pad - 2 : -1]
@@ -268,10 +273,11 @@ def _near_mean(power: Floats) -> Floats:
 
 
 def counting_errors(run: Run) -> Floats:
-    """The error that each input encoder makes by counting steps, (n_inputs, n), rad, as far as the steps tell it.
+    """An estimate of the error of each input encoder from its finite steps, (n_inputs, n), rad.
 
-    At a steady speed it comes back with every step, so it is a few strong lines of the spectrum wherever sampling folds
-    them to: they are no motion of the servos. A smoothed angle counted once more makes the same lines.
+    At a steady speed this error repeats with every step. It is a few strong lines of the spectrum, at the frequencies
+    to which sampling aliases them, and no motion of the servos. A smoothed angle that is rounded to the steps again has
+    the same lines.
     """
     step = input_step_rad(run)
     if step == 0.0:
@@ -282,10 +288,10 @@ def counting_errors(run: Run) -> Floats:
 
 
 def slow_difference(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
-    """How far each input stands from their mean, freed of the encoders' noise, (n_inputs, n), and the window used, s.
+    """Difference of each input from their mean without the encoders' noise, (n_inputs, n), and the window used, s.
 
-    Servos do not track alike: what they do apart works the friction and is kept, what the encoders add is not.
-    ``factor`` scales the noise that is assumed.
+    Servos do not track alike. Their true difference drives the friction and is kept; the errors of the encoders are
+    removed. ``factor`` scales the noise that is assumed.
     """
     apart = run.input_rad - run.input_rad.mean(axis=0)
     count = apart.shape[0]
@@ -303,11 +309,11 @@ def slow_difference(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
 
 
 def quiet_load(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
-    """Load freed of the sensor's noise, (n,), and the window used, s.
+    """Load without the sensor's noise, (n,), and the window used, s.
 
-    Noise left in the load works the friction of the model and reads as too soft a drive; a mean longer than a flank
-    misses the loads that were reached, so a flank of a few samples is left as it was measured. ``factor`` scales the
-    noise that is assumed.
+    Noise in the load drives the friction of the model and makes the drive look too soft. A mean longer than a flank
+    misses the extreme loads, so a flank of a few samples is left as it was measured. ``factor`` scales the noise that
+    is assumed.
     """
     load_Nm = run.load_Nm
     assert load_Nm is not None, "a run without a torque column has no load to smooth"
@@ -318,7 +324,7 @@ def quiet_load(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
 
 
 def speed_window_s(run: Run, ratio: float) -> float:
-    """The shortest window over which the drum's speed is told well enough from the inputs, s."""
+    """The shortest window that gives the drum's speed accurately enough from the inputs, s."""
     mean = run.input_rad.mean(axis=0) / ratio
     noise = max(noise_of_signal(mean), input_step_rad(run) / ratio / math.sqrt(12.0 * run.input_rad.shape[0]))
     swept = np.diff(smoothed(mean, LONGEST_SPEED_S, run.step_s)) / np.diff(run.time_s)
@@ -329,10 +335,10 @@ def speed_window_s(run: Run, ratio: float) -> float:
 
 
 def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
-    """The part of a run that the search works on, and the whole of it; the same object for a short run.
+    """The part of a run that the search uses, and the whole run; the same object for a short run.
 
-    The first half sweep, of the run and of every stretch, is discarded, and some half sweeps are held back before any
-    residual is looked at (see ``holdout``): the same ones in both.
+    The first half sweep of the run and of every stretch is discarded. Some half sweeps are held back before any
+    residual is computed (see ``holdout``): the same ones in both.
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
     shaft = smoothed(run.input_rad, COMMON_WINDOW_S, step)
@@ -346,7 +352,7 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     sweep = half_sweeps(smoothed(output, SPEED_WINDOW_S, step)) - 1
     few = bool(sweep.max() < FEWEST_SWEEPS)
     if few:
-        # Too few reversals to spare one: a quarter of the time is a sweep.
+        # Too few reversals to leave one half sweep out: each quarter of the time counts as a sweep.
         sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
     low, span = float(output.min()), float(np.ptp(output))
     sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
@@ -393,7 +399,7 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
 
 
 def sensor_floor_rad(run: Run, ratio: float) -> float:
-    """RMS that the encoders are declared to put into the residual, rad: steps (uniform errors) and noise."""
+    """RMS of the residual from the declared errors of the encoders, rad: steps (uniform errors) and noise."""
     s = run.sensors
     step, noise = s.input_resolution_rad or 0.0, s.input_noise_rad or 0.0
     inputs = math.hypot(step / math.sqrt(12.0), noise) / ratio / math.sqrt(run.input_rad.shape[0])

@@ -1,4 +1,4 @@
-"""The loop's page for the bench: one file, no other file and no network needed."""
+"""The loop's page for the bench: one HTML file that needs no other file and no network."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VERDICTS = {
 # Pages of more runs than this show the plots of the first ones.
 MOST_PLOTTED = 6
 
-# What to look for in each plot; pictures have a title too.
+# Text below each plot that says what to look for; pictures have a title too.
 TIME = (
     "Over time: the output as measured and as the declared model predicts it; below, what is left of it before, and "
     "after what was found was put into the model. Grey was held back before anything was chosen. Yellow is not used: "
@@ -95,12 +95,12 @@ def _sections(result: LoopResult, plotted: int) -> list[tuple[str, str]]:
 
 
 def _noise(result: LoopResult) -> str:
-    """What the noise floor is made of."""
+    """The parts of the noise floor in words."""
     noise = result.noise
     if noise is None:
         return ""
     _, (total, white, coloured) = readable("_rad", [noise.total_rad, noise.white_rad, noise.coloured_rad])
-    memory = f", which forgets itself in {noise.memory_s:.2g} s" if noise.memory_s else ""
+    memory = f" with a correlation time of {noise.memory_s:.2g} s" if noise.memory_s else ""
     return _micro(f"{total} RMS, from {noise.source}: {white} from sample to sample, {coloured} slower{memory}")
 
 
@@ -151,7 +151,7 @@ def _candidate(one: Evidence, small: Sequence[Evidence]) -> dict[str, str]:
     _, (held, fall) = readable("_rad", [one.held_out_rad, one.fall_rad])
     return {
         "label": one.label,
-        # A candidate that was left out has no error on the data held back.
+        # A candidate that was not fitted has no error on the data held back.
         "held": "" if one in small else _micro(held),
         "fall": _micro(fall) if one.fall_rad else "",
         "outcome": one.outcome,

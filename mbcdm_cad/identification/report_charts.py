@@ -1,4 +1,4 @@
-"""Charts of the loop's page that answer to the pointer: signals over time, spectrum of orders. As plain data."""
+"""Interactive charts of the loop's page as plain data: signals over time, spectrum of orders."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mbcdm_cad.identification.result import Traces
 from mbcdm_cad.measurement.vet_signals import GAP_STEPS
 from mbcdm_cad.routes import Floats
 
-# Colours of the page's palette: as measured, by the declared model, with what was found.
+# Colours of the page's palette: measured, predicted by the declared model, predicted with the effects found.
 MEASURED, BEFORE, AFTER = 0, 2, 1
 _DIGITS = 5
 

@@ -1,4 +1,4 @@
-"""Pictures of the loop's page, of too many points for a chart: transmission error and residual over angle and load."""
+"""Pictures of the loop's page, with too many points for a chart: transmission error; residual over angle and load."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ MEASURED, BEFORE, AFTER = "#000000", "#D55E00", "#0072B2"
 STYLE: dict[Any, Any] = {"font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "legend.frameon": False}
 WIDTH_IN = 9.6
 BINS = 60
-# Points over which the sense of motion is computed; they last longer than an encoder's step.
+# Points over which the sense of motion is computed: they must take longer than a step of the encoder.
 SENSE_POINTS = 25
 
 
 def loop_png(t: Traces, ideal_rad: Floats) -> bytes:
-    """Transmission error over the output: what hysteresis is seen by. ``ideal_rad`` (n,): inputs through the ratio."""
+    """Transmission error over output angle, which shows the hysteresis. ``ideal_rad`` (n,): inputs over the ratio."""
     with mpl.rc_context(STYLE):
         figure, axes = _panels(3.6)
         error = t.output_rad - ideal_rad
@@ -75,7 +75,7 @@ def scatter_png(t: Traces) -> bytes:
 
 
 def _legend(axes: Any) -> None:
-    """Above the axes, where it hides nothing."""
+    """The legend above the axes, where it hides no data."""
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
 
 
@@ -86,7 +86,7 @@ def _panels(height_in: float, columns: int = 1) -> tuple[Figure, Any]:
 
 
 def residual_size(t: Traces) -> tuple[float, str]:
-    """Factor and unit that suit the residual before anything was found."""
+    """Factor and unit that suit the residual of the declared model."""
     return size_of("_rad", [float(np.abs(t.residual_before_rad).max())])
 
 
@@ -101,7 +101,7 @@ def _means(values: Floats, residual: Floats) -> tuple[Floats, Floats]:
 
 
 def first_used(t: Traces) -> int:
-    """First index beyond the half sweep that is left out."""
+    """First index after the half sweep that is left out."""
     return int(np.argmax(t.used > 0.5))
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.identification.prepared import Windows
     from mbcdm_cad.identification.unknown import Unknown
 
-# By ending of the name, longest first: sizes to choose from, largest first.
+# Units by the ending of the name, longest ending first; for each the units to choose from, largest first.
 _SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
     ("_rad_Nm", ((1.0, "rad/(N m)"), (1e-3, "mrad/(N m)"), (1e-6, "urad/(N m)"))),
     ("_rad_rad2", ((1e-3, "mrad/rad^2"), (1e-6, "urad/rad^2"))),
@@ -29,7 +29,7 @@ _SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
     ("_s", ((1.0, "s"), (1e-3, "ms"))),
     ("share", ((1e-2, "%"),)),
 )
-# Angles that say where and not how much.
+# Angles that are a place or a phase, not a size.
 _PLACES = ("phase", "angle", "at_")
 VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
 
@@ -49,10 +49,10 @@ class Value:
 
 @dataclass(frozen=True)
 class Named:
-    """An effect that was named: figures by name (SI, the unit in the name), what it means in metal, what else is alike.
+    """An effect that was named: figures by name (SI, the unit in the name), its meaning as hardware, equivalent forms.
 
-    ``fitted`` are the values that the effect's own parameters took, ``form`` which form they belong to, ``meanings``
-    what figures mean on the bench where their names do not say it; ``plain`` as of :class:`Effect`.
+    ``fitted`` are the fitted values of the effect's parameters, ``form`` the form that they belong to, ``meanings``
+    what figures mean on the bench where their names do not say it; ``plain`` as in :class:`Effect`.
     """
 
     name: str
@@ -96,9 +96,9 @@ class Named:
 
 @dataclass(frozen=True)
 class Helpful:
-    """An effect that is not named, since what stays unexplained is too large beside it, and that helps all the same.
+    """An effect that lowers the error but is not named, because the unexplained part is too large compared with it.
 
-    ``odds``: how much likelier than not that it lowers the error of half sweeps that the fit has not seen.
+    ``odds``: the odds that it lowers the error of half sweeps that were not fitted.
     """
 
     named: Named
@@ -111,7 +111,7 @@ class Helpful:
 
 @dataclass(frozen=True)
 class Evidence:
-    """One line of the table of candidates: what it is, held-out RMS with it, and what became of it."""
+    """One line of the table of candidates: its label, the held-out RMS with it, the fall, and the decision."""
 
     label: str
     held_out_rad: float
@@ -164,11 +164,11 @@ class Traces:
 
 @dataclass(frozen=True, eq=False)
 class LoopResult:
-    """The loop's answer; ``one_of`` holds sets of which the data cannot tell which.
+    """The result of the loop; ``one_of`` holds sets of effects of which the data cannot say which one is present.
 
-    ``noise`` is what the floor was taken from, ``windows`` the smoothing of each run, ``doubts`` what the data
-    themselves say against the sensors or against a figure that was found, ``helpful`` what lowers the error
-    certainly and is not named, ``correction`` works out a table for the controller when it is called.
+    ``noise`` describes the floor, ``windows`` the smoothing of each run. ``doubts`` are sentences about sensors or
+    fitted values that the data make doubtful. ``helpful`` are effects that certainly lower the error and are not named.
+    ``correction`` computes a table for the controller when it is called.
     """
 
     verdict: str
@@ -236,9 +236,9 @@ class LoopResult:
         return f"The model lacks {' and '.join(words)}; {sizes}{tail}."
 
     def _helps(self) -> str:
-        """What lowers the error and is not named."""
+        """A clause on what lowers the error and is not named."""
         parts = [f"{one.named.words} (odds {min(one.odds, 9999.0):.0f} to 1)" for one in self.helpful]
-        return f"What helps for certain, or resembles what does: {', '.join(parts)}"
+        return f"The error falls for certain with: {', '.join(parts)}, which may only resemble the cause"
 
     def _described(self, named: Named) -> str:
         figures = []
@@ -270,7 +270,7 @@ def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
 
 
 def share_text(share: float) -> str:
-    """A share in per cent; what is not quite the whole is not called so."""
+    """A share in per cent; a share below 1 is never rounded to 100 %."""
     return "over 99%" if 0.99 < share < 0.9999 else f"{share:.0%}"
 
 
@@ -315,7 +315,7 @@ def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
 
 
 def named_lines(named: Named) -> list[str]:
-    """An effect with its figures, one a line."""
+    """An effect with its figures, one on each line."""
     lines = [f"{named.words} ({named.form}): {named.physics}"]
     for name, value in named.parameters.items():
         word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
@@ -328,7 +328,7 @@ def named_lines(named: Named) -> list[str]:
 
 
 def windows_words(windows: Windows) -> str:
-    """The smoothing of one run, for people."""
+    """The smoothing of one run, in words."""
     load = f", load {windows.load_s:.2g} s" if windows.load_s else ""
     return f"difference of the inputs {windows.difference_s:.2g} s{load}, speed {windows.speed_s:.2g} s (from the data)"
 

@@ -15,7 +15,7 @@ from mbcdm_cad.routes import Floats
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """A candidate, where to start it, the fall of the training mean square that a linear step promises, its columns."""
+    """A candidate, its start, the fall of the training mean square predicted by a linear step, its columns."""
 
     effect: Effect
     start: Floats
@@ -24,7 +24,7 @@ class Screened:
 
 
 class Screening:
-    """Ranks the candidates of ``library`` beside a fit."""
+    """Ranks the candidates of ``library`` as additions to a fit."""
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect]) -> None:
         self.fitter, self.library = fitter, tuple(library)
@@ -32,7 +32,7 @@ class Screening:
         self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
 
     def screen(self, fit: Fit) -> list[Screened]:
-        """All candidates beside those of ``fit``, best promise first."""
+        """All candidates that ``fit`` does not contain, largest predicted fall first."""
         if self._screened is not None and self._screened[0] is fit:
             return self._screened[1]
         f = self.fitter
@@ -43,7 +43,7 @@ class Screening:
             if effect.key in taken and not effect.several:
                 continue
             for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
-                # Of what may be there several times, each is an effect of its own.
+                # An effect that may occur several times is screened as one effect for each start.
                 one = replace(effect) if effect.several else effect
                 try:
                     promise = self._promise(fit, one, np.array(start), basis)
@@ -56,9 +56,9 @@ class Screening:
         return found
 
     def best_known_fall(self, fit: Fit) -> float:
-        """The best fall that any effect promises beside ``fit`` without a simulation of the cables.
+        """The largest fall that a linear step predicts for any addition to ``fit``, without a simulation of the cables.
 
-        What strains the cables goes by the slopes that were taken when others stood beside it.
+        Effects that strain the cables use the slopes that were computed for an earlier fit.
         """
         f = self.fitter
         taken = {e.key for e in fit.effects}
@@ -83,14 +83,14 @@ class Screening:
         return max(falls)
 
     def _basis(self, fit: Fit) -> Floats:
-        """Orthonormal columns of what ``fit`` itself may change, on the training samples."""
+        """Orthonormal basis of the changes that the parameters of ``fit`` make, on the training samples."""
         mask = self.fitter.train
         known = self.fitter.centred(fit.jacobian, mask)[mask]
         return np.asarray(np.linalg.qr(known)[0]) if known.shape[1] else np.zeros((int(mask.sum()), 0))
 
     @staticmethod
     def _best_starts(found: Sequence[Screened]) -> list[Screened]:
-        """Of several starts of one effect that lead to other values of its sizes, the most promising one."""
+        """The start with the largest predicted fall, of several starts of one effect that differ in its sizes."""
         kept: list[Screened] = []
         for one in found:
             places = any(p.role != "size" for p in one.effect.parameters)
@@ -99,9 +99,11 @@ class Screening:
         return kept
 
     def _slopes(self, fit: Fit, effect: Effect, start: Floats) -> tuple[Floats, Floats]:
-        """What an effect at ``start`` changes, (n,), and its derivatives there, (n, k), beside those of ``fit``.
+        """The change of the prediction by an effect at ``start``, (n,), and its derivatives there, (n, k), added to
+        ``fit``.
 
-        What strains the cables is only looked at once: how it ranks hardly hangs on what stands beside it.
+        For effects that strain the cables this is computed only once: their rank hardly depends on the other effects of
+        the fit.
         """
         f = self.fitter
         key = effect, start.tobytes()
@@ -126,13 +128,13 @@ class Screening:
         square, step = self._projected(fit, change, columns, basis)
         low = [p.low for p in effect.parameters]
         high = [p.high for p in effect.parameters]
-        # Orders and times are only refined by the fit; a linear step would throw them out of their valley.
+        # Orders and times are only refined by the fit; a linear step would move them out of their minimum.
         held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
         first = np.clip(np.where(held, start, start + step), low, high)
         return Screened(effect, first, fit.square - square, columns)
 
     def _projected(self, fit: Fit, change: Floats, columns: Floats, basis: Floats) -> tuple[float, Floats]:
-        """Mean square that a linear step from ``change`` along ``columns`` leaves beside a fit, and the step."""
+        """Mean square after a linear step from ``change`` along ``columns`` added to a fit, and the step."""
         f, mask = self.fitter, self.fitter.train
         new = f.centred(columns, mask)[mask]
         r = f.centred(fit.residual - change, mask)[mask]

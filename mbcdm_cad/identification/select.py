@@ -1,7 +1,7 @@
 """Selection of effects: forward by nonlinear refits of the best candidates, backward removal, and alternatives.
 
-A linear screening only says which candidates are worth a refit; it may rank the wrong pulley first. An effect is taken
-only if the RMS on held-out samples falls by a stated share of the noise floor, in quadrature.
+A linear screening only says which candidates are worth a refit; it may rank the wrong pulley first. An effect is
+accepted only if the RMS on held-out samples falls by a stated share of the noise floor, in quadrature.
 """
 
 from __future__ import annotations
@@ -28,25 +28,26 @@ LEAST_FALL = 0.45
 # Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
 CLOSE_SHARE = 0.3
 MOST_REFITS = 7
-# A candidate is taken in place of a better one that was refused only if it falls by this share of it.
+# After a better candidate was rejected, another is accepted only if it causes this share of the fall of the better one.
 RUNNER_UP = 0.8
 MOST_EFFECTS = 6
-# Where no more than the floor is left, a candidate is refitted that promises this share of the fall that is needed.
+# If no more than the floor is left, a candidate is refitted if its predicted fall is this share of the required one.
 PROMISED_SHARE = 0.25
-# Effects that were refused alone and that the search goes on with all the same.
+# Number of effects that were rejected alone and are tried again together with a second one.
 MOST_FIRST = 3
-# What they then leave beyond the floor, over what they explain, at most.
+# Largest error beyond the floor that such a pair may leave, over the error that it explains.
 MOST_LEFT = 0.1
-# An effect takes noise away, and does not only fit it, if it leaves this share of it at most.
+# An effect reduces noise, and does not only fit it, if at most this share of the noise is left.
 QUIETER = 0.9
-# Held-out RMS, over the floor, by which an effect that leans on one place must fall to be believed for leaving nothing.
+# Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves #
+# nothing above the noise.
 MUCH = 1.25
 MOST_THREADS = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One line of the search's record: what was tried and how the held-out RMS changed (rad)."""
+    """One line of the record of the search: the decision, the effect, and the held-out RMS before and after (rad)."""
 
     action: str
     effect: Effect
@@ -57,8 +58,9 @@ class Step:
 class Search:
     """The search over one set of runs; ``bare`` is the fit without effects.
 
-    ``noise`` is what the falls are measured by: what does not repeat. An effect that is not yet taken may leave more
-    than the noise that does not repeat (where the friction of the cables remembers), so it is told anew with each one.
+    ``noise`` does not repeat; falls of the error are compared with it. An effect that is not yet accepted may cause an
+    error that does not repeat (because the friction depends on earlier loads), so the noise is computed again with each
+    accepted effect.
     """
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect], bare: Fit) -> None:
@@ -68,7 +70,7 @@ class Search:
         self.noise = self.noise_left(bare)
         self.twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
         self.steps: list[Step] = []
-        # What speaks against figures that would fit: a sentence for each effect's label.
+        # Reasons why fitted values are impossible: a sentence for each effect's label.
         self.doubts: dict[str, str] = {}
         self.screening = Screening(fitter, self.library)
         self._without: dict[tuple[Fit, Effect], Fit] = {}
@@ -82,27 +84,27 @@ class Search:
 
     @property
     def least_floor_rad(self) -> float:
-        """What the floor cannot be below: what the sensors declare, where they do; rad RMS."""
+        """Lower bound of the floor from the declared errors of the sensors; rad RMS."""
         return self.noise.declared_rad or self.noise.white_rad
 
     def noise_left(self, fit: Fit) -> Noise:
-        """The noise in what a fit leaves."""
+        """The noise in the residual of a fit."""
         return noise_of(self.fitter.base, [fit.residual[part] for part in self.fitter.parts])
 
     def held_rms(self, fit: Fit) -> float:
-        """RMS on the held-out samples, rad, each run's mean taken off by the training samples."""
+        """RMS on the held-out samples, rad, minus the mean of each run over its training samples."""
         return float(np.sqrt(np.mean(fit.residual[self.fitter.test] ** 2)))
 
     def enough(self, before: Fit, after: Fit) -> bool:
-        """Does the held-out RMS fall by enough?"""
+        """Whether the held-out RMS falls by enough."""
         fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
         return bool(fall >= (LEAST_FALL * self.floor_rad) ** 2)
 
     def close(self, fit: Fit, share: float = CLOSE_SHARE, name: str | None = None, first: int = 0) -> list[Screened]:
-        """Candidates that are worth a refit, best promise first.
+        """Candidates that are worth a refit, largest predicted fall first.
 
-        Those of one name (another stage, another cable) are, however little the linear screening promises of them: of
-        ``name``, by default of the most promising one's. ``first``: those that rank from there on are, close or not.
+        Candidates of ``name`` (other stages, other cables; by default the name of the first candidate) are included
+        however small their predicted fall. ``first``: rank from which on the others are considered.
         """
         screened = self.screening.screen(fit)
         name = name or screened[first].effect.name
@@ -129,7 +131,7 @@ class Search:
                 for c in chosen
             ]
         )
-        # Those that a few steps leave far behind do not win; the others go on to the end.
+        # Fits that are far behind after a few steps cannot win; only the others are continued.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
         ended = self._each(
@@ -141,9 +143,9 @@ class Search:
         return sorted(ended, key=lambda one: one.square)
 
     def _each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
-        """Fits side by side: the simulation runs outside the interpreter's lock.
+        """Run fits in parallel threads: the simulation runs outside the interpreter's lock.
 
-        A candidate that cannot be simulated where it starts (a cable gone slack, a radius gone) drops out.
+        A candidate that cannot be simulated at its start (a slack cable, a negative radius) is left out.
         """
         twins = Queue[Fitter]()
         for twin in self.twins:
@@ -173,10 +175,10 @@ class Search:
         return self._without[key]
 
     def forward(self) -> Fit:
-        """Take effects while the held-out RMS falls by enough, and give back those that are no longer needed.
+        """Accept effects while the held-out RMS falls by enough, and withdraw those that are no longer needed.
 
-        The form of an effect is settled by the first step, when its companions are not yet there; where more than the
-        floor is left, its other forms are given the same chance.
+        The form of an effect is chosen when the other effects are not yet accepted. If more than the floor is left at
+        the end, its other forms are tried again.
         """
         now = self._grown(self.bare)
         now = self._from_inside(now)
@@ -202,20 +204,22 @@ class Search:
         return now
 
     def _grown(self, now: Fit) -> Fit:
-        """``now`` with all effects that can be taken."""
+        """``now`` with all effects that can be accepted."""
         while len(now.effects) < MOST_EFFECTS:
             better = self._best(now)
             if better is None:
                 break
-            self._note("taken", better.effects[-1], now, better)
+            self._note("accepted", better.effects[-1], now, better)
             now = self.backward(better)
             self.noise = min(self.noise, self.noise_left(now), key=lambda noise: noise.total_rad)
         return now
 
     def _from_inside(self, now: Fit) -> Fit:
-        """``now`` with a line that works the cables, if so what seemed to ease their friction is no longer needed.
+        """``now`` with a line that moves the cables, if the effect that seemed to ease their friction is then not
+        needed.
 
-        A ripple inside the drive moves the cables to and fro. As an error of the reading it leaves that to others.
+        A ripple inside the drive moves the cables to and fro and eases their friction. As an error of the reading it
+        does not, so another effect has to explain the lower friction.
         """
         for line in now.effects:
             forms = [effect for effect in self.inside if effect.key == line.key]
@@ -234,22 +238,23 @@ class Search:
             best = min(begun, key=lambda one: one.square)
             found = self._grown(best) if self.enough(best, now) else best
             if len(found.effects) < len(now.effects) and not self.enough(found, now):
-                self._note("works the cables", best.effects[-1], now, found)
+                self._note("moves the cables", best.effects[-1], now, found)
                 return self._from_inside(found)
         return now
 
     def _gone_on(self, now: Fit) -> Fit:
-        """``now``, or what it comes to with an effect that is not borne out as long as its companion is not there.
+        """``now``, or the fit with a pair of effects of which the first is not supported without the second.
 
-        That is only believed if the two, fitted jointly, are both borne out and leave little more than the floor.
+        A pair is accepted only if both, fitted jointly, are supported and leave little more than the floor.
         """
         for one in sorted(self._leaning.get(now, []), key=lambda one: one.square):
-            # One effect that alone leaves nothing above the noise, and does much: what else could it be?
-            # What it does may not repeat and stand in the floor, so the noise that it leaves counts where that is less.
+            # One effect with a large fall that leaves nothing above the noise is accepted: no other explanation is
+            # left. What it does may not repeat and stand in the floor, so the noise that it leaves counts where that is
+            # less.
             floor = min(self.floor_rad, self.noise_left(one).total_rad)
             much = self.held_rms(now) ** 2 - self.held_rms(one) ** 2 > (MUCH * floor) ** 2
             if much and not self.too_much(one):
-                self._note("leaves nothing beside it", one.effects[-1], now, one)
+                self._note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
         for one in self._promising(now)[:MOST_FIRST]:
             grown = self._grown(one)
@@ -257,14 +262,15 @@ class Search:
             if self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained:
                 continue
             if all(self._borne_out(grown, effect) for effect in grown.effects):
-                self._note("borne out beside the others", one.effects[-1], now, grown)
+                self._note("supported together with the others", one.effects[-1], now, grown)
                 return grown
         return now
 
     def _promising(self, now: Fit) -> list[Fit]:
-        """``now`` with one effect more, as tried, each name once: that with the best promise of a second one first.
+        """Tried fits of ``now`` with one effect more, each name once, in the order of the fall predicted with a second
+        one.
 
-        What stands alone badly may be half of a pair that explains all, so the order is by the two and not by the one.
+        An effect that explains little alone may be half of a pair that explains all, so the order is that of the pairs.
         """
         each: dict[object, Fit] = {}
         for one in sorted(self._tried.get(now, []), key=lambda one: one.square):
@@ -281,10 +287,10 @@ class Search:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
 
     def _best(self, now: Fit) -> Fit | None:
-        """``now`` with the best effect that can be taken; None if there is none.
+        """``now`` with the best effect that can be accepted; None if there is none.
 
-        Where all close candidates are refused, those that promised less are refitted too: a strong preload error
-        promises little by a linear step, and may do it all.
+        If all close candidates are rejected, those with a smaller predicted fall are refitted too: for a large preload
+        error a linear step predicts little, although the refit may explain everything.
         """
         done = list[Screened]()
         tried = list[Fit]()
@@ -306,23 +312,23 @@ class Search:
         return found
 
     def _first_acceptable(self, now: Fit, new: Sequence[Fit], among: Sequence[Fit]) -> Fit | None:
-        """The first of ``new`` that can be taken and that is not far behind the best of ``among``."""
+        """The first of ``new`` that can be accepted and that is not far behind the best of ``among``."""
         least = min((one.square for one in among), default=now.square)
         for one in new:
-            # What does far less than a best one that was refused only picks up its crumbs.
+            # A candidate far behind a rejected better one only explains a small part of the same error.
             crumbs = now.square - one.square < RUNNER_UP * (now.square - least)
             if one in among and not crumbs and self.acceptable(now, one):
                 return one
         return None
 
     def too_much(self, fit: Fit) -> bool:
-        """Is more left on held-out samples than the floor?"""
+        """Whether more than the floor is left on held-out samples."""
         return self.held_rms(fit) ** 2 > (1.0 + LEAST_FALL**2) * self.floor_rad**2
 
     def _enough_beside(self, before: Fit, after: Fit) -> bool:
-        """Does the held-out RMS fall by enough of the noise that ``after`` leaves?
+        """Whether the held-out RMS falls by enough, compared with the noise in the residual of ``after``.
 
-        What play and friction do hangs on what was before, so without them it looks as if it did not repeat.
+        The error from play and friction depends on the motion before, so without these effects it seems not to repeat.
         """
         fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
         if fall < (LEAST_FALL * self.noise.declared_rad) ** 2 or fall <= 0.0:
@@ -331,7 +337,8 @@ class Search:
         return bool(left < QUIETER * self.floor_rad and fall >= (LEAST_FALL * left) ** 2)
 
     def acceptable(self, now: Fit, better: Fit) -> bool:
-        """Is the last effect of ``better`` large enough, within its bounds, and borne out by all sweeps and sectors?"""
+        """Whether the last effect of ``better`` is large enough, within bounds, and supported by all sweeps and
+        sectors."""
         if not self.enough(now, better) and not self._enough_beside(now, better):
             return False
         effect = better.effects[-1]
@@ -341,37 +348,37 @@ class Search:
             return False
         if supported(self.fitter, now, better, len(self.library)):
             return True
-        self._note("leans on one place", better.effects[-1], now, better)
+        self._note("supported by one sweep or sector only", better.effects[-1], now, better)
         self._leaning.setdefault(now, []).append(better)
         return False
 
     def _impossible(self, effect: Effect, values: Floats) -> str:
-        """Why no bench can have an effect of these values; nothing where it can."""
+        """Why no bench can have an effect of these values; an empty text if it can."""
         words = effect.doubtful(values) if effect.doubtful else ""
         if words:
             self.doubts.setdefault(effect.label, words)
-            return "no such part is built"
+            return "no part can have this value"
         at_bound = [p.name for p, v in zip(effect.parameters, values, strict=True) if v in (p.low, p.high)]
-        return f"{at_bound[0]} runs out of its bounds" if at_bound else ""
+        return f"{at_bound[0]} reaches its bound" if at_bound else ""
 
     def backward(self, fit: Fit) -> Fit:
-        """Drop what the others explain as well."""
+        """Remove effects that the others explain as well."""
         for effect in fit.effects[:-1]:
             less = self.without(fit, effect)
             if not self.enough(less, fit):
-                self._note("given back", effect, fit, less)
+                self._note("withdrawn: not needed", effect, fit, less)
                 return self.backward(less)
         return fit
 
     def give_back(self, why: str, effect: Effect, fit: Fit) -> None:
-        """Note that an effect of ``fit`` is taken back."""
+        """Record that an effect of ``fit`` is withdrawn."""
         self._note(why, effect, fit, self.without(fit, effect))
 
     def _note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
         self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))
 
     def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
-        """Fits in which something of another name stands in for ``effect``, best first."""
+        """Fits in which an effect of another name replaces ``effect``, best first."""
         less = self.without(fit, effect)
         found = self.refits(less, self.close(less, 0.5, effect.name), 0.5)
         return [one for one in found if one.effects[-1].key != effect.key]

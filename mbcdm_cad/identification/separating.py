@@ -1,7 +1,7 @@
 """Find the run that separates the members of a set, before it is made.
 
-Each member stands in the planned run with the size that was found, and each other member is fitted to what it does, by
-one linear step. What cannot be imitated is held against the noise: the probability to take the wrong one of two is
+Each member is put into the planned run with the size that was found, and each other member is fitted to its change by
+one linear step. The part that cannot be imitated is compared with the noise: the probability to choose the wrong one is
 Phi(-|d| / (2 sigma)) for a difference d (see ``clusters``).
 """
 
@@ -26,10 +26,10 @@ from mbcdm_cad.routes import Floats
 
 
 def wrong_choice(drive: Drive, run: Run, members: Sequence[Named], noise: Noise, step_s: float) -> float:
-    """Probability to take the wrong one of the two of ``members`` that ``run`` tells apart worst, 0 to 0.5.
+    """Probability of a wrong choice between the two of ``members`` that ``run`` separates worst, 0 to 0.5.
 
-    ``step_s`` is the time between samples of the run to be made, of which ``run`` may be a thinner one. 0.5 too where
-    the run does not show one of them at all, or cannot be simulated with it.
+    ``step_s`` is the time between samples of the run to be made; ``run`` may have fewer samples. The result is also 0.5
+    where the run does not show one of them at all, or cannot be simulated with it.
     """
     fitter = planned_fitter(drive, run)
     bare = fitter.fit()
@@ -53,7 +53,7 @@ def _effect_of(named: Named, offered: Sequence[Effect]) -> Effect | None:
 
 
 def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named) -> tuple[Floats, Floats] | None:
-    """What the effect changes at the size that was found, (n,), and its slopes there (n, k), offsets taken off."""
+    """Change by the effect at the size that was found, (n,), and its derivatives there (n, k), without offsets."""
     at = np.array([named.fitted[parameter.name] for parameter in effect.parameters])
     try:
         there = fitter.predict([effect], [at], bare.offsets)
@@ -74,7 +74,7 @@ def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named) -> tuple[F
 
 
 def _mistaken(change: Floats, slopes: Floats, noise: Noise, counted: float) -> float:
-    """Probability to take an effect of these ``slopes`` for one that makes this ``change``.
+    """Probability to confuse an effect with these ``slopes`` with one that makes this ``change``.
 
     Each sample counts as ``counted`` independent ones.
     """
@@ -82,7 +82,7 @@ def _mistaken(change: Floats, slopes: Floats, noise: Noise, counted: float) -> f
     kept = slopes[:, size > 0.0] / size[size > 0.0]
     left = change - kept @ np.linalg.lstsq(kept, change, rcond=1e-8)[0] if kept.shape[1] else change
     rms = float(np.sqrt(np.mean(left**2)))
-    # So small a difference may be the model's own: the loop takes it for none.
+    # So small a difference may be an error of the model: the loop treats it as none.
     if rms < ALIKE_SHARE * noise.total_rad:
         return 0.5
     return float(norm.sf(0.5 * rms * np.sqrt(left.size * counted) / noise.total_rad))

@@ -14,7 +14,7 @@ from mbcdm_cad.model.series import Response
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Simulations remembered: as many as one Jacobian needs, so that what only adds to the reading costs nothing.
+# Simulations in the cache: as many as one Jacobian needs, so that effects on the reading alone need no simulation.
 REMEMBERED = 24
 
 
@@ -25,8 +25,8 @@ class Setup:
     ``d`` is None for a drive of which only the ratio is known; ``load_Nm`` None without a torque column.
     ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
     stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
-    history is at work, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none;
-    ``creep`` is how much of the rope's going over is at work that a wrap of ``through_rad`` on the inputs lets happen.
+    history is applied, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none;
+    ``creep`` is the share, 0 to 1, of the creep over the inputs that a wrap of ``through_rad`` allows.
     """
 
     d: DriveSI | None
@@ -43,13 +43,13 @@ class Setup:
 
     @property
     def drive(self) -> DriveSI:
-        """The drive, where there is one."""
+        """The drive. AssertionError where only the ratio is known."""
         assert self.d is not None, "an effect of the cables was offered where only the ratio is known"
         return self.d
 
     @property
     def load(self) -> Floats:
-        """The load, where it was measured."""
+        """The measured load, N m (n,). AssertionError for a run without torque."""
         assert self.load_Nm is not None, "an effect of the load was offered for a run without torque"
         return self.load_Nm
 
@@ -58,7 +58,7 @@ class Setup:
         return replace(self, path_m=path_m if self.path_m is None else self.path_m + path_m)
 
     def with_shift(self, index: int, shift_rad: Floats) -> Setup:
-        """Move one input pulley from where its encoder says."""
+        """Move one input pulley away from the angle of its encoder."""
         shift = np.zeros_like(self.p.angle_rad)
         shift[index] += shift_rad
         return self.with_shifts(shift)
@@ -68,13 +68,13 @@ class Setup:
         return replace(self, shift_rad=shift_rad if self.shift_rad is None else self.shift_rad + shift_rad)
 
     def with_play(self, index: int, play_rad: float) -> Setup:
-        """Put play between encoder and pulley of one input, beside what it has."""
+        """Add play between encoder and pulley of one input."""
         play = list(self.play_rad or [0.0] * self.drive.n_inputs)
         play[index] += play_rad
         return replace(self, play_rad=tuple(play))
 
     def following(self, cycles_a_turn: float) -> Setup:
-        """Simulate the cables on samples so close that a ripple of that order of the inputs is followed."""
+        """Simulate the cables on samples close enough for a ripple of that order of the inputs."""
         return replace(self, p=self.p.following(cycles_a_turn))
 
     def with_added(self, added_rad: Floats) -> Setup:
@@ -82,12 +82,12 @@ class Setup:
         return replace(self, added_rad=self.added_rad + added_rad)
 
     def input_shaft_rad(self, index: int) -> Floats:
-        """Angle of one input pulley, freed of the encoder's steps."""
+        """Angle of one input pulley without the encoder's steps, rad (n,)."""
         return np.asarray(self.p.shaft_rad[index])
 
     @property
     def drum_rad(self) -> Floats:
-        """Drum angle as the ratio alone has it."""
+        """Drum angle from the inputs and the ratio alone, rad (n,)."""
         return np.asarray(self.p.common_rad / self.ratio)
 
 
@@ -116,7 +116,7 @@ def rigid_drum_rad(s: Setup) -> Floats:
 
 
 def _worked(s: Setup) -> tuple[Floats, Floats, Floats | None]:
-    """What works the cables on every few samples (``Prepared.coarse``): quiet inputs, load, paths."""
+    """The signals that move the cables, on the samples ``Prepared.coarse``: smoothed inputs, load, paths."""
     at = s.p.coarse
     angle = s.p.common_rad[at] + s.p.apart_rad[:, at]
     if s.shift_rad is not None:
@@ -125,22 +125,22 @@ def _worked(s: Setup) -> tuple[Floats, Floats, Floats | None]:
 
 
 def _simulated(s: Setup, winding: bool, through: bool = False) -> Response:
-    """The cables' answer on those samples."""
+    """Drum angle with the cables simulated on those samples, rad."""
     if through:
         return simulate_profiles(s.drive, *_worked(s), winding, s.through_rad)
     return simulate(s.drive, *_worked(s), winding)
 
 
 def _between(p: Prepared, values: Floats) -> Floats:
-    """Values on ``Prepared.coarse`` carried over to all samples."""
+    """Values on ``Prepared.coarse`` interpolated to all samples."""
     return np.interp(np.arange(p.time_s.size), p.coarse, values)
 
 
 def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
     """Drum angle on all samples, rad, (n,).
 
-    The elastic part changes slowly and is interpolated; the common motion of the inputs carries the drum along on every
-    sample, and the noise kept from the cables is added back linearly.
+    The elastic part changes slowly and is interpolated. The common motion of the inputs is added on every sample, and
+    the noise that was removed from the inputs is added back linearly.
     """
     p, s = s.p, taken_up(s)
     elastic = _simulated(s, winding, through).drum_angle_rad - p.common_rad[p.coarse] / s.ratio
@@ -149,10 +149,10 @@ def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
 
 
 def taken_up(s: Setup) -> Setup:
-    """The setup with each pulley that has play put where it lies in it (:mod:`mbcdm_cad.model.play`).
+    """The setup with each pulley that has play moved to its position within the play (:mod:`mbcdm_cad.model.play`).
 
-    That is worked out with the declared wraps and without winding history: both change the torque that a pulley carries
-    by little, and so where it floats.
+    The position is computed with the declared wraps and without winding history: both change the torque on a pulley,
+    and so its position, only a little.
     """
     if not any(s.play_rad):
         return s if s.play_rad == () else replace(s, play_rad=())
@@ -164,12 +164,12 @@ def taken_up(s: Setup) -> Setup:
 
 
 def input_torque_Nm(s: Setup, index: int) -> Floats:
-    """What one input carries, on all samples, N m (n,); play is taken up before."""
+    """Torque on one input, on all samples, N m (n,); ``s`` comes from :func:`taken_up`."""
     return _between(s.p, _simulated(taken_up(s), False).input_torque_Nm(s.drive)[index])
 
 
 class Simulator:
-    """Predicts setups and remembers the last simulations."""
+    """Predicts the reading for setups and caches the last simulations."""
 
     def __init__(self) -> None:
         self._known: list[tuple[Setup, tuple[bool, float], Floats]] = []

@@ -14,7 +14,7 @@ from mbcdm_cad.routes import Floats
 # Shapes within this of the best one's share are listed too.
 CLOSE = 0.03
 MOST = 3
-# A shape that explains less than this of the curve's variance is none.
+# A shape is listed only if it explains at least this share of the curve's variance.
 LEAST = 0.6
 
 
@@ -60,7 +60,7 @@ def best_shapes(name: str, unit: str, at: Floats, mean: Floats, count: NDArray[n
 
 
 def _explained(columns: Floats, mean: Floats, weight: Floats) -> tuple[float, Floats]:
-    """Share of the weighted variance explained, beside a constant, and the coefficients."""
+    """Share of the weighted variance that the columns and a constant explain, and the coefficients."""
     x = np.column_stack([np.ones(mean.size), columns]) * weight[:, None]
     y = mean * weight
     solved = np.linalg.lstsq(x, y, rcond=1e-10)[0]

@@ -10,9 +10,10 @@ from mbcdm_cad.routes.displaced import path_slope
 
 
 def path_change(d: DriveSI, stage: str, x: Floats, y: Floats) -> Floats:
-    """Change of each cable's path, m, (n_cables, n), when the centre of the body ``stage`` stands off by (x, y).
+    """Change of each cable's path, m, (n_cables, n), when the centre of the body ``stage`` is displaced by (x, y), m.
 
-    x is along the body's reference, y a right angle further about its axis. KeyError if the drive has no such body.
+    x is along the body's reference, y at a right angle to it about the body's axis. KeyError if the drive has no such
+    body.
     """
     body = d.routes.body(stage)
     along, across = np.array(body.reference), np.cross(body.axis, body.reference)

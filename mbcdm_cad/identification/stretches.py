@@ -1,8 +1,8 @@
 """Choose samples of a run that is too long to use all of them.
 
-Every so many samples of a half sweep are enough; the turning points of motion and load must be among them, so thinning
-has a limit, beyond which whole stretches are left out. The friction remembers extremes from long before a stretch: of
-what is left out, the turning points lead in to the next one.
+A part of the samples of a half sweep is enough, but the turning points of motion and load must be among them. This
+limits the thinning; beyond it whole stretches are left out. The friction depends on extremes from long before a
+stretch, so the turning points of the part that is left out are simulated before the next stretch.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.routes import Floats
 
-# Samples that the search works on, and samples of a half sweep that are kept for it: fast lines need them.
+# Samples that the search uses, and samples of a half sweep that are kept for it: fast lines need them.
 SEARCH_SAMPLES = 20_000
 SEARCH_IN_SWEEP = 1250
 SEARCH_STRETCHES = 4
-# The same for the figures and the errors; between samples nothing may happen to the friction in this time.
+# The same for the figures and the errors; the friction must not change noticeably within this time.
 WHOLE_SAMPLES = 250_000
 WHOLE_IN_SWEEP = 200
 WHOLE_STEP_S = 0.04
 WHOLE_STRETCHES = 16
-# A stretch has so many half sweeps at least: its first is discarded.
+# A stretch has at least so many half sweeps, of which the first is discarded.
 LEAST_SWEEPS = 5
-# Half sweeps before a stretch whose turning points lead in to it.
+# Half sweeps before a stretch whose turning points are simulated.
 LEAD_SWEEPS = 200
-# The last of them are gone through in steps, since what turns with the angle has extremes of its own.
+# The last of these half sweeps are simulated in steps, since effects of the angle have extremes between the ends.
 STEPPED_SWEEPS = 12
 LEAD_STEPS = 32
-# Last samples of a stretch, which smoothing would mix with what comes after.
+# Number of last samples of a stretch, which smoothing would mix with the samples after it.
 TAIL = 32
 
 
@@ -39,8 +39,9 @@ TAIL = 32
 class Cut:
     """Samples of a run: ``index`` (n,), every ``stride``-th within stretches that begin at positions ``starts``.
 
-    ``lead`` (n,) marks the few samples that only lead in to a stretch, ``unknown`` (n,) those and all others that are
-    to be simulated and not judged: the first half sweep of each stretch, whose friction history is only roughly known.
+    ``lead`` (n,) marks the few samples that are simulated before a stretch begins, ``unknown`` (n,) these and all
+    others that are simulated but not judged: the first half sweep of each stretch, whose friction history is only
+    roughly known.
     """
 
     index: NDArray[np.int64]
@@ -51,14 +52,14 @@ class Cut:
 
 
 def search_cut(sweep: NDArray[np.int64], load_Nm: Floats | None) -> Cut | None:
-    """What the search works on; None if that is the whole run. ``sweep`` (n,) numbers the half sweeps, ascending."""
+    """The samples that the search uses; None if that is the whole run. ``sweep`` (n,): half sweeps, ascending."""
     if sweep.size <= SEARCH_SAMPLES * 1.25:
         return None
     return _cut(sweep, load_Nm, max(1, _in_sweep(sweep) // SEARCH_IN_SWEEP), SEARCH_SAMPLES, SEARCH_STRETCHES)
 
 
 def whole_cut(sweep: NDArray[np.int64], load_Nm: Floats | None, step_s: float) -> Cut:
-    """What the figures are taken from: all, thinned, and of a very long run stretches."""
+    """The samples for the figures: the whole run, thinned, or stretches of a very long run."""
     most = max(1, int(WHOLE_STEP_S / step_s), _in_sweep(sweep) // WHOLE_IN_SWEEP)
     return _cut(sweep, load_Nm, min(-(-sweep.size // WHOLE_SAMPLES), most), WHOLE_SAMPLES, WHOLE_STRETCHES)
 
@@ -76,7 +77,7 @@ def _cut(sweep: NDArray[np.int64], load_Nm: Floats | None, stride: int, most: in
     turns = np.flatnonzero(np.diff(sweep)) + 1
     count = int(np.clip(most * stride / (LEAST_SWEEPS * n / (turns.size + 1)), 1, stretches))
     length = most * stride // count
-    # The first begins with the run, the last ends with it; all others begin where the drive turns.
+    # The first stretch begins with the run, the last ends with it; all others begin at a reversal of the drive.
     begins = np.linspace(0, n - length, count).astype(np.int64)
     if turns.size:
         begins[1:] = turns[np.minimum(np.searchsorted(turns, begins[1:]), turns.size - 1)]
@@ -95,7 +96,7 @@ def _cut(sweep: NDArray[np.int64], load_Nm: Floats | None, stride: int, most: in
 
 
 def _turning_points(sweep: NDArray[np.int64], load_Nm: Floats | None, begin: int, end: int) -> NDArray[np.int64]:
-    """Samples between two stretches where the drive turns or a half sweep's load is at its ends, and a few besides."""
+    """Samples between two stretches: reversals, extremes of the load in each half sweep, and a few more."""
     if load_Nm is None or end <= begin:
         return np.empty(0, dtype=np.int64)
     turns = begin + 1 + np.flatnonzero(np.diff(sweep[begin:end]))

@@ -1,8 +1,8 @@
 """Describe the error that no effect explains: with what it repeats, how large it is, and its shape.
 
-A residual repeats in angle (or load, or speed) if its means over bins of that variable agree from sweep to sweep. What
-they share is measured by products of different sweeps only, so that noise within a sweep, however coloured, does not
-count. Time cannot come twice: there the two halves are sectors of angle, which see the same drift.
+A residual repeats in angle (or load, or speed) if its means over bins of that variable agree from sweep to sweep. The
+common part is measured by products of different sweeps only, so that noise within a sweep, also coloured noise, does
+not count. A time does not occur twice: for a drift in time, sectors of angle are compared instead of sweeps.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from mbcdm_cad.routes import Floats
 # product stands this many standard errors off zero.
 LEAST_SHARE_OF_FLOOR = 0.45
 LEAST_ERRORS = 3.0
-# Less than this share of the residual's mean square is no description of it.
+# A pattern must explain at least this share of the residual's mean square to describe it.
 LEAST_SHARE = 0.15
 # A second variable within this factor of the best one counts as equally good.
 ALIKE = 0.85
 ANGLE_BINS = 48
 OTHER_BINS = 16
-# Samples that a bin of one sweep needs, and how many it has on the whole: where there are fewer, bins are wider.
+# Samples that a bin needs in one sweep and in all sweeps together: with fewer samples the bins are wider.
 LEAST_IN_BIN = 2
 MEAN_IN_BIN = 8
 LEAST_BINS = 8
@@ -59,8 +59,8 @@ class Unknown:
     """A residual that no effect of the library explains.
 
     ``patterns`` that repeat, largest first; none if it does not repeat. ``alike``: further variables that describe it
-    about as well. ``memory_s``: time over which the residual forgets itself. ``lines``: (cycles a turn of the drum,
-    amplitude) of the highest peaks of the order spectrum, which show what the bins are too wide for. All sizes in rad.
+    about as well. ``memory_s``: correlation time of the residual. ``lines``: (cycles a turn of the drum, amplitude) of
+    the highest peaks of the order spectrum, which show errors too fast for the bins. All sizes in rad.
     """
 
     rms_rad: float
@@ -73,7 +73,7 @@ class Unknown:
 
     @property
     def repeatable(self) -> bool:
-        """Does any of it repeat?"""
+        """Whether any part of it repeats."""
         return bool(self.patterns)
 
     def sentence(self) -> str:
@@ -82,7 +82,7 @@ class Unknown:
         _, (rms, peak, repeats) = readable("_rad", [self.rms_rad, self.peak_rad, repeats_rad])
         size = f"{rms} RMS, {peak} at most"
         if not self.patterns:
-            return f"{size}; does not repeat in angle, load, speed or time; forgets itself in {self.memory_s:.2g} s"
+            return f"{size}; does not repeat in angle, load, speed or time; correlation time {self.memory_s:.2g} s"
         best = self.patterns[0]
         words = f"{size}; repeats in {best.variable}: {repeats} RMS, {best.share:.0%} of it"
         if best.shapes:
@@ -139,7 +139,7 @@ def describe_unknown(p: Prepared, residual_rad: Floats, floor_rad: float) -> Unk
         if name != "speed":
             by_sense = _pattern(f"{name} by direction", unit, x, index * 2 + sense, r, sweep, square, floor_rad)
             split.append(by_sense)
-    # Two curves are only said where they say clearly more than one.
+    # Two curves, one for each direction, are reported only if they explain clearly more than one.
     most = max((one.share for one in plain if one), default=0.0)
     found = [*plain, *(one for one in split if one and one.share > most + LEAST_SHARE)]
     t = p.time_s[use]
@@ -180,7 +180,7 @@ def _pattern(
     square: float,
     floor_rad: float,
 ) -> Pattern | None:
-    """What the means over bins share between groups of samples (sweeps, or sectors); None if it is too little."""
+    """The pattern that the bin means of all groups of samples (sweeps or sectors) share; None if it is too small."""
     shared, errors, count = shared_square(index, r, group)
     if shared <= 0.0 or errors < LEAST_ERRORS:
         return None
@@ -201,7 +201,7 @@ def shared_square(
 ) -> tuple[float, float, NDArray[np.int64]]:
     """Mean product of bin means of different groups, how many standard errors it is off zero, samples in each bin.
 
-    The standard error is that of a jackknife over groups: what a single sweep carries must not decide.
+    The standard error is that of a jackknife over groups, so that no single sweep decides.
     """
     groups, number = np.unique(group, return_inverse=True)
     bins = int(index.max()) + 1

@@ -1,8 +1,8 @@
 """Verify the result of the search: alternatives, effects that may be zero, names that an unknown error only resembles.
 
-Each effect of the search's fit is tried against the others of its looks; what cannot be told apart is a set. Then names
-are taken back that may be zero, that something unknown only resembles, or that one plain curve of load or speed does
-alone.
+Each effect of the search's fit is compared with others that have a similar signature; effects that cannot be separated
+form a set. Then names are withdrawn if their size may be zero, if they may only resemble an unknown error, or if one
+plain curve of load or speed explains as much.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from mbcdm_cad.measurement.sweeps import smoothed
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.routes import Floats
 
-# Two candidates are alike where the one that does better could be the wrong one (see ``clusters``), where their errors
-# differ by less than this many standard errors over the cells of sweep and sector, or by less than this share of the
-# floor in quadrature: so small a difference may be the model's own.
+# Two candidates are alike if the better one could be the wrong one (see ``clusters``), if their errors differ by less #
+# than this many standard errors over the cells of sweep and sector, or by less than this share of the floor in #
+# quadrature: so small a difference may be an error of the model.
 ALIKE_ERRORS = 2.0
 ALIKE_SHARE = 0.12
 # An effect is not named if the unexplained error is at least this share of the error that the effect explains.
@@ -35,8 +35,8 @@ BLAME_SHARE = 0.35
 # The intervals include smoothing windows found with the noise assumed so many times as large.
 WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
-# What is not named is kept as helpful from these odds on, and stays in the fit where it explains this share of what is
-# above the floor.
+# An effect that is not named is reported as helpful from these odds on. It stays in the fit if it explains this share
+# of # the error above the floor.
 LEAST_ODDS = 20.0
 MOST_OF = 0.75
 # A size counts as possibly zero if it is zero with this probability.
@@ -45,7 +45,7 @@ ZERO_CHANCE = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """One effect of the final fit and the fits that would do as well."""
+    """One effect of the final fit and the fits that explain the run as well without it."""
 
     effect: Effect
     alike: tuple[Fit, ...]
@@ -53,7 +53,8 @@ class Group:
 
 @dataclass(frozen=True, eq=False)
 class TakenBack:
-    """An effect that is not named and helps all the same: its values in the fit it was taken from, and how sure."""
+    """An effect that is not named but lowers the error: its values in the fit from which it was withdrawn, and its
+    odds."""
 
     effect: Effect
     values: Floats
@@ -68,12 +69,12 @@ class Judge:
     def __init__(self, search: Search) -> None:
         self.search, self.fitter = search, search.fitter
         self.helpful: list[TakenBack] = []
-        # Names that a quantity which the runs did not measure would explain as well.
+        # Names withdrawn because a quantity that the runs did not measure explains the error as well.
         self.unmeasured: list[str] = []
         self._estimates: dict[Fit, Estimate] = {}
 
     def judged(self) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
-        """The fit that stands, its effects with those that would do as well, and what is left unexplained."""
+        """The final fit, its effects with their alternatives, and the unexplained part."""
         fit, groups = self._settled()
         fit, groups = self._certain(fit, groups)
         unknown = self.left(fit)
@@ -83,7 +84,7 @@ class Judge:
         return fit, self._measured(fit, groups), unknown
 
     def _measured(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Group, ...]:
-        """Take back names that what was not measured would explain as well; they stay in the fit, as helpful."""
+        """Withdraw names that an unmeasured quantity explains as well; they stay in the fit, as helpful."""
         kept = []
         for group in groups:
             members = [group.effect, *(one.effects[-1] for one in group.alike)]
@@ -98,7 +99,7 @@ class Judge:
         return tuple(kept)
 
     def _settled(self) -> tuple[Fit, tuple[Group, ...]]:
-        """The search's fit, after every effect was tried against the others of its looks."""
+        """The search's fit after each effect was compared with its alternatives."""
         fit = self.search.forward()
         for _ in range(4):
             groups, better = [], None
@@ -129,10 +130,11 @@ class Judge:
         return tuple(best.values())
 
     def _coincidence(self, simpler: Fit, simple: Effect, fit: Fit, two: Effect) -> bool:
-        """Would ``two`` of ``fit`` need its phase to fall by chance where it looks like ``simple`` of ``simpler``?
+        """Whether ``two`` of ``fit`` looks like ``simple`` of ``simpler`` only because of its phase.
 
-        A wave could have had any phase, alike likely. That it has that of the simpler effect to within its deviation s
-        is s / sqrt(2 pi) as likely as the simpler effect itself, times the odds of the two fits (Bayes' factor).
+        All phases of a wave are equally likely. A phase that agrees with the simpler effect within its standard
+        deviation s is s / sqrt(2 pi) as likely as the simpler effect itself, times the odds of the two fits (Bayes
+        factor).
         """
         if len(two.parameters) <= len(simple.parameters):
             return False
@@ -144,16 +146,16 @@ class Judge:
         return bool(deviation / np.sqrt(2.0 * np.pi) * odds < TOLD_APART)
 
     def apart(self, worse: Fit, better: Fit) -> Separation:
-        """How well two fits are told apart."""
+        """How well two fits are separated."""
         used, f = self.fitter.used, self.fitter
         here = better.residual[used]
         return separation(-here, -worse.residual[used], here, f.sweep[used], f.sector[used])
 
     def _alike(self, worse: Fit, better: Fit) -> bool:
-        """Is the first no worse than the second, as far as sweeps and sectors can tell?"""
+        """Whether the first is as good as the second, as far as sweeps and sectors can show."""
         used = self.fitter.used
         excess = (worse.residual**2 - better.residual**2)[used]
-        # A fit that went astray is wrong in a few cells beyond all measure, which a test by their scatter would excuse.
+        # A failed fit has very large errors in a few cells, and a test by the scatter of the cells would accept it.
         if float(np.mean(excess)) > max(self.search.floor_rad**2, float(np.mean(better.residual[used] ** 2))):
             return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.search.floor_rad) ** 2:
@@ -166,7 +168,7 @@ class Judge:
         return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
 
     def left(self, fit: Fit, fitter: Fitter | None = None) -> Unknown | None:
-        """What stays unexplained, where it is more than the floor allows; ``fitter`` is the search's by default."""
+        """The unexplained part if it is above the floor, else None; ``fitter`` is the search's by default."""
         fitter = fitter or self.fitter
         worst: Unknown | None = None
         for part, p in zip(fitter.parts, fitter.runs, strict=True):
@@ -180,24 +182,26 @@ class Judge:
             fast = quiet - 1.5 * self.search.floor_rad**2
             if max(excess, fast) > (LEAST_FALL * self.search.floor_rad) ** 2:
                 found = describe_unknown(p, r, self.search.floor_rad)
-                # What does not repeat is noise, however coloured; and time cannot come twice. A run with too few half
-                # sweeps to repeat anything cannot say that it is noise.
+                # An error that does not repeat is noise, white or coloured, and a pattern in time cannot repeat. With
+                # too few # half sweeps repetition cannot be tested, and the error cannot be called noise.
                 repeats = p.few or any(pattern.variable != "time" for pattern in found.patterns)
                 if repeats and (worst is None or found.rms_rad > worst.rms_rad):
                     worst = found
         return worst
 
     def _unexplained(self, fit: Fit, unknown: Unknown) -> float:
-        """How large what is left is, rad RMS: beyond the floor on held-out data, or as much as surely repeats."""
+        """Size of the unexplained part, rad RMS: the held-out error above the floor, or the part that certainly
+        repeats."""
         beyond = float(np.sqrt(max(0.0, self.search.held_rms(fit) ** 2 - self.search.floor_rad**2)))
         return max([beyond, *(pattern.rms_rad for pattern in unknown.patterns if pattern.variable != "time")])
 
     def _unblamed(
         self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown
     ) -> tuple[Fit, tuple[Group, ...], Unknown]:
-        """Take back names that something unknown may only resemble, the one that explains least first.
+        """Withdraw names that may only resemble an unknown cause, the one that explains least first.
 
-        What certainly helps is kept in mind; where it explains most of what is above the floor, it stays in the fit.
+        An effect that certainly lowers the error is recorded as helpful; if it explains most of the error above the
+        floor, it stays in the fit.
         """
         full = fit
         while groups:
@@ -226,7 +230,7 @@ class Judge:
         return fit, groups, unknown
 
     def _odds(self, less: Fit, fit: Fit) -> float:
-        """How much likelier than not that ``fit`` does better than ``less`` on half sweeps that neither has seen."""
+        """Odds that ``fit`` has a lower error than ``less`` on half sweeps that neither was fitted to."""
         test = self.fitter.test
         sweep = np.unique(self.fitter.sweep[test], return_inverse=True)[1]
         falls = np.bincount(sweep, (less.residual**2 - fit.residual**2)[test]) / np.bincount(sweep)
@@ -237,7 +241,7 @@ class Judge:
         return (1.0 - wrong) / max(wrong, 1e-12)
 
     def _certain(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
-        """Take back names whose sizes may be zero: by their scatter over sweeps and sectors, and with other windows."""
+        """Withdraw names whose sizes may be zero: by their scatter over sweeps and sectors, and with other windows."""
         while groups:
             windows = self.shift_by_window(fit)
             chances = []
@@ -259,7 +263,7 @@ class Judge:
     def _not_generic(
         self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown | None
     ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
-        """Take back names of load and speed that one generic regressor does better, or several that it equals."""
+        """Withdraw names of load and speed if one generic regressor explains more than one, or as much as several."""
         mistaken = [group for group in groups if group.effect.generic]
         if not mistaken:
             return fit, groups, unknown
@@ -289,7 +293,7 @@ class Judge:
         estimate = self._estimates[fit]
         wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2
         block = estimate.covariance[fit.columns_of(effect), fit.columns_of(effect)]
-        # What the data do not move at all has no interval by linear theory; it is as unknown as it is large.
+        # A parameter without influence on the prediction has no interval by linear theory; use its own size instead.
         return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values_of(effect))) ** 2))
 
     def shift_by_window(self, fit: Fit) -> list[Floats]:

@@ -23,10 +23,9 @@ ErrorOf = Callable[[Floats], Floats]
 class Bench:
     """All that effects may change before a run; arrays over the n samples of ``time_s``.
 
-    ``command_rad`` is what the gearheads are told, ``drum_rad`` the drum angle that answers to it without any error.
-    ``input_at`` is the place of the input encoders, "pulley" or "motor"; ``strains`` is the stress-free strain of rope
-    over bed on each wrap, (n_cables, w, n), the wraps those of
-    :mod:`mbcdm_cad.rig.chain`.
+    ``command_rad`` are the commanded angles of the gearheads, ``drum_rad`` the drum angle that they give without any
+    error. ``input_at`` is the place of the input encoders, "pulley" or "motor"; ``strains`` is the stress-free strain
+    of rope over bed on each wrap, (n_cables, w, n), the wraps those of :mod:`mbcdm_cad.rig.chain`.
     """
 
     drive: Drive
@@ -59,7 +58,7 @@ class Bench:
         )
 
     def which(self, names: tuple[str, ...]) -> list[int]:
-        """Indices of the cables of these names; of all where none is named. KeyError names one that is not there."""
+        """Indices of the cables of these names; of all if there are no names. KeyError for an unknown name."""
         known = [c.name for c in self.cables]
         for name in names:
             if name not in known:
@@ -88,15 +87,15 @@ class Bench:
         )
 
     def add_encoder_error(self, stage: str, error: ErrorOf) -> None:
-        """Let the encoder of this stage misread; KeyError if the drive has none there."""
+        """Add an angle error to the encoder of this stage; KeyError if the drive has no such encoder."""
         if stage != self.routes.drum.name:
             self.input_index(stage)
         self.encoder_errors.append((stage, error))
 
     def add_strain(self, which: list[int], free: Floats, wraps: tuple[Floats, Floats, Floats]) -> None:
-        """Let rope of these cables grow by ``free`` (n,) in its span, and over its bed by ``wraps``.
+        """Add a strain ``free`` (n,) to the free spans of these cables, and strains ``wraps`` relative to the pulleys.
 
-        ``wraps`` are the growth on the input, on bodies that are passed, and on the drum.
+        ``wraps`` are the strains on the input, on bodies that are passed, and on the drum.
         """
         n_wraps = 2 + max(len(c.passed) for c in self.cables)
         if self.strains is None:
@@ -109,7 +108,7 @@ class Bench:
         self.paths.append(lambda inputs, drum: -longer)
 
     def tell(self, name: str, in_vocabulary: bool = True, seen: bool = True, **more: Any) -> None:
-        """Write an effect into the truth. ``seen`` is false for what the readings explain by themselves."""
+        """Write an effect into the truth. ``seen`` is false for an effect that the logged signals already contain."""
         entry: dict[str, Any] = {"name": name, "in_vocabulary": in_vocabulary}
         if not seen:
             entry["seen"] = False

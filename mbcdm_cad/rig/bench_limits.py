@@ -13,7 +13,7 @@ LoadKind = Literal["brake", "weight", "torque_motor"]
 
 
 class BenchLimits(ExperimentBlock):
-    """Most that a bench can do; left out: the design's own travel, no load, no bound on the speed."""
+    """Limits of a bench; defaults: the travel of the design, no load, no limit of the speed."""
 
     format: Literal["mbcdm-bench-1"] = "mbcdm-bench-1"
     half_travel_deg: Annotated[float, Field(gt=0.0, le=180.0)] | None = None

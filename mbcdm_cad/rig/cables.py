@@ -1,4 +1,4 @@
-"""A cable of the rig as it is really built, in SI; it may differ from the design file."""
+"""A cable of the rig as built, in SI; it may differ from the design file."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from mbcdm_cad.routes.route import CableRoute, DriveRoutes, Wrap
 
 @dataclass(frozen=True)
 class RigCable:
-    """One cable, SI. ``sigma`` is the sense in which its tension turns the drum, ``input_index`` the input it is on.
+    """One cable, SI. ``sigma``: sense in which its tension turns the drum; ``input_index``: the input on which it runs.
 
-    ``route`` is its way in the design; the radii of input and drum are those built. ``own_wrap_rad`` is this side's
-    half of a wrap over the input on which friction alone holds; 0 where the cable counts as anchored there.
+    ``route`` is its route in the design; the radii of input and drum are those as built. ``own_wrap_rad`` is this
+    side's half of a wrap over the input that only friction holds; 0 where the cable counts as anchored there.
     """
 
     name: str
@@ -31,17 +31,17 @@ class RigCable:
 
     @property
     def free_span_m(self) -> float:
-        """L_free of the design."""
+        """Free span L_free of the design, m."""
         return self.route.free_length_m
 
     @property
     def passed(self) -> tuple[Wrap, ...]:
-        """The wraps between input and drum."""
+        """The wraps on bodies between input and drum."""
         return self.route.passed
 
 
 def routes_of(drive: Drive) -> DriveRoutes:
-    """How the cables of ``drive`` run. Errors: ValueError where the geometry leaves no free span."""
+    """The routes of the cables of ``drive``. Raises ValueError where the geometry leaves no free span."""
     found = configuration_of(drive).routes(drive)
     routes = found.routes
     if any(math.isnan(route.free_length_m) for route in routes.cables):
@@ -50,7 +50,7 @@ def routes_of(drive: Drive) -> DriveRoutes:
 
 
 def cables_of(drive: Drive) -> tuple[RigCable, ...]:
-    """The cables as the design file has them. Errors: ValueError where the geometry leaves no free span."""
+    """The cables with the values of the design file. Raises ValueError where the geometry leaves no free span."""
     routes = routes_of(drive)
     return tuple(
         RigCable(

@@ -1,23 +1,24 @@
 """Cables as chains of elastic pieces: unilateral tension, Coulomb contact on every wrap, rope carried along.
 
-Physics. A wrap is cut into pieces of equal angle, fixed to the pulley's surface. Each holds one tension, so one
-strain. Between a piece and its neighbour, or the tension T_e of the free span, friction carries at most a factor
-e^(mu s), s the angle between their middles. When T_e changes, pieces slip from the end inwards until one holds: the
-first that lies within the factor stays as it was, and with it all behind it. Nothing is assumed about loading,
-unloading or memory.
+Physics. A wrap is divided into pieces of equal angle, fixed to the pulley's surface. Each has one tension and so one
+strain. Between a piece and its neighbour, or the tension T_e of the free span, friction allows at most a ratio e^(mu
+s), s the angle between their middles. When T_e changes, pieces slip from the end inwards until one holds: the first
+piece within this ratio keeps its tension, and so do all pieces behind it. Nothing is assumed about loading, unloading
+or history.
 
 Balance. The rope's length at preload is conserved: with delta the growth of the path since the start,
 
     (T_e - T_pre) L_free + sum over wraps and pieces (T - T_pre) r dphi = E A delta,   T >= 0,
 
-which is one monotone equation for T_e, solved by Newton steps; what a cable cannot follow makes it slack (T_e = 0).
+which is one monotone equation for T_e, solved by Newton steps. Where no tension above zero fits, the cable is slack
+(T_e = 0).
 
-Carrying along. When a pulley turns, the tangent point moves over pieces that stand still on the pulley: pieces pass
-under it and leave with the tension they had, new ones are laid on with T_e. ``transport=False`` keeps the tangent
-points where they are, as the analytic model does. The input wrap grows with sigma theta_i, the drum's with -sigma
-theta_o; the window on a body that is passed walks with the rope. ``passed_slip=False`` passes the tension over such a
-body without any wrap there; with it the wrap has two ends, both at T_e (its bearing turns freely), and rope creeps on
-it from both.
+Carrying along. When a pulley turns, the tangent point moves relative to the pieces, which are fixed to the pulley:
+pieces pass it and leave with the tension they had, new ones are laid on with T_e. ``transport=False`` keeps the tangent
+points fixed, as the analytic model does. The input wrap grows with sigma theta_i, the drum's with -sigma theta_o; the
+wrap on a body that is passed moves with the rope. With ``passed_slip=False`` the tension passes such a body without a
+wrap. With ``passed_slip=True`` the wrap has two ends, both at T_e (the body's bearing turns freely), and rope creeps on
+it from both ends.
 
 Python:  ``chains(cables, ...)`` gives fresh ``Chains`` at preload with all angles zero.
 njit, j the cable, all arrays changed in place:
@@ -50,7 +51,7 @@ DRUM_WRAP_RAD = 3.0
 SIGMA, INPUT_RADIUS, DRUM_RADIUS, FREE, EA, PRELOAD, TRANSPORT = range(7)
 # The wraps of a cable are that on its input, those on the bodies that it passes, and last that on the drum.
 INPUT = 0
-# Columns of a wrap: surface angles where it begins and ends now and began and ended at first, radius, friction, whether
+# Columns of a wrap: surface angles of its beginning and end, now and at the start, radius, friction, whether
 # it begins at an anchor, sum of (T - T_pre) dphi, the factors e^(mu s) to the outer and the next piece of each end, and
 # after how many pieces in a row that hold no further ones are looked at, and the turns of a passed body for one of the
 # drum.
@@ -73,7 +74,7 @@ INPUT = 0
     PER_DRUM,
 ) = range(16)
 _COLUMNS = 16
-# The outer piece is a mixture of old and new rope and may hold in front of one that does not.
+# The outer piece is a mixture of old and new rope and may hold although the next one does not.
 _TWO = 2.0
 _NEWTON = 60
 
@@ -107,7 +108,7 @@ def chains(
     """
     n = len(cables)
     turns = max(c.drum_radius_m / c.input_radius_m for c in cables)
-    # A wrap that is anchored nowhere takes from its other side what it winds off.
+    # A wrap without an anchor gets the rope that it winds off from its other side.
     anchored = any(c.own_wrap_rad == 0.0 for c in cables)
     if transport and (reach_rad >= drum_wrap_rad or (anchored and reach_rad * turns >= input_wrap_rad)):
         raise ValueError(
@@ -171,11 +172,11 @@ def _factors(wrap: Floats) -> None:
 
 @compiled
 def _slip(pieces: Floats, wrap: Floats, tension: float, write: bool) -> tuple[float, float]:
-    """What ``tension`` at the ends changes in the sum of T dphi, and the change's slope; done to them if ``write``."""
+    """Change of the sum of T dphi by ``tension`` at the ends, and its slope; the pieces are updated if ``write``."""
     size, count = wrap[PIECE], pieces.size
     top, bottom = _piece_before(wrap[HIGH], size), _piece_after(wrap[LOW], size)
     change, slope = 0.0, 0.0
-    # Between two ends each piece answers to the nearer one.
+    # With two ends, the nearer end decides whether a piece slips.
     middle = bottom if wrap[ANCHORED] > 0.0 else (top + bottom + 1) // 2
     for end in range(1 if wrap[ANCHORED] > 0.0 else 2):
         step = -1 if end == 0 else 1
@@ -248,7 +249,7 @@ def _move_low(pieces: Floats, wrap: Floats, to: float, tension: float, preload: 
 
 @compiled
 def carry(chains: Chains, j: int, input_rad: float, drum_rad: float) -> None:
-    """Turn the pulleys of cable ``j`` to these angles; nothing without transport."""
+    """Turn the pulleys of cable ``j`` to these angles; no effect without transport."""
     c = chains.constants[j]
     if c[TRANSPORT] == 0.0:
         return
@@ -258,7 +259,7 @@ def carry(chains: Chains, j: int, input_rad: float, drum_rad: float) -> None:
             continue
         if wrap[ANCHORED] == 0.0:
             walked = c[SIGMA] * wrap[PER_DRUM] * drum_rad
-            # In this order the window never closes, whichever way it walks.
+            # In this order the wrap never gets a negative length, whichever way it moves.
             low, high = wrap[LOW_0] + walked, wrap[HIGH_0] + walked
             if high > wrap[HIGH]:
                 _move_high(pieces, wrap, high, chains.tension[j], c[PRELOAD])
@@ -281,14 +282,15 @@ def stretch(chains: Chains, j: int, input_rad: float, drum_rad: float, path_m: f
 
 @compiled
 def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
-    """Tension (N) that cable ``j`` would have at a total stretch, and dT/ddelta (N/m); its state stays as it is."""
+    """Tension (N) that cable ``j`` would have at a total stretch, and dT/ddelta (N/m); its state does not change."""
     c = chains.constants[j]
     held = -c[EA] * stretch_m
     for w in range(chains.wraps.shape[1]):
         held += chains.wraps[j, w, RADIUS] * chains.wraps[j, w, SUM]
     tension = chains.tension[j]
     slope = c[FREE]
-    # Pieces that tighten and pieces that slacken may bend the balance both ways: Newton needs a bracket.
+    # With some pieces tightening and others slackening the balance is neither convex nor concave: Newton needs a
+    # bracket.
     low, high = 0.0, math.inf
     for _ in range(_NEWTON):
         miss, slope = held + (tension - c[PRELOAD]) * c[FREE], c[FREE]
@@ -315,7 +317,7 @@ def look(chains: Chains, j: int, stretch_m: float) -> tuple[float, float]:
 
 @compiled
 def settle(chains: Chains, j: int, tension_N: float) -> None:
-    """Take ``tension_N`` as the cable's and let its pieces slip as far as that makes them."""
+    """Set the cable's tension to ``tension_N`` and let the pieces slip that this tension makes slip."""
     chains.tension[j] = tension_N
     for w in range(chains.wraps.shape[1]):
         if chains.wraps[j, w, HIGH_0] > 0.0:
@@ -333,21 +335,23 @@ def advance(chains: Chains, j: int, input_rad: float, drum_rad: float, path_m: f
 
 @compiled
 def strain(chains: Chains, j: int, strains: Floats) -> None:
-    """Add a stress-free strain of rope over bed to each wrap: stuck rope goes slacker by it.
+    """Add a stress-free strain of the rope relative to the pulley to each wrap; it lowers the tension of stuck rope.
 
-    ``strains`` (w,), by wrap: growth of the rope less that of the pulley under it. The free span's belongs in the path.
+    ``strains`` (w,), by wrap: strain of the rope minus that of the pulley under it. The strain of the free span belongs
+    in the path.
     """
     c = chains.constants[j]
     for w in range(chains.wraps.shape[1]):
         wrap, pieces = chains.wraps[j, w], chains.pieces[j, w]
         if wrap[HIGH_0] == 0.0 or strains[w] == 0.0:
             continue
-        # Strained pieces need not get tighter or slacker in order: from now on all must be looked at.
+        # After a strain the tension need not be monotone along the wrap: from now on all pieces must be tested.
         size, wrap[ENOUGH] = wrap[PIECE], math.inf
         for k in range(_piece_after(wrap[LOW], size), _piece_before(wrap[HIGH], size) + 1):
             extent = min((k + 1) * size, wrap[HIGH]) - max(k * size, wrap[LOW])
             now = pieces[k % pieces.size]
             then = max(now - c[EA] * strains[w], 0.0)
             pieces[k % pieces.size] = then
-            # The length at preload is constant: the lower tension shortens the rope as much as the strain lengthens it.
+            # The length on the pulley is constant: the lower tension shortens the rope as much as the strain lengthens
+            # it.
             wrap[SUM] += extent * (then - now + c[EA] * strains[w])

@@ -65,7 +65,7 @@ in `mbcdm_cad/rig/effects`.
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """What an experiment adds to the transmission error, (n,) in urad, and where it is to be drawn over."""
+    """Change of the transmission error by an experiment, (n,) in urad, and the abscissa of its plot."""
 
     experiment: Experiment
     added_urad: Floats
@@ -116,7 +116,7 @@ def picture(all_added: list[Added], path: Path) -> None:
 
 
 def effects_table() -> str:
-    """All effects with the fields they take, their bounds and defaults, in Markdown."""
+    """All effects with their fields, bounds and defaults, in Markdown."""
     lines = ["| effect | description | fields |", "| --- | --- | --- |"]
     for kind in get_args(get_args(AnyEffect)[0]):
         schema = kind.model_json_schema()["properties"]

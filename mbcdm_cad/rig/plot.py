@@ -13,7 +13,7 @@ from mbcdm_cad.routes import Floats
 
 
 def transmission_error_urad(run: SimulatedRun, turns: list[float]) -> Floats:
-    """Mean of the inputs over their ratio, less the output, from the readings: Eq. (2) of the paper; (n,) in urad."""
+    """Mean of the inputs over their ratio minus the output, from the readings: Eq. (2) of the paper; (n,) in urad."""
     ideal = np.mean([angle / turn for angle, turn in zip(run.measured_input_rad, turns, strict=True)], axis=0)
     return np.asarray((ideal - run.measured_output_rad) * 1e6)
 

@@ -34,7 +34,7 @@ _BOUNDS = {
 
 
 def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
-    """The experiment in a YAML file, on the dynamic rig if it has a field ``rig``. InputError tells all problems."""
+    """The experiment in a YAML file, on the dynamic rig if it has a field ``rig``. InputError lists all problems."""
     path = Path(path)
     tree = yamltree.parse(read_text(path, *_KIND), str(path), *_KIND)
     dynamic = isinstance(tree.data, dict) and "rig" in tree.data
@@ -60,7 +60,7 @@ def read_experiment(path: str | Path) -> Experiment | DynamicExperiment:
 
 
 def read_bench(path: str | Path) -> BenchLimits:
-    """What the bench of a YAML file can do. InputError tells all problems."""
+    """The limits of the bench in a YAML file. InputError lists all problems."""
     path = Path(path)
     tree = yamltree.parse(read_text(path, *_BENCH_KIND), str(path), *_BENCH_KIND)
     limits = _validated(BenchLimits, tree, str(path))
@@ -82,7 +82,7 @@ def _validated(model: type[Block], tree: yamltree.Tree, file: str) -> Block:
 
 def _problem(item: Any, tree: yamltree.Tree, file: str) -> Problem:
     context = item.get("ctx", {})
-    # Pydantic names the branch of a union in the path; the file does not hold it.
+    # Pydantic adds the branch of a union to the path; the file does not contain it.
     where = tuple(part for k, part in enumerate(item["loc"]) if not (k == 2 and item["loc"][0] == "effects"))
     limit = ", ".join(f"{word} {context[key]}" for key, word in _BOUNDS.items() if key in context)
     what = {

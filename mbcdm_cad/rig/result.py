@@ -1,4 +1,4 @@
-"""What every rig gives: truth and readings of a run, or the reason why there is none."""
+"""The result of every rig: truth and readings of a run, or the error that says why there is none."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class RigError(MbcdmError):
 class SimulatedRun:
     """Truth and readings of a run, SI, arrays over n samples.
 
-    ``input_rad`` (n_inputs, n) are the pulleys, ``tension_N`` (n_cables, n); ``load_Nm`` is what the sensor feels.
+    ``input_rad`` (n_inputs, n) are the pulleys, ``tension_N`` (n_cables, n); ``load_Nm`` is the torque at the sensor.
     """
 
     time_s: Floats

@@ -1,4 +1,4 @@
-"""What the bench's sensors make of the truth: where they sit, counts, noise, lateness."""
+"""The sensors of the bench: place, resolution, noise and delay."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Delay = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class BenchSensors(ExperimentBlock):
-    """Encoders and torque sensor; a resolution of 0 is a sensor without steps. ``*_delay_s`` is known to nobody else.
+    """Encoders and torque sensor. A resolution of 0 means no steps; ``*_delay_s`` is not declared to the loop.
 
     ``input_at`` says where the input encoders sit: on the pulleys, or behind the motors, read at the gearhead's output.
     """
@@ -33,7 +33,7 @@ class BenchSensors(ExperimentBlock):
 
 
 def counted(angle_rad: Floats, resolution_rad: float, noise_rad: float, rng: np.random.Generator) -> Floats:
-    """The angle as an encoder counts it: noise, then steps that lie anywhere against the angle's zero."""
+    """The angle as an encoder counts it: noise is added, then it is rounded to steps with an arbitrary offset."""
     offset, noise = rng.random(), rng.standard_normal(angle_rad.size)
     seen = angle_rad + noise_rad * noise
     if resolution_rad == 0.0:
@@ -42,5 +42,5 @@ def counted(angle_rad: Floats, resolution_rad: float, noise_rad: float, rng: np.
 
 
 def late(time_s: Floats, value: Floats, delay_s: float) -> Floats:
-    """The value as it was ``delay_s`` before; before the start it stood still."""
+    """The value ``delay_s`` earlier; before the start it is constant."""
     return value if delay_s == 0.0 else np.interp(time_s - delay_s, time_s, value)

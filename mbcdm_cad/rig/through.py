@@ -1,13 +1,13 @@
 """A cable that is anchored nowhere on its input: its two sides, and the rope that goes over from one to the other.
 
-Each side is a chain of :mod:`mbcdm_cad.rig.chain` whose wrap on the input begins at an anchor. Here the anchor of both
-is a place on the pulley where the rope sticks at the moment, and after each step it moves to the place that holds best.
-The pieces between the old place and the new one go over to the other side with the tension that they have. So no rope
-is lost, and what neither side notices at the time comes through later: a piece that was wound on under a high tension
-and leaves on the other side brings more rope there than it takes away under a low one. That is the creep of a belt.
+Each side is a chain of :mod:`mbcdm_cad.rig.chain` whose wrap on the input begins at an anchor. Here the common anchor
+of both is a place on the pulley where the rope sticks at the moment; after each step it moves to the place with the
+largest reserve of friction. The pieces between the old and the new place go over to the other side and keep their
+tension. So no rope is lost, and the effect appears later: a piece that was wound on under a high tension and leaves on
+the other side brings more rope there than a piece under a low tension takes away. That is the creep of a belt.
 
-A piece holds by a reserve mu a - |ln(T_end / T)| towards each end, a the angle to it. Where no piece of a wrap has any,
-the cable slips through as a whole, and no drum angle balances the load.
+The reserve of a piece towards each end is mu a - |ln(T_end / T)|, a the angle to that end. Where no piece of a wrap has
+a reserve, the whole cable slips over the input, and no drum angle balances the load.
 
 Place of a piece on the pulley: number k on the first side is number -k - 1 on the second.
 """
@@ -23,7 +23,7 @@ from mbcdm_cad.rig.cables import RigCable
 from mbcdm_cad.rig.chain import HIGH, INPUT, LOW, MU, PIECE, Chains
 from mbcdm_cad.storage.compiled import compiled
 
-# A side without tension holds nothing; its logarithm must be finite, N.
+# Lower bound of a tension, N, so that its logarithm is finite; a slack side has no reserve.
 _LEAST_N = 1e-9
 
 
@@ -36,7 +36,7 @@ def pairs_of(cables: tuple[RigCable, ...]) -> NDArray[np.int64]:
 
 @compiled
 def _reserve(chains: Chains, one: int, other: int, k: int) -> float:
-    """What the piece ``k`` of the side ``one`` has left of its hold towards the end that has less."""
+    """Reserve of the piece ``k`` of the side ``one`` towards the end with the smaller reserve."""
     wrap, back = chains.wraps[one, INPUT], chains.wraps[other, INPUT]
     size, count = wrap[PIECE], chains.pieces.shape[2]
     owner = one if k * size >= wrap[LOW] - 0.5 * size else other
@@ -50,7 +50,7 @@ def _reserve(chains: Chains, one: int, other: int, k: int) -> float:
 
 @compiled
 def go_over(chains: Chains, one: int, other: int) -> bool:
-    """Move the common anchor of both sides to where the rope holds best; False where it holds nowhere."""
+    """Move the common anchor of both sides to the piece with the largest reserve; False if no piece has one."""
     wrap, back = chains.wraps[one, INPUT], chains.wraps[other, INPUT]
     size, count = wrap[PIECE], chains.pieces.shape[2]
     best, most = 0, -math.inf
@@ -68,6 +68,6 @@ def go_over(chains: Chains, one: int, other: int) -> bool:
     while at > best:
         at -= 1
         chains.pieces[one, INPUT, at % count] = chains.pieces[other, INPUT, (-at - 1) % count]
-    # The sums stay: a piece that is gone over still counts for the side on which its rope was reckoned so far.
+    # The sums do not change: a piece that went over still counts for the side that its rope belonged to.
     wrap[LOW], back[LOW] = at * size, -at * size
     return True

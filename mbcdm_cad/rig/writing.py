@@ -1,4 +1,4 @@
-"""Files of a simulated run, put in place all at once or not at all."""
+"""Files of a simulated run, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def run_files(
 
 def _csv(header: list[str], columns: list[Any]) -> bytes:
     text = io.StringIO()
-    # Time to a microsecond, all else to ten digits: below the finest sensor by far.
+    # Time to a microsecond, all else to ten digits: far finer than any sensor.
     formats = ["%.6f", *["%.10g"] * (len(columns) - 1)]
     np.savetxt(text, np.stack(columns, axis=1), fmt=formats, delimiter=",", header=",".join(header), comments="")
     return text.getvalue().encode()
@@ -71,9 +71,9 @@ def _yaml(content: dict[str, Any]) -> bytes:
 
 
 def write_run(folder: Path, files: dict[str, bytes]) -> None:
-    """Make ``folder`` hold just these files. A folder there before gives way only if it holds files of a run alone.
+    """Make ``folder`` contain exactly these files. An existing folder is replaced only if it has files of a run alone.
 
-    Raises ``OutputError`` if it holds others, or if the system refuses to write.
+    Raises ``OutputError`` if it contains other files, or if the system refuses to write.
     """
     ours = {"".join(Path(name).suffixes) for name in files} | {".png"}
 

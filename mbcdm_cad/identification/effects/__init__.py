@@ -1,4 +1,4 @@
-"""The vocabulary: each file here with a function ``offer`` is an effect, and is found by being here."""
+"""The library of effects: each file of this folder that has a function ``offer`` is found without being listed."""
 
 from __future__ import annotations
 

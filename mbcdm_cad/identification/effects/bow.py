@@ -1,4 +1,4 @@
-"""A smooth bow in angle: runout of both ends together, a pulley that is not round, a sensor that is not straight."""
+"""A smooth bow in angle: runout of input and output together, a pulley that is not round, a nonlinear sensor."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Points at which the bow of a figure is looked at.
+# Points at which the height of the bow is evaluated.
 POINTS = 201
 
 
 def _shapes(angle_rad: Floats, low_rad: float, high_rad: float) -> tuple[Floats, Floats]:
-    """A parabola and a cubic that hold neither a level nor a share of the angle over the travel, in rad^2 and rad^3."""
+    """A parabola and a cubic without mean and without linear part over the travel, in rad^2 and rad^3."""
     middle, half = 0.5 * (low_rad + high_rad), 0.5 * (high_rad - low_rad)
     x = angle_rad - middle
     return x**2 - half**2 / 3.0, x**3 - 0.6 * half**2 * x

@@ -1,4 +1,4 @@
-"""Preload and friction of the cables: what decides how far they slip."""
+"""Preload and friction of the cables, which determine how far the cables slip."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 SHARE = (Parameter("share", 0.02, -0.8, 4.0),)
-# Starts of the fit: ropes settle and wear, and lose more than half of what they were set to.
+# Starts of the fit: ropes settle and wear, and may lose more than half of the preload that was set.
 PRELOAD_STARTS = ([0.0], [-0.4], [0.6])
 FRICTION_STARTS = ([0.0], [-0.4], [1.0])
 TENSION = "the tension of {cables} is {share} {way_share} than the design file says"

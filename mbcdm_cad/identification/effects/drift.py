@@ -1,4 +1,4 @@
-"""What follows time or temperature: warming, and a rope that settles."""
+"""Drift with time or temperature: warming, and settling of a rope."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""A cable that friction alone holds on its input creeps over it where the travel carries off what sticks.
+"""Creep of a cable that friction alone holds on its input: too large a travel carries the part that sticks off it.
 
-The declared model lets each side of the cable begin at an anchor on the input. Where the wrap is too short for the
+In the declared model each side of the cable begins at an anchor on the input. Where the wrap is too short for the
 travel, rope that was wound on with the tension of one side leaves on the other, as on a belt: under a load that keeps
-its sense the drum moves on every cycle. What carries it off and how far follows from the wrap
+its direction the drum moves further in every cycle. When this begins and how far it goes follows from the wrap
 (:mod:`mbcdm_cad.model.through_wrap`).
 """
 
@@ -22,7 +22,7 @@ from mbcdm_cad.routes import Floats
 # First guesses of the wrap, shares of that of the design; a shorter one slips as a whole.
 STARTS = (1.0, 0.8, 0.6, 0.4)
 SHORTEST_RAD = pi
-# An input that turns less carries nothing off.
+# With less rotation of the input no part of the cable that sticks leaves the wrap.
 LEAST_TRAVEL_RAD = 1.0
 
 
@@ -39,7 +39,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         Effect(
             "input_creep",
             "too little wrap for the travel",
-            "the travel carries the rope that sticks off the input, so that the cable moves on over it",
+            "the travel carries the part of the rope that sticks off the input, so that the cable creeps over it",
             "turns of the cable round the input, grease on them, preload",
             "the same load at a shorter travel, or with a turn more round the input: the drum stays where it is",
             (

@@ -1,4 +1,4 @@
-"""Play: the side in contact follows the sign of the torque carried; where friction decides, a play operator."""
+"""Play: the side in contact follows the sign of the transmitted torque; where friction decides, a play operator."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
 SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
-# Torque at the drum over which the contact changes sides: a few times the sensor's noise.
+# Range of torque at the drum in which the contact changes sides: a few times the sensor's noise.
 DRUM_CHANGE_NM = 0.01
 # An encoder before the play may have been set to zero with the pulley anywhere in it, so where its zero lies is fitted.
 INPUT_PLAY = (
@@ -52,7 +52,7 @@ def _width(setup: Setup, residual: Floats) -> list[list[float]]:
 
 
 def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[list[float]]:
-    """No play, and as much as makes what is left if the input moves its share of the drum."""
+    """Two starts: no play, and the play that would cause the whole residual through the input's share of the drum."""
     share = float(np.sum(d.drum_radius_m**2 / d.free_span_m * d.of_input(index)))
     share /= float(np.sum(d.drum_radius_m**2 / d.free_span_m))
     width = float(np.ptp(np.quantile(residual[setup.p.used], [0.05, 0.95])))
@@ -82,7 +82,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
             Effect(
                 "lash",
                 "play at an input",
-                "play between input encoder and pulley; the preload's bias holds one side",
+                "play between input encoder and pulley; the torque from the preload holds one side in contact",
                 f"gearhead and collar of input {name}",
                 SEPARATE,
                 INPUT_PLAY,

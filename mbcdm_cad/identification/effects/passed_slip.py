@@ -1,4 +1,4 @@
-"""Rope that creeps on the bodies it passes: the model takes the tension over a guide without slip."""
+"""Rope that creeps on the bodies it passes: in the declared model the tension passes a guide without slip."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Friction and wraps as declared make 1; far beyond, the rope's friction itself is another.
+# Strength 1 is friction and wraps as declared; far above it the friction coefficient itself is wrong.
 MOST = 1.5
 
 
@@ -22,7 +22,7 @@ def _slipping(d: DriveSI) -> DriveSI:
 
 
 def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
-    # The profiles of wound-on cable do not know a guide that slips, so what the slip changes is taken without them.
+    # The tension profiles of wound-on cable assume no slip on the guide: the change by slip is computed without them.
     bare = replace(setup, winding=0.0, creep=0.0)
     whole = simulate(replace(bare, d=_slipping(setup.drive))) - simulate(bare)
     return setup.with_added(values[0] * whole)
@@ -36,8 +36,8 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         Effect(
             "passed_slip",
             "rope creeps on the guide",
-            "the rope slips on the guide too, from both ends of its wrap; strength 1 is the whole of it",
-            "no part of the bench: the declared model takes the tension over the guide without slip",
+            "the rope slips on the guide too, from both ends of its wrap; strength 1 is the whole effect",
+            "no part of the bench: in the declared model the tension passes the guide without slip",
             "loads of several sizes: slip on the guide ends where it has reached the whole wrap",
             (Parameter("strength", 0.5, 0.0, MOST),),
             _apply,

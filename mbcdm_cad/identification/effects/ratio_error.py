@@ -1,4 +1,4 @@
-"""A pitch radius or an encoder's scale that is off: exactly alike, proportional to angle."""
+"""A wrong pitch radius or encoder scale: both have the same signature, proportional to the angle."""
 
 from __future__ import annotations
 

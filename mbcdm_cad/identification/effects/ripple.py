@@ -16,14 +16,14 @@ from mbcdm_cad.routes import Floats
 
 
 def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    # The output's own encoder has the finest phase; a fast order would be blurred by a smoothed angle.
+    # The angle of the output encoder gives the exact phase; a smoothed angle would blur a fast order.
     reading = setup.p.output_rad
     angle = values[2] * (reading - np.mean(reading - setup.drum_rad))
     return setup.with_added(values[0] * np.cos(angle) - values[1] * np.sin(angle))
 
 
 def _inside(values: Floats, setup: Setup) -> Floats:
-    """The same line on a smooth angle, as the cables are to follow it."""
+    """The same line over a smoothed angle, since the cables are simulated with it."""
     angle = values[2] * setup.drum_rad
     return np.asarray(values[0] * np.cos(angle) - values[1] * np.sin(angle))
 
@@ -84,7 +84,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         replace(
             found[0],
             form=form,
-            physics="a ripple that works the cables: it moves them to and fro and eases their friction",
+            physics="a ripple inside the drive: it moves the cables to and fro and eases their friction",
             where_to_look=where,
             apply=apply,
             inside=True,

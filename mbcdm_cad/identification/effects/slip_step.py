@@ -1,4 +1,4 @@
-"""An anchor or a mount that gave way: a step in time."""
+"""An anchor or a mount that slipped once: a step in time."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Duration of a step: an estimate, far shorter than the fit could resolve.
+# Duration of a step: an estimate, far shorter than the fit can resolve.
 RISE_S = 0.02
-# Largest slip of an anchor, in stretches that the preload makes.
+# Largest slip of an anchor, in multiples of the stretch that the preload causes.
 MOST_STRETCHES = 5.0
 SEPARATE = "run again: a step does not come twice"
 
@@ -67,7 +67,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         )
     ]
     if d is not None and p.load_Nm is not None:
-        # A rope that gave way by more than its preload stretches it a few times over is no longer a slip.
+        # More than a few times the stretch under preload is no longer a slip of the anchor.
         most = MOST_STRETCHES * d.preload_N / d.axial_stiffness_N * d.free_span_m
         found += [
             Effect(

@@ -1,4 +1,4 @@
-"""What follows the speed: bearing friction by its sign, a late sensor or a viscous drag by its size."""
+"""Effects of the speed: bearing friction by its sign, a late sensor or a viscous drag by its magnitude."""
 
 from __future__ import annotations
 

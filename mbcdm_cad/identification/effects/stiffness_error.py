@@ -1,4 +1,4 @@
-"""Modulus, free length, or a soft shaft: the loop scales, or a compliance in series adds no loop."""
+"""Modulus or free length of the rope, which scale the hysteresis loop; or a soft shaft, which adds no hysteresis."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
 NAME = "stiffness_error"
-# Play or slack reads as softness: it is looked at first.
+# Play or slack looks like a low stiffness, so it is fitted first.
 AFTER = ("lash", "preload_error")
 # Starts of the fit: a rope's modulus may be far from its data sheet's.
 STARTS = ([0.0], [-0.3], [0.5])
-# A modulus of less than this share of the declared one is no rope.
+# No rope has a modulus below this share of the declared one.
 LEAST_MODULUS = 0.5
 SEPARATE = "load steps with the inputs locked: a series compliance is straight, the cables' loop is not"
 
@@ -30,7 +30,7 @@ def _series(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 
 def _no_rope(values: Floats) -> str:
-    """What to look for where the modulus that fits is none of a rope."""
+    """What to look for if the fitted modulus is too low for any rope; otherwise an empty text."""
     if values[0] >= LEAST_MODULUS - 1.0:
         return ""
     return (

@@ -23,7 +23,7 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
         Effect(
             "winding_history",
             "profiles move with the pulleys",
-            "the tension profiles on the wraps travel with the pulleys; strength 1 is the whole of it",
+            "the tension profiles on the wraps travel with the pulleys; strength 1 is the whole effect",
             "no part of the bench: the paper's model leaves it out",
             "the same load at a shorter travel, or a bias load",
             (Parameter("strength", 0.5, 0.0),),

@@ -4,8 +4,8 @@
     torque    = J (a_ref + 2 w (v_command - v) + w^2 integral(v_command - v)),  p = 2 pi f,  w = 3 p
 
 so with a free inertia J the poles are those of s^3 + 6 p s^2 + 15 p^2 s + 9 p^3 and ``f``, the position bandwidth, is
-the one figure to choose. v is the difference of the encoder's samples behind a first-order filter. While the command is
-beyond the torque limit the integral is not driven further out.
+the only figure to choose. v is the difference of the encoder's samples after a first-order filter. While the command is
+beyond the torque limit the integral does not grow (anti-windup).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STATES = 3
 
 @dataclass(frozen=True)
 class ControllerSpec:
-    """A position loop. ``inertia_kg_m2`` is all that the input moves, seen at the input."""
+    """A position loop. ``inertia_kg_m2`` is the total inertia that the input moves, reflected to the input."""
 
     inertia_kg_m2: float
     torque_limit_Nm: float

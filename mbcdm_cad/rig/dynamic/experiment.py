@@ -44,7 +44,7 @@ class DynamicLoad(ExperimentBlock):
 
 
 class Drives(ExperimentBlock):
-    """Motors and gearheads; what is left out is the design's. ``lossless`` switches all their friction off."""
+    """Motors and gearheads; defaults are those of the design. ``lossless`` switches all their friction off."""
 
     lossless: bool = False
     cogging_share: Share = 0.0  # of the rated torque, once a turn of the motor unless the order says otherwise
@@ -64,7 +64,7 @@ class BearingDrag(ExperimentBlock):
 
 
 class DynamicSensors(ExperimentBlock):
-    """What the sensors make of the truth; the loops see the input encoders too, the rest is logged."""
+    """Errors of the sensors; the position loops use the input encoders too, the other sensors are only logged."""
 
     input_resolution_rad: Resolution = 1.9175e-4
     input_noise_rad: Noise = 0.0

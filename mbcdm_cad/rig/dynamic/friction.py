@@ -1,9 +1,9 @@
 """One step of the linearly implicit Euler method with dry friction in which a coordinate can stick completely.
 
 The step solves A v = b + h lambda with |lambda_i| <= c_i, lambda_i = -c_i sign(v_i) where v_i is not 0, for
-A = M + h D + h^2 K. As A is symmetric and positive definite there is one solution: the least of
-v.A v / 2 - b.v + h sum c_i |v_i|. A guess of which coordinates stick and which way the others slide is solved and the
-worst contradiction corrected, until there is none; coordinate descent takes over should the corrections go in circles.
+A = M + h D + h^2 K. As A is symmetric and positive definite there is one solution: the minimum of v.A v / 2 - b.v + h
+sum c_i |v_i|. The solver assumes which coordinates stick and in which direction the others slide, solves, and corrects
+the worst contradiction until there is none; if the corrections repeat, coordinate descent follows.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ SWEEPS = 20000
 def solve_friction(A: Floats, b: Floats, limit: Floats, guess: Floats, v: Floats, push: Floats) -> int:
     """Solve for ``v`` (n,); ``limit`` is h c (n,). ``push`` (n,) receives the friction impulses h lambda.
 
-    ``guess`` holds -1, 0 (sticks) or 1 for each coordinate, is used as start and receives the answer. Returns how many
-    corrections it took, or -1 if coordinate descent was needed.
+    ``guess`` holds -1, 0 (sticks) or 1 for each coordinate; it is the start and receives the result. Returns the number
+    of corrections, or -1 if coordinate descent was needed.
     """
     n = b.size
     for trial in range(CORRECTIONS):
@@ -36,7 +36,7 @@ def solve_friction(A: Floats, b: Floats, limit: Floats, guess: Floats, v: Floats
                 for k in range(n):
                     total += A[i, k] * v[k]
                 push[i] = total
-                # An impulse over its limit: by how much speed that is wrong.
+                # An impulse above its limit, as the error in speed that it means.
                 over = (abs(total) - limit[i]) / A[i, i]
                 if over > worst and abs(total) > limit[i] * (1.0 + 1e-12):
                     worst, at, to = over, i, -np.sign(total)
@@ -83,7 +83,7 @@ def _solve_guess(A: Floats, b: Floats, limit: Floats, guess: Floats, v: Floats) 
 
 @compiled
 def _descend(A: Floats, b: Floats, limit: Floats, guess: Floats, v: Floats, push: Floats) -> None:
-    """Coordinate descent on the same least; slow where A is stiff, but it always arrives."""
+    """Coordinate descent to the same minimum; slow where A is stiff, but it always converges."""
     n = b.size
     for _ in range(SWEEPS):
         moved, size = 0.0, 1e-300

@@ -6,7 +6,7 @@ With the rotor's angle reflected to the output (phi = theta_motor / ratio) and t
 
 and the rotor feels s du/dphi, so that an error in the mesh is a torque ripple too (virtual work). The loss is Coulomb
 friction at the rotor of capacity drag + (1/efficiency - 1) |s|: driven forward the output is efficiency x input; driven
-backward the motor has to hold (2 - 1/efficiency) of the load, and from 0.5 down the train locks by itself.
+backward the motor has to hold (2 - 1/efficiency) of the load; at an efficiency of 0.5 or less it is self-locking.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mbcdm_cad.storage.compiled import compiled
 class GearheadSpec:
     """One gearhead, seen at its output.
 
-    ``stiffness_Nm_rad`` is an estimate: a 3 x 10 mm shaft has 64 N m/rad, the train is taken as soft again.
+    ``stiffness_Nm_rad`` is an estimate: a 3 x 10 mm shaft has 64 N m/rad, and the gear train is assumed to be as soft.
     ``mesh_per_motor_turn`` counts periods of the mesh error ``mesh_error_rad`` (at the output) in a turn of the motor.
     """
 
@@ -50,7 +50,7 @@ class GearheadSpec:
 
 
 def gearhead_of(drive: Drive, ideal: bool = False) -> GearheadSpec:
-    """The design's gearhead; ``ideal`` makes it lossless, as the paper reckons the driving capability."""
+    """The design's gearhead; ``ideal`` makes it lossless, as in the paper's calculation of the driving capability."""
     return GearheadSpec(drive.gearhead.ratio, 1.0 if ideal else drive.gearhead.efficiency)
 
 

@@ -1,6 +1,6 @@
-"""Moments of inertia of what turns: rotors from the catalogue, bodies of the routes as the configuration has them.
+"""Moments of inertia of the rotating parts: rotors from the catalogue, bodies of the routes from the configuration.
 
-The rotor counts with the square of the gearhead's ratio at the input and outweighs the pulleys by far.
+At the input the rotor counts with the square of the gearhead's ratio, which is far more than the pulleys.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ class Inertias:
 
     @property
     def inputs_kg_m2(self) -> tuple[float, ...]:
-        """What each input turns on its side of the gearhead."""
+        """Inertia that each input turns on its side of the gearhead."""
         return tuple(self.bodies_kg_m2[body.name] for body in self.routes.inputs)
 
     @property
     def drum_and_passed_kg_m2(self) -> float:
-        """The drum and all bodies that the cables turn along with it, seen at the drum."""
+        """The drum and all bodies that the cables turn with it, reflected to the drum."""
         total = self.bodies_kg_m2[self.routes.drum.name]
         for body in self.routes.passed:
             total += self.bodies_kg_m2[body.name] * body.turns_per_drum**2
@@ -39,7 +39,7 @@ class Inertias:
 
     @property
     def at_drum_kg_m2(self) -> float:
-        """All of it seen at the drum, rotors included."""
+        """The total inertia reflected to the drum, rotors included."""
         total = self.drum_and_passed_kg_m2
         for body in self.routes.inputs:
             at_input = self.bodies_kg_m2[body.name] + self.rotor_kg_m2 * self.gear_ratio**2

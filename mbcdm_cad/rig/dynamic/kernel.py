@@ -28,7 +28,7 @@ LOG_FIRST = 2
 
 @compiled
 def quantised(angle_rad: float, resolution_rad: float) -> float:
-    """The count nearest to the angle, in rad; a resolution of 0 leaves it as it is."""
+    """The count nearest to the angle, in rad; a resolution of 0 leaves the angle unchanged."""
     if resolution_rad <= 0.0:
         return angle_rad
     return math.floor(angle_rad / resolution_rad + 0.5) * resolution_rad
@@ -43,8 +43,8 @@ def brake_capacity(level_Nm: float, speed_rad_s: float, load: Floats) -> float:
 
 class Loops(NamedTuple):
     """``gains`` (n_inputs, ..) of the position loops; ``turns`` (n_inputs,) of an input for one of the drum;
-    ``current_share`` (n_inputs,): what the current loop closes of its gap in a step; ``encoders`` (n_inputs, 3):
-    resolution and noise in rad, delay in periods; ``noise`` (n, n_inputs): standard normal."""
+    ``current_share`` (n_inputs,): share of its error that the current loop removes in a step; ``encoders`` (n_inputs,
+    3): resolution and noise in rad, delay in periods; ``noise`` (n, n_inputs): standard normal."""
 
     gains: Floats
     turns: Floats
@@ -54,7 +54,7 @@ class Loops(NamedTuple):
 
 
 class DynamicCourse(NamedTuple):
-    """``reference`` (n, 3): drum angle, speed and acceleration asked for at each period; ``torque`` and ``brake`` (n,):
+    """``reference`` (n, 3): commanded drum angle, speed and acceleration at each period; ``torque`` and ``brake`` (n,):
     torque motor and level of the brake, N m; ``load``: the load's row; ``paths`` (n, n_cables, 3), or (0, ..) if there
     is none: extra path of each cable at the reference, m, and its slopes over the drum's and the input's angle."""
 
@@ -75,7 +75,7 @@ class Clock(NamedTuple):
 
 
 class Record(NamedTuple):
-    """What a run fills: the log (rows, ..) and the account of energy, J."""
+    """Arrays that a run fills: the log (rows, ..) and the energy balance, J."""
 
     log: Floats
     account: Floats
@@ -87,7 +87,7 @@ def run(
 ) -> tuple[float, int]:
     """Run the periods of the position loops and fill ``record``; the change of stored energy, J, and the periods done.
 
-    The run ends early, as a guarded bench would, when the drum is off its reference by ``give_up_rad``.
+    The run ends early, like a bench with a safety stop, when the drum is off its reference by ``give_up_rad``.
     """
     inputs, cables, input_of, drum = plant.inputs, plant.cables, plant.input_of, plant.drum
     gains, turns, current_share, encoders, noise = (
@@ -155,7 +155,7 @@ def run(
                 rest = now[j, columns.DRUM_RADIUS] * (q[last] - before[last])
                 stretch = cables[j, columns.SIGMA] * (inner - rest)
                 account[columns.CABLE_WORK] += 0.5 * (tension[j] + tension_before[j]) * stretch
-            # The sensor sits between drum and load: bearings' share of the friction is not in it.
+            # The sensor sits between drum and load, so it does not measure the friction of the bearings.
             share = capacity / max(capacity + drum[columns.DRUM_DRAG], 1e-300)
             felt += (outer - push[last] * share / h + load[LOAD_INERTIA] * (v[last] - speed) / h) / clock.steps
         if abs(q[last] - reference[k, 0]) > clock.give_up_rad:
@@ -182,7 +182,7 @@ def _hold(
     motor: Floats,
     state: Floats,
 ) -> None:
-    """Start at rest: each motor holds what the preloads ask of its input, its gearhead wound up by that."""
+    """Start at rest: each motor holds the torque of the preloads on its input, and its gearhead is twisted by it."""
     for i in range(inputs.shape[0]):
         bias = 0.0
         for j in range(cables.shape[0]):

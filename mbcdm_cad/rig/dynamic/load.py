@@ -10,7 +10,7 @@ class LoadSpec:
     """The load's constants, SI, about the drum's axis.
 
     A brake of level c holds c (1 + (static_ratio - 1) exp(-(speed/static_speed)^2)): with a ratio above 1 it can stick
-    and slip. ``unbalance_Nm`` is the weight moment of an inertia plate,
+    and slip. ``unbalance_Nm`` is the moment of the weight of an inertia plate,
     M = unbalance sin(angle + unbalance_angle). ``bearing_drag_Nm`` is friction that the torque sensor does not see.
     """
 

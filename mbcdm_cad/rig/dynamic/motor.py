@@ -39,6 +39,6 @@ class MotorSpec:
 
 
 def motor_of(drive: Drive) -> MotorSpec:
-    """The design's motor: limit at its rated torque, as the paper reckons the driving capability."""
+    """The design's motor, limited to its rated torque, as in the paper's calculation of the driving capability."""
     motor = drive.motor
     return MotorSpec(motor.rotor_inertia_g_cm2 * _G_CM2, motor.rated_torque_mNm * 1e-3)

@@ -1,7 +1,7 @@
 """Equations of motion of rotors, input pulleys and drum, and one step of them.
 
-Coordinates, all in the sense that drives the drum positive: for each input the rotor reflected to the gearhead's output
-and the pulley; last the drum, with the load's inertia and the bodies that cables pass and turn along.
+Coordinates, all positive in the sense that drives the drum positive: for each input the rotor, reflected to the
+gearhead's output, and the pulley; last the drum, with the load's inertia and the bodies that the cables pass and turn.
 
     rotor    J_r phi'' = tau + cogging - s du/dphi - b phi' - friction
     pulley   J_p p''   = s - sum_j sigma_j r_ij T_j - friction
@@ -9,8 +9,8 @@ and the pulley; last the drum, with the load's inertia and the bodies that cable
 
 s is the gearhead's torque (:mod:`mbcdm_cad.rig.dynamic.gearhead`), T_j what the cables pull, M the torque motor's
 torque (> 0 opposes positive rotation). The step is linearly implicit (:mod:`mbcdm_cad.rig.dynamic.friction`): cables
-enter its matrix with the stiffness of their free span, the most they have, so that no step is too long to be stable; a
-longer one only damps the fast modes more.
+enter its matrix with the stiffness of their free span, their largest possible one, so that a step of any length is
+stable; a longer one only damps the fast modes more.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ INPUT_COLUMNS = 13
 SIGMA, INPUT_RADIUS, DRUM_RADIUS, SPAN_STIFFNESS = range(4)
 # Entries of the drum's row.
 DRUM_INERTIA, DRUM_DRAG, DRUM_VISCOUS = range(3)
-# Entries of the account of energy, J.
+# Entries of the energy balance, J.
 (MOTOR_WORK, LOAD_WORK, ROTOR_LOSS, PULLEY_LOSS, DRUM_LOSS, VISCOUS_LOSS, CABLE_WORK) = range(7)
 ACCOUNTS = 7
 
 
 @compiled
 def gear(row: Floats, rotor_rad: float, pulley_rad: float) -> tuple[float, float, float]:
-    """Torque the gearhead's shaft carries, its slope, and du/dphi of the mesh."""
+    """Torque on the gearhead's shaft, its slope, and du/dphi of the mesh."""
     wave = row[MESH_ORDER] * rotor_rad
     twist = rotor_rad - pulley_rad + row[MESH] * math.sin(wave)
     torque, slope = shaft_torque(twist, row[LASH], row[STIFFNESS])
@@ -89,7 +89,7 @@ class Torques(NamedTuple):
 
 @compiled
 def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: float, account: Floats) -> None:
-    """Bring ``state`` one step ``h`` (s) further; ``account`` is added to."""
+    """Advance ``state`` by one step ``h`` (s) and add its energies to ``account``."""
     inputs, cables, input_of, drum = plant.inputs, plant.cables, plant.input_of, plant.drum
     q, v, guess, push = state.q, state.v, state.guess, state.push
     motor, load, brake = torques.motor, torques.load, torques.brake
@@ -140,7 +140,7 @@ def advance(plant: Plant, state: State, tension: Floats, torques: Torques, h: fl
 
 @compiled
 def stored(plant: Plant, state: State) -> float:
-    """Energy of motion and of the gearheads' shafts, J."""
+    """Kinetic energy and elastic energy of the gearheads' shafts, J."""
     inputs, drum, q, v = plant.inputs, plant.drum, state.q, state.v
     n_inputs = inputs.shape[0]
     total = 0.5 * drum[DRUM_INERTIA] * v[2 * n_inputs] ** 2

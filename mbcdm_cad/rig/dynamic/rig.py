@@ -26,7 +26,7 @@ DRUM_RESOLUTION_RAD = 1.3635e-6
 
 @dataclass(frozen=True)
 class EncoderSpec:
-    """An encoder: step of its count, white noise before counting, and how old its readings are."""
+    """An encoder: resolution, white noise before counting, and delay of its readings."""
 
     resolution_rad: float
     noise_rad: float = 0.0
@@ -42,7 +42,7 @@ class EncoderSpec:
 class DynamicRig:
     """A drive on the bench: a motor, gearhead, loop and encoder for each input, in the order of the drive's inputs.
 
-    ``cables`` are those really built, ``paths`` what lengthens them with the angles, as an eccentric pulley does;
+    ``cables`` are as built, ``paths`` give their extra length as a function of the angles, as of an eccentric pulley;
     ``piece_rad``, ``transport`` and ``passed_slip`` as in :func:`mbcdm_cad.rig.chain.chains`. Drags are Coulomb
     friction in bearings, each at its own shaft.
     """
@@ -72,7 +72,7 @@ def rig_of(
     bandwidth_Hz: float = BANDWIDTH_HZ,
     rate_Hz: float = LOOP_RATE_HZ,
 ) -> DynamicRig:
-    """The rig with the design's motors, gearheads and encoders; the loops know all inertia that an input moves."""
+    """The rig with the design's motors, gearheads and encoders; the loops are tuned to the inertia of each input."""
     load = load or LoadSpec()
     motor, gearhead = motor_of(drive), gearhead_of(drive, ideal_gearhead)
     moved = inertias(drive)

@@ -15,17 +15,17 @@ from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec
 from mbcdm_cad.routes import Floats
 
 LOG_RATE_HZ = 100.0
-# Far more than elasticity accounts for: the loops have lost the drum.
+# Far more than elasticity explains: the position loops no longer control the drum.
 GIVE_UP_RAD = 0.05
 _ACCOUNTS = ("motor", "load", "rotor_friction", "pulley_friction", "drum_friction", "viscous", "cables")
 
 
 @dataclass(frozen=True, eq=False)
 class DynamicRun:
-    """A run at the log's samples: truth, and what the sensors said. Arrays (n,) or (n_inputs or n_cables, n).
+    """A run at the log's samples: truth and readings of the sensors. Arrays (n,) or (n_inputs or n_cables, n).
 
-    ``motor_Nm`` and ``rotor_rad`` are reflected to the gearhead's output; ``torque_Nm`` is the mean over a period of
-    the loops of what drum and load exchange; ``energy_J`` the account over the whole run.
+    ``motor_Nm`` and ``rotor_rad`` are reflected to the gearhead's output; ``torque_Nm`` is the torque between drum and
+    load, averaged over a period of the loops; ``energy_J`` the energy balance of the whole run.
     """
 
     time_s: Floats
@@ -124,7 +124,7 @@ def _series(value: Floats | float, n: int) -> Floats:
 
 
 def _read(encoder: EncoderSpec, time: Floats, angle: Floats, rng: np.random.Generator) -> Floats:
-    """What an encoder outside the loops says: late, noisy, in whole counts."""
+    """Readings of an encoder outside the loops: delayed, with noise, in whole counts."""
     seen = np.interp(time - encoder.delay_s, time, angle) + encoder.noise_rad * rng.standard_normal(angle.size)
     step = encoder.resolution_rad
     return seen if step == 0.0 else np.floor(seen / step + 0.5) * step

@@ -59,7 +59,7 @@ def _bench(drive: Drive, experiment: DynamicExperiment, drum: Any) -> Bench:
 
 
 def _beyond(bench: Bench) -> bool:
-    """Whether an effect has done something that the dynamic rig does in its own way or not at all."""
+    """Whether an effect has changed something that the dynamic rig models differently or not at all."""
     asked = np.stack([bench.drum_rad * bench.turns(i) for i in range(len(bench.drive.input_names))])
     lists = bench.encoder_errors or bench.gear_errors or bench.hidden_Nm or bench.output_twist_rad_Nm
     lists = lists or any(c.own_wrap_rad > 0.0 for c in bench.cables)
@@ -79,7 +79,7 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
     rig = rig_of(drive, spec, drives.lossless, drives.bandwidth_Hz)
     cogging = drives.cogging_share * rig.motors[0].torque_limit_Nm
     motors = tuple(
-        # Unlike phases: two motors are not mounted in step.
+        # Different phases, since the rotors of two motors are mounted at arbitrary angles.
         replace(m, cogging_Nm=cogging, cogging_per_turn=drives.cogging_per_turn, cogging_phase_rad=2.0 * i)
         for i, m in enumerate(rig.motors)
     )
@@ -118,7 +118,7 @@ def _rig(drive: Drive, experiment: DynamicExperiment, bench: Bench) -> DynamicRi
 
 
 def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]]:
-    """What the declared model does not know, in the loop's words; causes outside its vocabulary by their own name."""
+    """Effects that the declared model leaves out, by the loop's names; causes outside its library by their own name."""
     drives, load, bearings, sensors = experiment.drives, experiment.load, experiment.bearings, experiment.sensors
     if experiment.physics.cable_transport:
         bench.tell("winding_history")
@@ -143,7 +143,7 @@ def truth_of(experiment: DynamicExperiment, bench: Bench) -> list[dict[str, Any]
 
 
 def as_logged(run: DynamicRun, truth: list[dict[str, Any]]) -> SimulatedRun:
-    """The run in the form that the files of all simulated runs are written from."""
+    """The run in the form from which the files of all simulated runs are written."""
     return SimulatedRun(
         time_s=run.time_s,
         input_rad=run.input_rad,

@@ -12,7 +12,7 @@ from mbcdm_cad.rig.dynamic.inertias import inertias
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, input_turns
 from mbcdm_cad.routes import Floats
 
-# Half the span of angle over which an extra path's slope is taken.
+# Half the step of the difference quotient for an extra path's slope, rad.
 SLOPE_RAD = 1e-5
 
 
@@ -22,7 +22,7 @@ def input_of(rig: DynamicRig) -> NDArray[np.int64]:
 
 
 def load_row(rig: DynamicRig) -> Floats:
-    """What the load adds, in the order of :mod:`mbcdm_cad.rig.dynamic.kernel`."""
+    """The load's constants, in the order of :mod:`mbcdm_cad.rig.dynamic.kernel`."""
     load = rig.load
     return np.array(
         [
@@ -36,7 +36,7 @@ def load_row(rig: DynamicRig) -> Floats:
 
 
 def current_share(rig: DynamicRig) -> Floats:
-    """What each current loop closes of its gap in a step."""
+    """Share of its error that each current loop removes in a step."""
     return np.array([1.0 - exp(-2.0 * pi * motor.current_bandwidth_Hz * rig.step_s) for motor in rig.motors])
 
 
@@ -104,7 +104,7 @@ def path_table(rig: DynamicRig, reference: Floats) -> Floats:
     for of in rig.paths:
         table[:, :, 0] += of(inputs, drum).T
         table[:, :, 1] += (of(inputs, drum + SLOPE_RAD) - of(inputs, drum - SLOPE_RAD)).T / (2.0 * SLOPE_RAD)
-        # Each cable's path knows its own input alone, so all inputs may move at once.
+        # Each cable's path depends on its own input only, so all inputs may be moved together.
         table[:, :, 2] += (of(inputs + SLOPE_RAD, drum) - of(inputs - SLOPE_RAD, drum)).T / (2.0 * SLOPE_RAD)
     return table
 

@@ -1,7 +1,7 @@
 """Anchor slip: a terminal slips by ``slip_um`` within ``over_s``, and the rope of its short wrap slips with it.
 
-On the real drum a wrap holds little over 20 degrees, some 6 % of the tension, so that what the anchor gives comes
-through to the tangent point; the slip is therefore taken off the path as a whole.
+On the real drum the wrap before the anchor is about 20 degrees, and its friction holds only some 6 % of the tension. So
+the whole slip of the anchor reaches the tangent point, and the path changes by the whole slip.
 """
 
 from __future__ import annotations

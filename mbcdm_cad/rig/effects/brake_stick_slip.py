@@ -1,6 +1,6 @@
 """A brake that sticks: it winds up through its own stiffness to a static torque, then drops (rig/load.py).
 
-The torque sensor feels all of it, so nothing is left to explain; it works the cables' friction hard.
+The torque sensor measures all of it, so nothing is left to explain; but it drives the friction of the cables.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""An encoder whose disc is not centred: it reads its shaft's angle a wrong by amplitude cos(a + phase)."""
+"""An encoder whose disc is not centred: at the shaft angle a its error is amplitude cos(a + phase)."""
 
 from __future__ import annotations
 

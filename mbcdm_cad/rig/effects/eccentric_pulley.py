@@ -1,8 +1,8 @@
 """A pulley whose groove is not centred on its axis.
 
-The centre of the groove goes round the axis with the shaft, e off it at the angle a + phase from the body's reference,
-a the shaft's angle. Each cable's path changes as its tangents do (:mod:`mbcdm_cad.routes.displaced`), so that tensions
-and friction work. Preload was set with the shaft at zero.
+The centre of the groove turns with the shaft, at the distance e from the axis and at the angle a + phase from the
+body's reference, a the shaft's angle. Each cable's path changes with its tangents (:mod:`mbcdm_cad.routes.displaced`),
+which changes tensions and friction. The preload was set with the shaft at zero.
 """
 
 from __future__ import annotations

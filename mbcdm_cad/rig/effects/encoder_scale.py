@@ -21,7 +21,7 @@ class EncoderScale(RigEffect):
     def apply(self, bench: Bench) -> None:
         share = self.share_ppm * 1e-6
         bench.add_encoder_error(self.stage, lambda angle: np.asarray(share * angle))
-        # Output over what the inputs predict; an input counts for its part of the drive.
+        # Error of the ratio of output to inputs; one input counts with its share.
         inputs = len(bench.drive.input_names)
         ratio = share if self.stage == bench.routes.drum.name else -share / inputs
         bench.tell(

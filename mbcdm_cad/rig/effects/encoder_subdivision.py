@@ -1,4 +1,4 @@
-"""Sub-division error: the sine and cosine of an encoder's lines are not alike, so that it errs with each line.
+"""Sub-division error: sine and cosine of an encoder's lines differ, which causes an error periodic in the lines.
 
 Unequal amplitudes give two periods a line, offsets one: ``cycles_per_rev`` is lines times that. Angle error
 amplitude sin(cycles a + phase) on the encoder's shaft.
@@ -31,7 +31,8 @@ class EncoderSubdivision(RigEffect):
         turns, part = 1.0, 1.0
         if self.stage != bench.routes.drum.name:
             turns, part = bench.turns(bench.input_index(self.stage)), 1.0 / len(bench.drive.input_names)
-        # Seen at the output an input's error shrinks by its ratio and its part of the drive, about equal for all.
+        # At the output the error of an input is divided by its ratio and by the number of inputs, which share about
+        # equally.
         bench.tell(
             "ripple",
             stage=self.stage,

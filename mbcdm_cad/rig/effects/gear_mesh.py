@@ -1,4 +1,4 @@
-"""Gear teeth that are not evenly cut: the gearhead's output leads and lags with every mesh.
+"""Unequal gear teeth: the gearhead's output leads and lags with every tooth.
 
 Error amplitude sin(cycles a + phase) at the gearhead's output, a its angle. Encoders on the pulleys see the motion, so
 it shows only with ``sensors.input_at: motor``.

@@ -1,8 +1,9 @@
 """Play and softness between motor and input pulley.
 
-The pulley hangs on the gearhead's shaft: torque s(phi - theta), zero within the play. Which flank is in contact follows
-from the torque the cables ask of that input, their preload's bias included; in between the pulley floats where cables
-balance. Encoders on the pulleys see it all, so it shows only with ``sensors.input_at: motor``.
+The gearhead's shaft drives the pulley with the torque s(phi - theta), zero within the play. The flank in contact
+follows from the torque of the cables on that input, including the bias of their preload; between the flanks the pulley
+floats at the angle at which the cables balance. Encoders on the pulleys measure this motion, so the effect shows only
+with ``sensors.input_at: motor``.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ class GearheadLash(RigEffect):
     effect: Literal["gearhead_lash"]
     stage: Stage
     play_urad: Annotated[float, Field(ge=0.0, le=1e5)]
-    # A stiff shaft by default, so that lash alone shows.
+    # A stiff shaft by default, so that only the lash has an effect.
     stiffness_Nm_rad: Annotated[float, Field(ge=1.0, le=1e6)] = 5000.0
 
     def apply(self, bench: Bench) -> None:

@@ -1,8 +1,8 @@
 """Creep of a cable over an input on which nothing anchors it: the rig's :mod:`mbcdm_cad.rig.through` on its true wrap.
 
-Without this effect each side of the cable counts as anchored on the input. With it the wrap is as long as it is built,
-and where the travel carries off what sticks, the cable moves on under load as a belt does. ``wrap_deg`` stands for a
-cable that goes round less often than designed; ``rope_friction`` beside it for one that is held less.
+Without this effect each side of the cable counts as anchored on the input. With it the wrap has its built length, and
+where the travel carries off the part that sticks, the cable creeps under load as a belt does. ``wrap_deg`` is for a
+cable with fewer turns than designed; the effect ``rope_friction`` added to it, for one with less friction.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A land of the drum worn hollow: its radius is less by up to ``depth_um`` between two surface angles.
+"""A worn land of the drum: its radius is smaller by up to ``depth_um`` between two surface angles.
 
 Surface angle x = -sigma theta_o counts from the tangent point at the centre, growing as rope is wound on; the wrap's
 length is the integral of the radius, so the path changes by -depth times the integral of the hollow's shape.

@@ -1,8 +1,8 @@
 """Cogging: the motor's torque ripples with its angle, and the position loop yields by torque over stiffness.
 
-Without dynamics this is the loop's static stiffness at the motor, seen through the gearhead: error at the gearhead's
-output = torque / (loop stiffness x ratio), ``cycles_per_motor_turn`` times ratio a turn of the output. The encoders see
-that motion wherever they sit, so it leaves nothing to explain; it makes the motion rougher.
+Without dynamics the position loop is a static stiffness at the motor: error at the gearhead's output = torque / (loop
+stiffness x ratio), with ``cycles_per_motor_turn`` times ratio cycles a turn of the output. The encoders measure this
+motion wherever they sit, so nothing is left to explain; the motion is less smooth.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Grooves cut too deep or too shallow: pitch radii of drum or inputs off by ``error_um``, of all cables or some.
 
-One cable alone then disagrees with its neighbours over the ratio, and its tension walks with the travel.
+If only one cable is concerned, its ratio differs from that of the others, and its tension changes with the angle.
 """
 
 from __future__ import annotations

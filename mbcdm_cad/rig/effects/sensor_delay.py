@@ -23,5 +23,5 @@ class SensorDelay(RigEffect):
             bench.output_delay_s += delay
         else:
             bench.input_delay_s += delay
-        # The output's lag behind the inputs is all that two encoders can tell.
+        # Only the delay between output and inputs can be measured.
         bench.tell("delay", cause="sensor_delay", parameters={"delay_s": delay if self.sensor == "output" else -delay})

@@ -1,4 +1,4 @@
-"""Local shapes along an angle or a length, and their integrals: what a radius that changes does to a path."""
+"""Integrals of local shapes along an angle or a length: the change of a path by a radius that is not constant."""
 
 from __future__ import annotations
 

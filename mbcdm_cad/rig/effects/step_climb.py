@@ -1,4 +1,4 @@
-"""A cable climbs the edge of its land: from a surface angle on it lies higher by ``height_um``.
+"""A cable climbs the edge of its land: from a given surface angle on it lies higher by ``height_um``.
 
 Surface angle x = -sigma theta_o as in :mod:`mbcdm_cad.rig.effects.land_wear`; the radius rises over ``over_deg`` and
 stays up, so that from there on the cable winds faster than its partners and its tension grows with the travel.

@@ -1,9 +1,9 @@
-"""A broken wire stands up: the rope is thicker by ``height_um`` over ``length_mm``, somewhere along it.
+"""A broken wire: the rope is thicker by ``height_um`` over ``length_mm`` at one place.
 
-Where the thick place lies on a pulley of radius r, the centre line runs that much further out: the path grows by the
-integral of the height over the angle it covers there, i.e. by height x covered length / r. In the free span it does
-nothing. ``position_mm`` is its middle along the rope with the drum at zero, from the tangent point on the input on
-(so the first wrap that it passes begins after the first span); it travels with the rope.
+Where the thick place lies on a pulley of radius r, the centre line lies further out by its height: the path grows by
+the integral of the height over the angle that it covers there, i.e. by height x covered length / r. In the free span it
+has no effect. ``position_mm`` is its middle, measured along the rope from the tangent point on the input with the drum
+at zero (so the first wrap that it passes begins after the first span); it moves with the rope.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Temperature: rope, frame and pulleys expand, each with its own coefficient.
 
-The ropes named warm up by rise (1 - e^(-t/tau)) from ``start_s`` on, and cool with the same tau from ``cool_s`` on;
-frame and pulleys follow by ``body_share`` of it. A free span grows with the frame and its rope with itself; rope
-stuck on a pulley is strained by what the pulley grows more; the pulleys' radii grow, drum and inputs not alike, which
-shifts the ratio. All ropes alike change little but the preload; one rope alone turns the drum.
+The temperature of the named ropes rises by rise (1 - e^(-t/tau)) from ``start_s`` on, and falls with the same tau from
+``cool_s`` on; that of frame and pulleys changes by ``body_share`` of it. The free span expands with the frame, its rope
+with its own coefficient; rope that sticks to a pulley is strained by the difference of the expansions. The radii of
+drum and inputs grow by different shares, which changes the ratio. If all ropes warm alike, hardly anything but the
+preload changes; if one rope warms alone, the drum turns.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""The quasi-static rig: every torque balances at each sample."""
+"""The quasi-static rig: all torques are in equilibrium at each sample."""

@@ -1,13 +1,13 @@
 """The quasi-static rig: angles of drum and input pulleys at which every torque balances, sample by sample.
 
-Unknown are the drum's angle and the angle of each input pulley that hangs on a soft or loose gearhead:
+Unknown are the drum's angle and the angle of each input pulley that a gearhead with compliance or play drives:
 
     drum    sum_j (sigma_j r_oj - lever_j) T_j = M          lever_j: what the path of cable j grows by per drum angle
     input   s(phi - theta) = sum_j sigma_j r_ij T_j         s: gearhead's shaft with play, phi the gearhead's angle
 
-Newton steps with a line search; the tensions come from :mod:`mbcdm_cad.rig.chain` without touching its state, which
-settles once the balance is found. The drum wrap is carried by the predicted drum angle (the inputs' over the ratio),
-off by less than a milliradian and put right one sample later.
+Newton steps with a line search; the tensions come from :mod:`mbcdm_cad.rig.chain` without a change of its state, which
+is updated when the balance is found. The drum wrap moves with the predicted drum angle (that of the inputs over the
+ratio), whose error is below a milliradian and is corrected one sample later.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ _IN_PLAY = 1e-4
 
 @compiled
 def shaft(twist_rad: float, stiffness: float, play_rad: float) -> tuple[float, float]:
-    """Torque of a shaft with play, N m, and its slope: flat but for a trace inside the play."""
+    """Torque of a shaft with play, N m, and its slope, which is small but not zero inside the play."""
     inside = min(max(twist_rad, -0.5 * play_rad), 0.5 * play_rad)
     slope = stiffness * _IN_PLAY if abs(twist_rad) < 0.5 * play_rad else stiffness
     return stiffness * (twist_rad - inside) + stiffness * _IN_PLAY * inside, slope
 
 
 class QuasistaticCourse(NamedTuple):
-    """What the bench is asked over n samples.
+    """The course of a run over n samples.
 
     ``input_of`` (n_cables,) is the input of each cable; ``gears`` (n_inputs, 2): stiffness in N m/rad (infinite: held)
     and play in rad; ``motor`` (n_inputs, n) gearhead angles; ``path`` and ``lever`` (n_cables, n) extra path in m and
@@ -60,7 +60,7 @@ class QuasistaticCourse(NamedTuple):
 
 
 class _Leftover(NamedTuple):
-    """Torques left over (pulleys, then drum), their slopes, and the tensions."""
+    """Residual torques (pulleys, then drum), their slopes, and the tensions."""
 
     miss: Floats
     slopes: Floats
@@ -88,7 +88,7 @@ def _misses(chains: Chains, course: QuasistaticCourse, k: int, x: Floats, left: 
     miss[n_inputs] -= course.load[k]
     for i in range(n_inputs):
         if math.isinf(gears[i, 0]):
-            # Held where its motor stands: no unknown.
+            # A rigid gearhead holds the pulley at the motor's angle: not an unknown.
             miss[i] = 0.0
             slopes[i, :] = 0.0
             slopes[:, i] = 0.0

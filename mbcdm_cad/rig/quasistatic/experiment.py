@@ -18,9 +18,9 @@ MAX_SAMPLES = 2_000_000
 class Physics(ExperimentBlock):
     """Choices of the physics. Wraps are those of rope on pulley at the centre, from anchor to tangent point."""
 
-    # Rope wound on keeps its tension and brings it back; off is the analytic model's assumption.
+    # Rope that is wound on keeps its tension and brings it back; the analytic model assumes this to be off.
     cable_transport: bool = True
-    # Rope creeps on the bodies that it passes too.
+    # Rope also creeps on the bodies that it passes.
     passed_slip: Annotated[bool, Field(validation_alias=AliasChoices("passed_slip", "guide_slip"))] = False
     piece_mrad: Annotated[float, Field(ge=0.5, le=100.0)] = 20.0
     substeps: Annotated[int, Field(ge=1, le=100)] = 1

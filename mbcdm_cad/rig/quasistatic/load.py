@@ -29,7 +29,7 @@ class Load(ExperimentBlock):
     wave: Literal["steady", "sine", "square"] = "steady"
     wave_period_s: Annotated[float, Field(gt=0.0, le=1e4)] = 10.0
     bias_Nm: Torque = 0.0
-    # Brake: drum angle in which its torque turns over.
+    # Brake: drum angle over which its torque changes sign.
     flank_mrad: Annotated[float, Field(gt=0.0, le=50.0)] = 0.5
     # Inertia plate.
     inertia_kg_m2: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
@@ -57,13 +57,13 @@ class Load(ExperimentBlock):
 
 
 def _square(phase: Floats) -> Floats:
-    """A square wave whose flanks take some percent of its period, as a torque motor's do."""
+    """A square wave whose flanks take a few percent of its period, as those of a torque motor."""
     return np.asarray(np.tanh(20.0 * np.sin(phase)))
 
 
 @compiled
 def brake(drum_rad: Floats, level: Floats, flank_rad: float) -> Floats:
-    """Torque of a brake of these levels, N m: an elastic flank, then slip."""
+    """Torque of a brake with these levels, N m: an elastic flank, then slip."""
     torque = np.zeros(drum_rad.size)
     for k in range(1, drum_rad.size):
         now = torque[k - 1] + 2.0 * level[k] / flank_rad * (drum_rad[k] - drum_rad[k - 1])
@@ -73,10 +73,10 @@ def brake(drum_rad: Floats, level: Floats, flank_rad: float) -> Floats:
 
 @compiled
 def stuck_brake(drum_rad: Floats, level: Floats, character: Floats) -> Floats:
-    """As :func:`brake`, but it holds up to a static share of its level and then drops as far below it.
+    """As :func:`brake`, but the brake sticks up to a static share of its level; then the torque drops below the level.
 
-    ``character`` (n, 2): static share (> 1, may scatter from sample to sample) and stiffness in N m/rad. A mass that
-    overshoots freely ends as far below the kinetic level as it began above it: that is the drop.
+    ``character`` (n, 2): static share (> 1, may scatter from sample to sample) and stiffness in N m/rad. The torque
+    drops as far below the kinetic level as it was above it, because a mass that slips freely overshoots by as much.
     """
     torque = np.zeros(drum_rad.size)
     for k in range(1, drum_rad.size):

@@ -18,9 +18,9 @@ class Motion(ExperimentBlock):
     shape: Literal["triangle", "sine", "hold"] = "triangle"
     amplitude_mrad: Annotated[float, Field(gt=0.0, le=1200.0)]
     period_s: Annotated[float, Field(gt=0.0, le=1e4)]
-    # Time over which a corner of the triangle is rounded: a position loop does not turn at once.
+    # Time over which a corner of the triangle is rounded: a position loop cannot reverse instantly.
     corner_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.2
-    # How far left and right loops stray from each other, at the input pulleys, slowly (30 to 90 s).
+    # Slow difference (30 to 90 s) between left and right position loops, at the input pulleys.
     stray_urad: Annotated[float, Field(ge=0.0, le=1e4)] = 20.0
 
     def drum_rad(self, time_s: Floats) -> Floats:
@@ -31,7 +31,8 @@ class Motion(ExperimentBlock):
             return amplitude * np.sin(0.5 * pi * np.minimum(4.0 * phase, 1.0))
         if self.shape == "sine":
             return amplitude * np.sin(2.0 * pi * phase)
-        # The mean of the triangle over the corner's time; its integral is known, so the corner is a parabola.
+        # The moving mean of the triangle over the corner's time, from its closed integral; the corner becomes a
+        # parabola.
         half = 0.5 * min(self.corner_s / self.period_s, 0.5)
         if half == 0.0:
             return amplitude * _triangle(phase)
@@ -39,7 +40,7 @@ class Motion(ExperimentBlock):
         return amplitude * wave
 
     def strays_rad(self, time_s: Floats, n_inputs: int, rng: np.random.Generator) -> Floats:
-        """What each input adds to its command, (n_inputs, n): three slow sines of random period and phase."""
+        """Deviation of each input from its command, rad (n_inputs, n): three slow sines of random period and phase."""
         total = np.zeros((n_inputs, time_s.size))
         for i in range(n_inputs):
             for period, phase in zip(rng.uniform(30.0, 90.0, 3), rng.uniform(0.0, 2.0 * pi, 3), strict=True):

@@ -1,4 +1,4 @@
-"""One experiment from start to end: motion, effects, balance sample by sample, sensors."""
+"""Run one experiment: motion, effects, equilibrium at each sample, sensors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mbcdm_cad.rig.result import RigError, SimulatedRun
 from mbcdm_cad.rig.sensors import counted, late
 from mbcdm_cad.routes import Floats
 
-# Half the span of drum angle over which an extra path's slope is taken.
+# Half the step of drum angle in the difference quotient for an extra path's slope, rad.
 _SLOPE_RAD = 1e-5
 
 
@@ -133,7 +133,7 @@ def _read(
 
 
 def _truth(bench: Bench, experiment: Experiment) -> list[dict[str, Any]]:
-    """The effects, and what the physics itself does that the declared model leaves out."""
+    """The truth: the effects of the experiment, and physics of the rig that the declared model leaves out."""
     truth = list(bench.truth)
     if experiment.physics.cable_transport and experiment.load.kind != "none":
         truth.append({"name": "winding_history", "in_vocabulary": True, "parameters": {}})
