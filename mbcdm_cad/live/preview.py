@@ -35,7 +35,7 @@ class Preview:
 
 @dataclass(frozen=True)
 class _Drawn:
-    """What stands of the newest design: its parts, and what its page shows that needs none."""
+    """Parts drawn for the newest design, and the content of its page that needs no parts."""
 
     design_sha256: str
     parts: dict[str, MadePart]
@@ -43,12 +43,12 @@ class _Drawn:
 
 
 class Previewer:
-    """Draws one design after the other into ``folder``; a part is written when it is not what was written last.
+    """Draws one design after the other into ``folder``; a part is written only if it differs from the last one written.
 
-    Everything stays in memory from one design to the next, so only what changes is drawn; its STEP file is written
-    before its mesh is made, and the figures are worked out while other processes draw all parts but the pulleys. Cables
+    All solids stay in memory from one design to the next, so only changed parts are drawn. The STEP file is written
+    before the mesh is made, and the figures are computed while other processes draw all parts but the pulleys. Cables
     get no mesh, which would take most of the time: the page sweeps them along their centre lines. ``look`` is called
-    now and then and may raise to give up.
+    regularly and may raise an exception to stop the work.
     """
 
     def __init__(self, folder: Path, cache: Cache, look: Callable[[], None]) -> None:
@@ -78,14 +78,14 @@ class Previewer:
         pulleys = {item.part for item in bill.items if item.kind == "made" and item.group in shafts}
         missing = self._in_order([name for name in keys if name not in parts], pulleys)
         for name in missing:
-            self._written.pop(name, None)  # its file is written before all of it is done
+            self._written.pop(name, None)  # its file changes even if this job is stopped
 
         def draw(name: str) -> PartFiles:
             tolerance = None if name.startswith(CABLE) else drive.export.mesh_tolerance_mm
             return drawn_part(bill.parts[name], materials[name], tolerance, self._write_step)
 
         cores = os.cpu_count() or 1
-        # The figures would take a third of the pulleys' time from them.
+        # Computing the figures at the same time would slow the pulleys down by a third.
         with forked(draw, [name for name in missing if name in pulleys], cores) as results:
             drawn = results(self._look)
         with forked(draw, [name for name in missing if name not in pulleys], cores) as results:
@@ -116,9 +116,9 @@ class Previewer:
         return page
 
     def _in_order(self, names: Sequence[str], pulleys: Collection[str]) -> list[str]:
-        """Pulleys first, for their files are waited for; of them and of the others what takes longest comes first.
+        """Names in the order of drawing: pulleys first, whose files are needed first; in each group the slowest first.
 
-        How much work a part is, its last STEP file tells by its length.
+        The length of its last STEP file shows how long a part takes.
         """
         return sorted(names, key=lambda name: (name not in pulleys, -self._lengths.get(name, 0)))
 
@@ -126,7 +126,7 @@ class Previewer:
         write_whole({(self._folder / "parts" / name).with_suffix(".step"): step}, durable=False)
 
     def _write(self, parts: Mapping[str, MadePart]) -> None:
-        """STEP and STL of the parts; no STL of one without a mesh, nor the one it had."""
+        """Write STEP and STL of the parts; for a part without a mesh an old STL is removed."""
         for name, part in parts.items():
             stem = self._folder / "parts" / name
             files = {stem.with_suffix(".step"): part.files.step}

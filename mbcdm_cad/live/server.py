@@ -19,10 +19,10 @@ _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Co
 
 
 class Server:
-    """Serves ``state`` and the newest page. Files come from ``folders``, the first that holds one, and nowhere else.
+    """Serves ``state`` and the newest page. Files come only from ``folders``, from the first that contains the file.
 
-    Every address starts with a token that nobody can guess, and the host must be this machine by name or number, so
-    that no other site can read the design through the browser.
+    Every address starts with a random token, and the host must be this machine by name or number, so that no other site
+    can read the design through the browser.
     """
 
     def __init__(self, state: WatchState, folders: Sequence[Path]) -> None:
@@ -36,7 +36,7 @@ class Server:
 
     @property
     def address(self) -> str:
-        """Where the page is."""
+        """Address of the page."""
         return f"http://{HOST}:{self._port}/{self._token}/"
 
     async def start(self, port: int) -> None:
@@ -56,7 +56,7 @@ class Server:
         self._port = self._runner.addresses[0][1]
 
     async def stop(self) -> None:
-        """Tell every open page that this was all, and close."""
+        """Tell every open page that the process ends, and close."""
         for queue in self._listeners:
             queue.put_nowait(None)
         if self._runner is not None:

@@ -20,7 +20,7 @@ _END = re.compile(r"</body>\s*</html>\s*$")
 
 @dataclass
 class WatchState:
-    """The newest save, what the checks say of it, and which page is shown.
+    """The newest save, the results of its checks, and the page that is shown.
 
     ``stage`` is one of broken (the file cannot be read), failing (a check fails), drawing, page (parts drawn, the rest
     not yet tested) and built (the whole build stands). ``page`` counts the pages made; the last good one stays.
@@ -38,7 +38,7 @@ class WatchState:
         return asdict(self)
 
     def judged(self, report: CheckReport) -> None:
-        """Take over what the checks say."""
+        """Take over the results of the checks."""
         self.stage = "drawing" if report.passed else "failing"
         self.message = ""
         self.counts = report.counts
@@ -49,7 +49,7 @@ class WatchState:
 
 
 def live_page(page: bytes | None, number: int) -> bytes:
-    """A report page that follows the design: it shows the state and loads itself again when a newer one is there."""
+    """A report page that follows the design: it shows the state and reloads when a newer page exists."""
     text = page.decode() if page is not None else _WAITING
     script = files("mbcdm_cad.live").joinpath("assets/live.js").read_text("utf-8")
     own = f"<script>window.liveDrive={{page:{number}}};</script><script>{script}</script></body></html>"

@@ -29,12 +29,12 @@ from mbcdm_cad.live.state import WatchState
 from mbcdm_cad.live.worker import Drawn, Job, work
 from mbcdm_cad.report.check_report import check_design
 
-# Saves are waited for this long to gather, ms: an editor that saves by several steps counts once.
+# Changes within this time, ms, count as one save: some editors save in several steps.
 _GATHER_MS = 40
 _LOOK_MS = 10
-# So often the wait for a save looks whether it is to end, ms.
+# Interval, ms, at which the wait for a save tests whether the process should end.
 _END_MS = 300
-# The whole build begins when the browser has loaded the new page, and gives way to what the next save needs.
+# The whole build begins when the browser has loaded the new page, with low priority, since the next save is urgent.
 _BUILD_AFTER_S = 1.5
 _BUILD_NICENESS = 10
 
@@ -43,7 +43,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Watched:
-    """What is followed and where things go. ``folder`` holds the whole build, ``live`` the parts drawn at once."""
+    """The design file and the output folders: ``folder`` of the whole build, ``live`` of the preview."""
 
     path: Path
     out: Path
@@ -57,7 +57,7 @@ class Watched:
 
     @property
     def live(self) -> Path:
-        """Parts as they stand after the newest save, before the whole build."""
+        """Folder of the parts after the newest save, before the whole build."""
         return self.out / f"{self.name}-live"
 
 
@@ -148,7 +148,7 @@ class Watch:
         self._say(message)
 
     def _drawn(self) -> None:
-        """Take what the worker sends: the page of the newest save counts, others are dropped."""
+        """Receive the results of the worker: the page of the newest save is used, others are dropped."""
         try:
             drawn: Drawn = self._worker.recv()
         except EOFError:

@@ -30,7 +30,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Drawn:
-    """What became of a job: a page, or ``problem`` in words."""
+    """The result of a job: a page, or ``problem`` in words."""
 
     number: int
     page: bytes = b""
@@ -40,13 +40,14 @@ class Drawn:
 
 
 class _SupersededError(Exception):
-    """A newer job waits."""
+    """Raised to stop a job when a newer one waits."""
 
 
 def work(connection: Connection, folder: Path, use_cache: bool) -> None:
-    """Draw what comes through ``connection`` until None comes or the other end is gone."""
+    """Draw the jobs that arrive through ``connection`` until None arrives or the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that watches; it closes the connection
-    # Imported here, so that the process that starts this one needs no kernel. It loads it before the first job.
+    # Imported here, so that the process that starts this one needs no kernel; this process loads it before the first
+    # job.
     from mbcdm_cad.live.preview import Previewer
 
     allow_processes()

@@ -1,7 +1,7 @@
-"""The logger's file as a table of floats: read in blocks, by NumPy's parser wherever a block is clean.
+"""The logger's file as a table of floats, read in blocks; NumPy's parser reads a block that has only rows of figures.
 
-Memory grows with the columns asked for and not with the file. A block with comments, blank lines or broken rows is
-gone through line by line, so that every complaint has its line.
+Memory depends on the columns that are used and not on the file. A block with comments, blank lines or broken rows is
+read line by line, so that each message gives its line.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BLOCK_BYTES = 8 << 20
 # Share of rows that may be left out as broken; more than that is another format.
 MOST_BROKEN = 0.02
 LISTED_LINES = 5
-# No sensor reads this; instruments write such figures (9.9e37) for an overload.
+# No sensor measures such a value; instruments write it (9.9e37) for an overload.
 OVERLOAD = 1e30
 _DATE = re.compile(r"\d{1,4}[-/:.]\d{1,2}[-/:.]\d{1,4}|\d{1,2}:\d\d")
 DECIMALS = (
@@ -34,9 +34,9 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?\Z")
 
 @dataclass(frozen=True, eq=False)
 class DataTable:
-    """``values`` (columns asked for, n), broken rows left out: how many, and the lines of the first of them.
+    """``values`` (columns used, n) without broken rows; their number, and the lines of the first of them.
 
-    ``skipped_lines`` are all lines from ``begin_line`` on that are no row, in order.
+    ``skipped_lines`` are all lines from ``begin_line`` on that are not rows, in order.
     """
 
     values: Floats
@@ -75,7 +75,7 @@ def read_table(path: Path, layout: Format, columns: Sequence[int], skip_broken: 
             ]
         )
     values = np.empty((len(columns), kept))
-    for part in reversed(parts):  # each part is let go once it is copied
+    for part in reversed(parts):  # frees the memory of each part once it is copied
         values[:, kept - part.shape[0] : kept] = part.T
         kept -= parts.pop().shape[0]
     return DataTable(
@@ -103,7 +103,7 @@ def _blocks(path: Path, begin_line: int) -> Iterator[tuple[int, str]]:
 
 
 class _Reader:
-    """Goes through the blocks of one file and remembers what it left out."""
+    """Reads the blocks of one file and records the rows that it leaves out."""
 
     def __init__(self, path: Path, layout: Format, columns: Sequence[int], skip_broken: bool) -> None:
         self.path, self.layout, self.columns, self.skip_broken = path, layout, list(columns), skip_broken
@@ -121,7 +121,7 @@ class _Reader:
         return self._by_line(first_line, lines) if rows is None else rows
 
     def _at_once(self, text: str, lines: list[str]) -> Floats | None:
-        """The whole block through NumPy's parser; None if any line is anything but a row of finite figures."""
+        """The whole block by NumPy's parser; None if any line is not a row of finite figures."""
         sign, fields = self.layout.sign, self.layout.fields
         if self.layout.comment in text or '"' in text or "_" in text:
             return None
@@ -130,7 +130,7 @@ class _Reader:
             return None
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of a block without rows, which is none of its business
+                warnings.simplefilter("ignore")  # NumPy warns of a block without rows, which is allowed here
                 rows = np.loadtxt(lines, delimiter=sign, comments=None, ndmin=2, usecols=self.columns)
         except ValueError:
             return None
@@ -166,7 +166,7 @@ class _Reader:
         names = self.layout.names
         name = shortened(names[index]) if index < len(names) else f"column {index + 1}"
         try:
-            value = float(cell) if "_" not in cell else None  # Python's own habit of 1_000 is no logger's
+            value = float(cell) if "_" not in cell else None  # float() accepts 1_000, which no logger writes
         except ValueError:
             value = None
         if value is None:

@@ -1,7 +1,7 @@
 """Draft a measurement file for a logger's data: guess each column from names, units, ranges and the design.
 
-Every guess is written as such, with its reason, so that a person can look it over. The output is found first; an
-input's unit, sign and place (at the pulley or on the motor, before the gearhead) follow from how far it turns with it.
+Every guess is marked, with its reason, so that a person can check it. The output is found first; an input's unit, sign
+and place (at the pulley or on the motor, before the gearhead) follow from its angle for a given angle of the output.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ WORDS = {
     "output": r"out|drum|joint|link|abtrieb",
     "input": r"^in|input|mot|left|right|enc|q_|pos|antrieb",
 }
-# Rows that are tried for figures, and the share of them that must hold one.
+# Rows that are tested for figures, and the share of them that must have one.
 TRIED_ROWS, LEAST_FIGURES = 300, 0.9
-# An output that turns by less than this share of the design's travel was hardly the drum.
+# A column that turns by less than this share of the design's travel is hardly the drum.
 LEAST_TRAVEL = 0.02
 NEAR = 0.03
 # Lines or counts a turn that encoders are sold with, times 1 or 4 for edges.
@@ -50,7 +50,7 @@ class _Column:
 
 
 def draft_text(data: Path, drive: Drive) -> str:
-    """The measurement file's text for ``data``. Raises InputError where the data are no table or nothing turned."""
+    """The measurement file's text for ``data``. Raises InputError if the data are not a table or nothing turned."""
     layout, decimal, columns = _columns(data)
     _roles(columns, drive)
     by_role = {column.role: column for column in columns if column.role}
@@ -73,7 +73,7 @@ def draft_text(data: Path, drive: Drive) -> str:
 
 
 def _columns(data: Path) -> tuple[Format, str, list[_Column]]:
-    """The columns that hold figures, with what their header says."""
+    """The columns that contain figures, with their header."""
     try:
         for decimal in ("point", "comma"):
             layout = find_format(data, "auto", decimal, "#", 0, "auto")
@@ -115,7 +115,7 @@ def _figure(row: list[str], k: int, layout: Format) -> bool:
 
 
 def _roles(columns: list[_Column], drive: Drive) -> None:
-    """What each column is: by the design's own names, then by words, each quantity once."""
+    """The quantity of each column: by the names in the design, then by usual words; each quantity once."""
     names = list(drive.input_names)
     one = len(names) == 1
     for column in columns:
@@ -124,7 +124,7 @@ def _roles(columns: list[_Column], drive: Drive) -> None:
         role = next((r for r, pattern in WORDS.items() if re.search(pattern, word)), "")
         if own and not re.search(WORDS["output"], word):
             column.role = "input" if one else f"input_{own}"
-            column.reasons.append(f"its name holds that of the input {own}")
+            column.reasons.append(f"its name contains that of the input {own}")
         elif role and role != "input" and all(other.role != role for other in columns):
             column.role = role
             column.reasons.append("by its name")
@@ -151,7 +151,7 @@ def _time(column: _Column) -> None:
 
 
 def _output(column: _Column, drive: Drive) -> None:
-    """Unit of the output's angle: as said, else one in which it stays within the design's travel."""
+    """Unit of the output's angle: as the header says, else one in which it stays within the design's travel."""
     span = float(np.ptp(column.values))
     most = 2.1 * math.radians(drive.half_travel_deg + drive.stop_clearance_deg)
     unit = _said(column, ANGLE)
@@ -168,7 +168,7 @@ def _output(column: _Column, drive: Drive) -> None:
 
 
 def _input(column: _Column, out_rad: Floats, drive: Drive) -> None:
-    """Unit, sign and side of an input from how far it turns with the output."""
+    """Unit, sign and side of an input from its slope against the output."""
     slope, _ = robust_slope(out_rad, column.values)
     if slope == 0.0:
         column.fields["unit"] = _said(column, ANGLE) or "rad"
@@ -201,7 +201,7 @@ def _input(column: _Column, out_rad: Floats, drive: Drive) -> None:
 
 
 def _whole(column: _Column) -> bool:
-    """Are its figures whole numbers, as of a counter?"""
+    """Whether its figures are whole numbers, as of a counter."""
     return bool(np.all(column.values == np.round(column.values))) and float(np.ptp(column.values)) > 50.0
 
 
@@ -221,7 +221,7 @@ def _plain(column: _Column, units: Mapping[str, object], otherwise: str) -> None
 
 
 def _said(column: _Column, units: Mapping[str, object]) -> str:
-    """The unit that the header says, or the end of the name."""
+    """The unit that the header or the end of the name states."""
     if column.unit in units:
         column.reasons.append("unit as its header says")
         return column.unit
@@ -234,7 +234,7 @@ def _said(column: _Column, units: Mapping[str, object]) -> str:
 
 def _written(data: Path, decimal: str, columns: list[_Column], inputs: int, drive: Drive) -> str:
     lines = [
-        f"# Drafted from {data.name} and the design {drive.name}. Every line marked 'guessed' is to be looked over.",
+        f"# Drafted from {data.name} and the design {drive.name}. Check every line marked 'guessed'.",
         f"data: {data.name}",
         *([] if decimal == "point" else ["decimal: comma    # guessed"]),
         "columns:",

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from mbcdm_cad.errors import InputError, Problem
 
-# Longest line that a logger's file may hold: what has none within this is no table.
+# Longest line of a logger's file: a file without a line end within this length is not a table.
 LONGEST_LINE = 1 << 16
-# Rows looked at to find delimiter, number of columns and header, and lines that a preamble may be long.
+# Rows used to find delimiter, number of columns and header, and largest number of lines before the data.
 FIRST_ROWS = 50
 LONGEST_PREAMBLE = 100_000
-# Rows of units, channels and the like below the names, and what one of their cells may be long.
+# Largest number of rows of units, channels and the like below the names, and largest length of one of their cells.
 MOST_UNITS = 3
 LONGEST_UNIT = 12
 SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
@@ -42,7 +42,7 @@ class Format:
 
 
 def too_long(path: Path, number: int) -> InputError:
-    """What has no line end is no table."""
+    """The error for a file without line ends, which is not a table."""
     remedy = "give a text file with one row a line, ended by LF or CR LF"
     return InputError(
         [
@@ -59,7 +59,7 @@ def split(line: str, sign: str | None) -> list[str]:
 
 
 def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_rows: int, header: str) -> Format:
-    """Look at the first rows: delimiter, number of columns, where the names are. InputError if there are none."""
+    """Delimiter, number of columns and place of the names, from the first rows. InputError if there are no rows."""
     comma = decimal == "comma"
     comments, rows = _first_lines(path, comment, skip_rows)
     if not rows:
@@ -104,7 +104,7 @@ def _units_row(rows: Lines, begin: int, sign: str | None, comma: bool) -> tuple[
 
 
 def line_with(path: Path, name: str) -> int:
-    """The first line, from 1, that has ``name`` as a cell, whatever stands between the cells; 0 if none has."""
+    """The first line, from 1, that has ``name`` as a cell, with any delimiter; 0 if there is none."""
     with open(path, "rb") as file:
         for number in range(1, FIRST_ROWS + 1):
             line = _decoded(file.readline(LONGEST_LINE + 1))
@@ -140,7 +140,7 @@ def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines
 
 
 def _refuse_no_text(path: Path, raw: bytes) -> None:
-    """What a spreadsheet, a binary logger or an editor of another system writes; ``raw`` is the first line."""
+    """Refuse files of a spreadsheet, a binary logger or an editor of another system; ``raw`` is the first line."""
     what, remedy = "", "export the data as text, one row a line (CSV)"
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff") or (
         raw[1::2].count(0) > 0.4 * len(raw) or raw[::2].count(0) > 0.4 * len(raw)
@@ -157,7 +157,7 @@ def _refuse_no_text(path: Path, raw: bytes) -> None:
 
 
 def _decoded(raw: bytes) -> str:
-    """UTF-8, or the code page that loggers on desktop systems write."""
+    """The text as UTF-8, or in the code page of desktop systems if it is not UTF-8."""
     try:
         return raw.decode("utf-8")
     except UnicodeDecodeError:
@@ -165,7 +165,7 @@ def _decoded(raw: bytes) -> str:
 
 
 def _likely_sign(rows: Lines, decimal_comma: bool) -> str | None:
-    """The delimiter that splits most rows alike into the most columns."""
+    """The delimiter that splits most rows into the same number of columns; of several, that with the most columns."""
     best: tuple[int, int] = (0, 0)
     found: str | None = None
     for sign in (";", "\t", *(() if decimal_comma else (",",)), None):

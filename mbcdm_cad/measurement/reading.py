@@ -42,7 +42,7 @@ class MeasurementFile:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A run with what its reading met: ``notes`` are sentences for the user."""
+    """A run with ``notes``: sentences for the user about its reading."""
 
     run: Run
     notes: tuple[str, ...]
@@ -54,7 +54,7 @@ def load_measurement(path: str | Path) -> Run:
 
 
 def load_file(path: str | Path) -> MeasurementFile:
-    """The measurement file alone, its data not yet read. Raises InputError."""
+    """The measurement file without its data. Raises InputError."""
     path = Path(path)
     text = read_text(path, *_KIND)
     if not _has_fields(text):
@@ -105,7 +105,7 @@ def read_run(file: MeasurementFile) -> Reading:
 
 
 def _has_fields(text: str) -> bool:
-    """False for a logger's file given in place of the one that describes it: it begins with names or figures."""
+    """Whether the text has fields; False for a logger's file given in place of its measurement file."""
     signs = ("#", "%", "---")
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(signs)), "")
     return ":" in first or first.lstrip().startswith("{") or not first
@@ -134,7 +134,7 @@ def _top(field: str) -> str:
 
 
 def _broken_rules(file: MeasurementFile) -> list[Problem]:
-    """What no single field can show."""
+    """Problems that concern several fields together."""
     content = file.content
     if content.published is not None:
         extra = [key for key in ("data", "columns", "ratio") if getattr(content, key) is not None]
@@ -195,7 +195,7 @@ def _is_force(quantity: str, column: Column) -> bool:
 
 
 def _broken_force(file: MeasurementFile, quantity: str, column: Column) -> list[Problem]:
-    """A force needs its arm, and nothing else has one."""
+    """Problems with the lever arm: a force needs one, other quantities have none."""
     where: FieldPath = ("columns", quantity)
     if _is_force(quantity, column) and column.lever_arm_mm is None:
         remedy = "give lever_arm_mm, the distance from the drum's axis to the line of the force"
@@ -208,7 +208,7 @@ def _broken_force(file: MeasurementFile, quantity: str, column: Column) -> list[
 
 
 def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
-    """One column for two quantities. Both inputs may be one, where only one was logged; that is told, not refused."""
+    """Problems with a column used for two quantities; for two inputs only a note, as one alone may be logged."""
     problems, first = [], dict[str | int, str]()
     for quantity, column in asked.items():
         other = first.setdefault(column.column, quantity)
@@ -220,11 +220,11 @@ def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Proble
 
 
 def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[int], data: Path) -> list[str]:
-    """What the layout of the data gives rise to doubt."""
+    """Notes where the layout of the data is doubtful."""
     notes = []
     inputs = [index for name, index in zip(asked, indices, strict=True) if name.startswith("input")]
     if len(set(inputs)) < len(inputs):
-        notes.append("both inputs are one column: what differs between them is not seen")
+        notes.append("both inputs use the same column: differences between them are not measured")
     if layout.units:
         first, last = layout.header_line + 1, layout.units_line
         lines = f"line {last}" if first >= last else f"lines {first} to {last}"
@@ -234,7 +234,7 @@ def _notes_on_columns(asked: dict[str, Column], layout: Format, indices: list[in
         name = layout.names[index] if index < len(layout.names) else ""
         told = told.strip("[]() ") or (brackets[1] if (brackets := _IN_BRACKETS.search(name)) else "")
         logged = unit_of(quantity, told)
-        # A scale may be there to turn one unit into the other.
+        # A scale may convert one unit into the other.
         differ = logged is not None and logged != unit_of(quantity, column.unit, column.counts_per_turn)
         if differ and abs(column.scale) == 1.0:
             notes.append(
@@ -262,7 +262,7 @@ def _data_path(file: MeasurementFile, data: str) -> Path:
 
 
 def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format, data: Path) -> int:
-    """Which column of the data, from 0."""
+    """Index of the column in the data, from 0."""
     where: FieldPath = ("columns", quantity, "column")
     asked = column.column
     if isinstance(asked, int):
@@ -298,7 +298,7 @@ def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format,
 
 
 def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, source: str, sha256: str) -> Run:
-    """The table's rows put into SI in place, so that a long run is held once."""
+    """The table's rows converted to SI in place, so that a long run is in memory only once."""
     rows: dict[str, Floats] = {}
     for (quantity, column), row in zip(asked.items(), table.values, strict=True):
         unit = unit_of(quantity, column.unit, column.counts_per_turn, column.lever_arm_mm) or Unit(1.0)

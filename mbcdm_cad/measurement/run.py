@@ -18,7 +18,7 @@ Level = Literal["refused", "doubt", "fact"]
 
 @dataclass(frozen=True)
 class Sensors:
-    """What the sensors resolve; None where the measurement file does not say."""
+    """Resolution and noise of the sensors; None where the measurement file does not state them."""
 
     input_resolution_rad: float | None = None
     output_resolution_rad: float | None = None
@@ -34,7 +34,7 @@ class Run:
     Shapes: ``time_s`` (n,), ``input_rad`` (n_inputs, n), ``output_rad`` (n,), ``load_Nm`` and ``temperature_C`` (n,) or
     None. ``load_Nm`` > 0 opposes positive rotation. ``ratio`` is the total ratio of a drive of which nothing else is
     known, else None. ``motor_side`` says of each input whether its encoder sits on the motor, before the gearhead:
-    then its angle is the motor's until the run is held against a design (:func:`mbcdm_cad.measurement.vet.arranged`).
+    then its angle is the motor's until the run is compared with a design (:func:`mbcdm_cad.measurement.vet.arranged`).
     """
 
     time_s: Floats
@@ -57,12 +57,12 @@ class Run:
 
 @dataclass(frozen=True)
 class VettingNote:
-    """One sentence about a run, before any residual is looked at.
+    """One sentence about a run, found before any residual is computed.
 
-    ``kind`` names it for programs; ``field`` is the field of the measurement file that it speaks of.
+    ``kind`` identifies it for programs; ``field`` is the field of the measurement file that it concerns.
 
-    ``refused``: the run cannot be judged as it is declared. ``doubt``: judged, with this in mind. ``fact``: what the
-    experiment can and cannot tell.
+    ``refused``: the run cannot be judged as it is declared. ``doubt``: it is judged, but the result may be wrong.
+    ``fact``: what the experiment can and cannot show.
     """
 
     kind: str
@@ -77,7 +77,7 @@ class VettingNote:
 
 
 def doubts(notes: Sequence[str], findings: Sequence[VettingNote]) -> list[str]:
-    """What speaks against taking a result at its word: notes of the reading, doubts of the vetting."""
+    """Reasons to doubt a result: notes of the reading and doubts of the vetting."""
     return [*notes, *(str(finding) for finding in findings if finding.level == "doubt")]
 
 

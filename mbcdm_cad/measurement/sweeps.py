@@ -1,4 +1,4 @@
-"""Half sweeps of a run, and the moving mean by which its signals are smoothed."""
+"""Half sweeps of a run, and the moving mean that smooths its signals."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scipy.ndimage import uniform_filter1d
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
-# A reversal counts where the output has come back by this share of its travel.
+# A reversal counts if the output has moved back by this share of its travel.
 REVERSAL_SHARE = 0.1
 # Window over which a speed is computed, s.
 SPEED_WINDOW_S = 0.1
@@ -42,7 +42,7 @@ def half_sweeps(output_rad: Floats) -> NDArray[np.int64]:
     """Number of the half sweep at each sample, from 0; shape (n,). A turn counts after a tenth of the travel."""
     out, reach = np.empty(output_rad.size + 1, dtype=np.int64), REVERSAL_SHARE * float(np.ptp(output_rad))
     turns = out[: _turns(np.ascontiguousarray(output_rad), reach, out)]
-    # Where it has not moved yet it does not turn.
+    # There is no reversal before the first motion.
     if turns.size and abs(output_rad[turns[0]] - output_rad[0]) <= reach:
         turns = turns[1:]
     return np.asarray(np.searchsorted(turns, np.arange(output_rad.size), side="right"), dtype=np.int64)

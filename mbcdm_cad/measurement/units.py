@@ -1,4 +1,4 @@
-"""Units that a logger may write, and what they are in SI."""
+"""Units that a logger may write, and their conversion to SI."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ TORQUE = _scaled(
     ("lbf*in", 0.45359237 * 0.0254 * _KGF),
     ("lbf*ft", 0.45359237 * 0.3048 * _KGF),
 )
-# With the arm that it pulls on a force is a torque.
+# A force with its lever arm gives a torque.
 FORCE = _scaled(
     ("N", 1.0),
     ("mN", 1e-3),
@@ -53,7 +53,7 @@ FORCE = _scaled(
     ("gf", 1e-3 * _KGF),
     ("lbf", 0.45359237 * _KGF),
 )
-# Temperatures are kept in degC, as the effects that use them compare and never multiply.
+# Temperatures stay in degC: the effects use only their differences.
 TEMPERATURE = {
     **dict.fromkeys(("degC", "°C", "C"), Unit(1.0)),
     **dict.fromkeys(("K",), Unit(1.0, -273.15)),
@@ -102,5 +102,5 @@ def known_units(quantity: str) -> list[str]:
 
 
 def kind_of(quantity: str) -> str:
-    """What a column measures: the inputs of a drive are alike, whatever they are called."""
+    """The kind of quantity of a column; all inputs are of one kind, whatever their names."""
     return "input" if quantity.startswith("input_") else quantity

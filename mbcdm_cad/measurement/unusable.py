@@ -14,24 +14,24 @@ from mbcdm_cad.measurement.run import Run
 if TYPE_CHECKING:
     from mbcdm_cad.measurement.reading import MeasurementFile
 
-# Fewer samples than this cannot hold the few sweeps that any statement needs.
+# Fewer samples than this cannot contain the sweeps that any statement needs.
 FEWEST_SAMPLES = 100
-# An output that turns by less than this many of its steps, or than this angle where the step is not known, stands.
+# An output that turns by fewer than this many steps, or by less than this angle if the step is unknown, stands still.
 FEWEST_STEPS = 20
 LEAST_TRAVEL_RAD = 1e-6
 # A shaft that turns by this much has moved, even if the declared step of its encoder is larger.
 MOTION_RAD = 0.01
 # Steps in time that run backwards, as a share of all, from which the column is hardly the time.
 MOST_BACK = 0.05
-# A figure this many times the span of the others beyond them is off, if it and its like last no more than so many rows.
+# A figure that lies beyond the others by this many times their span is wrong, if at most so many rows are like it.
 SPIKE_SPANS = 3.0
 LONGEST_SPIKE = 5
 
 
 def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> None:
-    """Too few samples, figures out of all bounds, time that runs backwards, single figures far off, nothing that moved.
+    """Refuse a run with too few samples, impossible figures, time that runs backwards, outliers or without motion.
 
-    Raises InputError, with the line of the data where there is one.
+    Raises InputError, with the line of the data if the problem has one.
     """
     count = run.time_s.size
     if count < FEWEST_SAMPLES:
@@ -59,7 +59,7 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
 
 
 def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> list[Problem]:
-    """Single figures far from all others, as a sensor or a bus that failed for a moment gives them."""
+    """Problems for single figures far from all others, as from a short failure of a sensor or a bus."""
     signals = [
         (f"input {n}".removesuffix(" input"), row) for n, row in zip(run.input_names, run.input_rad, strict=True)
     ]
@@ -67,11 +67,11 @@ def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> l
     problems = []
     for name, values in signals:
         low, high = (float(v) for v in np.percentile(values, (1.0, 99.0)))
-        # An angle may be far from zero; a constant load has no span but that of its noise.
+        # An angle may be far from zero; the span of a constant load is only that of its noise.
         reach = SPIKE_SPANS * (max(high - low, abs(low), abs(high)) if name == "load torque" else high - low)
         off = (values < low - reach) | (values > high + reach)
         rows = np.flatnonzero(off)
-        # A drive that rests most of the time and moves a little is far off for long, and is no fault.
+        # A drive that rests most of the time and then moves has many such figures, which is not a fault.
         lasting = np.any(np.convolve(off, np.ones(LONGEST_SPIKE + 1), "valid") > LONGEST_SPIKE)
         if high == low or rows.size == 0 or lasting:
             continue
@@ -83,7 +83,7 @@ def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> l
 
 
 def _not_moved(file: MeasurementFile, run: Run) -> list[Problem]:
-    """Shafts that stand, or turn by few of the steps that their encoders are said to have."""
+    """Problems for shafts that stand still, or turn by few of the declared steps of their encoders."""
     given = file.content.sensors
     shafts = [
         (

@@ -18,15 +18,15 @@ from mbcdm_cad.routes.route import input_body
 
 # Samples that the comparison of columns needs; longer runs are thinned.
 MOST_SAMPLES = 20_000
-# How near the gearhead's ratio a factor must be to be it.
+# Relative deviation from the gearhead's ratio up to which a factor counts as this ratio.
 MOTOR_WIDTH = 0.03
-# Columns of these names are the inputs at -x and at +x of a design that calls its inputs otherwise.
+# Columns of these names are the inputs at -x and at +x of a design that gives its inputs other names.
 SIDES = {"left": -1, "right": 1}
 
 
 @dataclass(frozen=True)
 class Declared:
-    """What is known of the drive: ``d`` and ``travel_rad`` (full) are None where only the ratio is."""
+    """The known data of the drive: ``d`` and ``travel_rad`` (full) are None if only the ratio is known."""
 
     ratio: float
     d: DriveSI | None
@@ -35,7 +35,7 @@ class Declared:
 
 
 def declared_of(run: Run, drive: Drive | None) -> Declared:
-    """The drive as this run is to be held against it. A run's own ``ratio`` stands for a drive of its own."""
+    """The drive with which this run is compared. A run with its own ``ratio`` is of another drive."""
     if run.ratio is not None:
         return Declared(run.ratio, None, None)
     if drive is None:
@@ -46,9 +46,9 @@ def declared_of(run: Run, drive: Drive | None) -> Declared:
 
 
 def arranged(run: Run, drive: Drive) -> Run:
-    """The run with its inputs as the design has them: angles after the gearhead, in the order of the design's.
+    """The run with its inputs as in the design: angles after the gearhead, in the order of the design.
 
-    The order goes by name, else left and right by the side they stand on.
+    Inputs are identified by name, else left and right by their side.
     """
     run = _after_gearhead(run, drive.gearhead.ratio)
     names = run.input_names
@@ -70,7 +70,7 @@ def _after_gearhead(run: Run, gearhead_ratio: float) -> Run:
     ratios = np.where(run.motor_side, gearhead_ratio, 1.0)
 
     def behind(step_rad: float | None) -> float | None:
-        # The coarsest of several: one that is not on a motor keeps its step.
+        # The coarsest step of several; the step of an encoder that is not on a motor does not change.
         return None if step_rad is None else step_rad / float(ratios.min())
 
     sensors = replace(
@@ -82,20 +82,20 @@ def _after_gearhead(run: Run, gearhead_ratio: float) -> Run:
 
 
 def _input_sides(drive: Drive) -> list[int]:
-    """For each input the sign of the x coordinate at which it stands."""
+    """For each input the sign of its x coordinate."""
     bodies = {body.name: body for body in configuration_of(drive).routes(drive).routes.bodies}
     return [int(np.sign(bodies[input_body(name)].point_m[0])) for name in drive.input_names]
 
 
 def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
-    """All findings, refusals first. What the columns say is not looked into once the inputs do not fit the drive."""
+    """All findings, refusals first. The columns are not compared if the inputs do not fit the drive."""
     known = declared_of(run, drive)
     wrong = _inputs(run, known)
     if wrong:
         return wrong
     thin = _thinned(run)
     found = signal_findings(run, known.ratio)
-    if not refusals(found):  # an angle that jumps has no slope to speak of
+    if not refusals(found):  # an angle that jumps has no meaningful slope
         notes = column_findings(thin, known.ratio, known.travel_rad, known.d)
         found += [_on_the_motor(note, thin, known) for note in notes]
     if not any(finding.level == "refused" for finding in found):
@@ -122,7 +122,7 @@ def _on_the_motor(note: VettingNote, run: Run, known: Declared) -> VettingNote:
 
 
 def refusals(findings: list[VettingNote]) -> list[VettingNote]:
-    """Those for which the run cannot be judged."""
+    """The findings because of which the run cannot be judged."""
     return [finding for finding in findings if finding.level == "refused"]
 
 

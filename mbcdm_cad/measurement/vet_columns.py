@@ -11,7 +11,7 @@ from mbcdm_cad.measurement.run import Run, VettingNote, column_of
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# A slope this near the declared ratio needs no word; beyond FARTHEST it is another drive or another unit.
+# A slope this near the declared ratio gives no finding; beyond FARTHEST it is another drive or another unit.
 NEAR = 0.1
 FARTHEST = 1.5
 # Share of the samples' pairs that must agree on the sense of motion, for a slope to mean anything.
@@ -20,9 +20,9 @@ LEAST_AGREEMENT = 0.8
 LEAST_COUNTS = 90.0
 # Pairs of samples this share of the record apart give the slopes.
 LAGS = (0.005, 0.02, 0.08)
-# A load of this many times what slackens the cables is no load but a wrong unit.
+# A load of this many times the load at which the cables go slack has a wrong unit.
 MOST_LOAD = 3.0
-# Limits of a drum's deflection over the least possible one: 1.3 to 3 in simulated runs of every effect.
+# Limits of the drum's deflection over the least possible one; simulated runs of all effects have 1.3 to 3.
 LEAST_GIVE, MOST_GIVE, FARTHEST_GIVE = 0.25, 25.0, 250.0
 # Known mistakes in units: the factor by which an angle is too large, and the words for it.
 SLIPS = (
@@ -38,9 +38,9 @@ SLIP_WIDTH = 0.03
 
 
 def robust_slope(x: Floats, y: Floats) -> tuple[float, float]:
-    """Median of dy/dx over pairs of samples that are well apart in ``x``, and the share of pairs of its sign.
+    """Median of dy/dx over pairs of samples that are far apart in ``x``, and the share of pairs with its sign.
 
-    Lost motion and noise only touch pairs around a reversal. Returns (0, 0) where ``x`` stands.
+    Lost motion and noise affect only pairs around a reversal. Returns (0, 0) if ``x`` does not change.
     """
     slopes = []
     for lag in LAGS:
@@ -56,7 +56,7 @@ def robust_slope(x: Floats, y: Floats) -> tuple[float, float]:
 
 
 def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI | None) -> list[VettingNote]:
-    """Refusals and doubts about what the columns are."""
+    """Refusals and doubts about the content of the columns."""
     factors = [_factor(run.output_rad, row, ratio) for row in run.input_rad]
     if all(factor is not None and abs(factor - 1.0) <= NEAR for factor in factors):
         size = _load_size(run, d)
@@ -67,7 +67,7 @@ def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI
         return [swapped]
     found = []
     if all(factor is not None and factor < 0.0 for factor in factors) and len(factors) > 1:
-        # Of two wrong inputs and one wrong output, the one is likelier.
+        # One wrong output is more likely than two wrong inputs.
         text = "the output turns against both inputs: its sign is reversed"
         found.append(VettingNote("reversed_output", "refused", text, _TURN_ROUND, ("columns", "output")))
         factors = [None if factor is None else -factor for factor in factors]
@@ -99,7 +99,7 @@ def _factor(output: Floats, shaft: Floats, ratio: float) -> float | None:
 
 
 def _swapped(run: Run, ratio: float) -> VettingNote | None:
-    """A column in the place of another: does the exchange put every slope right?"""
+    """Whether two columns are exchanged: the exchange then gives the declared ratio for all slopes."""
     columns: dict[FieldPath, Floats] = {("columns", "output"): run.output_rad}
     for name, row in zip(run.input_names, run.input_rad, strict=True):
         columns[column_of(name)] = row
@@ -123,7 +123,7 @@ def _swapped(run: Run, ratio: float) -> VettingNote | None:
 
 
 def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: str | None) -> VettingNote:
-    """What a slope of ``factor`` times the declared ratio means; ``name`` is the one input it is about."""
+    """The finding for a slope of ``factor`` times the declared ratio; ``name`` is the input concerned."""
     fields = column_of(name if name is not None else run.input_names[0])
     shafts = "inputs" if name is None and len(run.input_names) > 1 else _shaft(name or run.input_names[0])
     figures = f"slope between {shafts} and output {factor * ratio:.5g}, declared ratio {ratio:.5g}"
@@ -131,7 +131,7 @@ def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: 
         if abs(factor / size - 1.0) < SLIP_WIDTH or abs(factor * size - 1.0) < SLIP_WIDTH:
             large = factor > 1.0
             travel = float(np.ptp(run.output_rad))
-            # Where the factor is low the output is too large, unless its travel says that the inputs are too small.
+            # A low factor means that the output is too large, unless its travel shows that the inputs are too small.
             at_output = not large and not (travel_rad is not None and travel <= travel_rad)
             where = "output" if at_output else shafts
             if not large and not at_output:
@@ -153,7 +153,7 @@ def _off(factor: float, run: Run, ratio: float, travel_rad: float | None, name: 
 
 
 def _travel(run: Run, travel_rad: float | None) -> list[VettingNote]:
-    """An output that turns farther than the stops let it: all angles may be in the wrong unit together."""
+    """A finding for an output that turns farther than the stops allow: all angles may be in the wrong unit."""
     travel = float(np.ptp(run.output_rad))
     if travel_rad is None or travel <= 1.1 * travel_rad:
         return []
@@ -168,11 +168,11 @@ def _travel(run: Run, travel_rad: float | None) -> list[VettingNote]:
 
 
 def _load_size(run: Run, d: DriveSI | None) -> list[VettingNote]:
-    """A load that would slacken the cables many times over is in another unit."""
+    """A finding for a load far above the one at which the cables go slack: it may be in another unit."""
     if d is None or run.load_Nm is None:
         return []
     most = float(np.abs(run.load_Nm).max())
-    # Both cables of one sense at twice their preload, the others slack.
+    # All cables of one sense at twice their preload, the others slack.
     holds = float(np.sum(d.preload_N * d.drum_radius_m))
     if most <= holds:
         return []
@@ -185,7 +185,7 @@ def _load_size(run: Run, d: DriveSI | None) -> list[VettingNote]:
 
 
 def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
-    """The drum gives way to its load; one that comes towards it has the sign of the torque reversed."""
+    """A finding for a drum that moves against its load: the sign of the torque is reversed."""
     if d is None or run.load_Nm is None or np.ptp(run.load_Nm) == 0.0:
         return []
     # The smallest compliance at the drum, nothing slipping: rad per N m.
@@ -206,8 +206,8 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
 
 
 def _wrong_give(share: float) -> VettingNote:
-    """The drum gives way to its load by ``share`` of what it should: all angles, or the load, in another unit."""
-    text = f"the drum gives way to its load {share:.2g} times as far as its cables stretch"
+    """The finding for a deflection of ``share`` times the expected one: all angles or the load in another unit."""
+    text = f"the drum's deflection under load is {share:.2g} times that from the stretch of its cables"
     if share > 1.0:
         remedy = "check the unit of load_torque (N*m declared as mN*m?); or a coupling is very soft"
         return VettingNote(

@@ -1,4 +1,4 @@
-"""What a run can and cannot show, from its travel, loads, sweeps and columns alone."""
+"""Find what a run can and cannot show, from its travel, loads, sweeps and columns alone."""
 
 from __future__ import annotations
 
@@ -10,30 +10,31 @@ from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# Half sweeps below which nothing can be both fitted and held back: the first is discarded, one is held.
+# Fewest half sweeps for a fit and held-back data: the first is discarded, one is held back.
 FEWEST_HALF_SWEEPS = 4
 # A load that varies by less than this share of its size, or by less than its noise, is constant.
 CONSTANT_SHARE = 0.05
-# Share of its size by which a load turns round with the motion, from which it counts as following it.
+# Share of its size that a load must change with the direction of motion to count as following it.
 FOLLOWS = 0.85
-# An order of which ratio and offset leave less than this amplitude is one with them (an estimate).
+# An order of which ratio and offset leave less than this share of its amplitude cannot be separated from them
+# (estimate).
 ONE_WITH_RATIO = 0.003
 
 
 def order_left(angle_rad: Floats, order: float) -> float:
-    """Least share, over all phases, of the power of a wave of ``order`` that offset and ratio leave; 0 to 1.
+    """Least share, over all phases, of the power of a wave of ``order`` that offset and ratio do not explain; 0 to 1.
 
-    The worst phase is the one that is odd about the middle of the travel, and so most like a ratio error.
+    The worst phase is odd about the middle of the travel, and so most similar to a ratio error.
     """
     waves = np.stack([np.cos(order * angle_rad), np.sin(order * angle_rad)], axis=1)
     waves = waves - waves.mean(axis=0)
     line = angle_rad - angle_rad.mean()
     left = waves - np.outer(line, line @ waves) / float(line @ line)
-    # The least ratio of two quadratic forms in (cos, sin) of the phase.
+    # The smallest ratio of two quadratic forms in (cos, sin) of the phase.
     try:
         return float(max(eigh(left.T @ left, waves.T @ waves, eigvals_only=True)[0], 0.0))
     except LinAlgError:
-        # An angle that rests at two places only: any wave is a line there.
+        # An angle with only two values: offset and ratio explain any wave.
         return 0.0
 
 
@@ -44,7 +45,7 @@ def reach_findings(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNot
     travel = float(np.ptp(run.output_rad))
     rate = (run.time_s.size - 1) / float(run.time_s[-1] - run.time_s[0])
     speed = np.gradient(output, run.time_s)
-    # Not the largest: over a gap in time the output jumps.
+    # Not the maximum, because the output jumps over a gap in time.
     fastest = float(np.quantile(np.abs(speed), 0.99))
     text = (
         f"{sweeps} half sweep(s) over {travel:.4g} rad ({np.degrees(travel):.3g} deg) in "
@@ -67,7 +68,8 @@ def _orders(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
     travel = float(np.ptp(run.output_rad))
     if left < ONE_WITH_RATIO:
         text = (
-            f"drum order 1 and ratio_error are one over this travel: {left:.1g} of its amplitude differs from a ratio"
+            "drum order 1 and ratio_error cannot be separated over this travel: "
+            f"{left:.1g} of its amplitude differs from a ratio"
         )
         found = [VettingNote("drum_order", "fact", text, "only a longer travel separates them")]
     else:
@@ -102,7 +104,7 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
     found = [VettingNote("load_levels", "fact", text)]
     sense = np.sign(speed)
     moving = np.abs(speed) > 0.2 * np.quantile(np.abs(speed), 0.99)
-    # About zero and not about the mean: with a bias the load does not turn round with the motion.
+    # About zero and not about the mean: with a bias the load does not change sign with the motion.
     along, load = sense[moving], run.load_Nm[moving]
     if abs(float(np.mean(load * along))) > FOLLOWS * float(np.sqrt(np.mean(load**2))):
         text = "the load follows the sense of motion: friction looks like lash" + (
@@ -113,10 +115,10 @@ def _loads(run: Run, speed: Floats, d: DriveSI | None) -> list[VettingNote]:
 
 
 def load_levels(load_Nm: Floats) -> list[float]:
-    """Levels that the load rests at, N m, lowest first; empty where it varies without resting."""
+    """Constant levels of the load, N m, lowest first; empty if the load varies continuously."""
     counts, edges = np.histogram(load_Nm, bins=60)
     busy = counts >= 0.05 * load_Nm.size
-    # A level and the noise around it: busy bins with quiet ones between.
+    # A level with its noise is a group of bins with many samples between bins with few.
     borders = np.flatnonzero(np.diff(np.concatenate(([0], busy.view(np.int8), [0]))))
     groups = list(zip(borders[::2], borders[1::2], strict=True))
     held = sum(int(counts[a:b].sum()) for a, b in groups)

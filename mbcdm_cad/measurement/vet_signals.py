@@ -1,4 +1,4 @@
-"""Faults of a run that its signals alone show: gaps and pace in time, a sensor at its end, an angle jumping."""
+"""Faults of a run that its signals alone show: gaps in time, unusual sweep times, a saturated sensor, jumps."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from mbcdm_cad.routes import Floats
 
 # A step in time this many times the usual one is a gap.
 GAP_STEPS = 5.0
-# A sensor that stands at its end while the drive goes on by this share of the travel is at its limit.
+# A sensor that stays at its extreme value while the drive moves by this share of the travel is saturated.
 LOST_TRAVEL = 0.15
-# Sampling and half sweeps outside these are odd for a bench: estimates.
+# Limits of usual sample times and half sweeps on a bench: estimates.
 SLOW_STEP_S, SLOW_SWEEP_S, FAST_SWEEP_S = 1.0, 600.0, 0.1
 COLDEST_C, HOTTEST_C = -60.0, 120.0
-# Share of the samples that a noisy torque may spend exactly at its end.
+# Share of the samples in which a noisy torque may be exactly at its extreme value.
 LEVEL_SHARE = 0.005
 
 
@@ -50,7 +50,7 @@ def _gaps(run: Run) -> list[VettingNote]:
 
 
 def _pace(run: Run) -> list[VettingNote]:
-    """Sweeps too fast or too slow for a bench: time may be in another unit."""
+    """A finding for sweeps too fast or too slow for a bench: time may be in another unit."""
     thin = run.output_rad[:: max(1, run.time_s.size // 1000)]
     sweeps = max(float(np.abs(np.diff(thin)).sum()) / max(float(np.ptp(thin)), 1e-300), 1.0)
     half_s = float(run.time_s[-1] - run.time_s[0]) / sweeps
@@ -79,7 +79,7 @@ def _temperature(run: Run) -> list[VettingNote]:
 
 
 def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[VettingNote]:
-    """An encoder that starts again after a turn, or a counter that runs over."""
+    """Findings for an encoder that starts again after a turn, or a counter that overflows."""
     steps = np.diff(values)
     usual = float(np.median(np.abs(steps)))
     turns = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
@@ -87,19 +87,19 @@ def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Vettin
         text = f"{name} jumps by a full turn {turns.size} time(s), first after sample {int(turns[0]) + 1}"
         return [VettingNote("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
     size = float(np.abs(steps).max())
-    # All of one size, far from all other steps, and most of the range; a pause in logging is no jump.
+    # Jumps of one size, far larger than all other steps, over most of the range; a pause in logging is not a jump.
     at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(run.time_s) < GAP_STEPS * run.step_s))
     others = float(np.quantile(np.abs(steps), 1.0 - min(2.0 * at.size / steps.size, 0.5))) if at.size else size
     if at.size < 2 or size < 0.5 * float(np.ptp(values)) or others > 0.05 * size:
         return []
     if float(np.ptp(np.abs(steps[at]))) > 0.1 * size:
         return []
-    text = f"{name} jumps by {size:.4g} rad {at.size} time(s), first after sample {int(at[0]) + 1}: a counter runs over"
+    text = f"{name} jumps by {size:.4g} rad {at.size} time(s), first after sample {int(at[0]) + 1}: a counter overflows"
     return [VettingNote("wrapped", "refused", text, "log more bits, or unwrap it", field)]
 
 
 def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[VettingNote]:
-    """An angle that stays exactly at its end while the other side of the drive goes on."""
+    """Findings for an angle that stays exactly at its extreme value while the other side of the drive moves."""
     for end, word in ((float(values.max()), "highest"), (float(values.min()), "lowest")):
         at = values == end
         edges = np.flatnonzero(np.diff(np.concatenate(([0], at.view(np.int8), [0]))))
@@ -116,7 +116,7 @@ def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[
 
 
 def _levels(load_Nm: Floats) -> list[VettingNote]:
-    """A noisy torque that spends time exactly at its end."""
+    """Findings for a noisy torque that is often exactly at its extreme value."""
     still = float(np.mean(np.diff(load_Nm) == 0.0))
     for end, word in ((float(load_Nm.max()), "highest"), (float(load_Nm.min()), "lowest")):
         share = float(np.mean(load_Nm == end))

@@ -14,7 +14,7 @@ from mbcdm_cad.measurement.vet import arranged, refusals, vet
 
 @dataclass(frozen=True, eq=False)
 class Vetted:
-    """A run that can be judged: what it was read from, what its reading met, what was found of it."""
+    """A run that can be judged: its measurement file, the notes of its reading, the findings of its vetting."""
 
     file: MeasurementFile
     run: Run
@@ -23,7 +23,7 @@ class Vetted:
 
     @property
     def doubts(self) -> list[str]:
-        """What speaks against taking the finding at its word."""
+        """Reasons to doubt the finding."""
         return doubts(self.notes, self.findings)
 
 
@@ -38,7 +38,7 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
         problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
         for one in vetted:
             if one.run.sha256 == run.sha256:
-                what, remedy = f"the same data as {one.file.path}", "give each run once: twice the same proves nothing"
+                what, remedy = f"the same data as {one.file.path}", "give each run once: a copy is no new evidence"
                 problems.append(file.problem(("data",), what, run.source, remedy=remedy))
         vetted.append(Vetted(file, run, reading.notes, tuple(findings)))
     if problems:
@@ -47,7 +47,7 @@ def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[V
 
 
 def vetting_lines(one: Vetted) -> list[str]:
-    """What the run is and what it can tell, one sentence a line, doubts first."""
+    """The run and what it can show, one sentence on each line, doubts first."""
     lines = [f"{one.file.path}: {one.run.time_s.size} samples of {one.run.source}"]
     lines += [f"  doubt: {words}" for words in one.doubts]
     return lines + [f"  run: {finding}" for finding in one.findings if finding.level == "fact"]

@@ -25,10 +25,10 @@ class Split(Exception):  # noqa: N818 - no error: it tells the engine how to div
 
 
 class PerDesign(np.ndarray):
-    """One value for each of several designs. Asked for one truth, it gives it, or raises :class:`Split`."""
+    """One value for each of several designs. As a condition it must agree for all, else it raises :class:`Split`."""
 
     def __bool__(self) -> bool:
-        """The truth that all designs share. Raises :class:`Split` where they do not."""
+        """The truth value that all designs share. Raises :class:`Split` if they differ."""
         holds = np.asarray(self, dtype=bool)
         if holds.all():
             return True
@@ -36,7 +36,7 @@ class PerDesign(np.ndarray):
             raise Split(holds)
         return False
 
-    # Rounding number by number, so that it is exactly that of one design.
+    # Each number is rounded by itself, so that the result is exactly that of a single design.
     def __round__(self, digits: int = 0) -> PerDesign:
         """Rounded to decimals."""
         return per_design([round(value, digits) for value in self.tolist()])
@@ -56,7 +56,7 @@ def per_design(values: Any) -> PerDesign:
 
 
 def number(value: Any) -> float:
-    """``float(value)``; a column stays one. What says ``float`` in a rule may be a column."""
+    """``float(value)`` for a number; a column stays a column, also where a rule's annotation says ``float``."""
     found: Any = value if isinstance(value, PerDesign) else float(value)
     return found  # type: ignore[no-any-return]
 

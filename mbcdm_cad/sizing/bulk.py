@@ -1,7 +1,7 @@
 """Runs sizing rules over many designs at once: the same rules, on columns of values.
 
-Designs that agree on every choice of part and every case of a rule are worked out together. Where a rule finds that
-they do not (:class:`~mbcdm_cad.sizing.arithmetic.Split`), it starts again on each part of them.
+Designs that agree on every choice of part and every case of a rule are computed together. Where a rule finds that they
+do not agree (:class:`~mbcdm_cad.sizing.arithmetic.Split`), it runs again on each group of them.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def _by_names(columns: Mapping[str, Sequence[Any]]) -> Iterator[tuple[Rows, dict
 
 
 def _taken(node: Any, part: Any) -> Any:
-    """A copy of the data that holds of each column the part alone."""
+    """A copy of the data with only the rows ``part`` of each column."""
     if isinstance(node, dict):
         return {key: _taken(item, part) for key, item in node.items()}
     if isinstance(node, list):

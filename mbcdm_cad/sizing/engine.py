@@ -11,9 +11,9 @@ from mbcdm_cad.sizing.rule import Found, Rule
 
 
 def fill(given: KnownFields, rules: Iterable[Rule], moved: Moved | None = None) -> Sizing:
-    """Fill every open field for which there is a rule that applies; what the file gives stays as it is.
+    """Fill every open field for which a rule applies; fields of the file do not change.
 
-    ``moved``: what a search makes of the value that a rule finds, by field; later rules see the moved value.
+    ``moved``: by field, a function with which a search changes the value of a rule; later rules use the changed value.
     """
     moved = moved or {}
     records: list[SizedValue] = []

@@ -15,15 +15,15 @@ from mbcdm_cad.design.sized import SizingError
 
 @cache
 def _parts(field: str) -> tuple[str, ...]:
-    """The names of a dotted field; the same few hundred are asked for some thousand times a design."""
+    """The names of a dotted field; cached, since a few hundred fields are read several thousand times for a design."""
     return tuple(field.split("."))
 
 
 class KnownFields:
     """The data of one design file while its gaps are filled.
 
-    Fields are named as in messages, ``drum.outer_face_y_mm``. Reading one through this object notes it, so that what a
-    value rests on is what its rule did read.
+    Fields are named as in messages, ``drum.outer_face_y_mm``. Each field read through this object is recorded, so that
+    the dependencies of a value are exactly the fields that its rule read.
     """
 
     def __init__(self, data: dict[str, Any]) -> None:
@@ -43,11 +43,11 @@ class KnownFields:
         return otherwise if self.peek(field) is None else self[field]
 
     def has(self, field: str) -> bool:
-        """Whether the field is known, without noting it."""
+        """Whether the field is known; not recorded as read."""
         return self.peek(field) is not None
 
     def peek(self, field: str) -> Any:
-        """Value of the field, None where it is open; not noted."""
+        """Value of the field, None if it is open; not recorded as read."""
         at: Any = self.data
         for part in _parts(field):
             if not isinstance(at, dict):
@@ -66,7 +66,7 @@ class KnownFields:
         at[last] = value
 
     def start(self) -> None:
-        """Forget what was read: the next rule begins."""
+        """Clear the record of fields read, before the next rule."""
         self._read = {}
 
     @property
@@ -75,7 +75,7 @@ class KnownFields:
         return dict(self._read)
 
     def entries(self, kind: str) -> dict[str, dict[str, Any]]:
-        """All entries of a kind of the catalogue, the design's own over the package's."""
+        """All entries of a kind of the catalogue; those of the design replace those of the package."""
         own = self.peek(f"catalogue.{kind}")
         return {**package_entries(kind), **(own if isinstance(own, dict) else {})}
 
@@ -100,7 +100,7 @@ class KnownFields:
         return found
 
     def _motor_face(self) -> dict[str, Any]:
-        """The chosen motor's own face, as an entry of a gearhead."""
+        """Face and shaft of the chosen motor, as an entry of a gearhead."""
         self.entry("motors", "drive.motor")
         name, able = self["drive.motor"], self.motors_with_faces()
         if name not in able:

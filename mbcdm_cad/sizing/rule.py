@@ -10,7 +10,7 @@ from typing import Any
 from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, least
 from mbcdm_cad.sizing.known import KnownFields
 
-# Rounding must not lift a figure that is already on its step.
+# Tolerance, so that a figure that is already a multiple of its step is not rounded up.
 _ON_STEP = 1e-9
 
 

@@ -202,7 +202,7 @@ REFUSED = {
         "set unit: counts", content=lambda: mapping(output={"counts_per_turn": 8192})
     ),
     "a counter that runs over": Mistake(
-        "a counter runs over",
+        "a counter overflows",
         lambda: csv(q_out=counted(16, 2.0**20)),
         lambda: mapping(output={"unit": "counts", "counts_per_turn": 2**20}),
     ),
@@ -253,7 +253,7 @@ SAID = {
         lambda: mapping(output={"unit": "counts", "counts_per_turn": 10000}),
     ),
     "one column for both inputs": Mistake(
-        "both inputs are one column", content=lambda: mapping(input_right={"column": "q_left"})
+        "both inputs use the same column", content=lambda: mapping(input_right={"column": "q_left"})
     ),
     "row of units": Mistake("no figures on line 2 of run.csv", lambda: under_header("[s],[rad],[rad],[rad],[Nm]")),
     "rows of units and channels": Mistake(
