@@ -1,7 +1,8 @@
-"""Bearing loads against static ratings, and the deflection at the gearhead in spite of the pulley's own bearings.
+"""Bearing loads against static ratings, and the deflection at the gearhead that the pulley's own bearings leave.
 
-A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cable's pull of well
-over 100 N on each input pulley is more than a gearhead of this size takes, so each pulley has a bearing at both ends.
+A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cables pull each
+input pulley with well over 100 N, more than a gearhead of this size can carry, so each pulley has a bearing at both
+ends.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from mbcdm_cad.model.bearing_loads import two_bearing_reactions_N
 
 STATIC_SAFETY = 1.0
 QUIET_SAFETY = 2.0
-# Radial play of a small deep-groove bearing, normal class, and what a gearhead's output shaft has (catalogues).
+# Radial play of a small deep-groove bearing, normal class, and of a gearhead's output shaft (catalogues).
 BEARING_PLAY_MM = 0.01
 GEARHEAD_PLAY_MM = 0.02
 
@@ -55,7 +56,7 @@ def drum_reactions_N(s: SectorUnderTest) -> tuple[float, float]:
     most = [0.0, 0.0]
     for on_bodies in s.loads.on_bodies:
         force, moment = on_bodies.drum.force_N, on_bodies.drum.moment_Nm
-        # About the rear bearing, with y x F = (y Fz, 0, -y Fx): the front bearing takes what is left of the moment.
+        # Moments about the rear bearing, with y x F = (y Fz, 0, -y Fx): the front bearing balances them.
         about = moment - np.cross([0.0, rear, 0.0], force)
         on_front = np.array([-about[2], 0.0, about[0]]) / (front - rear)
         on_rear = force - on_front
@@ -108,7 +109,7 @@ def coupling_runout(s: SectorUnderTest) -> Comparison:
         lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
         upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2
         span, overhang = upper - lower, lower - (lay.collar.bottom_z + lay.collar.top_z) / 2
-        # The thinnest neck along the whole span, on the safe side.
+        # The smallest neck diameter along the whole span, which is conservative.
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
         stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment
         pull = max(float(np.linalg.norm(loads.inputs[i].force_N)) for loads in s.loads.on_bodies)
@@ -154,7 +155,7 @@ COUPLING_RUNOUT = Check(
 
 
 def quiet(measure: Callable[[Any], Comparison]) -> Check:
-    """The check that all bearings run quietly; ``measure`` takes those of the configuration together."""
+    """The check that all bearings run quietly; ``measure`` returns the worst of the configuration's bearings."""
     return Check(
         "quiet_running",
         "All bearings run quietly",
@@ -175,7 +176,7 @@ def _rating_needed(measure: Callable[[Any], Comparison], s: SectorUnderTest) -> 
 
 
 def _input_and_drum(s: SectorUnderTest) -> Comparison:
-    """All bearings, where there are none but these."""
+    """All bearings of a drive that has bearings only at its inputs and its drum."""
     return worst([*input_safety(s, QUIET_SAFETY), *drum_safety(s, QUIET_SAFETY)])
 
 

@@ -1,6 +1,6 @@
-"""Bend ratio D/d of the cable: against the design's own limit, and against the rope's catalogue, which only warns.
+"""Bend ratio D/d of the cable: compared with the design's limit, and with the rope's catalogue, which only warns.
 
-The paper's own design (14.8 at its smallest pulley) falls below every rope maker's minimum for 7x7.
+The paper's design (14.8 at its smallest pulley) is below every rope maker's minimum for 7x7.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from mbcdm_cad.checks.remedies import floored
 # Strength efficiency of wire rope bent over D/d, from rope makers' tables.
 EFFICIENCY_RATIO = (10.0, 15.0, 20.0, 40.0)
 EFFICIENCY = (0.86, 0.89, 0.91, 0.95)
-# Below this makers call the life "relatively low".
+# Below this rope makers call the life "relatively low".
 LOW_LIFE_RATIO = 16.0
-# A cable hooked round a pin without moving keeps about four fifths of its strength at D/d = 6 (rope makers' tables).
+# A static cable bent round a pin keeps about four fifths of its strength at D/d = 6 (rope makers' tables).
 ANCHOR_RATIO = 6.0
 
 
@@ -58,7 +58,7 @@ def bend_ratio_desired(s: DesignUnderTest) -> Comparison:
 
 
 def _thinner_or_larger(measure: Callable[[DesignUnderTest], Comparison], s: DesignUnderTest) -> str:
-    """What a rope maker would ask for: he has no smaller D/d to offer."""
+    """Advice for a bend ratio below the catalogue: a thinner rope or larger radii."""
     share = measure(s).limit / measure(s).actual
     return (
         f"a rope of at most {floored(s.drive.cable.diameter_mm / share)} mm, or all radii {share:.4g} times as large; "
@@ -67,7 +67,7 @@ def _thinner_or_larger(measure: Callable[[DesignUnderTest], Comparison], s: Desi
 
 
 def bending_checks(adjust: tuple[Adjustment, ...]) -> tuple[Check, ...]:
-    """The checks; ``adjust``: the configuration's variables that make the bends wider."""
+    """The checks; ``adjust``: the configuration's variables that increase the bending radii."""
     efficiency = "rope catalogue; efficiency 95/91/89/86 % at D/d 40/20/15/10"
     return (
         Check(

@@ -17,7 +17,7 @@ def _side(box_mm: Box, axis: int, s: Any) -> Comparison:
     """Box along one axis."""
     size, wanted, name = s.once("box_mm", box_mm)[axis], s.drive.targets.envelope_mm, "XZY"[axis]
     if wanted is None:
-        return noted(f"box along {name}, drum centred", size, "mm", "the design asks for none")
+        return noted(f"box along {name}, drum centred", size, "mm", "the design file has no target")
     target = wanted[axis]
     return at_most(
         f"box along {name}, drum centred, {size:.2f} mm: from the target of {target:g} mm",
@@ -28,7 +28,7 @@ def _side(box_mm: Box, axis: int, s: Any) -> Comparison:
 
 
 def box_checks(box_mm: Box, source: str, adjust: Sequence[tuple[Adjustment, ...]]) -> tuple[Check, ...]:
-    """One check a side, in the order X, Z, Y; ``adjust``: what may mend each."""
+    """One check for each side, in the order X, Z, Y; ``adjust``: variables that may correct each."""
     return tuple(
         Check(
             f"envelope_{name.lower()}",
@@ -36,7 +36,7 @@ def box_checks(box_mm: Box, source: str, adjust: Sequence[tuple[Adjustment, ...]
             source,
             partial(_side, box_mm, axis),
             adjust=adjust[axis],
-            advice="set targets.envelope_mm to what is wanted",
+            advice="set targets.envelope_mm to the required box",
         )
         for axis, name in enumerate("XZY")
     )

@@ -1,4 +1,4 @@
-"""Checks on what was drawn: mass, box and interference. The build calls them with the figures of its solids."""
+"""Checks of the drawn solids: mass, box and interference. The build calls them with its figures."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ def _judged(check: Check, drive: Drive, found: Comparison) -> CheckResult:
 
 
 def mass_check(drive: Drive, mass_g: float, sigma_g: float) -> CheckResult:
-    """Mass of all items against the target; ``sigma_g`` is what the estimates leave open (one sigma)."""
+    """Mass of all items against the target; ``sigma_g`` is the uncertainty from estimated masses (one sigma)."""
     target = drive.targets
     title, source = "Mass against the target", "targets.mass_g; paper section 4.1"
     if target.mass_g is None:
         check = Check("mass", title, source, _measured_by_the_build)
-        note = f"+- {sigma_g:.2g} g; the design asks for none"
+        note = f"+- {sigma_g:.2g} g; the design file has no target"
         return _judged(check, drive, noted("mass", mass_g, "g", note))
     over = mass_g - target.mass_g
     advice = (
         f"{'thin' if over > 0 else 'thicken'} walls of the frame where their limits allow, about {abs(over):.3g} g, "
-        "or set targets.mass_g to what is wanted"
+        "or set targets.mass_g to the required mass"
     )
     check = Check("mass", title, source, _measured_by_the_build, advice=advice)
     what = f"mass {mass_g:.2f} g +- {sigma_g:.2g}: from the target of {target.mass_g:g} g"
@@ -56,9 +56,9 @@ def mass_check(drive: Drive, mass_g: float, sigma_g: float) -> CheckResult:
 
 
 def frame_windup_check(drive: Drive, windup_mrad: float, advice: str, *, asked: bool = True) -> CheckResult:
-    """What the frame's deflection adds to the drum's turn at the test torque, against the design's limit.
+    """Rotation of the drum by the frame's deflection at the test torque, against the design's limit.
 
-    A limit that the design file does not ask for (``asked``) is the rule's: beyond it the check warns.
+    A limit that the design file does not state (``asked``) comes from a sizing rule: beyond it the check only warns.
     """
     check = Check(
         "frame_windup",
@@ -80,24 +80,24 @@ def envelope_check(drive: Drive, box_mm: Sequence[float]) -> CheckResult:
     if target.envelope_mm is None:
         check = Check("envelope", title, source, _measured_by_the_build)
         what = f"box X x Z x Y {box} mm: the longest side"
-        return _judged(check, drive, noted(what, max(box_mm), "mm", "the design asks for none"))
+        return _judged(check, drive, noted(what, max(box_mm), "mm", "the design file has no target"))
     off = [abs(size - want) for size, want in zip(box_mm, target.envelope_mm, strict=True)]
     k = off.index(max(off))
-    advice = "see envelope_x, envelope_z and envelope_y for what to turn, or set targets.envelope_mm to what is wanted"
+    advice = "see the remedies of envelope_x, envelope_z and envelope_y, or set targets.envelope_mm to the required box"
     check = Check("envelope", title, source, _measured_by_the_build, advice=advice)
     what = f"box X x Z x Y {box} mm: {_AXES[k]} from the target of {target.envelope_mm[k]:g} mm"
     return _result(check, drive, what, off[k], target.envelope_tolerance_mm, "mm")
 
 
 def interference_check(drive: Drive, clashes: Sequence[object]) -> CheckResult:
-    """No two bodies overlap over the travel. ``clashes`` say themselves what and where."""
+    """No two bodies overlap over the travel. The texts ``clashes`` say which bodies overlap and where."""
     listed = "; ".join(str(clash) for clash in clashes[:3]) + ("; ..." if len(clashes) > 3 else "")
     check = Check(
         "interference",
         "Interference over the travel",
         "solids under 0.01 mm^3, cables at d",
         _measured_by_the_build,
-        advice="give the parts named more room: centre distance, steps, or smaller bought parts",
+        advice="increase the space for the named parts: centre distance, steps, or smaller bought parts",
     )
     return _result(check, drive, "clashes over the travel", float(len(clashes)), 0.0, "clashes", listed)
 
@@ -110,7 +110,7 @@ def printed_walls_check(drive: Drive, found: Sequence[tuple[str, float, float, s
         "material: min_wall_mm; filament: two lines of printing.nozzle_mm",
         _measured_by_the_build,
         severity="warn",
-        advice="look at the wall at that place: print it finer (printing.nozzle_mm), or choose another material",
+        advice="the wall is too thin at that place: print it finer (printing.nozzle_mm), or choose another material",
     )
     return _judged(
         check, drive, worst(at_least(f"wall of {part} at {where}", wall, low, "mm") for part, wall, low, where in found)
@@ -118,7 +118,7 @@ def printed_walls_check(drive: Drive, found: Sequence[tuple[str, float, float, s
 
 
 def overhang_check(drive: Drive, areas_mm2: dict[str, float]) -> CheckResult:
-    """Area of parts of filament that hangs over by more than 45 degrees from upright, by part."""
+    """Area of overhangs of more than 45 degrees from the vertical, of parts printed from filament, by part."""
     check = Check(
         "overhang",
         "Overhangs of parts of filament",

@@ -14,12 +14,12 @@ from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 CABLE_GAP_MM = 0.1
 _SAMPLE_MM = 1.0
 _MOST_SAMPLES = 500
-# Samples in a piece of a line: short enough that few pieces come near each other.
+# Samples in a piece of a line: pieces so short that only few of them are near each other.
 _PIECE = 16
 
 
 def step_mm(s: SectorUnderTest) -> float:
-    """Sampling step along cables: coarse enough that no design, however large, takes long."""
+    """Sampling step along cables, mm: it grows with the design, so that a large design does not take long."""
     longest = max(path.length_mm for _, paths in s.extreme_paths for path in paths)
     return max(_SAMPLE_MM, longest / _MOST_SAMPLES)
 
@@ -31,15 +31,15 @@ def sampled(s: SectorUnderTest) -> list[tuple[float, list[np.ndarray]]]:
 
 
 def nearest_mm(a: np.ndarray, b: np.ndarray, step: float) -> float:
-    """Least distance between two lines sampled every ``step``, from below: what lies between samples is allowed for."""
+    """Lower bound of the distance, mm, between two lines sampled every ``step``, the parts between samples included."""
     return sqrt(max(_least_squared(a, b) - step**2 / 2, 0.0))
 
 
 def _least_squared(a: np.ndarray, b: np.ndarray) -> float:
     """Least squared distance between two rows of points.
 
-    Both are cut into short pieces; only points of pieces whose enclosing spheres come near enough are compared, a
-    twentieth of all pairs and less.
+    Both are divided into short pieces. Only points of pieces whose enclosing spheres are near enough are compared: at
+    most a twentieth of all pairs.
     """
     (pieces_a, centre_a, radius_a), (pieces_b, centre_b, radius_b) = _pieces(a), _pieces(b)
     between = np.linalg.norm(centre_a[:, None] - centre_b[None, :], axis=2)

@@ -1,4 +1,4 @@
-"""A measured figure against its limit, and the check that asks for it."""
+"""Comparison of a figure with its limit, and the check that makes it."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 
 from mbcdm_cad.checks.design_variables import Adjustment
 
-# Rounding of sums of millimetres must not turn a gap that is exactly kept into one that is missed.
+# Tolerance for rounding errors, so that a gap that equals its limit exactly passes.
 TOLERANCE = 1e-9
 
 
-# Below this a figure is the rounding error of an exact zero.
+# A figure below this is the rounding error of an exact zero.
 NOTHING = 1e-11
 
 
 def shown(value: float) -> str:
-    """Four significant digits; 0 for what only rounding keeps from it."""
+    """Four significant digits; 0 for a value that differs from it only by rounding."""
     return "0" if abs(value) < NOTHING else f"{value:.4g}"
 
 
@@ -33,14 +33,14 @@ class Comparison(NamedTuple):
 
     @property
     def margin(self) -> float:
-        """Distance from the limit in ``unit``, positive inside; minus infinity where the figure is no number."""
+        """Distance from the limit in ``unit``, positive inside; minus infinity if the figure is not finite."""
         if not isfinite(self.actual):
             return -inf
         return self.sense * (self.actual - self.limit)
 
     @property
     def holds(self) -> bool:
-        """Whether the limit is kept, rounding aside."""
+        """Whether the limit is kept, apart from rounding errors."""
         return self.margin >= -TOLERANCE
 
 
@@ -55,7 +55,7 @@ def at_most(subject: str, actual: float, limit: float, unit: str, note: str = ""
 
 
 def noted(subject: str, actual: float, unit: str, note: str = "") -> Comparison:
-    """A figure worth knowing, held against nothing."""
+    """A figure for information, without a limit."""
     return Comparison(subject, float(actual), 0.0, unit, 0, note)
 
 
@@ -67,9 +67,9 @@ def worst(findings: Iterable[Comparison]) -> Comparison:
 class Check(NamedTuple):
     """One check. ``measure`` may raise :class:`~mbcdm_cad.checks.design_under_test.NoFigureError`.
 
-    ``severity``: what a broken limit amounts to. ``adjust``: design variables that may mend it, tried in this order.
-    ``advice``: what else helps, or more than one number can say. ``measure`` and ``advice`` are given the design under
-    test of the configuration that the check belongs to, a :class:`~mbcdm_cad.checks.design_under_test.DesignUnderTest`.
+    ``severity``: status if the limit is not kept. ``adjust``: design variables that may correct it, tried in this
+    order. ``advice``: other changes that help. ``measure`` and ``advice`` get the design under test of the
+    configuration that the check belongs to, a :class:`~mbcdm_cad.checks.design_under_test.DesignUnderTest`.
     """
 
     id: str

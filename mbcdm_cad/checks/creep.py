@@ -13,7 +13,7 @@ from mbcdm_cad.model.creep import DAY_S, TOLD_C, creeps, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.errors import ModelError
 
-# Tensioning again more often than this is no use (estimate).
+# Shortest acceptable time between two tensionings (estimate).
 RETENSION_DAYS = 30.0
 _HALVINGS = 12
 
@@ -39,7 +39,7 @@ def _suffices(s: DesignUnderTest, share: float) -> bool:
 
 
 def needed_share(s: DesignUnderTest) -> float:
-    """Least share of the preloads that still carries the peak torque; 1 where not even all of them do."""
+    """Least share of the preloads that still carries the peak torque; 1 if not even the full preloads do."""
     low, high = 0.0, 1.0
     if not _suffices(s, high):
         return 1.0
@@ -50,7 +50,7 @@ def needed_share(s: DesignUnderTest) -> float:
 
 
 def retension(s: DesignUnderTest) -> Comparison:
-    """Days until the preload has crept to what the peak torque needs, ends fixed, at room temperature."""
+    """Days until creep has lowered the preload to the need of the peak torque; ends fixed, room temperature."""
     rope = s.drive.cable
     if not creeps(rope):
         return noted("creep of the rope, none in the catalogue", 0.0, "days")

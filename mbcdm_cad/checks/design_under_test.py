@@ -1,4 +1,4 @@
-"""The design under test, with what is worked out from it once and read by many checks."""
+"""The design under test, with results that are computed once and used by many checks."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI, to_si
 
 _Kept = TypeVar("_Kept")
-# Beyond this multiple of sum(T_pre r_o), at which cables without friction go slack, the model is not asked.
+# The model is not evaluated above this multiple of sum(T_pre r_o), at which cables without friction go slack.
 OVERLOAD = 4.0
 
 
 class NoFigureError(Exception):
-    """A figure that does not exist for this design; the text says why and ends a sentence."""
+    """Raised for a figure that does not exist for this design; the text gives the reason and ends a sentence."""
 
 
 class CableTensions:
-    """Cable tensions (N), shape (n_cables,), in the states that the strength checks look at."""
+    """Cable tensions (N), shape (n_cables,), in the states that the strength checks use."""
 
     def __init__(self, drive: Drive, si: DriveSI) -> None:
         peak, test = drive.loads.peak_torque_Nm, drive.loads.test_torque_Nm
@@ -46,7 +46,7 @@ class CableTensions:
 
     @cached_property
     def on_bodies(self) -> tuple[BearingLoads, ...]:
-        """What the cables put on every body in these states."""
+        """Loads of the cables on every body in these states."""
         return tuple(bearing_loads(self.si, tension) for _, tension in self.states)
 
     @property
@@ -61,9 +61,9 @@ class CableTensions:
 
 
 class DesignUnderTest(ABC):
-    """A drive with its layout and loads, each worked out when first asked for. Each configuration has its own kind.
+    """A drive with its layout and loads, each computed on first use. Each configuration has its own subclass.
 
-    Every property raises :class:`NoFigureError` where there is no such thing for this design.
+    Every property raises :class:`NoFigureError` if the figure does not exist for this design.
     """
 
     def __init__(self, drive: Drive, layout: Any = None) -> None:
@@ -75,7 +75,7 @@ class DesignUnderTest(ABC):
     @property
     @abstractmethod
     def variables(self) -> Mapping[str, DesignVariable]:
-        """What a remedy may change, by name."""
+        """Design variables that a remedy may change, by name."""
 
     @abstractmethod
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -86,7 +86,7 @@ class DesignUnderTest(ABC):
         """(cable, pulley, pitch radius in mm) of every pulley that a cable is bent on."""
 
     def given_or(self, worked_out: Callable[[], _Kept]) -> _Kept:
-        """The dimensions to test that were given, else those worked out; NoFigureError where these have no solution."""
+        """The given dimensions, else those computed from the drive; NoFigureError if these have no solution."""
         if self._given is not None:
             given: _Kept = self._given
             return given
@@ -100,7 +100,7 @@ class DesignUnderTest(ABC):
         return type(self)(drive)
 
     def once(self, name: str, make: Callable[[Self], _Kept]) -> _Kept:
-        """``make(self)``, worked out at the first call for this ``name`` and kept for the other checks that need it."""
+        """``make(self)``, computed at the first call for this ``name`` and kept for the other checks that need it."""
         if name not in self._kept:
             self._kept[name] = make(self)
         kept: _Kept = self._kept[name]

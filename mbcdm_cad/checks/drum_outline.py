@@ -1,4 +1,4 @@
-"""Room that a drum sector takes: its outline with the drum centred, and the rings that it sweeps as it turns."""
+"""Space of a drum sector: its outline with the drum centred, and the rings that it sweeps as it turns."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Ring(NamedTuple):
 def rim_points(d: DrumDims) -> np.ndarray:
     """(x, z) of the rim where no pocket that goes through it takes the metal, on a grid near its edges."""
     outer = d.lands[-1].surface_radius_mm
-    # Fine near the outside, where the box is decided.
+    # Fine near the outside, which determines the box.
     radii = outer - (outer - d.rim_inner_radius) * np.linspace(0.0, 1.0, _RADII) ** 2
     half = radians(d.half_angle_deg)
     # Widest at the ends or, on a sector of more than half a turn, at right angles to Z.
@@ -48,7 +48,7 @@ def rim_points(d: DrumDims) -> np.ndarray:
 
 
 def drum_zones(s: SectorUnderTest) -> list[Ring]:
-    """Rings that together hold everything which turns with the drum in front of the frame."""
+    """Rings that together enclose everything that turns with the drum in front of the frame."""
     d = s.layout.drum
     spec = s.drive.tensioner
     half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)

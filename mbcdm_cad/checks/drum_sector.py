@@ -8,15 +8,15 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 
-# Rim under a pocket's floor, in thinnest walls: it carries the lug's root (estimate).
+# Rim under a pocket's floor, in multiples of the thinnest wall: it carries the root of the lug (estimate).
 RIM_WALLS = 1.5
-# Bridges of the web beside the stop's slot, in thinnest walls (estimate).
+# Web beside the stop's slot, in multiples of the thinnest wall (estimate).
 SLOT_WALLS = 2.0
 # Hub over the shaft's diameter (usual: 1 to 1.5).
 HUB_DIAMETERS = 1.0
-# How much later than the travel the stops may engage (the stops stand between 35.0 and 35.5 degrees).
+# Largest angle beyond the travel at which the stops may engage (the paper's stops are between 35.0 and 35.5 degrees).
 STOP_WINDOW_DEG = 0.5
-# Spigot over the shaft, to bear on the inner ring.
+# Height of the spigot over the shaft, so that it rests on the bearing's inner ring.
 SPIGOT_MM = 0.3
 
 

@@ -1,4 +1,4 @@
-"""Wrap on the drum over the travel: more than zero, less than a turn, and compared with the model's slip zones.
+"""Wrap on the drum over the travel: more than zero, less than a turn, and against the model's slip zones.
 
 Both ends of a cable are anchored, so a wrap shorter than the slip zone is allowed; Eq. (5) and (6) do not hold then.
 """
@@ -16,7 +16,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 
-# Land left under the cable between transfer point and terminal at the end of travel (estimate).
+# Remaining land under the cable between transfer point and terminal at the end of travel (estimate).
 LEAST_WRAP_DEG = 2.0
 FULL_TURN_DEG = 360.0
 

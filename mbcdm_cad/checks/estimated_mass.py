@@ -36,18 +36,18 @@ def _mass(bill_of: BillOf, own: Mapping[str, Volume], s: Any) -> Comparison:
     except (ValueError, ZeroDivisionError) as error:
         raise NoFigureError(f"a part of this design has no volume: {error}") from None
     if targets.mass_g is None:
-        return noted("estimated mass", mass, "g", "the design asks for none")
+        return noted("estimated mass", mass, "g", "the design file has no target")
     what = f"estimated mass {mass:.1f} g: from the target of {targets.mass_g:g} g"
     return at_most(what, abs(mass - targets.mass_g), targets.mass_tolerance_g, "g")
 
 
 def mass_check(bill_of: BillOf, own: Mapping[str, Volume]) -> Check:
-    """A warning at most: what counts is the mass of the solids."""
+    """The check of the estimated mass. It only warns, because the build judges the mass of the solids."""
     return Check(
         "mass_estimate",
         "Estimated mass",
         "targets.mass_g; volumes in closed form",
         partial(_mass, bill_of, own),
         "warn",
-        advice="set targets.mass_g to what is wanted, or change walls of the frame where their limits allow",
+        advice="set targets.mass_g to the required mass, or change walls of the frame where their limits allow",
     )

@@ -17,7 +17,7 @@ from mbcdm_cad.parts.collar.dims import CollarDims
 SCREW_YIELD_MPA = 640.0
 TIGHTENED_SHARE = 0.7
 FRICTION = 0.15
-# Set screws have no head: their socket gives about half of that (estimate).
+# Set screws have no head: with their small socket they reach about half of that (estimate).
 SET_SCREW_SHARE = 0.5
 SLIP_SAFETY = 1.2
 # A third of the clamp's force may go into bending ring and slit journal (estimate).
@@ -43,9 +43,9 @@ def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
 def collar_grip(s: SectorUnderTest) -> Comparison:
     """Torque that a clamp collar holds, over the largest torque of an input.
 
-    The ring hinges opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the distances of
-    screw and hinge from the axis; two zones of contact carry mu N d together. What ring and slit journal keep of the
-    force is left to the safety.
+    The ring bends like a hinge opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the
+    distances of screw and hinge from the axis; two contact zones together carry mu N d. The part of the force that
+    deforms ring and slit journal is covered by the safety factor.
     """
     drive, collar = s.drive, s.layout.collar
     holds = grip_Nmm(collar, drive.screw(collar.screw), drive.gearhead.shaft_diameter_mm)

@@ -25,7 +25,7 @@ def corner_gap(x: float, z: float, wall_x: float, floor_z: float, radius: float)
 
 
 def inside_rounded_rectangle(u: float, v: float, half_width: float, low: float, high: float, radius: float) -> float:
-    """Distance from (u, v) out to the edge of the rectangle |u| <= half_width, low <= v <= high; negative outside."""
+    """Distance from (u, v) to the edge of the rectangle |u| <= half_width, low <= v <= high; negative outside."""
     u = abs(u)
     nearest_v = min(v - low, high - v)
     across, along = half_width - u, nearest_v
@@ -56,7 +56,7 @@ def _vertex_gap(points: Points, polygon: Points) -> float:
 
 
 def web_between(holes: Sequence[tuple[str, float, float, float, float, float]]) -> list[tuple[str, float]]:
-    """Metal left between round holes (name, u, v, radius, from, to) whose depths overlap, for every pair."""
+    """Wall between round holes (name, u, v, radius, from, to) whose depths overlap, for every pair."""
     found = []
     for i, (name, u, v, r, low, high) in enumerate(holes):
         for other, ou, ov, other_r, other_low, other_high in holes[i + 1 :]:

@@ -8,15 +8,15 @@ from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 
-# Height of the shoulder that an inner ring rests on (bearing makers' fillets of 0.15 mm and something to bear on).
+# Height of the shoulder for an inner ring: the bearing's fillet of 0.15 mm and a contact face.
 SHOULDER_MM = 0.3
-# A bore and its shaft are one nominal size.
+# Bore and shaft must have the same nominal size.
 FIT_MM = 0.01
 # Metal left behind a blind hole (estimate).
 FLOOR_MM = 1.0
 # Shaft held by a clamp over at least its own diameter (usual rule).
 GRIP_DIAMETERS = 1.0
-# Room for a part that only has to be brought into place (estimate).
+# Clearance for a part during assembly (estimate).
 PASSAGE_MM = 0.1
 
 
@@ -184,7 +184,7 @@ def coupling_height(s: SectorUnderTest) -> Comparison:
 
 
 def _of_thinner_walls(s: SectorUnderTest) -> str:
-    """Steel, for pulleys of something that asks for thicker walls."""
+    """Advice to choose steel or brass, if the pulleys are of a material that needs thicker walls."""
     own, steel = s.drive.input_pulleys.material, s.drive.material("steel")
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""
 
@@ -225,7 +225,7 @@ def _stop_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
 
 
 def coupling_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
-    """Those of a pulley without stops: journals, bearings, encoder and coupling."""
+    """The checks of a pulley without stops: journals, bearings, encoder and coupling."""
     return (
         Check(
             "bore_wall", "Journal's wall round the gearhead's shaft", "material: min_wall_mm", bore_wall, advice=_CHOOSE

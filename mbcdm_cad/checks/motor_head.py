@@ -1,4 +1,4 @@
-"""Motor head, encoder shelf and boss of a drive with one input: screws engaged and in reach, walls, room to turn."""
+"""Motor head, encoder shelf and boss of a drive with one input: screws and access to them, walls, clearances."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from mbcdm_cad.parts.boss.dims import EAR_WALL_MM
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
-# The parts are drilled for this many screws of the encoders, one on each side, and of the motor or gearhead.
+# Numbers of holes in the parts: for the encoders' screws, one on each side, and for those of motor or gearhead.
 SCREWS_DRAWN = 2
 FACE_SCREWS = (2, 3, 4)
 
 
 class HeadUnderTest(SectorUnderTest):
-    """Adds what a motor head's dimensions follow from."""
+    """Adds the thicknesses that determine a motor head's dimensions."""
 
     drive: HeadedDrive
 

@@ -1,7 +1,7 @@
 """Motor and gearhead at peak torque in both directions: the bias torque of the preload helps one and hinders the other.
 
-Positive is a load that opposes positive rotation of the drum. The paper counts the gearhead as lossless; so does what
-fails here. What its efficiency and its continuous rating cost is a warning.
+Positive is a load that opposes positive rotation of the drum. As in the paper, the checks that can fail assume a
+lossless gearhead; its efficiency and its continuous rating only give warnings.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 
-# A rating beyond this multiple of T_pre r_m is not followed further: cables are slack long before.
+# Ratings above this multiple of T_pre r_m are not evaluated: cables are slack long before.
 _RATING_CAP = 60.0
 _WORDS = {1: "+", -1: "-"}
 

@@ -1,7 +1,7 @@
-"""Ratios that all cables of an input must share, and what a difference does to their tension.
+"""Ratios that all cables of an input must share, and the change of tension by a difference.
 
-Held on the nominal radii, to far less than can be machined: a drive whose drawing misses them is wrong on paper
-already.
+The checks use nominal radii, with a tolerance far below that of machining: they find errors of the design, not of
+parts.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from mbcdm_cad.design.drive import CableRun
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.kinematics import pair_mismatch_m
 
-# 0.6 um on a radius of 6 mm, a tenth of what good turning holds: rounding of the drawing, not of the part.
+# 0.6 um on a radius of 6 mm, a tenth of the tolerance of good turning: allows for rounding of nominal radii only.
 RATIO_TOLERANCE = 1e-4
-# Tension that the mismatch of a pair may add over the travel, as a share of the preload; beyond it the preload that
-# was set is not the preload that acts (estimate).
+# Tension that the mismatch of a pair may add over the travel, as a share of the preload; beyond it the tension differs
+# too # much from the preload that was set (estimate).
 MISMATCH_SHARE = 0.1
 
 

@@ -1,7 +1,7 @@
-"""What would make a check pass: the search for the value of a design variable at which it does.
+"""Remedies: search for the value of a design variable at which a check passes.
 
-A remedy is never a guess: the value it names was tried on the design. Only the one check is looked at; what else the
-change does, the next run says.
+A remedy is never a guess: its value was tried on the design. Only the one check is evaluated; the next run shows the
+effect of the change on the others.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from mbcdm_cad.design.drive import Drive
 
 SIGNIFICANT_DIGITS = 4
 BISECTIONS = 14
-# How far a variable is changed at most: to this multiple of itself, or its inverse.
+# Largest change of a variable: to this multiple of its value, or to the inverse.
 REACH = 6.0
 MOST_OFFERS = 3
 TRIALS = 400
-# A figure may be rounded by this much to be read more easily, if it still passes.
+# A value may be rounded by this share, to have fewer digits, if the check still passes.
 ROUNDING = 3e-3
 
 
 class Offer(NamedTuple):
-    """A value at which a check passes; ``asked``: it would change what the drive is for."""
+    """A value at which a check passes; ``asked``: it changes a requirement on the drive."""
 
     path: str
     sense: int
@@ -36,10 +36,10 @@ class Offer(NamedTuple):
 
 
 class Budget:
-    """How many trials all remedies of one run may take together; a count, so that the words never depend on speed.
+    """Number of trials that all remedies of one run may take; not a time, so that results do not depend on speed.
 
-    ``asked`` names fields that the file asks for, which are named last; ``offers`` holds what was found, by check: at
-    most ``most`` each, and none for what only warns unless ``warnings``.
+    ``asked`` are fields that the file requires, which are named last; ``offers`` holds the values found, by check: at
+    most ``most`` each, and none for a check that only warns unless ``warnings``.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Budget:
 
 
 def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
-    """What would make the check pass, each number tried on the design."""
+    """The sentence that says how the check would pass; each number was tried on the design."""
     if check.severity == "warn" and not budget.warnings:
         return ""
     choices = offers(check, design, budget)
@@ -64,21 +64,21 @@ def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
     if budget.left <= 0:
         senses = " or ".join(f"{'raise' if a.sense > 0 else 'lower'} {a.path}" for a in check.adjust)
         return f"{senses}; no value was searched, because too many other checks fail: correct them first"
-    return f"no single one of {names} mends it: change several"
+    return f"no single one of {names} is enough: change several"
 
 
 def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
-    """The first variables that can mend the check alone: ``raise X from 34.6 to at least 36.2``."""
+    """The first variables that can make the check pass alone, as in ``raise X from 34.6 to at least 36.2``."""
     found: list[str] = []
     drive, variables = design.drive, design.variables
     kept = budget.offers.setdefault(check.id, [])
-    # What the drive is for is named last.
+    # Requirements on the drive are named last.
     asked = {path: path in budget.asked or (path in variables and variables[path].asked) for path, _ in check.adjust}
     for path, sense in sorted(check.adjust, key=lambda adjustment: asked[adjustment.path]):
         if len(found) == budget.most or budget.left <= 0:
             break
         variable = variables.get(path)
-        # Shared families name variables that not every configuration has.
+        # Shared families list variables that not every configuration has.
         if variable is not None and variable.applies(drive):
             value = passing_value(variable, sense, design, check.measure, budget)
             if value is not None:
@@ -99,7 +99,7 @@ def _offer(variable: DesignVariable, sense: int, drive: Drive, value: float) -> 
 
 
 def _rope_of(drive: Drive, sense: int, diameter_mm: float) -> str:
-    """The catalogue's nearest rope of the same construction on the right side, in brackets."""
+    """The nearest suitable rope of the same construction in the catalogue, in brackets; empty if there is none."""
     ropes = package_entries("ropes")
     fitting = [
         (sense * entry["diameter_mm"], name)
@@ -116,7 +116,7 @@ def passing_value(
     measure: Callable[[DesignUnderTest], Comparison],
     budget: Budget,
 ) -> float | None:
-    """The rounded value nearest to the present one, in the sense given, at which ``measure`` holds; None if none is."""
+    """The rounded value nearest to the present one, in the given direction, at which ``measure`` holds, or None."""
 
     def holds(value: float) -> bool:
         budget.left -= 1

@@ -1,4 +1,4 @@
-"""What a check says: the same record for the terminal, the JSON and the report."""
+"""The result of a check: one record for the terminal, the JSON and the report."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Status = Literal["pass", "warn", "fail"]
 class CheckResult:
     """Outcome of one check; plain data, no number is ever infinite or NaN.
 
-    ``margin`` is in ``unit`` and positive inside the limit; ``actual``, ``limit`` and ``margin`` are None where there
-    is none to give. ``message`` says what was found against which limit, ``remedy`` what would make it pass (empty
-    where it passes). A waived failure has status "pass" and its ``waived_reason``.
+    ``margin`` is in ``unit`` and positive inside the limit; ``actual``, ``limit`` and ``margin`` are None if they do
+    not exist. ``message`` states figure and limit, ``remedy`` the change that would make the check pass (empty if it
+    passes). A waived failure has status "pass" and its ``waived_reason``.
     """
 
     id: str

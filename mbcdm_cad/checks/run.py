@@ -1,4 +1,4 @@
-"""Running checks on a design: never raises for a design that loads, never gives a number that is none."""
+"""Runs checks on a design: never raises for a design that loads, and never returns NaN or infinity."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from mbcdm_cad.design.drive import Drive
 
 
 def run_all(checks: Iterable[Check], design: DesignUnderTest, budget: Budget | None = None) -> tuple[CheckResult, ...]:
-    """Every check on ``design``, in order; where a figure does not exist, the checks that need it fail, with reason.
+    """All checks on ``design``, in order; if a figure does not exist, the checks that need it fail with the reason.
 
-    ``budget``: what the remedies may take, which then holds what they offer.
+    ``budget``: number of trials for the remedies; it receives the values that they find.
     """
     budget = budget or Budget()
     with np.errstate(all="ignore"), warnings.catch_warnings():
@@ -36,9 +36,9 @@ def run_check(check: Check, design: DesignUnderTest, budget: Budget | None = Non
 
 
 def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[], str]) -> CheckResult:
-    """What was found as a result: status, message, remedy. ``remedy_of`` is called where the check does not pass."""
+    """The result of a comparison: status, message, remedy. ``remedy_of`` is called if the check does not pass."""
     if not isfinite(found.actual) or not isfinite(found.limit):
-        return _unevaluated(check, f"{found.subject} comes to no finite number", found.unit)
+        return _unevaluated(check, f"{found.subject} is not a finite number", found.unit)
     status: Status = "pass" if found.holds else ("warn" if check.severity == "warn" else "fail")
     limit, margin = (found.limit, found.margin) if found.sense else (None, None)
     waiver = drive.waiver(check.id) if status == "fail" else None
@@ -58,7 +58,7 @@ def judged(check: Check, found: Comparison, drive: Drive, remedy_of: Callable[[]
 
 
 def _unevaluated(check: Check, reason: str, unit: str = "") -> CheckResult:
-    """A figure that does not exist is a failure, and no waiver helps it: there is nothing to build."""
+    """The failure of a check whose figure does not exist. It cannot be waived, because the design cannot be built."""
     message, advice = f"not evaluated because {reason}", "correct what is named there first"
     return CheckResult(check.id, check.title, "fail", None, None, unit, None, message, advice, check.source)
 

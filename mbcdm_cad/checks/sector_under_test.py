@@ -1,4 +1,4 @@
-"""A drive whose cables end on a drum sector, under test: what its checks share whatever else the drive has."""
+"""The design under test for drives whose cables end on a drum sector: figures that their checks share."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class InputLevels(SectorLevels, Protocol):
 
     @property
     def motor_shelf_top_z(self) -> float:
-        """Where the coupling space begins."""
+        """Beginning of the coupling space."""
 
     @property
     def bearing_shelf_bottom_z(self) -> float:
-        """Where the coupling space ends."""
+        """End of the coupling space."""
 
     @property
     def bearing_shelf_top_z(self) -> float:
@@ -58,12 +58,12 @@ class SectorUnderTest(DesignUnderTest):
     @property
     @abstractmethod
     def layout(self) -> Any:
-        """All dimensions: those given, else worked out."""
+        """All dimensions: the given ones, else computed from the drive."""
 
     @property
     @abstractmethod
     def before_drum(self) -> str:
-        """What the cables run on before the drum, in words."""
+        """The body on which the cables run before the drum, in words."""
 
     @property
     @abstractmethod
@@ -88,7 +88,7 @@ class SectorUnderTest(DesignUnderTest):
 
     @property
     def levels_sense(self) -> int:
-        """+1 where the levels count along the axes of the inputs' routes, -1 where against them."""
+        """+1 if the levels are measured along the axes of the inputs' routes, -1 if against them."""
         return 1
 
     def levels_of(self, index: int) -> InputLevels:
@@ -96,15 +96,15 @@ class SectorUnderTest(DesignUnderTest):
         return self.levels
 
     def anchor_rad(self, cable: SectorRun) -> float:
-        """Where the cable leaves its land, drum centred."""
+        """Drum angle in rad at which the cable leaves its land, drum centred."""
         return float(next(t.anchor_rad for t in self.terminals if t.cable_name == cable.name))
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
-        """Length that each terminal takes up, drum centred, in the order of the design's cables."""
+        """Length in mm that each terminal tensions, drum centred, in the order of the design's cables."""
         return [path.length_mm for path in self.layout.cable_paths(0.0)]
 
     def smallest_wrap_rad(self, cable: SectorRun) -> float:
-        """Wrap on the drum at the end of travel that unwinds it."""
+        """Wrap on the drum, rad, at the end of travel at which most of it is unwound."""
         return self.anchor_rad(cable) - self.half_travel_rad
 
     @cached_property

@@ -13,7 +13,7 @@ from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.model.stack_up import StackUp, tightest
 from mbcdm_cad.parts.making import model_tolerances
 
-# Given a configuration's design under test.
+# Its argument is a configuration's design under test.
 Stacks = Callable[[Any], list[StackUp]]
 # Standard deviations on either side that hold 95 % of all drives.
 MOST_DRIVES = 1.96
@@ -43,7 +43,7 @@ def transmission_error(s: DesignUnderTest) -> Comparison:
 
 
 def stack_check(name: str, title: str, of: Stacks, advice: str) -> Check:
-    """A warning where the margin of ``of`` is smaller than its stack."""
+    """The check that warns if the margin of ``of`` is smaller than its tolerance stack."""
     return Check(
         f"{name}_stack",
         title,

@@ -120,7 +120,7 @@ def preload_bias(s: DesignUnderTest) -> Comparison:
 
 
 def balanced_preloads(s: DesignUnderTest) -> str:
-    """Preloads with T ~ 1/r within each pair, and what they reach."""
+    """Advice with preloads T ~ 1/r within each pair, and the torques that the drive then reaches."""
     try:
         si = s.loads.si
     except NoFigureError:
@@ -136,7 +136,7 @@ def balanced_preloads(s: DesignUnderTest) -> str:
 
 
 def _less_bias(s: DesignUnderTest) -> str:
-    """The bias grows with the preload, so less of it stays within the share."""
+    """Advice to lower the preload, since the bias grows with it."""
     most = max(c.preload_N for c in s.drive.cables)
     fitting = floored(BIAS_SHARE / preload_bias(s).actual * most)
     return f"lower rope.preload_N to at most {fitting} or {balanced_preloads(s)}"

@@ -9,7 +9,7 @@ from mbcdm_cad.parts.drum_sector.design import SectorRun
 
 # Thinnest stub that is still turned between journals of this size (estimate).
 SMALLEST_SURFACE_MM = 1.0
-# Cut surfaces must stand at pitch radius less half a cable: rounding of the drawing only.
+# Surfaces must be cut at the pitch radius minus half a cable: this tolerance allows for rounding only.
 SURFACE_TOLERANCE_MM = 1e-6
 
 

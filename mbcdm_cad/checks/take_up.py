@@ -1,4 +1,4 @@
-"""Adjustment of the terminals: take-up from slack to the highest preload, thread under both nuts, flats that hold."""
+"""Adjustment of the terminals: take-up from slack to the highest preload, thread under both nuts, twist of the rope."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from mbcdm_cad.checks.design_variables import down
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.parts.terminal.take_up import take_up_of
 
-# A nut holds on all its turns once the thread stands out this many pitches (usual rule).
+# A nut engages with all its threads if the stud projects by this many pitches (usual rule).
 THREAD_OUT_PITCHES = 1.0
-# Pitches behind the sleeve on which no nut runs: where the thread was cut or rolled to.
+# Thread run-out behind the sleeve, in pitches, on which no nut can run.
 RUN_OUT_PITCHES = 2.0
 # A terminal that turns further than this twists the rope while its nut is turned (estimate).
 TWIST_DEG = 20.0
@@ -25,7 +25,7 @@ def take_up(s: SectorUnderTest) -> Comparison:
     pitch, found = s.drive.tensioner.pitch_mm, []
     for c, length, t in zip(s.drive.cables, s.tensioned_lengths_mm(), s.terminals, strict=True):
         need = take_up_of(s.drive, c, length)
-        # A stud that does not reach through both nuts from the start begins its way later.
+        # If the stud does not reach through both nuts at the start, the usable take-up begins later.
         short = max(0.0, t.nuts_end + THREAD_OUT_PITCHES * pitch - (t.tip - t.drawn_in))
         note = (
             f"stretch {need.elastic_m * 1e3:.3g} mm, bedding-in {need.bedding_m * 1e3:.3g} mm, "
@@ -53,7 +53,8 @@ def terminal_twist(s: SectorUnderTest) -> Comparison:
     """Angle by which a terminal turns with its nut before the flat of its sleeve touches the wall of the pocket."""
     spec, wall = s.drive.tensioner, s.layout.drum.flat_wall
     corner, flat = spec.swage_diameter_mm / 2, spec.swage_flats_mm / 2
-    # Turned by a, the flat's corner lies corner cos(h - a) below the axis, h its angle from the flat's middle.
+    # After a rotation a, the corner of the flat lies corner cos(h - a) below the axis, h its angle from the flat's
+    # middle.
     middle_to_corner = acos(min(1.0, flat / corner))
     turn = 180.0 if wall >= corner else degrees(middle_to_corner - acos(wall / corner))
     return at_most("turn of a terminal until its flat is held", turn, TWIST_DEG, "deg")

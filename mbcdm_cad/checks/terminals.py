@@ -25,14 +25,14 @@ CORNER_ROOM_MM = 0.1
 # Yield over stress (usual for steady loads on ductile metal).
 STUD_SAFETY = 2.0
 LUG_SAFETY = 2.0
-# Where each side of the drum has one terminal.
+# Reason why checks between terminals do not apply if each side of the drum has one terminal.
 _ALONE = noted("terminals beside another one", 0.0, "")
 
 
 def bodies_of(s: SectorUnderTest, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
     """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug.
 
-    ``moved``: the room they take over the whole travel of the terminal, else where they stand at preload.
+    ``moved``: the space that they need over the whole travel of the terminal, else their place at preload.
     """
     start, end, tip = (t.slack_start, t.last_end, t.last_tip) if moved else (t.swage_start, t.swage_end, t.tip)
     spec, d = s.drive.tensioner, s.layout.drum

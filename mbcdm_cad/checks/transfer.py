@@ -2,7 +2,7 @@
 
 Step k's transfer point is (0, +r_k, r_ok), r_k the radius of the pulley before the drum: its step is the plane
 z = r_ok, the drum's step the plane y = r_k. By Eq. (1) all lie on a line through the apex, the pitch line of a bevel
-pair. Half planes x = 0 decide, since both bodies are round and reach furthest there.
+pair. Gaps are computed in the half planes x = 0, where the two round bodies are nearest.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 
-# A tenth of what good turning holds on a step plane: rounding of the drawing, not of the part.
+# A tenth of the tolerance of good turning on a step plane: allows for rounding of nominal dimensions only.
 PITCH_LINE_MM = 0.001
-# Edges of lands are broken by no more than this, so the contact line must lie further from them (derived).
+# Largest chamfer of the edges of lands; the contact line must lie further from the edge (derived).
 EDGE_BREAK_MM = 0.1
-# Run-out of both bodies together: 0.02 mm each and what their bearings add (estimate).
+# Run-out of both bodies together: 0.02 mm each and that of their bearings (estimate).
 RUN_OUT_MM = 0.05
 
 
@@ -88,9 +88,9 @@ def outermost_land(s: SectorUnderTest) -> Comparison:
 
 
 def body_gaps_mm(s: SectorUnderTest) -> list[tuple[str, int, float]]:
-    """Gap of every step before the drum to every drum land in the half plane x = 0: along y or z, whichever parts them.
+    """Gaps between every step before the drum and every drum land in the half plane x = 0, along y or z, in mm.
 
-    What it is between, the place of the step among the steps, the gap.
+    Each with its description, the index of the step and the gap.
     """
     return [
         (
@@ -117,7 +117,7 @@ def transfer_gap(s: SectorUnderTest) -> Comparison:
 
 
 def transfer_checks(body: str, keep_on_line: str) -> tuple[Check, ...]:
-    """The family; ``body``: what the cables run on before the drum, ``keep_on_line``: how its radii keep the line."""
+    """The family; ``body``: the body before the drum, ``keep_on_line``: how its radii stay on the pitch line."""
     return (
         Check(
             "pitch_line",

@@ -43,7 +43,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Imported on first use: the checks need a part of the model only, and every start counts."""
+    """Import a name on first use: the checks need only a part of the model, and the start must be fast."""
     if name in _MODULES:
         from importlib import import_module
 

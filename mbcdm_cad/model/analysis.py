@@ -47,7 +47,7 @@ def analyse(drive: Drive, wraps_rad: tuple[Any, Any] | None = None) -> Analysis:
     """Every figure of the model for one design.
 
     ``wraps_rad`` are the live wraps (input, drum) of each cable at the pose of interest, both (n_cables,); without them
-    wraps are taken longer than any slip zone. Errors: ``ModelError`` where the geometry leaves no free span.
+    wraps are assumed to be longer than any slip zone. Raises ``ModelError`` where the geometry leaves no free span.
     """
     d = to_si(drive)
     if wraps_rad is not None:
@@ -105,12 +105,12 @@ def _most_of_an_input_Nm(cases: tuple[LoadCase, ...]) -> float:
 
 
 def _not_the_motor_Nm(limits: tuple[TorqueLimit, ...]) -> float:
-    """Lowest torque at the drum, either way, that strength, slack or slip sets, N m."""
+    """Lowest torque at the drum in either direction at which strength, slack or slip is the limit, N m."""
     return min((limit.torque_Nm for limit in limits if limit.cause in ("strength", "slack", SLIP)), default=np.inf)
 
 
 def shaft_turns(d: DriveSI, drive: Drive) -> tuple[ShaftTurns, ...]:
-    """Every shaft at the end of the travel, by each cable: they disagree where Eq. (1) does not hold."""
+    """Angles of all shafts at the end of the travel, from each cable: they differ where Eq. (1) does not hold."""
     found = []
     for j, name in enumerate(d.cable_names):
         turned = shaft_angles(d, d.routes.drum.name, np.radians(drive.half_travel_deg), j, drive.gearhead.ratio)
@@ -218,7 +218,7 @@ def modulus_readings(d: DriveSI) -> tuple[ModulusReading, ...]:
 
 
 def notes(drive: Drive, d: DriveSI) -> tuple[str, ...]:
-    """What a reader must know before using the figures."""
+    """Notes that a reader must know before using the figures."""
     return (
         f"E = {drive.cable.modulus_GPa:g} GPa on the {drive.cable.modulus_area} area {drive.cable.area_mm2:.4f} mm^2 "
         f"is calibrated: the paper prints no modulus, and its backlash of {BACKLASH_RAD * 1e3:g} mrad implies a "
@@ -243,7 +243,7 @@ def _train(drive: Drive) -> tuple[str, ...]:
 
 
 def _losses(passed: list[str]) -> str:
-    """What the model leaves out of the rope's way."""
+    """Note on the losses along the rope that the model leaves out."""
     if not passed:
         return "The rope's bending stiffness is left out."
     names = " and the ".join(passed)

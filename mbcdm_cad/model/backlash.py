@@ -26,7 +26,7 @@ class CableBacklash:
 
     @property
     def simplification_error(self) -> Floats:
-        """(simplified - exact)/exact of theta_b: what setting kappa = 0 in (14) costs."""
+        """(simplified - exact)/exact of theta_b: the error of setting kappa = 0 in (14)."""
         return np.asarray(self.backlash_simplified_rad / self.backlash_rad - 1.0)
 
 

@@ -180,8 +180,8 @@ def _block(d: DriveSI, need: Requirements, good: Any) -> BulkFigures:
 def _peak_torque(d: DriveSI, need: Requirements, idle: Equilibrium, way: int) -> Floats:
     """Lowest load in one direction at which an input reaches its rating, a cable its tension limit or slips there.
 
-    Solved for the first input; only where another input, or a cable, is then beyond its limit is that one solved for:
-    all grow with the load, so the last one solved for is the first to be reached.
+    The load is solved for the limit of the first input. Where another input, or a cable, is beyond its limit at that
+    load, it is solved again for that limit: all grow with the load, so the last limit solved for is reached first.
     """
     everything = np.arange(d.batch_shape[0])
     rating, strength = need.input_rating_Nm, need.tension_limit_N

@@ -19,7 +19,7 @@ from mbcdm_cad.routes import Floats
 
 # Name of the limit in `Analysis.limits`.
 SLIP = "slip"
-# e^(mu theta) beyond this is no limit that any drive reaches.
+# With e^(mu theta) above this no drive reaches the slip limit.
 _LARGEST_EXPONENT = 30.0
 
 
@@ -90,8 +90,9 @@ def torque_at_slack_Nm(d: DriveSI, direction: int) -> Floats:
 def slip_weight(d: DriveSI, index: int, direction: int) -> Floats:
     """Weights w (n_cables, *batch) with sum w_j T_j = 0 where the cable begins to slip on input ``index``.
 
-    Over a wrap theta friction holds T_h = T_l e^(mu theta) and no more (Euler, Eytelwein). With equal linear sides that
-    is a difference of 2 T_pre tanh(mu theta/2). Errors: ``ModelError`` where the cables are anchored.
+    Over a wrap angle theta friction holds at most T_h = T_l e^(mu theta) (capstan equation of Euler and Eytelwein).
+    With equal linear sides this is a difference of 2 T_pre tanh(mu theta/2). Raises ``ModelError`` where the cables are
+    anchored.
     """
     if d.through_wrap_rad is None:
         raise ModelError("cables are anchored on their inputs: none slips there")
@@ -112,7 +113,7 @@ def torque_at_slip_Nm(d: DriveSI, direction: int) -> Floats:
 
 @dataclass(frozen=True)
 class TorqueLimit:
-    """One limit on the drum's torque in one direction: what reaches it first, at which load."""
+    """One limit of the drum's torque in one direction: which part reaches it first, and at which load."""
 
     cause: str
     limiting: str

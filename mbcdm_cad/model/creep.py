@@ -5,9 +5,9 @@ Strain of a rope under the tension T, as a share s = T / F of its breaking load:
     log time      c s log10(1 + t / t0)          c: strain a decade, extrapolated to the breaking load
     steady        r (s / 0.3)^n exp(Q/R (1/293 K - 1/K)) t     r: strain a year at 0.3 F and 20 degrees C
 
-The ends stand still, so that what the rope creeps is taken from its elastic stretch: dT = -EA (strain of creep). Time
-runs from the end of bedding in, t0 = one hour. Limits: one tension all along the rope, swinging of the load left out,
-and no recovery; a rope that is run often loses less.
+The ends are fixed, so the creep strain reduces the elastic strain: dT = -EA (strain of creep). Time runs from the end
+of bedding in, t0 = one hour. Limits: one tension along the whole rope, no varying load and no recovery; a rope that
+moves often loses less.
 """
 
 from __future__ import annotations

@@ -58,8 +58,8 @@ def eq8_slip_stretch_slack(
 ) -> Floats:
     """Eq. (8) with r_o, (10) with r_i: stretch < 0 of the slack slip zone, m.
 
-    The printed result is this contraction; the printed integrand d(delta_pre) - d(delta_T) would give its opposite,
-    which ``as_printed`` returns. Right is d(delta_T) - d(delta_pre), as in (7).
+    The printed result is this contraction; the printed integrand d(delta_pre) - d(delta_T) gives its opposite, which
+    ``as_printed`` returns. Correct is d(delta_T) - d(delta_pre), as in (7).
     """
     zone = preload_N * excess_minus_log(np.asarray(low_N) / preload_N)
     contraction = -radius_m / (axial_stiffness_N * np.asarray(friction)) * zone
@@ -121,7 +121,7 @@ def eq14_tensions(
     v = high.copy()
     for _ in range(SOLVER_STEPS):
         t = np.exp(v)
-        # ln(t/(t + x)), written so that no digits are lost where t is near 1 and x small.
+        # ln(t/(t + x)) in a form without cancellation where t is near 1 and x small.
         ratio = np.where(t > safe, -np.log1p(safe / np.maximum(t, safe)), v - np.log(t + safe))
         value = ratio + (1.0 + k) * safe + 2.0 * k * np.expm1(v)
         low, high = np.where(value < 0.0, v, low), np.where(value > 0.0, v, high)

@@ -1,4 +1,4 @@
-"""All cables at once: the drum stands where the cables balance the load while every input is held.
+"""All cables at once: the drum angle at which the cables balance the load while every input is held.
 
 Cable j stretches by delta_j = sigma_j (r_ij theta_i - r_oj theta_o), and sum_j sigma_j T_j r_oj = M_l (M_l > 0 opposes
 positive rotation). The numbers are found by :mod:`mbcdm_cad.model.solver`.
@@ -29,7 +29,7 @@ class Equilibrium:
         return _sum_per_input(d, self.tension_N, d.lifted(self.drum_angle_rad.shape).input_radius_m)
 
     def drum_torque_by_input_Nm(self, d: DriveSI) -> Floats:
-        """What the cables of each input put on the drum, sum_j sigma_j T_j r_oj, shape (n_inputs, ...)."""
+        """Torque of the cables of each input on the drum, sum_j sigma_j T_j r_oj, N m, shape (n_inputs, ...)."""
         return _sum_per_input(d, self.tension_N, d.lifted(self.drum_angle_rad.shape).drum_radius_m)
 
     def load_share(self, d: DriveSI, load_Nm: Any) -> Floats:

@@ -1,4 +1,4 @@
-"""The one error of the model room."""
+"""The exception that the functions of the model raise."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from mbcdm_cad.model.capability import TorqueLimit
 from mbcdm_cad.model.creep import PreloadLeft
 from mbcdm_cad.model.motor_figures import MotorFigures
 
-# How an SI figure, named with its unit, is read: (unit, factor) by the end of its name.
+# Readable unit and factor of an SI figure, by the end of its name.
 _READABLE = {"_rad": ("mrad", 1e3), "_Nm": ("N m", 1.0), "_N": ("N", 1.0), "_m": ("mm", 1e3)}
 
 
@@ -119,12 +119,12 @@ class UncertainFigure:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Everything the model says about one design, for the report and for ``mbcdm analyse``.
+    """All figures of the model for one design, for the report and for ``mbcdm analyse``.
 
-    ``peak_torque_Nm`` and ``peak_torque_with_efficiency_Nm`` are (for +, for -): the lowest limit each way with the
-    gearhead lossless, as the paper counts, and with its efficiency. ``balanced_*`` repeat it with preloads T ~ 1/r.
-    ``lengths`` are those of the whole design by their names in its file. ``intervals`` is empty where no value of the
-    design file carries a sigma.
+    ``peak_torque_Nm`` and ``peak_torque_with_efficiency_Nm`` are (for +, for -): the lowest limit in each direction
+    with a lossless gearhead, as in the paper, and with the gearhead's efficiency. ``balanced_*`` repeat it with
+    preloads T ~ 1/r. ``lengths`` are those of the whole design by their names in its file. ``intervals`` is empty where
+    no value of the design file carries a sigma.
     """
 
     name: str
@@ -149,7 +149,7 @@ class Analysis:
     peak_torque_with_efficiency_Nm: tuple[float, float]
     balanced_preload_N: tuple[float, ...]
     balanced_peak_torque_Nm: tuple[float, float]
-    torque_to_weight_Nm_kg: float | None  # at the mass that the design asks for; None where it asks for none
+    torque_to_weight_Nm_kg: float | None  # at the mass that the design requires; None if it requires none
     bearings: tuple[BearingFigures, ...]
     creep: tuple[PreloadLeft, ...]  # preload left over time by temperature; empty for a rope that does not creep
     motor: MotorFigures | None  # None where the catalogue has no electrical values of it

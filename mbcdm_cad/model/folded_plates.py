@@ -19,8 +19,8 @@ Ints = NDArray[np.int64]
 # Corners of an element in its own (u, v), and the Gauss points.
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 _GAUSS = _CORNERS / np.sqrt(3.0)
-# Ties the turn about a plate's normal to its in-plane rotation: a share of G that keeps the matrix regular. Between
-# 0.001 and 1 the windup of the reference frame moves by less than 2 %.
+# Couples the rotation about a plate's normal to its in-plane rotation: a share of G that keeps the matrix regular. #
+# Between 0.001 and 1 the windup of the reference frame changes by less than 2 %.
 _DRILLING = 0.1
 _SHEAR_FACTOR = 5.0 / 6.0
 
@@ -61,7 +61,7 @@ def stiffness(sides_mm: Floats, thickness_mm: Floats, modulus_MPa: float, poisso
         membrane[:, 0, 24] = membrane[:, 2, 25] = bow_u
         membrane[:, 1, 27] = membrane[:, 2, 26] = bow_v
         add(membrane, plane, thickness_mm)
-        # Fibres turn with the corner: u moves by + turn v, v by - turn u, for each mm along the normal.
+        # Fibres rotate with the corner: u moves by + turn v, v by - turn u, for each mm along the normal.
         bending = np.zeros((count, 3, 28))
         bending[:, 0, 4:24:6], bending[:, 1, 3:24:6] = du, -dv
         bending[:, 2, 4:24:6], bending[:, 2, 3:24:6] = dv, -du

@@ -1,14 +1,15 @@
-"""The time-series reference model: drum angle and tensions for given input angles and load, with memory.
+"""The time-series reference model: drum angle and tensions for given input angles and load, with friction history.
 
 Both inputs are held at their measured angles; cable j stretches by delta_j = sigma_j (r_ij theta_i - r_oj theta_o) and
 sum_j sigma_j T_j r_oj = M. The clip rule of :mod:`mbcdm_cad.model.wrap` has a closed form: after a reversal at T_r
 
     EA (delta - delta_r) = L_free (T - T_r) +- (r_i + r_o)/mu (sqrt T - sqrt T_r)^2,
 
-a quadratic in sqrt T, until the loop closes at the turning point before (both are then forgotten), or, on a branch that
-left the first-loading curve at T_1, until T T_1 = T_pre^2, where the first-loading curve goes on. So a stack of turning
-points for each cable is the whole memory, and each sample costs a few square roots. That holds for wraps that are
-longer than any slip zone and stand still; finite wraps and winding history are in :mod:`mbcdm_cad.model.profiles`.
+a quadratic in sqrt T, until the loop closes at the previous turning point (both are then removed), or, on a branch that
+left the first-loading curve at T_1, until T T_1 = T_pre^2, where the first-loading curve continues. So a stack of
+turning points for each cable is its whole history, and each sample costs a few square roots. This holds for wraps that
+are longer than any slip zone and do not move with the pulleys; finite wraps and winding history are in
+:mod:`mbcdm_cad.model.profiles`.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def simulate(d: DriveSI, input_angle_rad: Any, load_Nm: Any, path_m: Any = None,
     opposing positive rotation; ``path_m`` (n_cables, n) lengthens the path of each cable, as an eccentric pulley does,
     and is added to its stretch. Before the first sample every cable holds its preload with all angles zero; the first
     sample is reached in one monotone step. ``winding`` adds the winding history: cable wound on keeps the tension it
-    had. With it, and where wraps are finite, :func:`mbcdm_cad.model.profiles.simulate_profiles` answers.
+    had. With it, and where wraps are finite, :func:`mbcdm_cad.model.profiles.simulate_profiles` computes the result.
     Errors: ``ModelError`` for shapes that do not fit, values that are not finite, a batch of designs, a friction of
     zero, a load that no drum angle balances, or a pulley that would wind off more than its wrap.
     """
@@ -103,7 +104,7 @@ def _branch(c: Floats, from_tension: float, change: float) -> tuple[float, float
 
 @compiled
 def _look(c: Floats, s: Floats, turns: Floats, stretch: float) -> tuple[float, float]:
-    """Tension and dT/d(delta) that the cable would have at ``stretch``; its state stays as it is."""
+    """Tension and dT/d(delta) that the cable would have at ``stretch``; its state does not change."""
     change = stretch - s[STRETCH]
     if change == 0.0:
         return s[TENSION], 1.0 / c[FREE]
@@ -125,9 +126,9 @@ def _look(c: Floats, s: Floats, turns: Floats, stretch: float) -> tuple[float, f
 
 @compiled
 def _move(c: Floats, s: Floats, turns: Floats, stretch: float, tension: float) -> None:
-    """Bring the cable to ``stretch``: push a turning point on reversal, forget the loops that close."""
+    """Bring the cable to ``stretch``: add a turning point on reversal, remove the loops that close."""
     change = stretch - s[STRETCH]
-    # Rounding must not be taken for a reversal.
+    # A rounding error must not count as a reversal.
     if abs(change) <= 1e-13 * c[PRELOAD] * c[FREE]:
         return
     move = 1.0 if change > 0.0 else -1.0
@@ -153,10 +154,10 @@ def _move(c: Floats, s: Floats, turns: Floats, stretch: float, tension: float) -
 def balance(
     table: Floats, state: Floats, turns: Floats, offset: Floats, load: float, theta: float, found: Floats
 ) -> Any:
-    """Drum angle that balances ``load`` from the guess ``theta``, and whether one does; states stay as they are.
+    """Drum angle that balances ``load``, from the guess ``theta``, and whether there is one; states do not change.
 
-    ``offset`` (n_cables,) is the stretch that inputs and paths give; ``found`` (n_cables, 2) is filled with the tension
-    of each cable there and dT/d(delta).
+    ``offset`` (n_cables,) is the stretch from inputs and paths; ``found`` (n_cables, 2) receives the tension of each
+    cable at that angle and dT/d(delta).
     """
     n_cables = table.shape[0]
     scale = 0.0
@@ -188,7 +189,7 @@ def balance(
 
 @compiled
 def settle(table: Floats, state: Floats, turns: Floats, offset: Floats, theta: float, found: Floats) -> None:
-    """Bring every cable to where :func:`balance` found it."""
+    """Bring every cable to the state that :func:`balance` found."""
     for j in range(table.shape[0]):
         lever = table[j, SIGMA] * table[j, DRUM]
         _move(table[j], state[j], turns[j], offset[j] - lever * theta, found[j, 0])
@@ -196,7 +197,7 @@ def settle(table: Floats, state: Floats, turns: Floats, offset: Floats, theta: f
 
 @compiled
 def at_preload(table: Floats) -> Floats:
-    """States of cables that no motion has worked yet, (n_cables, 5)."""
+    """States of cables at their preload before any motion, (n_cables, 5)."""
     state = np.zeros((table.shape[0], 5))
     for j in range(table.shape[0]):
         state[j, TENSION] = table[j, PRELOAD]
@@ -210,7 +211,7 @@ def _run(table: Floats, offsets: Floats, load: Floats, drum: Floats, tension: Fl
     state, theta = at_preload(table), 0.0
     offset, before, found = np.empty(n_cables), np.zeros(n_cables), np.empty((n_cables, 2))
     for k in range(load.size):
-        # Predict: the drum follows the inputs, each cable weighing in by its stiffness while it sticks.
+        # Prediction: the drum follows the mean of the inputs, weighted by the stiffness of their sticking cables.
         push, grip = 0.0, 0.0
         for j in range(n_cables):
             offset[j] = offsets[j, k]

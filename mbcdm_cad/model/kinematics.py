@@ -1,7 +1,7 @@
-"""Angles of the rigid transmission, Eq. (1) and (2), and what it costs when the radii do not satisfy Eq. (1).
+"""Angles of the rigid transmission, Eq. (1) and (2), and the mismatch of radii that do not satisfy Eq. (1).
 
 Signs as in :mod:`mbcdm_cad.routes.route`: right-handed about each body's axis; an input's axis points so that
-theta_i = +(r_o/r_i) theta_o, a body that the cable passes turns by +-(r_o/r) theta_o as the cable runs round it.
+theta_i = +(r_o/r_i) theta_o; a body that the cable passes turns by +-(r_o/r) theta_o, depending on the route.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from mbcdm_cad.routes import Floats
 
 
 def shaft_angles(d: DriveSI, shaft: str, angle_rad: Any, cable: int = 0, gear_ratio: float = 1.0) -> dict[str, Floats]:
-    """Every angle in rad from any one of them, along the chain of one cable of a single design.
+    """Angles of all shafts in rad from that of one of them, along the chain of one cable of a single design.
 
-    Shafts are the drum, the bodies that the cable passes, ``input`` and ``motor``, in this order; the gearhead is taken
-    to keep the sense of rotation. Where Eq. (1) holds the answer does not depend on ``cable``. Errors: ``ModelError``
-    for an unknown shaft.
+    Shafts are the drum, the bodies that the cable passes, ``input`` and ``motor``, in this order; the gearhead is
+    assumed to keep the sense of rotation. Where Eq. (1) holds the result does not depend on ``cable``. Raises
+    ``ModelError`` for an unknown shaft.
     """
     drum = d.drum_radius_m[cable]
     last = d.routes.cables[cable].wraps[-1].turning
@@ -82,15 +82,15 @@ def eq1_residuals(d: DriveSI) -> RatioResiduals:
 
 
 def with_passed_slip(d: DriveSI) -> DriveSI:
-    """The drive with slip on the bodies it passes: a zone creeps in from both ends of each wrap, and they share it."""
+    """The drive with slip on the bodies that cables pass: a slip zone from each end of a wrap, up to half of it."""
     return d.with_(passed_wrap_rad=d.geometry.passed_wrap_rad(d.parameters))
 
 
 def pair_mismatch_m(d: DriveSI, input_angle_rad: Any) -> Floats:
-    """Length by which the cables of each input disagree with its first, in m, shape (n_inputs, ...).
+    """Largest mismatch in length between the first cable of each input and its others, in m, shape (n_inputs, ...).
 
-    With the drum where cable 1 of the input wants it, cable k is too long or too short by
-    theta_i (r_ik - r_ok r_i1/r_o1); of several the one that disagrees most. Zero where Eq. (1) holds.
+    With the drum at the angle that cable 1 of the input gives, cable k is too long or too short by theta_i (r_ik - r_ok
+    r_i1/r_o1). Zero where Eq. (1) holds.
     """
     theta = np.asarray(input_angle_rad, dtype=float)
     rows = []

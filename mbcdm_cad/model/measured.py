@@ -1,4 +1,4 @@
-"""Figures the paper states, each typed in once, with where it stands. Nothing here feeds the model."""
+"""Figures of the paper, each with its place in the paper, for comparison only: the model uses none of them."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""What the motor itself allows: torque from current, copper loss, speed at the bus voltage, inertia, lowest mode.
+"""Limits of the motor itself: torque from current, copper loss, speed at the bus voltage, inertia, lowest mode.
 
 A motor is a DC machine between two terminals (K torque constant, R resistance, V bus voltage, I current):
 
     torque      M = K I                 copper loss   P = R I^2 = R (M / K)^2
     speed       w <= (V - R I) / K      no load       w_0 = V / K
 
-A sinusoidal drive of the same torque loses as much copper; inductance, iron losses and friction are left out, so that
-the speed at high load is an upper bound.
+A sinusoidal drive has the same copper loss for the same torque; inductance, iron losses and friction are left out, so
+that the speed at high load is an upper bound.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
 
 _G_CM2 = 1e-7  # kg m2
-# Points of the curve of torque over speed, most of them: those where the voltage begins to limit a torque included.
+# Largest number of points of torque over speed, including those at which the voltage begins to limit a torque.
 CURVE_POINTS = 9
 
 
 @dataclass(frozen=True)
 class SpeedPoint:
-    """At one speed of the drum, the torque (N m) that it holds both ways: continuously, and for moments."""
+    """Torque (N m) that the drum holds in both directions at one speed: continuously, and for a short time."""
 
     drum_speed_deg_s: float
     continuous_Nm: float
@@ -68,8 +68,8 @@ class MotorFigures:
 def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float) -> MotorFigures | None:
     """The figures; None where the catalogue holds no electrical values of the motor.
 
-    ``peak_input_Nm``: torque of the input that carries most at the design's peak torque. ``cap_Nm``: torque at the drum
-    that something else than the motors limits (strength, slack, slip, the gearhead).
+    ``peak_input_Nm``: torque of the input that carries most at the design's peak torque. ``cap_Nm``: limit of the
+    torque at the drum from other causes than the motors (strength, slack, slip, gearhead).
     """
     motor, gear, volts = drive.motor, drive.gearhead, drive.bus_voltage_V
     constant_mNm_A, ohms = motor.torque_constant_mNm_A, motor.resistance_ohm
@@ -86,7 +86,7 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
         return max(volts - ohms * torque_Nm / constant, 0.0) / constant
 
     def held_Nm(speeds_rad_s: Floats, most_Nm: float) -> list[float]:
-        """Torque at the drum, the weaker way and input, with what the voltage leaves of ``most_Nm`` at each speed."""
+        """Torque at the drum, weaker direction and input, with ``most_Nm`` limited by the voltage at each speed."""
         left = np.maximum(volts - constant * speeds_rad_s, 0.0) * constant / ohms
         limit = np.minimum(np.minimum(left, most_Nm) * gear.ratio, gear.max_torque_mNm * 1e-3)
         many = d.spread(len(speeds_rad_s))

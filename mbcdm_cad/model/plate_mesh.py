@@ -1,6 +1,6 @@
-"""A frame as flat panels on one coarse grid of plate elements, and what forces on its seats turn it by.
+"""A frame as flat panels on one coarse grid of plate elements, and its deflection under forces on its seats.
 
-Only the half x >= 0 is meshed. Panels stand at mid-thickness and meet at their middle planes. Units: mm, N, MPa, rad.
+Only the half x >= 0 is meshed. Panels lie at mid-thickness and meet at their middle planes. Units: mm, N, MPa, rad.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from mbcdm_cad.routes import Floats
 # Elements longer than this are split. Elements of 3 mm raise the reference frame's windup by 3 % and cost five times as
 # long.
 CELL_MM = 12.0
-# Grid lines closer than this are one.
+# Grid lines closer than this are merged.
 MERGED_MM = 1.0
-# Factor on the thickness of a wall where it runs inside or along another, so that the column's walls are free only
-# between the faces. The metal there is about this many times as deep as the wall; with 3 the windup of the reference
-# frame rises by 4 %, with 10 it falls by 6 %.
+# Factor on the thickness of a wall where it lies inside or along another wall, so that the walls of the column bend #
+# only between the faces. The metal there is about this many times as thick as the wall; with a factor of 3 the windup
+# of # the reference frame rises by 4 %, with 10 it falls by 6 %.
 EMBEDDED = 5.0
-# What a hole leaves of a cell that is less than this share counts as nothing.
+# A cell of which a hole leaves less than this share is left out.
 EMPTY = 0.05
 X, Y, Z = 0, 1, 2
 GPA_TO_MPA = 1e3
@@ -45,7 +45,7 @@ class Hole:
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall: axis of its normal, where it stands on it, its box on the other two axes (order x, y, z), thickness."""
+    """A wall: axis of its normal, position along it, its box on the other two axes (order x, y, z), thickness."""
 
     name: str
     normal: int
@@ -127,7 +127,7 @@ class Mounts:
 
 
 def _lines(wished: Iterable[float], low: float, high: float) -> Floats:
-    """Lines through ``wished`` (earlier ones win where two are close), the ends and as many between as CELL_MM asks."""
+    """Grid lines through ``wished`` (the earlier one where two are close) and the ends, at most CELL_MM apart."""
     kept = [low, high]
     for p in wished:
         if low < p < high and min(abs(p - q) for q in kept) > MERGED_MM:
@@ -251,19 +251,19 @@ def centred_load(
     off_plane = nodes[~mesh.middle[nodes]]
     both = np.concatenate([node[nodes], node[off_plane] * (-1.0, 1.0, 1.0)])
     spread = statically(both, point, np.array([force_x, 0.0, 0.0]), np.array([0.0, couple_y, couple_z]))[: len(nodes)]
-    # Nodes in the mirror plane carry half of their force on each side.
+    # Half of the force on a node in the mirror plane belongs to each side.
     return np.asarray(spread * np.where(mesh.middle[nodes], 0.5, 1.0)[:, None])
 
 
 def shares_urad(mesh: PlateMesh, material: Material, load: Floats, ground: Floats) -> dict[str, float]:
     """f . u of each panel and of the mounts under ``load`` (6 m,) on this half, for the whole frame, in N mm x 1e3.
 
-    With the forces of a load of 1 N m that is the turn of the load's body by the strain of each, in urad per N m.
-    Raises ``ValueError`` where the walls do not hang together.
+    With the forces of a load of 1 N m this is the rotation of the loaded body by the strain of each, in urad per N m.
+    Raises ``ValueError`` if the walls are not connected.
     """
     plates = mesh.plates
     modulus = material.youngs_modulus_GPa * GPA_TO_MPA
-    # Many elements are alike.
+    # Many elements are identical, so each different stiffness matrix is computed once.
     shape = np.column_stack([sides(plates), plates.thickness_mm])
     kinds, kind = np.unique(shape.round(9), axis=0, return_inverse=True)
     unlike = stiffness(kinds[:, :2], kinds[:, 2], modulus, material.poisson_ratio)

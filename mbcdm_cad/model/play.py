@@ -1,8 +1,8 @@
-"""Inputs with play: where in its play each pulley stands, sample by sample.
+"""Inputs with play: the position of each pulley within its play at each sample.
 
-A pulley with play rests on the face that carries its torque, and floats between the faces where it carries none: there
-it stands where its cables leave no torque. The friction of the cables remembers the way, so this is found at each
-sample, before the cables are moved on.
+A pulley with play rests on the flank that transmits its torque. Without torque it floats between the flanks, at the
+angle at which the torques of its cables cancel. The friction of the cables depends on the path, so this position is
+found at each sample before the cables are moved.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
-# Steps in which a floating pulley finds its place in one sample, and rounds over the inputs.
+# Largest numbers of steps to find the position of a floating pulley in one sample, and of rounds over the inputs.
 STEPS = 40
 ROUNDS = 8
-# What counts as no torque: this share of the torque that the preload of one cable makes.
+# A torque below this share of that from the preload of one cable counts as zero.
 NO_TORQUE = 1e-6
 
 
@@ -30,12 +30,13 @@ def lags(
 ) -> Floats:
     """How far each pulley lags behind the middle of its play, rad (n_inputs, n), between -play/2 and +play/2.
 
-    ``play_rad`` has one value an input; the rest is as in :func:`mbcdm_cad.model.hysteresis.simulate`, and so are the
-    errors. Wraps count as endless. Before the first sample each pulley rests on the face that the preload presses.
+    ``play_rad`` has one value for each input; other arguments and errors as in
+    :func:`mbcdm_cad.model.hysteresis.simulate`. Wraps are taken as longer than any slip zone. Before the first sample
+    each pulley rests on the flank to which the preload presses it.
     """
     half = 0.5 * np.asarray(play_rad, dtype=float)
     if d.n_inputs == 1:
-        # It turns with the drum and never floats: the sign of its torque decides.
+        # It turns with the drum and never floats: the sign of its torque gives the flank.
         carried = simulate(d, input_angle_rad, load_Nm, path_m).input_torque_Nm(d)
         return np.asarray(half[:, None] * np.where(carried == 0.0, faces(d)[:, None], np.sign(carried)))
     angle, load = checked_series(d, input_angle_rad, load_Nm)
@@ -53,7 +54,7 @@ def lags(
 
 
 def faces(d: DriveSI) -> Floats:
-    """+1 or -1 for each input: the face that the preload presses, (n_inputs,)."""
+    """+1 or -1 for each input: the flank to which the preload presses the pulley, (n_inputs,)."""
     bias = [float(np.sum(d.sigma * d.input_radius_m * d.preload_N * d.of_input(k))) for k in range(d.n_inputs)]
     return np.where(np.array(bias) >= 0.0, 1.0, -1.0)
 

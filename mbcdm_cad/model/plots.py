@@ -1,5 +1,5 @@
-"""Plots for print: units on every axis; lines differ by colour, dash and marker, bars by hatch, for grey print and
-colour-blind eyes.
+"""Plots for print: units on every axis; lines differ by colour, dash and marker, bars by hatch, so that they can be
+distinguished in grey and by colour-blind readers.
 
 Figures are drawn without a display and written as SVG or PNG, by the suffix; the same data gives the same bytes.
 """
@@ -20,7 +20,7 @@ from mbcdm_cad.model.sensitivity import GlobalIndices, Panel
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.tolerance import ToleranceStack
 
-# Okabe and Ito's palette, without the yellow that vanishes on paper.
+# Okabe and Ito's palette without its yellow, which is hardly visible on paper.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)), (0, (3, 1, 1, 1, 1, 1)), (0, (8, 3)))
 HATCHES = ("////", "\\\\\\\\", "....", "xxxx")
@@ -46,7 +46,7 @@ def _canvas(width_in: float, height_in: float, columns: int = 1) -> tuple[Figure
 
 
 def _save(figure: Figure, path: Path) -> None:
-    # The writer would put the date and its own version into the file.
+    # By default matplotlib writes the date and its version into the file, so equal plots would differ.
     metadata = {"Date": None, "Creator": None} if path.suffix == ".svg" else {"Software": None}
     figure.savefig(path, dpi=150, metadata=metadata)
 

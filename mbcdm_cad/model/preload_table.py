@@ -1,4 +1,4 @@
-"""Torque capability and backlash of a drive as functions of the preload that is reached.
+"""Torque capability and backlash of a drive as functions of the preload that can be reached.
 
 A terminal at the end of its thread, or a rope that must not be pulled so far, leaves less preload than the design
 states; the table shows the effect. All preloads are lowered by the same share.
@@ -17,7 +17,7 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import DriveSI, to_si
 
-# Shares of the design's preloads; the last is lower than any drive would be used with.
+# Shares of the design's preloads; the last is too low for any use.
 SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 # A cable under a hundredth of its preload counts as slack, as in the check no_slack.
 SLACK_SHARE = 0.01

@@ -1,8 +1,8 @@
 """Time series with the tension profile of every wrap in full: finite wraps, slack cables, winding history.
 
-The same physics as :mod:`mbcdm_cad.model.hysteresis`, whose stack of turning points is the quicker form where wraps are
-longer than any slip zone and stand still. Here every wrap is a stack of knots (:mod:`mbcdm_cad.model.wrap_profile`):
-exact for samples joined by steps that are straight in ln T over the angle of the pulley.
+The same physics as :mod:`mbcdm_cad.model.hysteresis`, whose stack of turning points is faster where wraps are longer
+than any slip zone and do not move with the pulleys. Here every wrap is a stack of knots
+(:mod:`mbcdm_cad.model.wrap_profile`): exact if, between samples, ln T changes linearly with the angle of the pulley.
 
 With ``winding`` the profiles move with the pulleys: cable wound on keeps the tension it had and brings it back when it
 is wound off.
@@ -26,7 +26,7 @@ from mbcdm_cad.storage.compiled import compiled
 # Columns of the table of constants, one row a cable.
 FREE, UNIT, PRELOAD, DRUM, SIGMA = range(5)
 INPUT_WRAP, DRUM_WRAP = range(2)
-# A wrap without end: far longer than any slip zone or travel, and still a number.
+# Length of an unlimited wrap, rad: finite, but far longer than any slip zone or travel.
 ENDLESS_RAD = 1e6
 # A tension below this share of the preload counts as none, as in the static model.
 FAINT = 1e-12
@@ -61,7 +61,7 @@ def simulate_profiles(
     offset = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)] + path_offset_m(d, path_m, load.size)
     on_input = d.input_wrap_rad if through_rad is None else np.full(d.n_cables, 0.5 * through_rad)
     wraps = [(d.input_radius_m, on_input), (d.drum_radius_m, d.drum_wrap_rad)]
-    # Slipped on from both ends: two wraps of half the angle, which stand still.
+    # Slip comes from both ends: two wraps of half the angle, which do not move with the pulley.
     wraps += slipped
     radius, length = (np.stack([np.broadcast_to(w[i], (d.n_cables,)) for w in wraps], axis=1) for i in (0, 1))
     if not np.all(length >= 0.0):
@@ -108,7 +108,7 @@ class _Wraps(NamedTuple):
 
 
 def _pairs(d: DriveSI, through_rad: float | None) -> Any:
-    """The two sides of each cable, (n_inputs, 2), where they share a wrap; else (0, 2)."""
+    """The two sides of each cable, (n_inputs, 2), if they share a wrap; else (0, 2)."""
     inputs = range(d.n_inputs) if through_rad is not None else ()
     sides = [[j for j in range(d.n_cables) if d.input_of[j] == i] for i in inputs]
     return np.array(sides, dtype=np.int64).reshape(-1, 2)
@@ -154,7 +154,7 @@ def _pull(
 
 @compiled
 def _place(ends: Floats, table: Floats, winding: bool, angle: Floats, theta: float) -> None:
-    """Where each wrap ends, rad, counted from where it ended with all angles zero; winding on is positive."""
+    """End of each wrap, rad, counted from its end with all angles zero; winding on is positive."""
     if winding:
         for j in range(table.shape[0]):
             ends[j, INPUT_WRAP] = table[j, SIGMA] * angle[j]
@@ -185,7 +185,7 @@ def _run(wound: _Wraps, series: _Series, drum: Floats, tension: Floats) -> tuple
     for j in range(n_cables):
         scale += table[j, PRELOAD] * table[j, DRUM]
     for k in range(load.size):
-        # Predict: the drum follows the inputs, each cable weighing in by its stiffness while it sticks.
+        # Prediction: the drum follows the mean of the inputs, weighted by the stiffness of their sticking cables.
         push, grip = 0.0, 0.0
         for j in range(n_cables):
             push += table[j, SIGMA] * table[j, DRUM] / table[j, FREE] * (offsets[j, k] - before[j])

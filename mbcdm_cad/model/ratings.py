@@ -67,7 +67,7 @@ def sigmas_si(drive: Drive) -> dict[str, Any]:
     given: dict[str, Any] = {"preload_N": np.array(s.preload_N)}
     geometry = routed(drive).geometry
     for name in (*geometry.per_cable, *(v.name for v in geometry.varied)):
-        # A configuration's file may give no sigma for a length; that length then counts as exact.
+        # A length without a sigma in the design file counts as exact.
         given[name] = np.array(getattr(s, name.removesuffix("_m") + "_mm", 0.0)) * MM
     given |= {
         "friction_coefficient": s.friction_coefficient,

@@ -15,7 +15,7 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.uncertainty import figures_of
 from mbcdm_cad.routes import Floats
 
-# Ranges of Fig. 5 are not legible in the paper's text; these are chosen round the case study.
+# The ranges of Fig. 5 are not legible in the paper's text; these are chosen around the case study.
 PRELOAD_RANGE_N = (30.0, 120.0)
 PANELS = (
     ("load_Nm", "external torque", "N m", 1.0, (0.3, 0.6, 0.91, 1.5, 3.0)),
@@ -30,7 +30,7 @@ GLOBAL_RANGES = {
 }
 INPUT_RATING_RANGE_NM = (0.15, 0.25)
 ELASTICITY_STEP = 1e-4
-# The paper's case, and the range round it that Fig. 5 shows.
+# The paper's case, and the range around it in Fig. 5.
 _PAPER_PRELOAD_N = (70.0, *PRELOAD_RANGE_N)
 _PAPER_LOAD_NM = (0.91, 0.3, 3.0)
 
@@ -64,9 +64,9 @@ class Panel:
 def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
     """The panels, by all cables at once on first loading; every other parameter as in ``d``.
 
-    The last are over the lengths of the whole design that the configuration names, the centre distance in the paper.
-    A drive whose own preload or load lies outside the paper's range gets that range in proportion to its own figure;
-    so does one that has no free span at one of the paper's distances.
+    The last panels are over lengths of the whole design that the configuration names, in the paper the centre distance.
+    If a drive's preload or load lies outside the paper's range, or it has no free span at one of the paper's distances,
+    the range is scaled to its own value.
     """
     preload = np.linspace(*PRELOAD_RANGE_N, points) * _scale(float(np.mean(d.preload_N)), *_PAPER_PRELOAD_N)
     load_scale = _scale(load_Nm, *_PAPER_LOAD_NM)
@@ -86,12 +86,12 @@ def figure_5(d: DriveSI, load_Nm: float, points: int = 46) -> tuple[Panel, ...]:
 
 
 def _scale(own: float, paper: float, low: float, high: float) -> float:
-    """1 where the own figure lies in the paper's range, else how much larger it is than the paper's."""
+    """1 if the drive's value lies in the paper's range, else its ratio to the paper's value."""
     return 1.0 if low <= own <= high else own / paper
 
 
 def _possible(d: DriveSI, name: str, values_m: tuple[float, ...]) -> tuple[float, ...]:
-    """The values, or the design's own times their ratios to the least of them if that leaves no free span."""
+    """The values; if the least leaves no free span, they are scaled so that the least is the design's own value."""
     least = min(values_m)
     try:
         _ = d.with_(**{name: least}).free_span_m
@@ -104,7 +104,8 @@ def _possible(d: DriveSI, name: str, values_m: tuple[float, ...]) -> tuple[float
 def elasticities(d: DriveSI, need: Requirements) -> dict[str, dict[str, float]]:
     """d ln(figure)/d ln(parameter) by central differences, for each figure and parameter; ``preload_N`` all together.
 
-    ``radii`` scales every radius at once. Laws that tie them: tensions and EA as one, lengths and torques as one.
+    ``radii`` scales all radii together. By similarity, scaling tensions and EA together, or lengths and torques
+    together, leaves the angles unchanged.
     """
     names = (
         "preload_N",

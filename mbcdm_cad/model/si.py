@@ -41,8 +41,8 @@ class DriveSI:
 
     Shapes: per-cable arrays (n_cables, *batch), the rest (*batch) or scalar. ``parameters`` are the lengths from which
     ``geometry`` gives spans and passed wraps. Wraps are the live angles between the free span (or the transfer point)
-    and the anchor; infinite by default, i.e. longer than any slip zone. ``passed_wrap_rad`` holds for each passed body
-    the wrap on which it lets a cable slip: 0 by default, nothing lost or gained there
+    and the anchor; infinite by default, i.e. longer than any slip zone. ``passed_wrap_rad`` has for each passed body
+    the wrap on which a cable may slip: 0 by default, so that the tension does not change there
     (:func:`mbcdm_cad.model.kinematics.with_passed_slip`).
     """
 
@@ -57,7 +57,7 @@ class DriveSI:
     passed_wrap_rad: tuple[Floats, ...]
 
     def __post_init__(self) -> None:
-        """Give fields that a batch does not vary, of shape (n_cables,), the axes to broadcast with those it does."""
+        """Add axes to fields of shape (n_cables,), which do not vary in a batch, so that they broadcast."""
         columns = self._columns
         most = max(value.ndim for value in columns)
         if any(value.ndim == 1 < most for value in columns):
@@ -159,7 +159,7 @@ class DriveSI:
 
     @cached_property
     def passed_wraps(self) -> tuple[tuple[Floats, Floats], ...]:
-        """(radius, wrap) of each slip zone on passed bodies: slipped on from both ends, two zones of half the wrap."""
+        """(radius, wrap) of each slip zone on passed bodies: slip from both ends gives two zones of half the wrap."""
         return tuple(
             (2.0 * radius, 0.5 * wrap) for radius, wrap in zip(self.passed_radii_m, self.passed_wrap_rad, strict=True)
         )
@@ -244,7 +244,7 @@ class DriveSI:
 
 
 def routed(drive: Drive) -> RoutedDrive:
-    """How the cables of ``drive`` run. Errors: ``ModelError`` if a cable names an input that the drive has not."""
+    """Routes of the cables of ``drive``. Raises ``ModelError`` if a cable names an input that does not exist."""
     for run in drive.cables:
         if run.input_name not in drive.input_names:
             raise ModelError(
@@ -258,7 +258,7 @@ def routed(drive: Drive) -> RoutedDrive:
 
 
 def to_si(drive: Drive) -> DriveSI:
-    """Convert a design to SI. Errors: ``ModelError`` if a cable names an input that the drive has not."""
+    """Convert a design to SI. Raises ``ModelError`` if a cable names an input that the drive does not have."""
     found = routed(drive)
     n = len(found.geometry.cable_names)
     unlimited = np.full(n, np.inf)

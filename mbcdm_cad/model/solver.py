@@ -1,9 +1,9 @@
 """The numerical core of the equilibrium: one drum angle, many cables, many cases at once.
 
 Find theta so that sum_j weight_j T_j = goal, with delta_j(T_j) = offset_j - lever_j theta for every cable that is not
-slack. Every delta_j is strictly increasing in T_j and weight_j lever_j >= 0, so the answer is unique. Newton's method
-on all tensions together, with slack cables taken out and put back as they come and go, settles in a few steps; cases
-that do not settle are finished one unknown at a time inside brackets, slowly and safely.
+slack. Every delta_j is strictly increasing in T_j and weight_j lever_j >= 0, so the solution is unique. Newton's method
+on all tensions together, which removes and adds cables as they become slack or tight, converges in a few steps. Cases
+that do not converge are solved with one unknown inside a bracket, which is slow but always converges.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from mbcdm_cad.routes import Floats
 NEWTON_STEPS = 40
 BRACKETED_STEPS = 300
 WIDENINGS = 60
-# Newton is quadratic: a step this small was the last but one that counts, and it has been taken.
+# Newton's method converges quadratically: after a step this small the next one is below rounding.
 RELATIVE_STEP = 1e-10
-# A tension shrinks to no less than this share in one step: the law ends at zero.
+# In one step a tension falls at most to this share, because the cable law ends at zero.
 SMALLEST_SHARE = 0.2
-# Where a cable that was slack starts again, as a share of its preload.
+# Tension at which a cable that was slack starts again, as a share of its preload.
 TAUT_AGAIN = 1e-3
-# A tension below this share of the preload counts as none: it is far under what rounding leaves of the others.
+# A tension below this share of the preload counts as zero: it is far below the rounding errors of the others.
 FAINT_SHARE = 1e-12
 
 
@@ -97,10 +97,10 @@ def balance(
 def tension_of_stretch(d: DriveSI, stretch_m: Floats, turned_at_N: Floats | None = None) -> Floats:
     """Inverse of the stretch, N, shape of ``stretch_m``; 0 beyond the slack limit. Newton inside a bracket: safe."""
     start = d.preload_N if turned_at_N is None else np.maximum(d.preload_N, turned_at_N)
-    # Friction only makes a cable softer, so the free span alone gives the most that a stretch can cost.
+    # Friction only makes a cable softer, so the free span alone gives an upper bound of the tension.
     high = start + np.abs(stretch_m) * d.axial_stiffness_N / d.free_span_m
     if turned_at_N is not None:
-        # Counted from the turning point the stretch to cover may be larger by that of the turning point itself.
+        # Counted from the turning point, the stretch may be larger by that of the turning point itself.
         turned = np.maximum(turned_at_N, FAINT_SHARE * d.preload_N)
         high = high + np.abs(stretch_first_loading(d, turned)[0]) * d.axial_stiffness_N / d.free_span_m
     slack = stretch_m <= slack_limit_m(d)
@@ -109,7 +109,7 @@ def tension_of_stretch(d: DriveSI, stretch_m: Floats, turned_at_N: Floats | None
         now, slope = stretch(d, tension, turned_at_N)
         low, high = np.where(now < stretch_m, tension, low), np.where(now >= stretch_m, tension, high)
         newton = tension + (stretch_m - now) / slope
-        # Geometric while far apart (a tail of tension may be tiny), arithmetic at the end.
+        # Geometric mean while the bounds are far apart (a tension may be tiny), arithmetic mean at the end.
         middle = np.where(high > 4.0 * low, np.sqrt(high * low), 0.5 * (low + high))
         following = np.where((newton > low) & (newton < high), newton, middle)
         settled = np.abs(following - tension) <= 1e-15 * tension
@@ -129,7 +129,7 @@ def _only(d: DriveSI, shape: tuple[int, ...], which: Any) -> DriveSI:
 def _bracketed(
     d: DriveSI, weight: Floats, goal: Floats, lever: Floats, offset: Floats, turned_at_N: Floats | None
 ) -> tuple[Floats, Floats]:
-    """The same answer by one unknown, the drum angle, inside a bracket; every tension is solved for at each angle."""
+    """The same solution with one unknown, the drum angle, inside a bracket; tensions are solved at each angle."""
 
     def pulled(angle: Floats) -> tuple[Floats, Floats, Floats]:
         tension = tension_of_stretch(d, offset - lever * angle, turned_at_N)

@@ -1,12 +1,12 @@
-"""Stack-up of tolerances on one figure: how far it may fall below its nominal, by three ways of adding.
+"""Stack-up of tolerances on one figure: how far it may fall below its nominal value, by three methods.
 
 A contribution shifts the figure by ``per_unit * tolerance`` at either end of its tolerance, to first order.
 
 - RSS: sqrt(sum of squares), the three-sigma spread where each tolerance is three sigma of its part and all are
   independent (Evans, "Statistical tolerancing", 1974).
 - Worst case: sum of magnitudes, every part at the bad end of its tolerance at once.
-- Monte Carlo: every part anywhere within its tolerance with equal chance; what 99.865 % of all drives keep. It lies
-  between the two: makers that use their whole tolerance are worse than RSS assumes.
+- Monte Carlo: every part uniform within its tolerance; the fall that 99.865 % of all drives do not exceed. It lies
+between the other two, because parts spread over the whole tolerance are worse than RSS assumes.
 
 Any unit, the same throughout. Plain numbers: ``check`` calls it.
 """
@@ -41,7 +41,7 @@ class Contribution:
 
 @dataclass(frozen=True)
 class StackUp:
-    """What the tolerances do to ``figure``, whose nominal margin is ``margin``; infinite where nothing limits it."""
+    """Tolerance stack of ``figure``, whose nominal margin is ``margin``; infinite if nothing limits it."""
 
     figure: str
     margin: float
@@ -54,7 +54,7 @@ class StackUp:
 
     @property
     def worst_case(self) -> float:
-        """All at the bad end at once."""
+        """All parts at the bad end of their tolerances."""
         return sum(c.shift for c in self.contributions)
 
     @property
@@ -64,7 +64,7 @@ class StackUp:
 
     @property
     def spare(self) -> float:
-        """Margin left after the RSS stack; below zero some drives miss the limit."""
+        """Margin after the RSS stack; below zero some drives exceed the limit."""
         return self.margin - self.rss
 
     def monte_carlo(self, draws: int = DRAWS, seed: int = 0) -> float:

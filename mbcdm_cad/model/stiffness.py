@@ -1,4 +1,4 @@
-"""Stiffness seen at the drum with the inputs locked, and the torsional modes it gives."""
+"""Stiffness at the drum with the inputs locked, and the torsional modes that follow from it."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from mbcdm_cad.routes import Floats
 
 
 def tangent_stiffness_Nm_rad(d: DriveSI, load_Nm: Any) -> Floats:
-    """dM/dtheta at the drum where first loading has brought it to ``load_Nm``: sum of r_o^2 dT/d(delta)."""
+    """dM/dtheta at the drum after first loading to ``load_Nm``, N m/rad: sum of r_o^2 dT/d(delta)."""
     at = solve_equilibrium(d, load_Nm)
     w = d.lifted(at.drum_angle_rad.shape)
-    # A slack cable holds nothing; where its law ends any tension will do.
+    # A slack cable has no stiffness; any tension serves where its law ends.
     _, slope = stretch_first_loading(w, np.where(at.slack, w.preload_N, at.tension_N))
     return np.asarray(np.where(at.slack, 0.0, w.drum_radius_m**2 / slope).sum(axis=0))
 
@@ -27,7 +27,7 @@ def sticking_stiffness_Nm_rad(d: DriveSI) -> Floats:
 
 
 def sticking_response(d: DriveSI, path_m: Any) -> tuple[Floats, Floats]:
-    """What a change of the cables' path lengths does with inputs locked, no load, and every wrap sticking.
+    """Response to a change of the cables' path lengths with inputs locked, no load, and every wrap sticking.
 
     ``path_m`` (n_cables, ...) is how much longer each cable's path is. Returns the drum's turn (rad, (...)) and the
     change of each tension (N, (n_cables, ...)): the most it can be, since slip on the wraps only makes cables softer.
@@ -58,7 +58,7 @@ def torsional_modes_Hz(d: DriveSI, drum_inertia_kg_m2: float, input_inertia_kg_m
     size = 1 + d.n_inputs
     matrix = np.zeros((size, size))
     for j, i in enumerate(d.input_of):
-        # Stretch per unit angle of drum and input; sigma squares away.
+        # Stretch per unit angle of drum and input; the sign sigma cancels in the square.
         row = np.zeros(size)
         row[0], row[1 + i] = -d.drum_radius_m[j], d.input_radius_m[j]
         matrix += stiffness[j] * np.outer(row, row)

@@ -1,4 +1,4 @@
-"""What of a rope counts when it is tensioned and plucked: stiffness along it and in bending, mass, shares. SI."""
+"""Properties of a rope for tensioning and plucking: axial and bending stiffness, mass, shares. SI."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ WIRES = {"7x7": (49, 9.0), "7x19": (133, 15.0), "1x19": (19, 5.0)}
 
 @dataclass(frozen=True)
 class TensionedRope:
-    """What of the rope counts: EA, mass, bending stiffness with wires free and bonded, and shares; SI."""
+    """Properties of the rope: EA, mass, bending stiffness with wires free and bonded, and shares; SI."""
 
     axial_stiffness_N: float
     mass_kg_m: float

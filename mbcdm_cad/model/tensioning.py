@@ -1,8 +1,9 @@
 """Setting the preload: travel of the terminal, nut turns, pitch of a plucked span, influence of one cable on another.
 
-SI throughout. Lengths are those of the whole cable between its two ends, along the centre line. Two limits are kept
-apart: a cable *worked in* (the drum swung a few times over its travel, so that the tension is the same all along) and
-one just tightened, where friction on the wraps keeps part of the rope from being pulled.
+SI throughout. Lengths are those of the whole cable between its two ends, along the centre line. Two cases are
+distinguished: a cable *worked in* (the drum was swung a few times over its travel, so that the tension is the same
+along the whole cable) and one just tightened, where friction on the wraps keeps the far part of the rope from being
+tensioned.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ import numpy as np
 
 from mbcdm_cad.routes import Floats
 
-# Beyond this argument cosh and sinh are one to machine precision, and would overflow soon after.
+# Beyond this argument cosh and sinh are equal to machine precision, and soon overflow.
 _LARGE = 30.0
 
 
 @dataclass(frozen=True)
 class TakeUp:
-    """What a terminal has to be drawn in from slack to its highest preload, m (derived).
+    """Take-up of a terminal from slack to its highest preload, m (derived).
 
     ``cut_m`` is the whole band of the cut length: a cable at the long end of its tolerance needs all of it, one at the
     short end none.
@@ -48,7 +49,7 @@ def take_up(
 ) -> TakeUp:
     """Take-up of one cable whose tension is the same all along: T L / EA + bedding share x L + both cut tolerances.
 
-    ``length_m`` is the length under tension; the part inside swages is not to be counted. Raises ``ValueError`` for a
+    ``length_m`` is the length under tension, without the parts inside swaged fittings. Raises ``ValueError`` for a
     figure below zero or a stiffness of zero.
     """
     figures = (length_m, highest_preload_N, bedding_share, cut_tolerance_m)
@@ -65,10 +66,10 @@ def untensioned_length_m(length_m: float, tension_N: float, axial_stiffness_N: f
 
 
 def reached_length_m(pieces: Sequence[tuple[float, float]], friction: float) -> float:
-    """Length that would stretch as much under an even tension, for a small pull at the end of a cable held by friction.
+    """Effective length, m, of a cable with friction under a small pull: the length of a straight cable as stiff.
 
-    ``pieces`` holds (length in m, angle turned in rad) from the pulled end: 0 rad for a straight piece or a wrap on a
-    pulley that turns freely. The tension gained falls by e^(-mu phi) over each (derived; capstan equation).
+    ``pieces`` has (length in m, wrap angle in rad) from the pulled end: 0 rad for a straight piece or a wrap on a
+    pulley that turns freely. The added tension falls by e^(-mu phi) over each (derived from the capstan equation).
     """
     reached, share = 0.0, 1.0
     for length_m, angle_rad in pieces:
@@ -131,7 +132,7 @@ def influence(stiffness_N_m: Any, lever_m: Any) -> Floats:
     """Change of each tension (row) when one terminal (column) is drawn in by a metre, inputs held, drum free; N/m.
 
     ``stiffness_N_m`` (n,) is EA/L of each cable, ``lever_m`` (n,) its signed lever at the drum, sigma r_o. The drum
-    turns until the sum of sigma r_o T is what it was: K_kj = k_k (d_kj - l_k k_j l_j / sum k l^2) (derived).
+    turns until the sum of sigma r_o T is unchanged: K_kj = k_k (d_kj - l_k k_j l_j / sum k l^2) (derived).
     """
     k, lever = np.asarray(stiffness_N_m, dtype=float), np.asarray(lever_m, dtype=float)
     held = k * lever
@@ -156,10 +157,10 @@ class Tightening:
 def sequence(
     stiffness_N_m: Any, lever_m: Any, goal_N: Any, order: tuple[int, ...], within: float = 0.02
 ) -> list[Tightening]:
-    """Tighten cables in ``order``, each to its goal, round after round, until all stand within ``within`` of it.
+    """Tighten cables in ``order``, each to its goal, round after round, until all are within ``within`` of their goals.
 
     From slack, inputs held, drum free and unloaded, cables worked in after each pull; a cable never pushes. Raises
-    ``ValueError`` where 50 rounds do not do it: goals that do not balance at the drum cannot stand together.
+    ``ValueError`` if 50 rounds are not enough: goals whose torques on the drum do not balance cannot be reached.
     """
     k, lever, goal = (np.asarray(a, dtype=float) for a in (stiffness_N_m, lever_m, goal_N))
     drawn = np.zeros_like(k)
@@ -176,14 +177,14 @@ def sequence(
 
 
 def balanced_tension_N(stiffness_N_m: Floats, lever_m: Floats, drawn_in_m: Floats) -> Floats:
-    """Tensions with each terminal drawn in so far past slack and the drum where they balance: T = k (x - l theta)+."""
-    # Sum of l T falls with theta and is straight between the angles at which a cable goes slack.
+    """Tensions in N, drum in balance, terminals ``drawn_in_m`` beyond slack: T = k (x - l theta)+."""
+    # The sum of l T falls with theta and is linear between the angles at which a cable goes slack.
     corners = np.sort(drawn_in_m / lever_m)
     pull = lever_m * stiffness_N_m
     sums = (pull * np.maximum(drawn_in_m - lever_m * corners[:, None], 0.0)).sum(axis=1)
     after = int(np.searchsorted(-sums, 0.0))
     if after == 0 or after == corners.size:
-        # All that still pull do so one way: the drum turns until they are slack.
+        # All cables that are still tight pull in one direction: the drum turns until they are slack.
         theta = corners[0] if after == 0 else corners[-1]
     else:
         share = sums[after - 1] / (sums[after - 1] - sums[after]) if sums[after - 1] > sums[after] else 0.0
@@ -193,7 +194,7 @@ def balanced_tension_N(stiffness_N_m: Floats, lever_m: Floats, drawn_in_m: Float
 
 
 def _drawn_for(k: Floats, lever: Floats, drawn: Floats, j: int, goal_N: float) -> float:
-    """How far cable ``j`` is drawn in when it reaches its goal, or as far as a bare spring would go if it cannot."""
+    """How far cable ``j`` is drawn in at its goal, m; if it cannot reach it, as far as a spring with fixed ends."""
     limit = 20.0 * goal_N / k[j] + float(drawn.max(initial=0.0))
     low, high = 0.0, limit
     trial = drawn.copy()
@@ -204,7 +205,7 @@ def _drawn_for(k: Floats, lever: Floats, drawn: Floats, j: int, goal_N: float) -
         else:
             high = trial[j]
     if high >= limit * (1.0 - 1e-9):
-        # Nothing pulls against it yet: draw it in as far as the goal needs once the others hold the drum.
+        # No other cable pulls against it yet: draw it in as far as the goal needs when the others hold the drum.
         return float(max(drawn[j], goal_N / k[j]))
     return float(0.5 * (low + high))
 
@@ -220,5 +221,5 @@ def limits_of_pitch_Hz(
 
 
 def bedding_loss_N(bedding_share: float, axial_stiffness_N: float) -> float:
-    """Tension that bedding-in takes from a cable whose ends stand still: share x EA; why it is retightened."""
+    """Tension that a cable with fixed ends loses by bedding in, N: share x EA; hence it must be retightened."""
     return bedding_share * axial_stiffness_N

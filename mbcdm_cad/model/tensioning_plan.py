@@ -25,7 +25,7 @@ from mbcdm_cad.model.tensioning import (
     untensioned_length_m,
 )
 
-# A range of tensions wider than this, read from one pitch, sets no preload by itself.
+# If one pitch corresponds to a range of tensions wider than this, the pitch alone cannot set the preload.
 USABLE_SPREAD = 0.25
 
 
@@ -85,7 +85,7 @@ class TensioningPlan:
 
     @property
     def by_pitch(self) -> bool:
-        """Whether the pitch of a span alone tells its tension well enough."""
+        """Whether the pitch of a span alone gives its tension accurately enough."""
         return all(c.span_m and c.tension_spread <= USABLE_SPREAD for c in self.cables)
 
 
@@ -93,7 +93,7 @@ def tensioning_plan(cables: Sequence[TensionedCable], rope: TensionedRope, pitch
     """The plan for cables tightened one after the other in the given order; ``pitch_m`` of the nuts' thread."""
     stiffness = np.array([rope.axial_stiffness_N / c.length_m for c in cables])
     lever = np.array([c.lever_m for c in cables])
-    # Preloads hold with both angles zero; where their torques differ, the drum then turns until the cables balance.
+    # Preloads are stated with both angles zero; if their torques differ, the drum turns until the cables balance.
     goal = balanced_tension_N(stiffness, lever, np.array([c.preload_N for c in cables]) / stiffness)
     pulls = sequence(stiffness, lever, goal, tuple(range(len(cables))))
     return TensioningPlan(

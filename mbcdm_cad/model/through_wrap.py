@@ -1,10 +1,10 @@
-"""A wrap that nothing anchors: two profiles of :mod:`mbcdm_cad.model.wrap_profile` with one place in common.
+"""A wrap without an anchor: two profiles of :mod:`mbcdm_cad.model.wrap_profile` with a common beginning.
 
-Each side of a cable that goes through over its input has a profile, and both begin at the same place of the pulley,
-where the rope sticks. After each sample that place moves to where the rope holds best: the reserve of a point towards
-an end is mu a - |ln(T_end/T)|, a the angle to it. The pieces between the old place and the new one change sides as they
-are. Their integrals stay with the side that reckoned them so far, so that no rope is lost; what they bring comes out
-when they leave at the other end. This is the creep of a belt.
+Each side of a cable that runs over its input without an anchor has a profile, and both begin at the same place of the
+pulley, where the rope sticks. After each sample this place moves to the point with the largest reserve of friction: the
+reserve towards an end is mu a - |ln(T_end/T)|, a the angle to it. The pieces between the old and the new place change
+sides without a change of tension. Their integrals stay with the side that counted them before, so that no rope is lost;
+the effect appears when they leave at the other end. This is the creep of a belt.
 
 A point of the pulley at s from the middle of the wrap has the angle s - half in the first profile and -s - half in the
 second, half of the wrap at the start.
@@ -19,9 +19,9 @@ from mbcdm_cad.model.wrap_profile import ANGLE, LOG, RATIO, SUM, log_mean
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 
-# Places that are tried for the beginning of both profiles.
+# Number of places that are tried for the beginning of both profiles.
 PLACES = 48
-# Pieces shorter than this are not worth a knot, rad.
+# Pieces shorter than this get no knot, rad.
 _SHORTEST_RAD = 1e-7
 
 
@@ -45,7 +45,7 @@ def _log_at(profile: Profile, x: float) -> float:
 
 @compiled
 def _best_place(one: Profile, other: Profile, half: float, mu: float, apart: float) -> float:
-    """Where the rope holds best: angle s from the middle of the wrap at first. ``apart``: ln of preload 1 over 2."""
+    """Place of the largest reserve: angle s from the middle of the first wrap. ``apart``: ln of preload 1 over 2."""
     here = one.stack[ANGLE, 0] + half
     top, bottom = one.stack[ANGLE, one.knots - 1] + half, -(other.stack[ANGLE, other.knots - 1] + half)
     upper, lower = one.stack[LOG, one.knots - 1], other.stack[LOG, other.knots - 1] - apart
@@ -92,10 +92,10 @@ def _hand_over(from_side: Profile, to_side: Profile, turn: float, apart: float) 
 
 @compiled
 def go_over(one: Profile, other: Profile, half: float, mu: float, apart: float) -> tuple[int, int]:
-    """Let both profiles of one wrap begin where the rope holds best; the new numbers of their knots.
+    """Let both profiles of one wrap begin at the point with the largest reserve; returns their new numbers of knots.
 
-    Each stack must have room for the knots of both. Where the wrap slipped as a whole in one sample, so that the
-    profiles begin with unlike tensions, they go on from the mean: the slip through is not followed.
+    Each stack must have room for the knots of both. If the whole wrap slipped in one sample, so that the profiles begin
+    with different tensions, both continue from the mean: this slip is not modelled.
     """
     start = 0.5 * (one.stack[LOG, 0] + other.stack[LOG, 0] - apart)
     one.stack[LOG, 0], other.stack[LOG, 0] = start, start + apart

@@ -1,8 +1,8 @@
 """Tolerance stack: eccentricity, radius and preload tolerances of each part -> transmission error at the drum.
 
 A displaced body changes the path of its cable by e . (u_in - u_out), whatever the wrap
-(:mod:`mbcdm_cad.routes.displaced`). Radii add sigma_j dr theta of their own pulley. Linear theory takes every wrap as
-sticking; the Monte Carlo runs the whole time-series model, friction and memory included, over a sweep of the travel.
+(:mod:`mbcdm_cad.routes.displaced`). Radii add sigma_j dr theta of their own pulley. Linear theory assumes that every
+wrap sticks; the Monte Carlo runs the whole time-series model with friction over a sweep of the travel.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ class ToleranceStack:
 
 
 def eccentric_path_m(d: DriveSI, body: str, offset_m: Any, drum_angle_rad: Any) -> Floats:
-    """Path error of each cable (n_cables, m) when ``body`` is off its axis by ``offset_m``, two components at angle 0.
+    """Path error of each cable, m (n_cables, m), when ``body`` is eccentric by ``offset_m``, two components at angle 0.
 
-    The components are along the body's reference and a right angle further about its axis; it turns with the rigid
-    chain. Errors: ``ModelError`` for an unknown body.
+    The components are along the body's reference and at a right angle to it about its axis; they turn with the body.
+    Raises ``ModelError`` for an unknown body.
     """
     known = {found.name: found for found in d.routes.bodies}
     if body not in known:
@@ -134,18 +134,18 @@ def _linear_effect(d: DriveSI, path: Floats) -> Floats:
     """Turn of the drum (k, m) for path errors (k, n_cables, m), zero at the middle pose."""
     hold = d.drum_radius_m / d.free_span_m
     weight = d.sigma * hold / (d.drum_radius_m * hold).sum()
-    # A preload error shifts the balance by the same angle everywhere, so it leaves the zeroed error by linear theory.
+    # In linear theory a preload error shifts the drum by the same angle everywhere, so it is zero after zeroing.
     effect = np.einsum("j,kjm->km", weight, path)
     centre = path.shape[2] // 2
     return np.asarray(effect - effect[:, centre : centre + 1])
 
 
 def _swept(d: DriveSI, pose: Floats, path: Floats, preload_error: Floats) -> Floats:
-    """Transmission error on the way up, after one sweep has set the friction's memory; (m,), zero at the centre."""
-    from mbcdm_cad.model.hysteresis import simulate  # compiled; checks take only the linear theory of this file
+    """Transmission error on the upward sweep, after a sweep that sets the friction's state; rad (m,), centre zero."""
+    from mbcdm_cad.model.hysteresis import simulate  # loads compiled code, not needed by the checks
 
     centre = pose.size // 2
-    # From the centre up, down, and up again: no jump, and the last sweep is the one that counts.
+    # From the centre up, down, and up again without a jump; the last sweep is evaluated.
     order = np.concatenate([np.arange(centre, pose.size), np.arange(pose.size - 2, -1, -1), np.arange(1, pose.size)])
     ratio = d.input_turns
     held = d.with_(preload_N=np.maximum(d.preload_N + preload_error, 1.0))

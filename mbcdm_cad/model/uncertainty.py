@@ -13,7 +13,7 @@ from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
-# What may carry a sigma besides the geometry's lengths, and which field of the drive or of the requirements it changes.
+# Parameters that may have a sigma besides the geometry's lengths, and the field of the drive or requirements of each.
 PARAMETERS = ("friction_coefficient", "modulus_Pa", "area_m2", "load_Nm", "input_rating_Nm")
 STEP_SIGMA = 0.1
 
@@ -40,12 +40,12 @@ def figures_of(bulk: BulkFigures) -> dict[str, Floats]:
 
 
 def by_cable(d: DriveSI) -> tuple[str, ...]:
-    """What may carry a sigma and is drawn for each cable on its own."""
+    """Names of the parameters that are drawn for each cable independently."""
     return ("preload_N", *d.geometry.per_cable)
 
 
 def parameters(d: DriveSI) -> tuple[str, ...]:
-    """Names of all that may carry a sigma in this drive."""
+    """Names of all parameters of this drive that may have a sigma."""
     return (*by_cable(d), *PARAMETERS, *(v.name for v in d.geometry.varied))
 
 
@@ -60,8 +60,9 @@ def intervals(
     """Intervals of backlash and torque for one design whose parameters are normal with standard deviations ``sigma``.
 
     Keys of ``sigma`` are among :func:`parameters`, in their SI units; those :func:`by_cable` take one value or one
-    each, and are drawn for each cable on its own. Draws that make no drive (no free span, friction not above zero) are
-    left out. Errors: ``ModelError`` for an unknown name, a negative sigma, or if over 1 % of the draws make no drive.
+    for each cable, and are drawn for each cable independently. Impossible draws (no free span, friction not above zero)
+    are left out. Raises ``ModelError`` for an unknown name, a negative sigma, or if over 1 % of the draws are
+    impossible.
     """
     sizes: dict[str, Floats] = {}
     known, own = parameters(d), by_cable(d)
@@ -81,7 +82,7 @@ def intervals(
             f"{lost:.0%} of the draws have no free span or no friction (limit 1 %): the sigmas are too wide for a "
             "normal law; lower those of centre distance, radii or friction"
         )
-    # Columns: the middle, then each parameter (of each cable) a little up and a little down.
+    # Columns: nominal, then each parameter (of each cable) a small step up and a small step down.
     steps = [(k, row) for k, size in sizes.items() for row in range(size.size)]
     shift = {k: np.zeros((size.size, 1 + 2 * len(steps))) for k, size in sizes.items()}
     for at, (name, row) in enumerate(steps):

@@ -3,7 +3,7 @@
 Classical creep theory: an end tension T admits T e^{-mu s} <= T(s) <= T e^{mu s} along a wrap; what lies outside is
 clipped to the bound, what lies inside stays. From a uniform preload that gives Eq. (4) to (12) of the paper with the
 signs put right: on the tight side T(s) = T e^{-mu s}, on the slack side T e^{+mu s}, until the preload is met.
-Nothing is lost on a body that the cable passes, unless its wrap is given (it is then slipped on from both ends);
+The tension does not change on a body that the cable passes, unless its wrap is given (slip then comes from both ends);
 bending stiffness is left out.
 """
 
@@ -38,7 +38,7 @@ def slip_angle_rad(tension_N: Any, preload_N: Any, friction: Any) -> Floats:
 
 
 def _run_out_integral(t: Floats, friction: Floats, wrap_rad: Floats) -> Floats:
-    """Integral of (T/T_pre - 1) ds over a wrap that the slip zone covers from end to end, in rad."""
+    """Integral of (T/T_pre - 1) ds over a wrap that the slip zone covers completely, in rad."""
     rising = np.where(t >= 1.0, -1.0, 1.0)
     exponent = rising * friction * wrap_rad
     with np.errstate(invalid="ignore", over="ignore"):
@@ -47,7 +47,7 @@ def _run_out_integral(t: Floats, friction: Floats, wrap_rad: Floats) -> Floats:
 
 
 def _positive(x: Floats) -> Floats:
-    """A divisor: a friction too small to matter is replaced, and the branch that would use it is not taken."""
+    """``x`` as a divisor: zero friction is replaced, and the branch that would use the quotient is not taken."""
     return np.asarray(np.where(np.asarray(x) > 1e-12, x, 1.0))
 
 
@@ -57,7 +57,7 @@ def stretch_first_loading(d: DriveSI, tension_N: Floats) -> tuple[Floats, Floats
     ``tension_N`` (n_cables, ...) is the free-span tension, > 0. Returns metres and m/N. With u = T/T_pre,
     delta = T_pre/(EA) [ L_free (u - 1) +- (r_i + r_o)/mu (u - 1 - ln u) ], + above the preload, - below:
     Eq. (7) to (12).
-    Where a slip zone reaches its anchor the rest of the wrap is gone and the law goes on linearly in T.
+    Where a slip zone has reached its anchor the whole wrap slips, and the law continues linearly in T.
     """
     u = tension_N / d.preload_N
     e = u - 1.0
@@ -86,8 +86,8 @@ def stretch_first_loading(d: DriveSI, tension_N: Floats) -> tuple[Floats, Floats
 def slack_stretch_m(d: DriveSI) -> Floats:
     """Stretch (< 0, m) at which a cable goes slack on first unloading: its whole preload strain over span and wraps.
 
-    Minus infinity with unlimited wraps: friction then always keeps a tail of tension, and the cable never
-    quite goes slack.
+    Minus infinity with unlimited wraps: friction then always keeps some tension in the wraps, and the cable never goes
+    completely slack.
     """
     wound = d.input_radius_m * d.input_wrap_rad + d.drum_radius_m * d.drum_wrap_rad
     for radius, wrap in d.passed_wraps:

@@ -1,13 +1,13 @@
 """The tension profile along one wrap as a stack of knots: the clip rule in closed form, with cable wound on and off.
 
-In ln(T/T_pre) over the angle x along the pulley an end tension admits a cone of slope +-mu; a profile is therefore a
-chain of straight pieces no steeper than mu. A step that moves the end of the wrap from x_0 to x_1 while its tension
-goes straight in ln T changes the chain in one of two ways: cable wound on slower than mu is one more piece; else the
-cone from the new end cuts off all knots outside it. Each knot is pushed once and popped once, so that a sample costs
-about the same however long the history, and there is no cell length to choose.
+In ln(T/T_pre) over the angle x along the pulley an end tension allows a cone of slope +-mu; a profile is therefore a
+chain of straight pieces no steeper than mu. A step that moves the end of the wrap from x_0 to x_1 while ln T changes
+linearly changes the chain in one of two ways: if ln T changes by less than mu per angle, the cable wound on is one more
+piece; else the cone from the new end cuts off all knots outside it. Each knot is added once and removed once, so the
+cost of a sample does not grow with the history, and there is no cell length to choose.
 
-Tensions are over the preload (u), integrals are of (u - 1) dx from the anchor, in rad; that at knot 0 is
-0 unless the anchor has moved (:mod:`mbcdm_cad.model.through_wrap`).
+Tensions are divided by the preload (u); integrals are of (u - 1) dx from the anchor, in rad; that at knot 0 is 0 unless
+the anchor has moved (:mod:`mbcdm_cad.model.through_wrap`).
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ def log_mean(u0: float, u1: float, rise: float) -> tuple[float, float]:
 def probe(
     stack: Floats, count: int, x: float, u: float, log_u: float, mu: float
 ) -> tuple[float, float, int, float, float, float]:
-    """What the wrap would hold with its end at ``x`` and the tension ``u`` there; the stack stays as it is.
+    """The state of the wrap with its end at ``x`` and the tension ``u`` there; the stack does not change.
 
     Returns the integral of (u - 1) from the anchor and its derivative by u; then the last knot that stays and, where
-    the new piece starts beyond it, angle, ln u and integral there. -1 stands for no knot: slip reaches the anchor.
+    the new piece starts beyond it, angle, ln u and integral there. -1 means no knot: slip reaches the anchor.
     """
     top = count - 1
     if x > stack[ANGLE, top]:
@@ -67,7 +67,7 @@ def probe(
     slope = (stack[LOG, k + 1] - stack[LOG, k]) / (high - low)
     outside = log_u - sense * mu * (x - high) - stack[LOG, k + 1]
     steeper = slope - sense * mu
-    # A piece as steep as the cone meets it at its lower knot or nowhere.
+    # A piece as steep as the cone intersects it at its lower knot or not at all.
     meets = high + outside / steeper if steeper * sense < 0.0 else low
     meets = min(max(meets, low), min(high, x))
     log_meets = stack[LOG, k + 1] + slope * (meets - high)

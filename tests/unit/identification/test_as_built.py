@@ -129,7 +129,7 @@ def test_the_terminal_is_told_what_is_in_force() -> None:
         "once_per_rev guide in force; undecided, as comments: once_per_rev input_left or once_per_rev input_right "
         "(remove the comment marks of the one that the bench confirms)"
     )
-    assert "nothing was named" in applied_words(result(()))
+    assert "no effect was named" in applied_words(result(()))
 
 
 def test_known_effects_change_the_prediction_as_the_effect_does() -> None:
