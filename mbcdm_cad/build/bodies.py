@@ -15,7 +15,7 @@ from mbcdm_cad.parts.placement import Placement, Vector
 class MovingGroup:
     """Items that move as one body. It turns by ``ratio`` times the drum's angle about ``axis`` through ``point_mm``.
 
-    ``ratio`` carries the sense and is 0 for what stands still. ``items`` are the names of its items, sorted.
+    ``ratio`` has the sign of the rotation and is 0 for fixed items. ``items`` are the names of its items, sorted.
     """
 
     name: str

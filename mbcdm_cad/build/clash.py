@@ -17,7 +17,7 @@ Place = tuple[float, float, float]
 
 _COARSE_MM = 0.2
 _FINE_MM = 0.01
-# Points of one cable nearer along the cable than this many diameters are the same stretch, not another turn.
+# Points of one cable less than this many diameters apart along it belong to the same stretch, not to another turn.
 _OWN_STRETCH_DIAMETERS = 4.0
 
 
@@ -41,7 +41,7 @@ class Clash:
 
 
 def _squared(first: Points, second: Points) -> Points:
-    # |a - b|^2 = |a|^2 + |b|^2 - 2 a.b: one matrix product instead of a cube of differences.
+    # |a - b|^2 = |a|^2 + |b|^2 - 2 a.b: one matrix product instead of a three-dimensional array of differences.
     middle = first.mean(axis=0)
     a, b = first - middle, second - middle
     squared: Points = (a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1)[None, :] - 2.0 * (a @ b.T)
@@ -53,7 +53,7 @@ def _along(points: Points) -> NDArray[np.float64]:
 
 
 def _refined(first: Points, second: Points, i: int, j: int) -> tuple[float, Points]:
-    """Least distance between the stretches about two sample points, sampled finely between the neighbours."""
+    """Least distance, mm, between the stretches around two sample points, sampled finely between their neighbours."""
 
     def fine(points: Points, k: int) -> Points:
         low, high = max(0, k - 2), min(len(points) - 1, k + 2)
@@ -68,10 +68,10 @@ def _refined(first: Points, second: Points, i: int, j: int) -> tuple[float, Poin
 
 
 def centre_line_distance(first: CablePath, second: CablePath, diameter_mm: float) -> tuple[float, Points]:
-    """Least distance (mm) between two centre lines, or of one with its own other turns; and where it is.
+    """Least distance (mm) between two centre lines, or between the turns of one; and its place.
 
-    Exact to 1e-4 mm where it is under ``diameter_mm``; beyond that the nearest of the coarse samples is refined, which
-    may miss by 0.01 mm.
+    Exact to 1e-4 mm if it is under ``diameter_mm``; above that only the nearest of the coarse samples is refined, with
+    an error up to 0.01 mm.
     """
     a = first.sample(_COARSE_MM)
     b = a if first is second else second.sample(_COARSE_MM)
@@ -81,7 +81,7 @@ def centre_line_distance(first: CablePath, second: CablePath, diameter_mm: float
         squared[np.abs(s[:, None] - s[None, :]) <= _OWN_STRETCH_DIAMETERS * diameter_mm] = np.inf
     i, j = divmod(int(np.argmin(squared)), len(b))
     best = _refined(a, b, i, j)
-    # Two samples each half a step off the closest points are further apart by up to this, so others may be nearer.
+    # Two samples half a step from the closest points are further apart by up to this, so others may be nearer.
     rows, columns = np.nonzero(squared < diameter_mm**2 + _COARSE_MM**2 / 2)
     done = np.zeros_like(squared, dtype=bool) if len(rows) else None
     for k in np.argsort(squared[rows, columns], kind="stable"):
@@ -94,9 +94,9 @@ def centre_line_distance(first: CablePath, second: CablePath, diameter_mm: float
 
 
 def cable_overlaps(paths: Sequence[CablePath], diameter_mm: float) -> Iterator[tuple[int, int, float, Place]]:
-    """Cables whose centre lines come nearer than their diameter, each with each and each with itself.
+    """Cables whose centre lines come nearer than their diameter, each pair and each cable with its own turns.
 
-    Gives the indices of both, how deep one lies in the other (mm), and where.
+    Returns the indices of both, the overlap (mm), and its place.
     """
     count = len(paths)
     for i, j in (*combinations(range(count), 2), *((k, k) for k in range(count))):

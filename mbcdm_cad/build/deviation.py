@@ -13,7 +13,7 @@ from OCP.TopoDS import TopoDS_Edge, TopoDS_Face
 
 FloatArray = NDArray[np.float64]
 
-# Places of a triangle where it can be farthest from its surface: the middle and the middle of each side.
+# Places of a triangle at which it may be farthest from its surface: its centroid and the middle of each side.
 _SAMPLES = np.array([[1 / 3, 1 / 3, 1 / 3], [0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 _NEWTON_STEPS = 2
 _SMALLEST = 1e-20
@@ -25,10 +25,10 @@ def face_deviation(
 ) -> float:
     """Greatest distance in mm from the triangles of one face to the surface under it.
 
-    ``points`` (n, 3) in the frame of the face, ``triangles`` (m, 3), ``parameters`` gives the u, v (n, 2) of the
-    points and is asked only where they are needed. Exact at the
-    sampled places for planes, cylinders, cones, spheres and tori; else by projection from the mean u, v at up to 4000
-    places spread over the face, which finds at least 98 % of the greatest distance.
+    ``points`` (n, 3) in the frame of the face, ``triangles`` (m, 3), ``parameters`` returns the u, v (n, 2) of the
+    points and is called only where they are needed. Exact at the sampled places for planes, cylinders, cones, spheres
+    and tori; else by projection from the mean u, v at up to 4000 places spread over the face, which finds at least 98 %
+    of the greatest distance.
     """
     surface = BRepAdaptor_Surface(face)
     kind = surface.GetType()
@@ -74,7 +74,7 @@ def _to_cone(surface: BRepAdaptor_Surface, places: FloatArray) -> FloatArray:
     cone = surface.Cone()
     x, y, z = _local(cone.Position(), places)
     angle = cone.SemiAngle()
-    # On either side of the apex the radius is taken positive.
+    # The radius is positive on both sides of the apex.
     distance: FloatArray = (np.hypot(x, y) - np.abs(cone.RefRadius() + z * np.tan(angle))) * np.cos(angle)
     return distance
 
@@ -115,14 +115,14 @@ def _distances_to_surface(surface: BRepAdaptor_Surface, places: FloatArray, uv: 
         nearest = np.minimum(nearest, np.linalg.norm(gap, axis=1))
         uu, uv_, vv = _dots(du, du), _dots(du, dv), _dots(dv, dv)
         along, across = _dots(du, gap), _dots(dv, gap)
-        # At a pole there is no direction to step in: the determinant vanishes and the first bound stays.
+        # At a pole the determinant vanishes and no step is possible; the first bound remains.
         determinant = np.maximum(uu * vv - uv_**2, _SMALLEST)
         uv = uv + np.column_stack((vv * along - uv_ * across, uu * across - uv_ * along)) / determinant[:, None]
     return nearest
 
 
 def _distances_to_curve(curve: BRepAdaptor_Curve, places: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Distances from places (n, 3) to the curve near parameters (n,), from above as for the surface."""
+    """Distances from places (n, 3) to the curve near parameters (n,): upper bounds, as for the surface."""
     point, along = gp_Pnt(), gp_Vec()
 
     def jet(parameter: float) -> tuple[float, ...]:

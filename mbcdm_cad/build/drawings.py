@@ -45,7 +45,7 @@ def drawings_folder(out: Path, name: str) -> Path:
 
 
 def _shown(spec: PartSpec, made: MadePart) -> Any:
-    """The kernel's shape of a part as drawings show it: as made, or simplified where its sheet says so."""
+    """The kernel's shape of a part for its drawing: as made, or simplified if its sheet says so."""
     if has_sheet(spec.maker):
         simplified = sheet_of(spec.name, spec.maker, spec.args).simplified
         if simplified is not None:
@@ -56,7 +56,7 @@ def _shown(spec: PartSpec, made: MadePart) -> Any:
 
 
 def _stated(drive: Drive) -> tuple[str, float]:
-    """What every sheet says of the design as a whole."""
+    """Texts about the whole design that every sheet contains."""
     return drive.name, drive.making.position_mm
 
 
@@ -99,7 +99,7 @@ class _Job:
 
 @dataclass(frozen=True)
 class _Assembly:
-    """The sheet of the whole drive, without its cables, which are no solids to be made."""
+    """The sheet of the whole drive without its cables, which are not made parts."""
 
     posed: Bill
     parts: dict[str, MadePart]
@@ -107,7 +107,7 @@ class _Assembly:
 
     @property
     def items(self) -> tuple[Item, ...]:
-        """What is drawn."""
+        """Items that are drawn."""
         return tuple(item for item in self.posed.items if not self.posed.parts[item.part].maker.startswith(_CABLES))
 
     @property

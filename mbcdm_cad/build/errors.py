@@ -6,4 +6,4 @@ from mbcdm_cad.errors import MbcdmError
 
 
 class GeometryError(MbcdmError):
-    """A solid that is not one sound body, or that cannot be meshed within its tolerance: says which and why."""
+    """A solid that is not one valid body, or cannot be meshed within its tolerance; the text says which and why."""

@@ -26,7 +26,7 @@ from mbcdm_cad.storage.parallel import fork_map
 
 @dataclass(frozen=True)
 class Look:
-    """One pair of bodies at one pose: the test whose answer applies, and how the answer is expressed at this pose."""
+    """One pair of bodies at one pose: the test whose answer applies, and the placement of the answer at this pose."""
 
     key: str
     kind: str
@@ -35,7 +35,7 @@ class Look:
     placement: Placement
 
     def clashes(self, found: Found) -> Iterator[Clash]:
-        """The test's answer in the names of the bodies and the frame of the assembly."""
+        """The test's answer with the names of the bodies, in the frame of the assembly."""
         for i, j, size, *place in found:
             x, y, z = (float(value) for value in self.placement.apply(np.array(place)))
             first, second, where = self.names[i], self.names[j], (x, y, z)
@@ -54,13 +54,13 @@ class InterferenceRun:
     tests: dict[str, Test] = field(default_factory=dict)
 
     def add(self, test: Test, kind: str, names: tuple[str, ...], angle_deg: float, placement: Placement) -> None:
-        """Look at bodies at one pose; ``placement`` leads from the test's frame to the assembly's."""
+        """Add a test of bodies at one pose; ``placement`` leads from the test's frame to the assembly's."""
         key = test.key
         self.tests.setdefault(key, test)
         self.looks.append(Look(key, kind, names, angle_deg, placement))
 
     def missing(self, known: Mapping[str, Found]) -> list[str]:
-        """Keys of the tests whose answers are not known, those that take long first."""
+        """Keys of the tests whose answers are not known, the longest tests first."""
         return sorted((key for key in self.tests if key not in known), key=lambda key: -self.tests[key].work)
 
     def clashes(self, known: Mapping[str, Found]) -> tuple[Clash, ...]:
@@ -109,7 +109,7 @@ def interference_run(
     for end in ends:
         for k, path in enumerate(scenes[end].cables):
             for stretch in path.stretches:
-                # What a cable shares with the body that carries it is seen where most of it lies there.
+                # A cable is tested against the body that carries it at the pose at which most of the cable lies on it.
                 if stretch.body is not None and is_longest(path, stretch, [scenes[other].cables[k] for other in ends]):
                     rods(end, path, stretch, own=True)
     for angle in poses_deg:

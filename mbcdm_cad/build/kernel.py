@@ -17,13 +17,13 @@ from mbcdm_cad.parts.placement import Placement
 # A cadquery.Shape (anything with ``wrapped``) or the kernel's own shape; cadquery itself is not needed to write files.
 Shape = Any
 
-# The kernel writes statistics of every STEP file to standard output; only its failures are of interest. cadquery says
-# the same when it is imported, but writing an assembly of parts that are known does without cadquery.
+# The kernel writes statistics of every STEP file to standard output; only failures are wanted. cadquery makes the same
+# # setting when it is imported, but an assembly of cached parts is written without cadquery.
 for _printer in Message.DefaultMessenger_s().Printers():
     _printer.SetTraceLevel(Message_Gravity.Message_Fail)
 
-# No threads of the kernel's own: work is spread over forked processes, and one that is forked after the kernel has
-# begun threads waits for them for ever. Only the first call decides, so it stands before anything is drawn.
+# The kernel must start no threads: work is divided among forked processes, and a process forked after the kernel has #
+# started threads waits for them for ever. Only the first call has an effect, so it comes before anything is drawn.
 OSD_ThreadPool.DefaultPool_s(1)
 
 
@@ -35,8 +35,8 @@ def kernel_shape(shape: Shape) -> TopoDS_Shape:
 def location(placement: Placement) -> TopLoc_Location:
     """A placement as the kernel's location.
 
-    The identity too is a location that moves by nothing, not the empty one: an instance with an empty location is to
-    the kernel the part itself, and the STEP writer then gives its name to another instance.
+    The identity is also written as a transformation and not as the empty location: the kernel takes an instance with an
+    empty location for the part itself, and the STEP writer then gives its name to another instance.
     """
     transformation = gp_Trsf()
     first, second, third = placement.rows
@@ -53,7 +53,7 @@ def brep_bytes(shape: Shape) -> bytes:
 
 
 def shape_from_brep(data: bytes) -> TopoDS_Shape:
-    """The kernel's shape from :func:`brep_bytes`. Raises ``ValueError`` where the bytes hold no shape."""
+    """The kernel's shape from :func:`brep_bytes`. Raises ``ValueError`` if the bytes contain no shape."""
     shape = TopoDS_Shape()
     BinTools.Read_s(shape, io.BytesIO(data), Message_ProgressRange())
     if shape.IsNull():

@@ -10,7 +10,7 @@ from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key
 from mbcdm_cad.storage.manifest import versions
 
-# A design has about a thousand tests; the longest unused answers beyond this number go.
+# A design has about a thousand tests; beyond this number the answers that were not used for longest are removed.
 MOST_ANSWERS = 30_000
 _KEY_DIGITS = 32
 # What a test's answer depends on besides the bodies: drawing of the rods, booleans and proofs.
@@ -20,8 +20,8 @@ TEST_MODULES = ("mbcdm_cad.build.pairs",)
 class KnownTests(Mapping[str, Found]):
     """Answers by the key of the test.
 
-    Almost all tests find nothing: of those only the keys are kept. Two processes that write at once keep
-    the answers of one of them, and the other's are worked out again. ``source`` is the hash of ``TEST_MODULES``.
+    Almost all tests find no overlap: of these only the keys are stored. If two processes write at the same time, the
+    answers of one are lost and are computed again later. ``source`` is the hash of ``TEST_MODULES``.
     """
 
     def __init__(self, cache: Cache, source: str) -> None:
@@ -39,11 +39,11 @@ class KnownTests(Mapping[str, Found]):
         return len(self._found)
 
     def add(self, answers: Mapping[str, Found], used: Iterable[str]) -> None:
-        """Take in new answers and store all; ``used`` are the keys of this run, which are dropped last."""
+        """Add new answers and store all; ``used`` are the keys of this run, which are removed last."""
         self._found |= answers
         if not answers:
             return
-        # What others have stored since this run began is kept too, in the order of the last use.
+        # Answers that other processes stored since this run began are kept too, in the order of the last use.
         latest = {**self._stored(), **self._found}
         for key in used:
             latest[key] = latest.pop(key)

@@ -16,7 +16,7 @@ from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.bill import PartSpec
 from mbcdm_cad.parts.make import make
 
-# What is done with a part's name and its STEP file as soon as that is there, before its mesh.
+# Called with a part's name and its STEP file as soon as the file exists, before its mesh is made.
 OnStep = Callable[[str, bytes], None]
 
 
@@ -27,9 +27,9 @@ def _nothing(name: str, step: bytes) -> None:
 def drawn_part(
     spec: PartSpec, material: Material, mesh_tolerance_mm: float | None, on_step: OnStep = _nothing
 ) -> PartFiles:
-    """All files of one part, its mesh left empty where there is no tolerance for it.
+    """All files of one part; the mesh is empty if no tolerance is given.
 
-    Raises ``GeometryError``, naming the part, if what is drawn is not one sound solid.
+    Raises ``GeometryError``, naming the part, if the result is not one valid solid.
     """
     try:
         solid = make(spec.maker, spec.args)
@@ -47,8 +47,8 @@ def make_part_files(
 ) -> PartFiles:
     """Validate, translate, mesh (where a tolerance is given) and measure one solid.
 
-    Raises ``GeometryError`` as :func:`validate_solid` and :func:`mesh_solid` do. Faces that cut each other are looked
-    for in the interference run.
+    Raises ``GeometryError`` as :func:`validate_solid` and :func:`mesh_solid` do. The interference run finds faces that
+    intersect each other.
     """
     validate_solid(name, solid)
     step = part_step(name, solid, material)

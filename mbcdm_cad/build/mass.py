@@ -22,7 +22,7 @@ _CM3_PER_MM3 = 1e-3
 
 @dataclass(frozen=True)
 class ShapeProperties:
-    """What a solid's shape alone gives, in its own frame.
+    """Volume, centroid and inertia of a solid's shape in its own frame.
 
     ``inertia_mm5`` is the inertia tensor about the centroid for a density of 1 per mm^3, with the off-diagonal terms
     of a tensor (minus the products of inertia). ``low_mm`` and ``high_mm`` are the corners of the tight box.
@@ -67,7 +67,7 @@ class MassProperties:
         return _matrix(np.array(self.inertia_g_mm2) * _KG_M2_PER_G_MM2)
 
     def placed(self, placement: Placement) -> MassProperties:
-        """The same body moved: seen from the frame that ``placement`` leads to."""
+        """The properties of the same body after the motion ``placement``."""
         rotation = placement.rotation
         turned = rotation @ np.array(self.inertia_g_mm2) @ rotation.T
         return MassProperties(self.mass_g, _vector(placement.apply(np.array(self.cog_mm))), _matrix(turned))

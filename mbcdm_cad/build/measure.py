@@ -28,7 +28,7 @@ def measure(solid: Shape) -> ShapeProperties:
 def bounding_box(solid: Shape, placement: Placement | None = None) -> tuple[Vector, Vector]:
     """Lowest and highest corner (mm) of the tight box about a solid, at ``placement`` if given.
 
-    The plain box of the kernel follows control points and is 8 % too wide on a torus; this one touches the surface.
+    The kernel's default box encloses control points and is 8 % too wide on a torus; this one touches the surface.
     """
     shape = kernel_shape(solid)
     box = Bnd_Box()

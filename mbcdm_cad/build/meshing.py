@@ -24,7 +24,7 @@ from mbcdm_cad.build.kernel import Shape, kernel_shape
 from mbcdm_cad.build.trianglemesh import FloatArray, IntArray, TriangleMesh, without_collapsed
 
 _ATTEMPTS = 6
-# What the kernel is asked for, as a share of the tolerance: on swept surfaces its error comes out up to 1.1 times that.
+# Tolerance given to the kernel, as a share of the required one: on swept surfaces its error is up to 1.1 times that.
 _FIRST_SHARE = 0.85
 # On swept surfaces the error is sampled; the samples were found to miss up to 1.5 % of the greatest error.
 _ACCEPTED_SHARE = 0.97
@@ -33,9 +33,9 @@ _ANGLE_LIMITS_RAD = (0.05, 0.5)
 
 
 def mesh_solid(name: str, solid: Shape, tolerance_mm: float) -> TriangleMesh:
-    """The surface of ``solid`` in triangles nowhere farther than ``tolerance_mm`` from it (measured), watertight.
+    """The surface of ``solid`` as a watertight mesh with a measured deviation of at most ``tolerance_mm``.
 
-    The solid itself stays without a mesh. Raises ``GeometryError`` if the bound cannot be held or the mesh has a gap.
+    The solid itself gets no mesh. Raises ``GeometryError`` if the tolerance cannot be kept or the mesh has a gap.
     """
     if not (math.isfinite(tolerance_mm) and tolerance_mm > 0.0):
         raise ValueError(f"mesh tolerance must be positive, got {tolerance_mm} mm")
@@ -44,7 +44,8 @@ def mesh_solid(name: str, solid: Shape, tolerance_mm: float) -> TriangleMesh:
         mesh = _triangulated(name, kernel_shape(solid), linear_mm, angular_rad)
         if mesh.deviation_mm <= _ACCEPTED_SHARE * tolerance_mm:
             break
-        # The error is proportional to the square of the step, so the angle shrinks by the root of the length's factor.
+        # The error is proportional to the square of the step, so the angle is reduced by the root of the length's
+        # factor.
         shrink = max(0.1, _FIRST_SHARE * tolerance_mm / mesh.deviation_mm)
         linear_mm, angular_rad = linear_mm * shrink, angular_rad * math.sqrt(shrink)
     else:
@@ -70,15 +71,16 @@ def kernel_tolerances(tolerance_mm: float) -> tuple[float, float]:
 def angular_tolerance(tolerance_mm: float) -> float:
     """Angle in rad between neighbouring chords at which an arc of 1 mm radius has a sagitta of ``tolerance_mm``.
 
-    s = r (1 - cos(a / 2)). Larger arcs are governed by the linear tolerance, and smaller ones then have less sagitta;
-    held between 0.05 and 0.5 rad.
+    s = r (1 - cos(a / 2)). For larger arcs the linear tolerance decides, and smaller ones have a smaller sagitta;
+    limited to 0.05 to 0.5 rad.
     """
     angle = 2.0 * math.acos(max(-1.0, 1.0 - tolerance_mm / _ANGLE_RADIUS_MM))
     return min(max(angle, _ANGLE_LIMITS_RAD[0]), _ANGLE_LIMITS_RAD[1])
 
 
 def _triangulated(name: str, shape: TopoDS_Shape, linear_mm: float, angular_rad: float) -> TriangleMesh:
-    # A mesh sticks to its shape, and a coarse one asked for after a fine one stays fine: hence the copy, mesh left out.
+    # The kernel stores a mesh with its shape and does not replace a fine one by a coarser one, so a copy without mesh
+    # is used.
     shape = BRepBuilderAPI_Copy(shape, True, False).Shape()
     BRepMesh_IncrementalMesh(shape, linear_mm, False, angular_rad, False)
     points: list[FloatArray] = []
@@ -157,5 +159,5 @@ def _edge_segments(
         steps = range(1, polygon.NbNodes() + 1)
         nodes = np.array([polygon.Node(k) for k in steps], np.int32) - np.int32(1)
         parameters = np.array([polygon.Parameter(k) for k in steps]) if polygon.HasParameters() else np.empty(0)
-        if not BRep_Tool.IsClosed_s(edge, face):  # a seam is no edge to be seen
+        if not BRep_Tool.IsClosed_s(edge, face):  # a seam is not a visible edge
             yield np.column_stack((nodes[:-1], nodes[1:])), edge_deviation(edge, parameters)

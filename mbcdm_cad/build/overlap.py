@@ -29,7 +29,7 @@ def common(first: Shape, second: Shape, placement: Placement) -> tuple[float, Ve
 
 
 def rod(pieces: Sequence[Piece], radius_mm: float) -> Any:
-    """The solid of a rod along ``pieces`` of a centre line. Raises ``GeometryError`` where the kernel finds none."""
+    """The solid of a rod along ``pieces`` of a centre line. Raises ``GeometryError`` if the kernel cannot make it."""
     try:
         return swept_rod(pieces, radius_mm)
     except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone

@@ -26,28 +26,28 @@ from mbcdm_cad.routes.curves import Piece
 if TYPE_CHECKING:
     from mbcdm_cad.build.separation import Surface
 
-# Two bodies that share less than this touch; they do not overlap.
+# Two bodies with a common volume below this touch but do not overlap.
 VOLUME_LIMIT_MM3 = 0.01
-# The rod tested against solids is thinner by this, or surfaces that touch along a line give nonsense.
+# The rod tested against solids is thinner by this, because booleans of surfaces that touch along a line fail.
 CABLE_UNDERSIZE_MM = 0.005
 _CULL_STEP_MM = 0.5
-# Chordal error of the mesh that a wound cable is compared with: its rod is a hair thinner and lies that near its land.
+# Chordal error of the mesh that a wound cable is compared with; it must be smaller than the gap of the thinner rod.
 _FINE_MESH_MM = 0.003
 # The box of a part is exact to rounding.
 _BOX_MARGIN_MM = 1e-3
-# A motion is rounded to these places, far below any tolerance, so that pairs that move together have one name.
+# A motion is rounded to these digits, far below any tolerance, so that pairs that move together have the same key.
 _ROTATION_DIGITS, _SHIFT_DIGITS = 12, 9
-# The last bits of the kernel's figures differ from process to process.
+# The last bits of the kernel's results differ from process to process.
 _FIGURE_DIGITS = 9
 
 Box = NDArray[np.float64]  # (2, 3): lowest and highest corner
-# What a test finds, one row a place: index of the first and the second body, size (mm^3, or mm for cables), place.
+# Result of a test, one row for each place: index of first and second body, size (mm^3, or mm for cables), place.
 Found = list[tuple[int, int, float, float, float, float]]
 
 
 class PartShape:
-    """A part's shape. ``key`` names its content; ``load`` gives its solid and is called only when a boolean needs it;
-    without a mesh nothing is proven apart."""
+    """A part's shape. ``key`` identifies its content; ``load`` returns its solid and is called only when a boolean
+    needs it; without a mesh no pair can be proven apart."""
 
     def __init__(self, key: str, box: Box, load: Callable[[], Any], mesh: TriangleMesh | None = None) -> None:
         self.key = key
@@ -62,14 +62,14 @@ class PartShape:
 
     @cached_property
     def surface(self) -> Surface | None:
-        """The mesh, made ready to be compared with others."""
+        """The mesh, prepared for comparisons."""
         from mbcdm_cad.build.separation import Surface
 
         return None if self.mesh is None else Surface.of_mesh(self.mesh)
 
     @cached_property
     def fine_surface(self) -> Surface | None:
-        """A finer mesh of the solid, made ready to be compared; None where the kernel cannot make it."""
+        """A finer mesh of the solid, prepared for comparisons; None if the kernel cannot make it."""
         from mbcdm_cad.build.meshing import mesh_solid
         from mbcdm_cad.build.separation import Surface
 
@@ -81,13 +81,13 @@ class PartShape:
             return None
 
     def box_at(self, placement: Placement) -> Box:
-        """An upright box about the part at a placement: about its own box, turned."""
+        """An axis-parallel box around the part at a placement, from its own box after the rotation."""
         corners = placement.apply(np.array(np.meshgrid(*self.box.T)).reshape(3, -1).T)
         return np.stack([corners.min(axis=0) - _BOX_MARGIN_MM, corners.max(axis=0) + _BOX_MARGIN_MM])
 
 
 class RodShape:
-    """A stretch of a cable as a rod, drawn and sampled once for all bodies that it is tested against."""
+    """A stretch of a cable as a rod, drawn and sampled once for all its tests."""
 
     def __init__(self, path: CablePath, diameter_mm: float) -> None:
         self.pieces = path.line
@@ -98,20 +98,20 @@ class RodShape:
 
     @cached_property
     def surface(self) -> Surface:
-        """The rod, made ready to be compared with meshes."""
+        """The rod, prepared for comparisons with meshes."""
         from mbcdm_cad.build.separation import Surface
 
         return Surface.of_rod(self.pieces, self.radius_mm)
 
     @cached_property
     def solid(self) -> Any:
-        """The rod drawn."""
+        """The solid of the rod."""
         from mbcdm_cad.build.overlap import rod
 
         return rod(self.pieces, self.radius_mm)
 
     def pieces_near(self, body: PartShape, placement: Placement) -> list[Piece]:
-        """The pieces of the line about which the rod is not proven apart from a body, by the body's finer mesh."""
+        """The pieces of the line at which the rod is not proven apart from a body, by the body's finer mesh."""
         from mbcdm_cad.build.separation import Surface
 
         surfaces = [(piece, Surface.of_rod((piece,), self.radius_mm)) for piece in self.pieces]
@@ -170,7 +170,7 @@ class Rod:
         """What the two share, in the frame of the cable."""
         if _apart(self.rod.surface, self.body.surface, self.placement):
             return []
-        # The kernel takes seconds where a helix lies along a cylinder, and a quarter of one to mesh the cylinder again.
+        # A boolean of a helix along a cylinder takes seconds, a finer mesh of the cylinder only a quarter of a second.
         near = self.rod.pieces_near(self.body, self.placement)
         if len(near) < len(self.rod.pieces) and self._volume_mm3(near) < VOLUME_LIMIT_MM3:
             return []
@@ -200,10 +200,10 @@ class Cables:
         return digest("cables", self.diameter_mm, *(path.pieces for path in self.paths))
 
     def test(self) -> Found:
-        """Where centre lines come nearer than the diameter, and by how much."""
+        """Places at which centre lines are nearer than the diameter, and the overlaps."""
         from threadpoolctl import threadpool_limits
 
-        # Tests run side by side: threads of the linear algebra besides wait for each other more than they work.
+        # Tests run in parallel processes; additional threads of the linear algebra would only slow them down.
         with threadpool_limits(1, "blas"):
             found = list(cable_overlaps(self.paths, self.diameter_mm))
         return [(i, j, round(depth_mm, _FIGURE_DIGITS), *place) for i, j, depth_mm, place in found]
@@ -227,7 +227,7 @@ class Faces:
         return 0.0 if self.body.mesh is None else 1e4 * len(self.body.mesh.triangles)
 
     def test(self) -> Found:
-        """Nothing is shared with another body. Raises ``GeometryError`` where faces cut each other."""
+        """An empty result. Raises ``GeometryError`` if faces intersect each other."""
         from mbcdm_cad.build.validate import validate_faces
 
         validate_faces(self.part, self.body.solid)
@@ -249,7 +249,7 @@ def rounded(placement: Placement) -> Placement:
 
 
 def digest(*content: Any) -> str:
-    """A name, 32 hexadecimal digits, for plain data."""
+    """Hash of plain data, 32 hexadecimal digits."""
     return hashlib.blake2b(repr(content).encode(), digest_size=16).hexdigest()
 
 

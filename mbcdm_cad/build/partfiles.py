@@ -13,7 +13,7 @@ from mbcdm_cad.build.trianglemesh import TriangleMesh
 
 @dataclass(frozen=True)
 class PartFiles:
-    """One part drawn: its solid in the kernel's form, its STEP file, its mesh and what was measured."""
+    """A drawn part: its solid in the kernel's form, STEP file, mesh and measured figures."""
 
     name: str
     brep: bytes
@@ -28,11 +28,11 @@ class PartFiles:
 
     @cached_property
     def mesh_volume_error(self) -> float:
-        """Volume of the mesh over that of the solid, less one."""
+        """Volume of the mesh over that of the solid, minus one."""
         return self.mesh.volume_mm3 / self.shape.volume_mm3 - 1.0
 
     def to_blobs(self) -> dict[str, bytes]:
-        """What is stored of the part."""
+        """The part as data for the cache, by name."""
         properties = self.shape.to_json().encode()
         return {"brep": self.brep, "step": self.step, "mesh": self.mesh.to_bytes(), "properties": properties}
 

@@ -23,9 +23,9 @@ from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
 from mbcdm_cad.storage.parallel import fork_map
 
-# How much further from the middle each part stands in the exploded view.
+# Factor on the distance of each part from the middle in the exploded view.
 EXPLODED = 1.1
-# What stood before is drawn in the one colour (linear RGB), what joins in the other; cables keep their own.
+# Colours (linear RGB) of parts from earlier steps and of parts that join; cables keep their own.
 BEFORE: Vector = (0.5, 0.5, 0.5)
 NEW: Vector = (0.1, 0.4, 0.9)
 VIEW = "output"
@@ -39,8 +39,8 @@ def pictures_of(
 ) -> dict[str, bytes]:
     """PNG files by name: ``step_01.png`` for each step that adds parts, ``exploded.png``, ``section.png``.
 
-    Those whose parts, places and code are as they were come from the cache. Raises ``OutputError`` where the machine
-    has no way to draw.
+    Pictures whose parts, places and code have not changed come from the cache. Raises ``OutputError`` if the machine
+    cannot draw.
     """
     kind = configuration(drive.configuration)
     layout = kind.layout(drive)
@@ -92,7 +92,7 @@ def _png(parts: Mapping[str, MadePart], shown: Sequence[Item], how: dict[str, An
 
 
 def exploded(items: Sequence[Item], meshes: Mapping[str, TriangleMesh]) -> tuple[Item, ...]:
-    """The items moved away from the middle of them all, each by a multiple of its own distance from it."""
+    """The items moved away from their common middle, each in proportion to its distance from it."""
     middles = [_middle(item, meshes[item.part]) for item in items]
     low, high = np.min(middles, axis=0), np.max(middles, axis=0)
     apart = EXPLODED * (np.array(middles) - (low + high) / 2.0)

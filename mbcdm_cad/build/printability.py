@@ -10,18 +10,18 @@ from mbcdm_cad.build.export.threemf import lying
 from mbcdm_cad.build.trianglemesh import FloatArray, TriangleMesh
 from mbcdm_cad.parts.placement import Vector
 
-# Rays that look for walls stand this far apart; a wall is one that this many of them find.
+# Distance of the rays that find walls, and least number of rays that must find the same wall.
 RAYS_MM, RAYS = 0.25, 4
-# Both faces of a wall are nearly square to the ray through it (cosine of the angle).
+# Both faces of a wall must be nearly perpendicular to the ray through it (cosine of the angle).
 _SQUARE = 0.9
-# A face leaning further out than this from upright needs a support (the usual rule for filament).
+# A face that overhangs by more than this angle from the vertical needs a support (usual rule for filament).
 OVERHANG_DEG = 45.0
 # A face counts as lying on the bed within this height.
 _ON_BED_MM = 0.01
 
 
 class ThinWall(NamedTuple):
-    """The thinnest wall found, and where its middle is."""
+    """The thinnest wall found, and the place of its middle, mm."""
 
     thickness_mm: float
     at_mm: Vector
@@ -30,7 +30,7 @@ class ThinWall(NamedTuple):
 def thinnest_wall(mesh: TriangleMesh) -> ThinWall | None:
     """Thinnest wall that is square to an axis of the part, by rays along all three; None if there is none.
 
-    A wall that stands aslant is seen only where its faces turn to an axis, as those of a cylinder do.
+    An oblique wall is found only where its faces are perpendicular to an axis, as on a cylinder.
     """
     found: list[ThinWall] = []
     normals = _normals(mesh.corners_mm)
@@ -52,7 +52,7 @@ def thinnest_wall(mesh: TriangleMesh) -> ThinWall | None:
 
 
 def overhang_mm2(mesh: TriangleMesh) -> float:
-    """Area that hangs over by more than ``OVERHANG_DEG`` from upright as the part lies on the bed."""
+    """Area, mm^2, that overhangs by more than ``OVERHANG_DEG`` from the vertical, with the part on the bed."""
     corners = mesh.corners_mm @ lying(mesh).T
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(across, axis=1) / 2.0
@@ -93,7 +93,7 @@ def _hits(triangles: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _pairs(
     enters: tuple[FloatArray, FloatArray], leaves: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Thickness, ray and start of every stretch of a ray from a face that it enters to the next that it leaves by."""
+    """Thickness, ray and start of each stretch of a ray from the face where it enters to that where it leaves."""
     rays = np.concatenate([enters[0], leaves[0]])
     depth = np.concatenate([enters[1], leaves[1]])
     into = np.concatenate([np.ones(len(enters[1]), bool), np.zeros(len(leaves[1]), bool)])
@@ -101,6 +101,6 @@ def _pairs(
     rays, depth, into = rays[order], depth[order], into[order]
     wall = into[:-1] & ~into[1:] & (rays[:-1] == rays[1:]).all(axis=1)
     thickness = (depth[1:] - depth[:-1])[wall]
-    # Where an edge of the solid lies on the ray, two faces meet there and nothing is between them.
+    # If an edge of the solid lies on the ray, the two faces that meet there have no wall between them.
     real = thickness > 1e-3
     return thickness[real], rays[:-1][wall][real], depth[:-1][wall][real]

@@ -16,7 +16,7 @@ from mbcdm_cad.storage.manifest import versions
 def prints_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None) -> dict[str, bytes]:
     """All made parts for printing, by file name (``NAME.3mf``).
 
-    Round holes of printed materials are wider by ``printing.hole_allowance_mm``; the file then says so. Raises
+    Round holes of printed materials are wider by ``printing.hole_allowance_mm``, which the file then states. Raises
     ``GeometryError`` for a part that cannot be drawn.
     """
     items, parts = drawn(drive, 0.0, cache, progress)

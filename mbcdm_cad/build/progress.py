@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A function to be told the name of each thing as it is being made."""
+    """A function that is called with the name of each item while it is made."""
     if not sys.stderr.isatty():
         yield lambda name: print(f"making {name}", file=sys.stderr, flush=True)
         return

@@ -70,9 +70,9 @@ def build(
 ) -> Outcome:
     """Build a design into ``out/<name>``, the assembly drawn with the drum at ``angle_deg``.
 
-    A design that fails a check is refused unless ``force``; then every file says so. Nothing is written where nothing
-    has changed. Raises ``MbcdmError`` for an angle beyond the travel, for a part that cannot be drawn, and where the
-    system refuses to write.
+    A design that fails a check is refused unless ``force``; then every file says so. Nothing is written if nothing has
+    changed. Raises ``MbcdmError`` for an angle beyond the travel, for a part that cannot be drawn, and where the system
+    refuses to write.
     """
     drive = loaded.drive
     _refuse_angle(drive, angle_deg)
@@ -139,7 +139,7 @@ def _parts(store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int) -> di
 def exported_parts(
     store: Store, posed: Bill, parts: dict[str, MadePart], drive: Drive, jobs: int
 ) -> dict[str, MadePart]:
-    """The parts as their single files show them: tapped holes as ``export.threads`` asks."""
+    """The parts as in their single files: tapped holes according to ``export.threads``."""
     if drive.export.threads == "major":
         return parts
     materials = {item.part: item.material for item in posed.items}
@@ -166,7 +166,7 @@ def _frame_checks(
 
 
 def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, MadePart]) -> list[CheckResult]:
-    """On the meshes of the printed parts; none where nothing is printed."""
+    """Checks of the meshes of printed parts; empty if nothing is printed."""
     printed = {item.part: item.material for item in items if item.kind == "made" and item.material.printed}
     walls = []
     for name, material in printed.items():
@@ -213,7 +213,7 @@ def _write(
     store: Store,
     data: dict[str, Any],
 ) -> None:
-    from mbcdm_cad.report.markdown import report_markdown  # its templates, only where something is written
+    from mbcdm_cad.report.markdown import report_markdown  # loads its templates, only needed if something is written
     from mbcdm_cad.report.page import PAGE
 
     name = dims.drive.name
@@ -230,5 +230,5 @@ def _write(
         folder.write(f"{name}.glb", assembly["glb"])
         folder.write("report.json", json.dumps(data, indent=1, sort_keys=True, allow_nan=False) + "\n")
         folder.write("report.md", report_markdown(data))
-    # A page of the state before would show its figures beside the new report; `mbcdm page` makes it anew.
+    # An old page would show other figures than the new report, so it is removed; `mbcdm page` makes a new one.
     (target / PAGE).unlink(missing_ok=True)

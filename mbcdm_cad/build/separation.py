@@ -1,9 +1,9 @@
 """Prove from triangle meshes that two bodies do not touch, in a hundredth of the time of a boolean.
 
-Two surfaces that lie within known distances of their meshes cannot meet where the meshes are further apart than the sum
-of those distances. The proof needs one direction only: bodies that are not shown to be apart may still not overlap.
-Triangles are sorted into a tree of boxes, and two trees are walked side by side (Ericson, Real-Time Collision
-Detection, 2005, chapters 5 and 6, for the distances and the walk).
+Two surfaces within known distances of their meshes cannot touch if the meshes are further apart than the sum of these
+distances. The proof works in one direction only: bodies that are not proven apart need not overlap. Triangles are
+sorted into a tree of bounding boxes, and two trees are traversed together (Ericson, Real-Time Collision Detection,
+2005, chapters 5 and 6, for the distances and the traversal).
 """
 
 from __future__ import annotations
@@ -51,7 +51,8 @@ class Surface:
         chords, sagitta = [], 0.0
         for piece in pieces:
             count = max(1, ceil(piece.length_mm / _WIRE_STEP_MM))
-            # Every second point is the middle of a chord, where a circle, a helix or a parabola is farthest from it.
+            # Every second point is the middle of a chord, at which a circle, a helix or a parabola is farthest from the
+            # chord.
             points = piece.points(np.linspace(0.0, 1.0, 2 * count + 1))
             start, middle, end = points[:-1:2], points[1::2], points[2::2]
             chords.append(np.stack([start, end, end], axis=1))
@@ -62,8 +63,8 @@ class Surface:
     def tree(self) -> tuple[FloatArray, FloatArray]:
         """Corners in the order of the tree, and the boxes (low, high) of its nodes, (n, 2, 3).
 
-        A full binary tree as in a heap: below node k lie 2 k + 1 and 2 k + 2, and each of the last row's nodes holds
-        ``LEAF`` triangles that follow each other. The last triangle is repeated to fill the row.
+        A full binary tree as in a heap: the children of node k are 2 k + 1 and 2 k + 2, and each node of the last level
+        holds ``LEAF`` consecutive triangles. The last triangle is repeated to fill the level.
         """
         low, high = self.corners_mm.min(axis=1), self.corners_mm.max(axis=1)
         order = np.argsort(_morton_code(low + high), kind="stable")
@@ -77,13 +78,13 @@ class Surface:
 
 
 def prepare() -> None:
-    """Load the compiled code, or compile it: once here, not in each of the processes that are forked."""
+    """Load the compiled code, or compile it, once before processes are forked and not in each of them."""
     box = Surface(np.eye(3)[None], 0.0)
     apart(box, box, Placement.translation(9.0, 0.0, 0.0))
 
 
 def _morton_code(middles: FloatArray) -> NDArray[np.int64]:
-    """Places of points (n, 3) along a curve that visits near ones one after the other: bits of x, y, z interleaved."""
+    """Morton codes of points (n, 3), the interleaved bits of x, y, z: near points have near codes."""
     low = middles.min(axis=0)
     span = float((middles.max(axis=0) - low).max())
     cells = ((middles - low) * (1023.0 / span if span > 0.0 else 0.0)).astype(np.int64)
@@ -98,7 +99,7 @@ def apart(first: Surface, second: Surface, placement: Placement) -> bool:
 
     ``second`` must be the mesh of a closed surface; ``first`` may be a rod. False also where nothing is proven.
     """
-    if not COMPILED:  # as plain Python the proof takes longer than the boolean that it spares
+    if not COMPILED:  # in plain Python the proof takes longer than the boolean that it avoids
         return False
     corners, boxes = first.tree
     others, other_boxes = second.tree
@@ -107,7 +108,7 @@ def apart(first: Surface, second: Surface, placement: Placement) -> bool:
     limit = first.within_mm + second.within_mm
     if _near(corners, boxes, moved, other_boxes, rotation, shift, limit, first.wire):
         return False
-    # Surfaces are apart: one body lies wholly outside the other or wholly inside, as one point of it does.
+    # The surfaces are apart: one body lies completely outside or completely inside the other, as any point of it shows.
     if _winds_round(second.corners_mm, rotation.T @ (first.corners_mm[0, 0] - shift)):
         return False
     return first.wire or not _winds_round(first.corners_mm, moved[0, 0])
@@ -147,7 +148,7 @@ def _segments_squared(p1: Vector, q1: Vector, p2: Vector, q2: Vector) -> float:
     if a > 0.0 and e > 0.0:
         b = _dot(d1, d2)
         denominator = a * e - b * b
-        # Parallel segments have no single nearest pair: any start serves, since both ends are clamped below.
+        # Parallel segments have no unique nearest pair; any start is valid, since both ends are clamped below.
         s = _clamped((b * f - c * e) / denominator) if denominator > 1e-12 * a * e else 0.0
         t = (b * s + f) / e
         if t < 0.0:
@@ -164,7 +165,7 @@ def _segments_squared(p1: Vector, q1: Vector, p2: Vector, q2: Vector) -> float:
 
 @compiled
 def _segment_triangle_near(p: Vector, q: Vector, triangle: Triangle, normal: Vector, squared: float) -> bool:
-    """Whether the inside of a triangle, its edges left out, is met by a segment or nearer to one of its ends than that.
+    """Whether a segment crosses the interior of a triangle, edges excluded, or has an end nearer to it than the limit.
 
     ``normal`` is that of the triangle, of any length, not zero; ``squared`` the square of the distance.
     """
@@ -172,7 +173,7 @@ def _segment_triangle_near(p: Vector, q: Vector, triangle: Triangle, normal: Vec
     high, low = _dot(_less(p, triangle[0]), normal), _dot(_less(q, triangle[0]), normal)
     if high * low <= 0.0 and high != low and _over(_plus(p, _less(q, p), high / (high - low)), triangle, normal):
         return True
-    # A foot of the perpendicular within the triangle; nearest points on its edges are found edge by edge.
+    # The foot of the perpendicular is within the triangle; nearest points on edges are found edge by edge.
     if high * high <= squared * size and _over(p, triangle, normal):
         return True
     return low * low <= squared * size and _over(q, triangle, normal)
@@ -235,7 +236,7 @@ def _triangles_near(first: FloatArray, second: FloatArray, limit: float, wire: b
 
 @compiled
 def _winds_round(corners: FloatArray, point: FloatArray) -> bool:
-    """Whether a point off the surface lies inside a closed mesh: the solid angle it is seen under (Van Oosterom)."""
+    """Whether a point not on the surface lies inside a closed mesh, by the solid angle of the mesh (Van Oosterom)."""
     total = 0.0
     for k in range(len(corners)):
         a = (corners[k, 0, 0] - point[0], corners[k, 0, 1] - point[1], corners[k, 0, 2] - point[2])
@@ -264,7 +265,7 @@ def _near(
     wire: bool,
 ) -> bool:
     """Whether any two triangles come nearer than ``limit``. ``others`` are moved already, ``other_boxes`` are not."""
-    # The other's boxes as middle and half width in the first's frame: a turned box within a larger upright one.
+    # The other's boxes as middle and half width in the first's frame: an axis-parallel box around the rotated one.
     count = len(other_boxes)
     low, high = np.empty((count, 3)), np.empty((count, 3))
     for k in range(count):

@@ -29,11 +29,11 @@ def part_solid(drive: Drive, name: str) -> cq.Solid:
 def assembled(drive: Drive, angle_deg: float) -> cq.Assembly:
     """All parts in their places with the drum at ``angle_deg``, a sub-assembly for each group that moves together.
 
-    Parts come from the cache where it holds them. Raises ``MbcdmError`` for an angle beyond the travel.
+    Parts come from the cache if it has them. Raises ``MbcdmError`` for an angle beyond the travel.
     """
     items, parts = drawn(drive, angle_deg, Cache(cache_folder()), lambda name: None)
     shapes = {name: cq.Shape.cast(part.solid()) for name, part in parts.items()}
-    # cadquery wants names that are unique in the whole tree, and the drum is a part of the group of that name.
+    # cadquery requires names that are unique in the whole tree, but the drum is a part in a group of the same name.
     groups = {item.group: cq.Assembly(name=f"{item.group}_group") for item in items}
     for item in items:
         place = cq.Location(location(item.location))

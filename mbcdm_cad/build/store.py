@@ -30,13 +30,13 @@ from mbcdm_cad.storage.manifest import versions
 from mbcdm_cad.storage.parallel import fork_map
 
 Progress = Callable[[str], None]
-# More parts than this are counted, not named, to whoever waits for them.
+# The progress message names at most this many parts; more are only counted.
 _MOST_NAMED = 6
 
 
 @dataclass(frozen=True)
 class MadePart:
-    """One part's files; ``key`` names their content."""
+    """One part's files; ``key`` identifies their content."""
 
     key: str
     files: PartFiles
@@ -62,7 +62,7 @@ class Store:
     def parts(
         self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float, jobs: int
     ) -> dict[str, MadePart]:
-        """All parts; only those are drawn of which the cache has none with the same dimensions, material and code."""
+        """All parts; only those that the cache lacks for these dimensions, material and code are drawn."""
         keys = self.keys(specs, materials, mesh_tolerance_mm)
         found = self.known(keys)
         missing = [name for name in specs if name not in found]
@@ -77,7 +77,7 @@ class Store:
     def keys(
         self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float
     ) -> dict[str, str]:
-        """For each part the key of what is drawn: it rests on dimensions, material, tolerance and code."""
+        """The cache key of each part, from dimensions, material, tolerance and code."""
         keys = {}
         for name, spec in specs.items():
             source = self._source(spec.maker.partition(":")[0], "mbcdm_cad.build.makefiles")
@@ -85,7 +85,7 @@ class Store:
         return keys
 
     def known(self, keys: Mapping[str, str]) -> dict[str, MadePart]:
-        """The parts by name that need not be drawn; what was asked for last is held in memory."""
+        """The parts by name that need not be drawn; the last ones read stay in memory."""
         found: dict[str, MadePart] = {}
         for name, key in keys.items():
             if key in self._held:
@@ -96,7 +96,7 @@ class Store:
         return found
 
     def keep(self, keys: Mapping[str, str], drawn: Iterable[PartFiles]) -> dict[str, MadePart]:
-        """The parts just drawn, kept for the next time."""
+        """Store the parts that were drawn."""
         made = {files.name: MadePart(keys[files.name], files) for files in drawn}
         for part in made.values():
             self._cache.put(part.key, part.files.to_blobs())
@@ -125,7 +125,7 @@ class Store:
     def judged(
         self, layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...], jobs: int
     ) -> tuple[tuple[Clash, ...], FrameCompliance | None]:
-        """Interference run over ``poses_deg`` and compliance of the frame, side by side where both have to be made."""
+        """Interference run over ``poses_deg`` and compliance of the frame, in parallel if both must be computed."""
         run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache, self._source(*TEST_MODULES))
         missing = run.missing(known)
         study = configuration(layout.drive.configuration).frame_study(layout)
@@ -158,7 +158,7 @@ class Store:
     def _source(self, *modules: str) -> str:
         """Hash of the code of ``modules`` and of all that they import.
 
-        Finding what they import takes half a second for all, so it is kept for as long as no file of the program
+        Finding their imports takes half a second in all, so the result is kept as long as no file of the program
         changes.
         """
         key = content_key("sources", (), package_hash(), {})
@@ -185,7 +185,7 @@ def _interference_run(layout: Layout, parts: dict[str, MadePart], poses_deg: tup
 
 
 def _body(part: MadePart) -> PartShape:
-    """A part for the interference run. Only its solid counts: another material or mesh repeats no test."""
+    """A part for the interference run. Its key depends on the solid only, so a new material or mesh repeats no test."""
     shape = part.files.shape
     key = hashlib.sha256(part.files.brep).hexdigest()
     return PartShape(key, np.array([shape.low_mm, shape.high_mm]), part.solid, part.files.mesh)

@@ -16,11 +16,11 @@ IntArray = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class TriangleMesh:
-    """The surface of a solid in triangles, seen from outside anticlockwise. Lengths in mm.
+    """The surface of a solid in triangles, anticlockwise as seen from outside. Lengths in mm.
 
-    Points are not shared between faces of the solid, so that each keeps its own normal; on a common edge they agree
-    to the last bit. ``edges`` are the solid's edges as pairs of indices into ``points_mm``.
-    ``deviation_mm`` is the greatest distance found between mesh and solid.
+    Points are not shared between faces of the solid, so that each has its own normal; on a common edge they are equal
+    to the last bit. ``edges`` are the solid's edges as pairs of indices into ``points_mm``. ``deviation_mm`` is the
+    greatest distance found between mesh and solid.
     """
 
     points_mm: FloatArray  # (n, 3)
@@ -54,7 +54,7 @@ class TriangleMesh:
     def open_edges_mm(self) -> FloatArray:
         """Middles (k, 3) of the directed edges that have not exactly one opposite; none if the mesh is watertight.
 
-        Points that are equal in single precision are one, as a reader of the files has it.
+        Points that are equal in single precision count as one, as for a reader of the files.
         """
         points, index = np.unique(single(self.points_mm), axis=0, return_inverse=True)
         corners = index.reshape(-1).astype(np.int64)[self.triangles]
@@ -80,7 +80,7 @@ class TriangleMesh:
 
     @classmethod
     def empty(cls) -> TriangleMesh:
-        """No mesh at all, of a part that nobody looks at."""
+        """An empty mesh, for a part that is not shown."""
         none = np.empty((0, 3))
         return cls(none, none, np.empty((0, 3), np.int32), np.empty((0, 2), np.int32), 0.0)
 
@@ -98,14 +98,14 @@ class TriangleMesh:
 
 
 def single(points_mm: FloatArray) -> NDArray[np.float32]:
-    """Points as the files hold them; adding zero makes -0.0 and 0.0 one point."""
+    """Points in single precision, as in the files; adding zero makes -0.0 equal to 0.0."""
     return np.asarray(points_mm, dtype=np.float32) + np.float32(0.0)
 
 
 def without_collapsed(points_mm: FloatArray, triangles: IntArray) -> IntArray:
-    """The triangles whose three corners are apart in single precision.
+    """The triangles whose three corners differ in single precision.
 
-    The others (at the pole of a sphere, say) have no area, and their neighbours meet once they are gone.
+    The others (for example at the pole of a sphere) have no area, and without them their neighbours share an edge.
     """
     corners = single(points_mm)[triangles]
     apart = [(corners[:, a] != corners[:, b]).any(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]

@@ -1,4 +1,4 @@
-"""Check that a shape is one sound solid. The kernel's own check is not enough: it accepts an empty cut as valid."""
+"""Check that a shape is one valid solid. The kernel's own check is not enough: it accepts an empty cut as valid."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from mbcdm_cad.build.kernel import Shape, kernel_shape
 def validate_solid(name: str, shape: Shape) -> None:
     """Raise ``GeometryError``, naming the part and the reason, unless ``shape`` is exactly one closed, valid solid.
 
-    That is a Solid (not a Compound about one), its shells closed, valid to the kernel, no edge or face too small for
-    it, volume above zero. Faces that cut each other are not looked for: see :func:`validate_faces`.
+    That is a Solid (not a Compound that contains one) with closed shells, valid for the kernel, no edge or face too
+    small, volume above zero. Intersecting faces are not tested here: see :func:`validate_faces`.
     """
     reason = _reason(kernel_shape(shape))
     if reason:
@@ -29,10 +29,10 @@ def validate_solid(name: str, shape: Shape) -> None:
 
 
 def validate_faces(name: str, shape: Shape) -> None:
-    """Raise ``GeometryError``, naming the part, where faces of a solid cut or touch each other.
+    """Raise ``GeometryError``, naming the part, if faces of a solid intersect or touch each other.
 
-    It takes a fifth of the time in which a part is drawn, so it is done beside the interference run. For a helical
-    cable it takes a second, and the distance of its turns says the same at once.
+    It takes a fifth of the time of drawing a part, so it runs together with the interference tests. It is not used for
+    a helical cable, for which it takes a second: the distance of its turns gives the same answer at once.
     """
     found = _faults(kernel_shape(shape), self_intersection=True)
     if found:
@@ -61,7 +61,7 @@ def _reason(shape: TopoDS_Shape) -> str:
 
 
 def _faults(shape: TopoDS_Shape, self_intersection: bool) -> str:
-    """What the test behind ``cadquery.func.check`` finds, in words."""
+    """Faults that the test used by ``cadquery.func.check`` finds, in words."""
     check = BRepAlgoAPI_Check(shape, True, self_intersection)
     if not check.IsValid():
         faults = sorted({result.GetCheckStatus().name.removeprefix("BOPAlgo_") for result in check.Result()})

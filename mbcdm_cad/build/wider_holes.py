@@ -11,9 +11,9 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from mbcdm_cad.build.kernel import Shape
 from mbcdm_cad.parts.shapes import one_solid
 
-# A bore counts as a hole if this much of its wall is there: slits and crossing holes may take the rest.
+# A bore counts as a hole if at least this share of its wall exists: slits and crossing holes may remove the rest.
 LEAST_WALL = 0.75
-# Coordinates, directions and radii that agree so far are one.
+# Coordinates, directions and radii that differ by less than this count as equal.
 _DIGITS = 4
 
 
@@ -35,7 +35,7 @@ def round_holes(solid: Shape, least_wall: float = LEAST_WALL) -> list[RoundHole]
             continue
         surface = BRepAdaptor_Surface(face.wrapped)
         cylinder, reversed_ = surface.Cylinder(), face.wrapped.Orientation().name.endswith("REVERSED")
-        # The normal of a wall points to the axis; that of a left-handed surface is turned over.
+        # The normal of a wall points to the axis; that of a left-handed surface is reversed.
         if cylinder.Position().Direct() != reversed_:
             continue
         axis = cylinder.Axis()
@@ -44,7 +44,7 @@ def round_holes(solid: Shape, least_wall: float = LEAST_WALL) -> list[RoundHole]
             d = -d
         at = cq.Vector(axis.Location())
         foot = at - d * at.dot(d)
-        # Along its axis a wall reaches beyond its vertices where it ends in a curved face.
+        # A wall that ends in a curved face extends beyond its vertices along the axis.
         *_, low, high = face._uvBounds()
         ends = sorted((at + cq.Vector(axis.Direction()) * v).dot(d) for v in (low, high))
         key = tuple(round(v, _DIGITS) + 0.0 for v in (*foot.toTuple(), *d.toTuple(), cylinder.Radius()))
@@ -76,7 +76,7 @@ def with_wider_holes(name: str, solid: Shape, allowance_mm: float) -> Shape:
         start = cq.Vector(*hole.foot_mm) + cq.Vector(*hole.direction) * hole.low_mm
         length, along = hole.high_mm - hole.low_mm, cq.Vector(*hole.direction)
         outer = cq.Solid.makeCylinder(hole.radius_mm + allowance_mm / 2, length, start, along)
-        # A ring: what stands inside a bore without touching its wall stays.
+        # A ring-shaped tool, so that a solid inside the bore that does not touch its wall remains.
         inner = cq.Solid.makeCylinder(hole.radius_mm * 0.95, length, start, along)
         body = body.cut(outer.cut(inner))
     return one_solid(body, name).wrapped

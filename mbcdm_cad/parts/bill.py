@@ -1,6 +1,6 @@
-"""What an assembly is made of: parts with the functions that draw them, instances with their places, moving bodies.
+"""The bill of an assembly: parts with the functions that draw them, instances with their places, moving bodies.
 
-No kernel here: with all parts in the cache, a build never draws.
+This module needs no CAD kernel: if all parts are in the cache, a build draws nothing.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ FIXED = "fixed"
 
 @dataclass(frozen=True)
 class PartSpec:
-    """How one part is drawn: ``module:function`` and its arguments (plain data only).
+    """The function that draws one part, ``module:function``, and its arguments (plain data only).
 
-    ``drilled``: the arguments that draw it with tapped holes at their tap drills; None where it has none.
+    ``drilled``: the arguments that draw its tapped holes at their tap drills; None if it has no tapped holes.
     """
 
     name: str
@@ -32,7 +32,7 @@ class PartSpec:
 
 @dataclass(frozen=True)
 class MovingBody:
-    """What turns together: the group of the items, its axis and its angle.
+    """A group of items that turn together, with its axis and its angle.
 
     ``origin_mm`` is a point of the axis and the origin of the frame in which the group's items are placed;
     ``numerator_mm`` / ``denominator_mm`` are the radii whose ratio is the body's angle about ``axis`` per angle of the
@@ -68,14 +68,14 @@ class Bill:
 
 @dataclass(frozen=True)
 class AssemblyStep:
-    """One step: what to do, and the items of the assembly that stand in place after it, in the order they join."""
+    """One step: what to do, and the items of the assembly that join in it, in this order."""
 
     text: str
     items: tuple[str, ...] = ()
 
 
 def cable_item(cable_name: str) -> str:
-    """Name of a cable's item and part: whatever the design calls it, no other item's name begins like this."""
+    """Name of a cable's item and part; its prefix is unique, whatever name the design gives the cable."""
     return CABLE + cable_name.removeprefix(CABLE)
 
 
@@ -154,5 +154,5 @@ class BillBuilder:
         )
 
     def bill(self) -> Bill:
-        """All that was added."""
+        """The bill with all parts and items that were added."""
         return Bill(self.angle_deg, self.parts, tuple(self.items))

@@ -114,10 +114,10 @@ def _hole_upper_um(letter: str, grade: int, column: int) -> int:
             raise ValueError(f"fit J{grade}: ISO 286 has J6, J7 and J8 only; use JS{grade}")
         return _J_ES_UM[grade][column]
     ei = 0 if letter == "K" and grade > 8 else _EI_UM[letter.lower()][column]
-    # The rule that makes a hole and a shaft of one letter fit alike: K, M, N up to IT8, P up to IT7.
+    # Rule of ISO 286 for equal fits of hole and shaft with one letter: K, M, N up to IT8, P up to IT7.
     step_applies = column > 0 and grade <= (7 if letter == "P" else 8)
     if (letter, grade, column) == ("M", 6, _RANGES_MM.index(315.0)):
-        return -9  # the one value of the standard's table that departs from its rule
+        return -9  # the only value of the standard's table that differs from the rule
     if letter == "N" and grade > 8:
         return -_EI_UM["n"][0] if column == 0 else 0
     return -ei + (_TOLERANCES_UM[grade][column] - _TOLERANCES_UM[grade - 1][column] if step_applies else 0)
@@ -135,7 +135,7 @@ class RoleFit:
 _BEARING_MAKERS = "rolling bearing makers' tables for radial ball bearings (SKF, 'Shaft and housing fits')"
 _PINS = "ISO 2338 and common practice for dowels"
 
-# Inner ring turns against the load on the input pulleys and the drum's shaft, the outer ring on the guide.
+# On the input pulleys and the drum's shaft the inner ring rotates relative to the load, on the guide the outer ring.
 FITS = {
     "idler_seat": RoleFit("N7", "outer ring turns against the load: it must not creep", _BEARING_MAKERS),
     "idler_axle": RoleFit(
@@ -167,7 +167,7 @@ FITS = {
 
 
 def radius_band_mm(radius_mm: float, role: str) -> float:
-    """Half the band of a radius turned to the fit of ``role``, mm; sizes beyond the table take its nearest."""
+    """Half the tolerance of a radius turned to the fit of ``role``, mm; beyond the table its nearest size is used."""
     diameter = min(max(2.0 * radius_mm, SMALLEST_MM), LARGEST_MM)
     size = limits(diameter, FITS[role].code)
     return (size.upper_mm - size.lower_mm) / 4.0

@@ -10,8 +10,8 @@ from typing import Literal
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.placement import Placement
 
-# Names become file stems, STEP products and nodes of the GLB: one plain alphabet for all three. Long enough for a name
-# of the design file (64) with a word before and a number after it.
+# Names are used as file stems, STEP products and nodes of the GLB, so only characters valid in all three are allowed. #
+# Long enough for a name of the design file (64) with a word before and a number after it.
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,95}")
 
 
@@ -33,7 +33,7 @@ class Item:
 
 
 def sorted_items(items: Sequence[Item], parts: Collection[str]) -> list[Item]:
-    """The items by group, then name: the order of every file made of them, whatever order they came in.
+    """The items sorted by group, then name: the order in all files, independent of the order of creation.
 
     Raises ``ValueError`` naming the item if a name is not plain or not unique, if its part has no solid, or if two
     instances of a part differ in material, kind or mass.

@@ -83,7 +83,7 @@ class Placement:
 
     @property
     def shift_mm(self) -> NDArray[np.float64]:
-        """Where the part's origin comes to, shape (3,)."""
+        """Place of the part's origin in the assembly, mm, shape (3,)."""
         return np.array(self.rows)[:, 3]
 
     def __matmul__(self, inner: Placement) -> Placement:
@@ -93,7 +93,7 @@ class Placement:
 
     @property
     def inverse(self) -> Placement:
-        """The motion that undoes this one."""
+        """The inverse motion."""
         back = self.rotation.T
         return self._of(back, -back @ self.shift_mm)
 

@@ -28,7 +28,7 @@ def pin_sheet(part: str, radius: float, length: float) -> Sheet:
 
 
 def sleeve_sheet(part: str, bore_radius: float, radius: float, length: float) -> Sheet:
-    """Stop, as it is once swaged on the cable's end."""
+    """Stop, after it is swaged on the cable's end."""
     return Sheet(
         part=part,
         title="Cable stop, swaged",

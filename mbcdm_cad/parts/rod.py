@@ -1,7 +1,7 @@
-"""A rod along the centre line of a cable, and that line as edges, by the kernel alone.
+"""A rod along the centre line of a cable, and that line as edges, by the kernel without cadquery.
 
-The interference run draws hundreds of rods in processes of its own. Loading cadquery takes a second more than loading
-the kernel, and these processes need nothing else of it.
+The interference run draws hundreds of rods in separate processes. Loading cadquery takes a second more than loading the
+kernel, and these processes need nothing else of it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Primitives the parts are made of: turned profiles, prisms, cylinders, and the unwrapping of a boolean's result."""
+"""Primitives of the parts: turned profiles, prisms, cylinders, and the single solid of a boolean's result."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def one_solid(shape: cq.Shape, name: str) -> cq.Solid:
 
 
 def _distinct(profile: Sequence[Point2]) -> list[Point2]:
-    """The profile without points that repeat the one before: where two steps are alike, there is no wall between."""
+    """The profile without repeated points: between two equal steps there is no wall."""
     return [p for before, p in zip([None, *profile], profile, strict=False) if p != before]
 
 

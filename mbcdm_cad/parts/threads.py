@@ -70,7 +70,7 @@ class Thread:
         return max(0.0, drilled_mm - TAP_LEAD_PITCHES * self.pitch_mm)
 
     def engagement_mm(self, material_kind: str) -> float:
-        """Length of engagement wanted in ``steel``, ``aluminium`` or ``plastic``."""
+        """Required length of engagement in ``steel``, ``aluminium`` or ``plastic``, mm."""
         return ENGAGEMENT_DIAMETERS[material_kind] * self.nominal_mm
 
 

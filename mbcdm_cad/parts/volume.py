@@ -24,9 +24,9 @@ from mbcdm_cad.parts.terminal.dims import Tensioner, TerminalDims
 if TYPE_CHECKING:  # a drive without a motor head starts without it
     from mbcdm_cad.parts.motor_head.dims import HeadDims
 
-# Cells of the grid on which pockets are taken out of the drum's rim: about 0.2 x 0.3 mm on a drum of 65 mm.
+# Cells of the grid on which the pockets of the drum's rim are summed: about 0.2 x 0.3 mm on a drum of 65 mm.
 _RIM_RADII, _RIM_ANGLES = 80, 500
-# Metal that corners with this radius keep, of their square: 1 - pi/4 each.
+# Metal that remains in each rounded corner, as a share of the radius squared: 1 - pi/4.
 CORNER = 1.0 - pi / 4
 
 Volume = Callable[..., float]
@@ -208,7 +208,7 @@ def _depth_y(d: DrumDims, t: Tensioner, half: float) -> float:
 
 
 def _pockets_mm3(d: DrumDims) -> float:
-    """What the terminals' pockets take of the rim, their lugs with it."""
+    """Volume that the terminals' pockets remove from the rim, lugs included."""
     outer = d.lands[-1].surface_radius_mm
     half = radians(d.half_angle_deg)
     radii = d.rim_inner_radius + (np.arange(_RIM_RADII) + 0.5) * (outer - d.rim_inner_radius) / _RIM_RADII
@@ -234,7 +234,7 @@ def _pockets_mm3(d: DrumDims) -> float:
 
 
 def _lug_mm3(d: DrumDims, t: Tensioner) -> float:
-    """What is put back of a pocket: the lug less the stud's slot."""
+    """Volume of a lug minus the stud's slot, which remains in a pocket."""
     length, r = t.lug_end - t.lug_start, d.stud_hole_radius
     depth = _depth_y(d, t, d.swage_pocket) - (t.y_mm - d.lug_half_width)
     slot = 2 * r * d.lug_half_width + pi / 2 * r**2

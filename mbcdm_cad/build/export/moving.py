@@ -29,7 +29,7 @@ _SAMPLES = 8
 
 
 def tube_mesh(centre_line_mm: NDArray[np.float64], radius_mm: float) -> TriangleMesh:
-    """A round tube along a centre line (n, 3), open at its ends: for the eye only."""
+    """A round tube along a centre line (n, 3), open at its ends; for pictures only."""
     points = centre_line_mm[np.r_[True, np.linalg.norm(np.diff(centre_line_mm, axis=0), axis=1) > 1e-6]]
     tangents = np.gradient(points, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
@@ -150,7 +150,7 @@ def _frame(window: vtkRenderWindow) -> Image.Image:
 
 
 def _gif(pictures: Sequence[Image.Image]) -> bytes:
-    """All frames with the colours of the first, so that what stands still is stored once."""
+    """The GIF, all frames with the palette of the first, so that fixed areas are stored once."""
     first = pictures[0].quantize(_COLOURS, dither=Image.Dither.NONE)
     frames = [p.quantize(palette=first, dither=Image.Dither.NONE) for p in pictures]
     buffer = io.BytesIO()

@@ -34,7 +34,7 @@ from mbcdm_cad.errors import OutputError
 from mbcdm_cad.parts.item import Item, sorted_items
 from mbcdm_cad.parts.placement import Placement, Vector
 
-# Where the camera stands, seen from the model; z points up in the picture (in those from above and below, y does).
+# Direction from the model to the camera; z points up in the picture (y in those from above and below).
 VIEWS: dict[str, Vector] = {
     "output": (0.6, 1.2, 0.65),
     "iso": (1.0, -1.2, 0.8),
@@ -46,7 +46,7 @@ VIEWS: dict[str, Vector] = {
     "top": (0.0, 0.0, 1.0),
     "bottom": (0.0, 0.0, -1.0),
 }
-# Cut faces are the inner sides of the surfaces behind the cut, without light: flat, and darker than the outside.
+# Cut faces are shown by the inner sides of the surfaces behind the cut, without lighting and darker than the outside.
 _CUT_SHADE = 0.55
 _LARGEST_PIXELS = 8192
 _MARGIN = 1.06
@@ -81,7 +81,7 @@ def picture_png(
 
     ``meshes`` maps each part to its mesh in the part's own frame; ``colour_of`` gives an item's linear RGB, its
     material's if left out. ``cut`` takes the place of the view. Raises ``ValueError`` for an unknown view or a
-    senseless size, ``OutputError`` where the machine has no way to draw without a display.
+    invalid size, ``OutputError`` if the machine cannot draw without a display.
     """
     if view not in VIEWS:
         raise ValueError(f"unknown view {view!r}; there are {', '.join(VIEWS)}")
@@ -112,7 +112,7 @@ def picture_png(
 
 
 def _cut(actors: tuple[vtkActor, vtkActor], cut: CutPlane, colour: Vector) -> tuple[vtkActor, vtkActor]:
-    """Surface and edges behind the plane; the surface's inner side stands for the cut face."""
+    """Surface and edges behind the plane; the surface's inner side represents the cut face."""
     plane = vtkPlane()
     plane.SetOrigin(*cut.centre)
     plane.SetNormal(*(-value for value in cut.normal))
@@ -132,7 +132,7 @@ def _placed_points(items: Iterable[Item], meshes: Mapping[str, TriangleMesh]) ->
 
 
 def _camera(points: FloatArray, towards: Vector, size: tuple[int, int]) -> vtkCamera:
-    """A camera whose picture the points just fill."""
+    """A camera with a field of view that the points just fill."""
     back = np.array(towards) / np.linalg.norm(towards)
     up_hint = np.array((0.0, 1.0, 0.0) if abs(back[2]) > 0.99 else (0.0, 0.0, 1.0))
     right = np.cross(up_hint, back)
@@ -222,12 +222,12 @@ def _edges(data: vtkPolyData, placement: Placement) -> vtkActor:
 
 
 def _display(linear: float) -> float:
-    """A linear colour channel as a display takes it (sRGB)."""
+    """A linear colour channel converted to sRGB."""
     return 12.92 * linear if linear <= 0.0031308 else 1.055 * math.pow(linear, 1.0 / 2.4) - 0.055
 
 
 def _lights() -> vtkLightKit:
-    """A bright light from above the camera, and enough from the camera itself that what faces it is not dark."""
+    """A bright light above the camera, and a weaker one at the camera for the faces that it sees directly."""
     lights = vtkLightKit()
     lights.SetKeyLightIntensity(0.85)
     lights.SetKeyToFillRatio(2.5)
@@ -261,7 +261,7 @@ def _drawn(renderer: vtkRenderer, size: tuple[int, int]) -> bytes:
     image = vtkWindowToImageFilter()
     image.SetInput(window)
     image.ReadFrontBufferOff()
-    image.ShouldRerenderOff()  # it would draw all of it once more before it reads
+    image.ShouldRerenderOff()  # otherwise VTK draws the whole scene again before it reads the image
     image.Update()
     writer = vtkPNGWriter()
     writer.SetInputConnection(image.GetOutputPort())

@@ -91,7 +91,7 @@ class _Document:
     def step(self, name: str, description: str) -> bytes:
         self._shapes.UpdateAssemblies()
         writer = STEPCAFControl_Writer(XSControl_WorkSession(), False)
-        # The kernel keeps these for the whole process: all that shape the file are set each time.
+        # The kernel keeps these settings for the whole process, so all that affect the file are set each time.
         Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)  # no curves in parameter space: a third smaller
         Interface_Static.SetIVal_s("write.precision.mode", 0)
         Interface_Static.SetCVal_s("xstep.cascade.unit", "MM")

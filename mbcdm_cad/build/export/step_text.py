@@ -1,6 +1,6 @@
 """Rewrite the kernel's STEP text in a canonical form, so that the same model gives the same text.
 
-Five things move in the kernel's text though the model is the same: the time in the header, the ids of the
+Five things differ in the kernel's text although the model is the same: the time in the header, the ids of the
 NEXT_ASSEMBLY_USAGE_OCCURRENCEs (they count up within a process), the number of an entity, the order of the colour
 blocks (it follows memory addresses) and the sign of zero (it is lost when a solid is stored and read). Here the header
 is written anew, entities are numbered depth first from the roots in a fixed order, occurrences are counted from 1,
@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-# Blocks that nothing refers to and whose order in the kernel's text is an accident: sorted by what they say.
+# Blocks that nothing refers to, in random order in the kernel's text: sorted by their content.
 _UNORDERED = ("MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION", "PROPERTY_DEFINITION_REPRESENTATION")
 _OCCURRENCE = re.compile(r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('[^']*'")
 _ENTITY = re.compile(r"#(\d+)\s*=\s*((?:[^';]+|'[^']*')*);")
@@ -64,7 +64,7 @@ def _description(description: str) -> str:
 
 
 def _string(text: str) -> str:
-    r"""A STEP string: quotes and backslashes doubled, what is not printable ASCII as ``\X4\`` code points."""
+    r"""A STEP string: quotes and backslashes doubled, other characters than printable ASCII as ``\X4\`` code points."""
     plain = "".join(c if " " <= c <= "~" else f"\\X4\\{ord(c):08X}\\X0\\" for c in text.replace("\\", "\\\\"))
     return "'" + plain.replace("'", "''") + "'"
 
@@ -72,12 +72,12 @@ def _string(text: str) -> str:
 def _without_layout(body: str) -> str:
     """The body on one line: no white space and no minus zero outside strings, no line break inside them."""
     if body.count("'") == 2 * body.count("''") and "-0." not in body:
-        return "".join(body.split())  # most bodies hold no text: three times as fast
+        return "".join(body.split())  # most bodies contain no text; this case is three times as fast
     return _LAYOUT.sub(lambda match: match[1].replace("\n", "") if match[1] else match[0].strip().lstrip("-"), body)
 
 
 def _correct_density_units(entities: dict[int, str]) -> None:
-    """The kernel writes the unit of a density as g^3 cm^2: put g cm^-3 in its place (the kernel reads both alike)."""
+    """Correct the unit of densities: the kernel writes g^3 cm^2 in place of g cm^-3, and reads both as the same."""
     for number, body in entities.items():
         match = _UNIT_ELEMENT.fullmatch(body)
         if match:
@@ -105,7 +105,7 @@ def _renumbered(entities: dict[int, str]) -> Iterator[tuple[int, str]]:
                 stack.extend(reversed(references[number]))
 
     def meaning(number: int) -> str:
-        """What an unordered block says: its text with the numbers given so far, and the rest written out."""
+        """Content of an unordered block: its text with the numbers given so far, and other entities written out."""
         return _TOKEN.sub(
             lambda m: m[0] if not m[1] else f"#{new[int(m[1])]}" if int(m[1]) in new else meaning(int(m[1])),
             entities[number],
@@ -114,7 +114,7 @@ def _renumbered(entities: dict[int, str]) -> Iterator[tuple[int, str]]:
     for root in roots:
         if not entities[root].startswith(_UNORDERED):
             visit(root)
-    # The keys are taken before any of these blocks is numbered: equal keys then mean blocks that may change places.
+    # The keys are computed before any of these blocks is numbered, so blocks with equal keys are interchangeable.
     for root in sorted((root for root in roots if entities[root].startswith(_UNORDERED)), key=meaning):
         visit(root)
 

@@ -1,4 +1,4 @@
-"""A frame's boss: what it adds to the frame's body, and the tools of its bores."""
+"""A frame's boss: solids that are added to the frame, and the cutting tools of its bores."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Dimensions of bought parts that no catalogue entry holds."""
+"""Dimensions of bought parts that the catalogue does not contain."""
 
 from __future__ import annotations
 
@@ -19,5 +19,5 @@ def first_screw_rad(count: int) -> float:
 def screw_places(count: int, radius_mm: float) -> tuple[tuple[float, float], ...]:
     """(x, y) of the screws of a flange from its axis, mm, sorted."""
     angles = [first_screw_rad(count) + 2 * pi * k / count for k in range(count)]
-    # To a picometre, so that what lies on an axis lies there exactly.
+    # Rounded to a picometre, so that a point on an axis has a coordinate of exactly 0.
     return tuple(sorted((round(radius_mm * cos(a), 9) + 0.0, round(radius_mm * sin(a), 9) + 0.0) for a in angles))

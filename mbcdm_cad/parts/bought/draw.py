@@ -1,7 +1,7 @@
 """Bought parts as simplified solids: outside, mounting face, bores and holes are true to the catalogue.
 
-Their masses are not those of the solids but the catalogue's. Each stands along +Z from its mounting face or seat
-at z = 0.
+Their masses come from the catalogue, not from the solids. Each is drawn along +Z from its mounting face or seat at z =
+0.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def create_bearing(bearing: Bearing) -> cq.Solid:
 
 
 def create_insert(insert: InsertSpec) -> cq.Solid:
-    """Bush from z = -length to 0, as it is once set: as wide as its hole, the thread a plain bore at its diameter."""
+    """Insert from z = -length to 0 after setting: as wide as its hole, thread as a plain bore at its diameter."""
     thread, hole, length = insert.thread_mm / 2, insert.hole_mm / 2, insert.length_mm
     return turned([(thread, -length), (hole, -length), (hole, 0.0), (thread, 0.0)], f"insert {insert.name}")
 
@@ -70,7 +70,7 @@ def create_gearhead(gearhead: Gearhead, screw: Screw, hole_depth: float) -> cq.S
 
 
 def create_motor_with_shaft(motor: Motor, face: Gearhead, screw: Screw, hole_depth: float) -> cq.Solid:
-    """Motor that needs no gearhead, below its face at z = 0, pilot and shaft above it, tapped holes for its screws."""
+    """Motor without a gearhead, below its face at z = 0, pilot and shaft above it, tapped holes for its screws."""
     r, length = motor.diameter_mm / 2, motor.length_mm
     return _with_face(face, screw, hole_depth, [(0.0, -length), (r - _EDGE, -length), (r, _EDGE - length)], "motor")
 
@@ -140,6 +140,6 @@ def create_screw(screw: Screw) -> cq.Solid:
 
 
 def create_preload_spring(dims: PreloadSpringDims) -> cq.Solid:
-    """Ring that the pressed wave spring fills, axis Z from z = 0."""
+    """The compressed wave spring as a plain ring, axis Z from z = 0."""
     inner, outer, height = dims.inner_radius, dims.outer_radius, dims.height
     return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")

@@ -57,5 +57,5 @@ def train_items(drive: Drive, name: str) -> tuple[str, ...]:
 
 
 def train_words(drive: Drive) -> str:
-    """What is screwed on for one input, in words."""
+    """Name of the assembly that is screwed on for one input, for texts."""
     return "motor" if drive.gearhead.absent else "gearhead with its motor"

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from mbcdm_cad.design.bought import Gearhead, Screw
 
-# Where none is named: it holds what gearheads of 16 mm give.
+# Default screw: it holds the torque of gearheads of 16 mm.
 COLLAR_SCREW = "M1.6x6"
 COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1
@@ -20,7 +20,7 @@ HEAD_EDGE_MM = 0.2
 
 
 class Coupled(Protocol):
-    """What is to be known of a drive to dimension its collars."""
+    """The data of a drive from which its collars are dimensioned."""
 
     @property
     def gearhead(self) -> Gearhead:
@@ -50,16 +50,16 @@ def _section(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str
     bore, wall = bore_mm / 2, min_wall_mm
     offset = bore + wall + screw.clearance_mm / 2
     inner_edge = offset - screw.head_diameter_mm / 2 - HEAD_PLAY_MM
-    # The flat leaves a wall round the bore, and one beside the slit.
+    # Below the flat a wall remains round the bore, and one beside the slit.
     seat = max(sqrt(max(0.0, (bore + wall) ** 2 - inner_edge**2)), COLLAR_SLIT_MM / 2 + 1.0)
-    # Round the thread there is a wall up to the screw's end.
+    # The thread has a wall around it up to the screw's end.
     return hypot(offset + screw.thread_mm / 2 + wall, screw.length_mm - seat), offset, seat
 
 
 def collar_width_mm(drive: Coupled, screw_name: str = COLLAR_SCREW) -> float:
-    """Width: what the screw's head and a grip of the shaft's diameter ask for, no more.
+    """Least width, mm, for the screw's head and a grip length of one shaft diameter.
 
-    In the coupling space the collar must pass over the end of the gearhead's shaft.
+    It is not larger, because in the coupling space the collar must pass over the end of the gearhead's shaft.
     """
     head, shaft = drive.screw(screw_name).head_diameter_mm, drive.gearhead.shaft_diameter_mm
     return max(head + 2 * HEAD_EDGE_MM, shaft + HEAD_EDGE_MM)

@@ -28,7 +28,7 @@ def create_collar(dims: CollarDims, screw_thread: float, screw_clearance: float,
             slit,
             cylinder(screw_clearance / 2, (x, 0.0, z), (0, 1, 0), reach),
             cylinder(screw_thread / 2, (x, 0.0, z), (0, -1, 0), reach),
-            # An open flat: a counterbore would leave walls of a quarter of a millimetre round it.
+            # An open flat, because a counterbore would leave walls of only a quarter of a millimetre.
             block(
                 (x - head_diameter / 2 - HEAD_PLAY_MM, reach),
                 (dims.head_seat, reach),

@@ -37,7 +37,7 @@ class Clearances:
 
 @dataclass(frozen=True)
 class TransferClearances(Clearances):
-    """Those of a drive whose cables change over to the drum from a pulley across its axis."""
+    """Clearances of a drive whose cables change to the drum from a pulley with an axis at a right angle to it."""
 
     transfer_gap_mm: float  # surface of the other pulley at step 1 to the drum's inner face
 
@@ -60,7 +60,7 @@ class DrumSpec:
 
 @dataclass(frozen=True)
 class InputPulleySpec:
-    """Input pulleys, alike but for their radii. ``collar_screw``: of the clamp collar that couples one."""
+    """Input pulleys, equal except for their radii. ``collar_screw``: screw of the clamp collar that couples each."""
 
     material: Material
     collar_screw: str
@@ -79,7 +79,7 @@ class WoundPulleySpec(InputPulleySpec):
 
 
 class SectorBearings(Protocol):
-    """The bearings that every such drive has."""
+    """The bearings that every drive with a drum sector has."""
 
     @property
     def drum(self) -> Bearing:
@@ -87,11 +87,11 @@ class SectorBearings(Protocol):
 
     @property
     def input_lower(self) -> Bearing:
-        """Of an input pulley, next to the gearhead."""
+        """Bearing of an input pulley, next to the gearhead."""
 
     @property
     def input_upper(self) -> Bearing:
-        """Of an input pulley, next to its encoder."""
+        """Bearing of an input pulley, next to its encoder."""
 
     def all(self) -> tuple[Bearing, ...]:
         """All roles; types may repeat."""
@@ -110,7 +110,7 @@ class SectorDrive(Drive):
 
 
 class SectorLevels(Protocol):
-    """Depths along Y that the drum shares with what stands before it, mm."""
+    """Depths along Y that the drum shares with the frame and the body before it, mm."""
 
     @property
     def back_y(self) -> float:

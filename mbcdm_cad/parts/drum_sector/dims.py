@@ -12,7 +12,7 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 SET_SCREW_ANGLES_DEG = (45.0, 135.0)
 # Pocket before the swage.
 POCKET_LEAD_MM = 0.2
-# A lug reaches this far below the pocket's inner wall, to grow from the rim.
+# A lug reaches this far below the pocket's inner wall, so that it is joined to the rim.
 LUG_ROOT_MM = 0.3
 
 # At 45 degrees, on every outer edge that is chamfered.

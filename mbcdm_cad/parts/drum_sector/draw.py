@@ -70,11 +70,11 @@ def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
     rooms = [
         _milled(_box(t, (t.slack_start - POCKET_LEAD_MM, t.lug_start), (low, top), (inner, depth(swage))), r),
         _milled(_box(t, (t.lug_end, t.pocket_end), (-nuts, top), (inner, depth(nuts))), r),
-        # Round the lug, which is put back after; outside it the cutter runs through, leaving no corners of its own.
+        # Around the lug, which is added again later; outside it the cutter passes through and leaves no corners.
         _box(t, (t.lug_start, t.lug_end), (low, top), (inner, depth(swage))),
         _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), (inner, depth(swage))),
     ]
-    # One tool: the kernel errs where tools that touch each other cut at once.
+    # One tool, because the kernel fails with tools that touch each other in one boolean.
     return fuse(rooms, f"pocket of {t.cable_name}")
 
 
@@ -83,14 +83,14 @@ def _lug(dims: DrumDims, t: Tensioner) -> cq.Solid:
     return _box(
         t,
         (t.lug_start, t.lug_end),
-        # Rooted in the rim but no deeper: below may run the cable of the next land.
+        # It reaches into the rim but no deeper, because the cable of the next land may run below.
         (-dims.lug_root(t), dims.lug_half_width),
         (t.y_mm - dims.lug_half_width, outer),
     )
 
 
 def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
-    """Slot of the lug, open towards the inner face: the stud drops in sideways, the cable holds it there."""
+    """Slot of the lug, open towards the inner face: the stud is inserted sideways, and the cable holds it there."""
     r, start = dims.stud_hole_radius, t.lug_start - 0.5
 
     def at(n: float, y: float) -> cq.Vector:

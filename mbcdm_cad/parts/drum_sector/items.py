@@ -1,4 +1,4 @@
-"""The drum with all that turns with it, and the cables, as items of a bill."""
+"""The drum with all parts that turn with it, and the cables, as items of a bill."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _AS_DRAWN = Placement.identity()
 RING_ENCODER_GRIP_MM = 2.0
 # A wave spring is a strip about a third as thick as it stands high (estimate, for its mass).
 SPRING_SHARE = 1.0 / 3.0
-# Colours (linear RGB) that tell bought bodies and cables from machined metal.
+# Colours (linear RGB) that distinguish bought bodies and cables from machined metal.
 ENCODER_COLOUR = (0.01, 0.12, 0.06)
 # One colour for each cable, so that it can be followed; most colour-blind people can distinguish them too.
 _CABLE_COLOURS = ((0.85, 0.3, 0.02), (0.05, 0.25, 0.8), (0.02, 0.45, 0.25), (0.6, 0.08, 0.4))
@@ -84,7 +84,7 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
             x, z = p.at(s)
             return stand @ Placement.translation(x, p.y_mm, z) @ turn
 
-        # Drawn slack, and drawn in as far as its own cable asks: one part for all cables.
+        # The part is drawn slack and moved by the take-up of its cable, so that all cables share one part.
         slack = TerminalDims(
             swage_start=round(p.slack_start, 9),
             cable_end=round(p.cable_end - p.drawn_in, 9),

@@ -19,12 +19,12 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 HUB_SCREW = "M3x5-set"
 # Threads in the hub's face that hold the payload.
 PAYLOAD_THREAD_MM, PAYLOAD_DEPTH_MM = 2.5, 6.0
-# Wave spring under the rear bearing's outer ring: height when it presses as it should, play in the seat's bore, and
-# force by the bearing's bore (SKF: 5 to 10 N per mm keeps small bearings free of play and quiet).
+# Wave spring under the rear bearing's outer ring: height at its nominal force, play in the seat's bore, and # force per
+# mm of the bearing's bore (SKF: 5 to 10 N per mm keeps small bearings free of play and quiet).
 SPRING_HEIGHT_MM = 0.6
 SPRING_PLAY_MM = 0.15
 SPRING_N_MM = 5.0
-# Cable left straight between the land's end and the swage.
+# Straight length of cable between the land's end and the swage.
 SWAGE_START_MM = 0.5
 # Solid end of the swage behind the cable's bore.
 SWAGE_FLOOR_MM = 0.5
@@ -36,11 +36,11 @@ FLAT_PLAY_MM = 0.1
 LUG_WALL_MM = 0.75
 # Stud and nuts must end this far before the sector's end face.
 SECTOR_MARGIN_DEG = 0.6
-# Below this the floor left under a pocket is not worth leaving.
+# A floor under a pocket thinner than this is cut away.
 MIN_FLOOR_MM = 1.0
 # Edges nearer than this are a sliver.
 SLIVER_MM = 0.02
-# How far a pocket that is open to the outside reaches past the surface it opens.
+# How far the tool of a pocket that is open to the outside reaches beyond the surface.
 OPEN_MM = 0.05
 # A wall behind a terminal, towards the sector's end, thinner than this is cut away.
 MIN_GUARD_MM = 2.0
@@ -48,7 +48,7 @@ BEYOND_MM = 30.0
 STOP_SLOT_PLAY_MM = 0.3
 
 
-# How far all terminals can be drawn in, and how far each is by a cable of nominal length, mm.
+# Take-up of all terminals, and the part of it that a cable of nominal length uses, mm.
 TerminalWay = tuple[float, dict[str, float]]
 
 
@@ -58,7 +58,7 @@ def nut_corner_radius_mm(drive: SectorDrive) -> float:
 
 
 def furthest_anchor_rad(drive: SectorDrive) -> float:
-    """No cable leaves its land further from the transfer point than this, drum centred."""
+    """Largest angle, rad, from the transfer point at which a cable leaves its land, drum centred."""
     return radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG)
 
 
@@ -82,7 +82,7 @@ def half_width_mm(drive: SectorDrive) -> float:
 def _anchor_limit(drive: SectorDrive, cable: SectorRun, tip: float, nuts_end: float) -> float:
     """Largest anchor angle (rad) that keeps the terminal inside the sector's angle and its width.
 
-    From a right angle on the sector is as wide as its disc whatever it holds, and only its angle counts.
+    A sector of 90 degrees or more to each side is as wide as its disc, so that only its angle limits the anchor.
     """
     r = cable.drum_radius_mm
     by_angle = radians(drive.drum.sector_half_angle_deg - SECTOR_MARGIN_DEG) - atan2(tip, r)
@@ -99,7 +99,7 @@ def _angle_within(width: float, out: float, along: float, otherwise: float) -> f
 
 
 def _end_gap_mm(drive: SectorDrive) -> float:
-    """Swage to lug, drawn in: the round corner that the pocket's cutter leaves must not lift the swage's flat."""
+    """Gap from swage to lug, drawn in, mm: the pocket's rounded corner must not lift the swage's flat."""
     radius = drive.drum.material.min_internal_radius_mm + drive.clearances.running_mm
     return radius - sqrt(radius**2 - max(radius - FLAT_PLAY_MM, 0.0) ** 2) + END_GAP_MM
 
@@ -116,14 +116,14 @@ def nut_pocket_mm(drive: SectorDrive) -> float:
 
 
 def _pocket_top(drive: SectorDrive, cable: SectorRun, anchor_rad: float, pocket_end: float) -> float:
-    """Outward reach of a terminal's pockets, so that no thin wall is left before the surface of a land further out."""
+    """Outward reach of a terminal's pockets, mm; no thin wall may remain below the surface of a land further out."""
     r = cable.drum_radius_mm
     left = max(0.0, radians(drive.drum.sector_half_angle_deg) - anchor_rad)
     end = min(pocket_end, r * tan(min(left, 1.0)))
     top = nut_pocket_mm(drive)
     surfaces = sorted(c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in drive.cables)
     for surface in (s for s in surfaces if s > r):
-        # The pocket is straight and the land round, so that the wall is thinnest at the pocket's end.
+        # The pocket is straight and the land round, so the wall is thinnest at the pocket's end.
         if surface > r + top and surface - hypot(r + top, end) < MIN_FLOOR_MM:
             top = surface - r + OPEN_MM
     return top if top < surfaces[-1] - r else BEYOND_MM
@@ -148,7 +148,7 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
     lug_end = lug_start + t.lug_thickness_mm
     nuts_end = lug_end + 2 * t.nut_height_mm
     slack_tip = SWAGE_START_MM + t.stud_length_mm
-    # With the terminal drawn in all the way.
+    # With the terminal drawn in completely.
     tip = slack_tip + travel
     nut = nut_corner_radius_mm(drive)
     # Nearer than this, the inner one's pocket would reach the outer cable's land.
@@ -182,7 +182,7 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
                 nuts_end=nuts_end,
                 tip=slack_tip + moved,
                 pocket_end=pocket_end,
-                # A pocket through the whole rim is open outwards, or what is left over it hangs on nothing.
+                # A pocket through the whole rim must be open outwards, else the metal above it would be loose.
                 pocket_top=BEYOND_MM if through else _pocket_top(drive, cable, limit, pocket_end),
                 cut_through=through,
                 travel=travel,
@@ -194,9 +194,9 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
 
 
 def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall: float) -> float:
-    """Radius of the pockets' corners: what the material allows, or a little more.
+    """Radius of the pockets' corners, mm: the least that the material allows, or a little more.
 
-    Where a corner would end within a hair of a land's edge, a sliver would be left that no kernel and no mill can make.
+    If a corner ended very near a land's edge, a sliver would remain that neither the kernel nor a mill can make.
     """
     least, nuts = drive.drum.material.min_internal_radius_mm, nut_pocket_mm(drive)
     surfaces = [c.drum_radius_mm - drive.cable.diameter_mm / 2 for c in drive.cables]
@@ -247,7 +247,7 @@ def drum(drive: SectorDrive, levels: SectorLevels, stop_radius: float, way: Term
     """Dimensions of the drum; the stop pin stands in the frame at ``stop_radius`` from its axis."""
     d = drive.drum
     slot_width = d.stop_pin_mm + STOP_SLOT_PLAY_MM
-    # Contact comes when the pin has used up its play at the slot's end.
+    # The pin touches the slot's end after it has moved through its play.
     play_deg = degrees(STOP_SLOT_PLAY_MM / 2 / max(stop_radius, 1.0))
     slot_end = drive.half_travel_deg + drive.stop_clearance_deg - play_deg
     shaft_radius = drive.bearings.drum.bore_mm / 2
@@ -296,7 +296,7 @@ def _web_start_y(drive: SectorDrive, levels: SectorLevels) -> float:
 
 
 def _set_screw_y(drive: SectorDrive, levels: SectorLevels) -> float:
-    """Half way along the hub in front of the web."""
+    """Depth of the set screws: the middle of the hub in front of the web, mm."""
     return (_web_start_y(drive, levels) + drive.drum.web_thickness_mm + drive.drum.hub_face_y_mm) / 2
 
 

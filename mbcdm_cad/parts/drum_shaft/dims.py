@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# Depth of the flats that the hub's set screws press on: they keep the burr of a screw from jamming the hub (estimate).
+# Depth of the flats for the hub's set screws: the burr of a screw then lies below the shaft's surface (estimate).
 FLAT_DEPTH_MM = 0.3
 # At 45 degrees, on every outer edge that is chamfered.
 CHAMFER_MM = 0.3
@@ -35,7 +35,7 @@ class DrumShaftDims:
 
 @dataclass(frozen=True)
 class PreloadSpringDims:
-    """Wave spring that presses the two bearings apart, so that neither has play; bought, drawn as the ring it fills."""
+    """Wave spring that presses the two bearings apart, so that neither has play; bought, drawn as a plain ring."""
 
     inner_radius: float
     outer_radius: float

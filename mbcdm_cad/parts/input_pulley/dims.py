@@ -11,13 +11,13 @@ ENCODER_INSERTION_MM = 10.0
 JOURNAL_SLIT_MM = 0.6
 # Play of a cable's stop in its pocket.
 STOP_PLAY_MM = 0.05
-# Slot over the cable it holds.
+# Width of the slot over the diameter of its cable.
 SLOT_PLAY_MM = 0.1
 # Gap between a stop and the neck beside it.
 NECK_GAP_MM = 0.1
 # Diameter of the pocket's cutter in slot widths: its corners are relieved so that the stop's square ends seat.
 STOP_CUTTER = 0.85
-# Where the slot leaves the land, the wedge outside it is cut back to this thickness.
+# Where the slot leaves the land, the thin wedge outside it is removed up to this thickness.
 WEDGE_MM = 0.3
 
 # Helical grooves in rope diameters, and their least lead in groove radii: rope makers' tables for drums give radii of
@@ -55,7 +55,7 @@ class StopSlot:
 
     @property
     def pocket_reach(self) -> float:
-        """Furthest point of the pocket from the pulley's axis, its corner's relief included."""
+        """Distance of the furthest point of the pocket from the pulley's axis, mm, corner relief included."""
         inset = self.cutter_radius / sqrt(2)
         along, out = self.stop_start + STOP_PLAY_MM, self.bend_radius + self.stop_radius + STOP_PLAY_MM
         return hypot(along - inset, out - inset) + self.cutter_radius
@@ -68,7 +68,7 @@ class StopSlot:
 
     @property
     def pocket_inner(self) -> float:
-        """Nearest the pocket comes to the pulley's axis, reliefs included."""
+        """Least distance of the pocket from the pulley's axis, mm, corner reliefs included."""
         across = self.bend_radius - self.stop_radius - STOP_PLAY_MM - self.cutter_radius * (1 - 1 / sqrt(2))
         return hypot(across, max(0.0, self.stop_end - STOP_PLAY_MM - self.cutter_radius))
 
@@ -100,7 +100,7 @@ class Groove:
         return abs(self.end_z - self.start_z) * tau / abs(self.end_angle_rad - self.start_angle_rad)
 
     def helix(self, radius_mm: float) -> Helix:
-        """The line at a radius that the groove follows."""
+        """The centre line of the groove at a radius."""
         return Helix((0.0, 0.0), radius_mm, self.start_angle_rad, self.end_angle_rad, self.start_z, self.end_z)
 
     @property
@@ -113,7 +113,7 @@ class Groove:
 class InputPulleyDims:
     """One input pulley. Heights along Z from lower journal to encoder journal (mm).
 
-    ``surface`` radii are those the cables lie on: of a smooth land, or of the root of a groove in it.
+    ``surface`` radii are those on which the cables lie: of a smooth land, or of the root of its groove.
     """
 
     name: str

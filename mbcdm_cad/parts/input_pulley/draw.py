@@ -13,9 +13,9 @@ from mbcdm_cad.parts.rod import edge_of
 from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, one_solid, turned
 from mbcdm_cad.parts.volume import groove_mm3
 
-# The tool of a groove reaches this share of its depth beyond the land, so that none of its edges lies on the surface.
+# The tool of a groove extends beyond the land by this share of its depth, so that no edge of it lies on the surface.
 _BEYOND_DEPTHS = 0.13
-# What a cut may take more or less than the groove's volume: more than rounding, less than a turn.
+# Allowed difference between the cut volume and that of the groove: more than rounding, less than a turn.
 _GROOVE_SHARE = 0.04
 
 
@@ -42,7 +42,7 @@ def _profile(d: InputPulleyDims) -> list[Point2]:
 
 
 def _groove_tool(groove: Groove) -> cq.Solid:
-    """Swept along the groove's helix: the arc of its floor, carried on past the land's surface, and its chord."""
+    """Tool of a groove, swept along its helix: the arc of its floor, extended beyond the land, and the chord."""
     reach = groove.depth + _BEYOND_DEPTHS * groove.depth
     half = sqrt(2 * groove.radius * reach - reach**2)
     a = groove.start_angle_rad
@@ -63,9 +63,9 @@ def _groove_tool(groove: Groove) -> cq.Solid:
 
 
 def _grooved(body: cq.Solid, dims: InputPulleyDims) -> cq.Solid:
-    """The body with its grooves: each cut whole, or turn by turn where the kernel leaves some of a long one standing.
+    """The body with its grooves: each is cut as a whole, or turn by turn if the kernel cuts a long one incompletely.
 
-    Raises ValueError where neither takes what the groove's cross section and length ask for.
+    Raises ValueError if neither removes the volume that follows from the groove's cross section and length.
     """
     name = f"input pulley {dims.name}"
     for groove in dims.grooves:
@@ -118,7 +118,7 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
         return at(centre + radius * cos(radians(deg)), radius * sin(radians(deg)))
 
     inner, outer = rho - half, rho + half
-    # The straight piece reaches into the pocket, however near the bend that stands.
+    # The straight piece reaches into the pocket, also where the pocket is near the bend.
     stem = max(0.0, slot.stop_end)
     band = cq.Wire.assembleEdges(
         [
@@ -144,7 +144,7 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
     ends, sides = (slot.stop_end - STOP_PLAY_MM, slot.stop_start + STOP_PLAY_MM), (rho - r, rho + r)
     corners = [at(ends[0], sides[0]), at(ends[1], sides[0]), at(ends[1], sides[1]), at(ends[0], sides[1])]
     depth = cq.Vector(0, 0, beyond - floor)
-    # The pocket is deeper than the slot by what the stop is thicker than the cable.
+    # The pocket is deeper than the slot, as the stop is thicker than the cable.
     deeper = cq.Vector(0, 0, (slot.chord_z + (r if slot.face_z < slot.end_z else -r)) - floor)
     pocket = cq.Wire.makePolygon([p + deeper for p in corners], close=True)
     cutter = slot.cutter_radius

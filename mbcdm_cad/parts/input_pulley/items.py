@@ -1,4 +1,4 @@
-"""An input pulley with what turns with it: its clamp collar and the stops of its cables, as items of a bill."""
+"""An input pulley with the parts that turn with it, clamp collar and stops of its cables, as items of a bill."""
 
 from __future__ import annotations
 

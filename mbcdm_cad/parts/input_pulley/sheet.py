@@ -163,7 +163,7 @@ def _end_view(d: InputPulleyDims, lower: bool) -> View:
         if (slot.face_z < slot.end_z) == lower:
             u, v = _directions(slot, radius)
             axes += [((0.0, 0.0, z), (u[0], u[1], z)), ((0.0, 0.0, z), (v[0], v[1], z))]
-    # They stand beside the section; those of a slender pulley are drawn larger, for the slots.
+    # The end views are beside the section; those of a slender pulley are drawn larger, to show the slots.
     slender = 4.0 * max(d.lower_land_radius, d.upper_land_radius) < d.journal_top_z - d.journal_bottom_z
     name, larger = "lower end" if lower else "upper end", 2.5 if slender else 1.0
     return View(
@@ -222,7 +222,7 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             ),
         ),
         labels=tuple(labels),
-        # Hidden lines of a helical groove take minutes to find and show nothing that the table does not say.
+        # Hidden lines of a helical groove take minutes to compute, and the table already states the groove.
         simplified=(_without_grooves(d),) if d.grooves else None,
         tables=(*([_slot_table(d)] if d.slots else ()), *([_groove_table(d)] if d.grooves else ())),
         fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),

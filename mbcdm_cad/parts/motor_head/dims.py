@@ -1,4 +1,4 @@
-"""Dimensions of a motor head: what carries gearhead and motor of one input in line with its pulley.
+"""Dimensions of a motor head: the part that carries gearhead and motor of one input in line with its pulley.
 
        | motor  |
        |gearhead|       if there is one
@@ -6,8 +6,8 @@
      | coupling   |    coupling space, open to the front
    ==================  bearing shelf: the flange on the frame
 
-Along Z, from the flange on the frame to the gearhead, the axis at x = y = 0. Heights of the pulley's parts run the
-other way, from the gearhead on.
+Along Z, from the flange on the frame to the gearhead, the axis at x = y = 0. Heights of the pulley's parts are measured
+in the opposite direction, from the gearhead.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 
-# Thread of the flange's screws, by the widest body that hangs on them (estimate).
+# Thread of the flange's screws, by the widest body that they carry (estimate).
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
 FLANGE_THREAD_MOST_MM = 5.0
 DOWEL_MM = 2.0
@@ -32,15 +32,15 @@ Places = tuple[tuple[float, float], ...]
 
 
 class HeadSpec(Protocol):
-    """What a design file says of a motor head."""
+    """Fields of the design file for a motor head."""
 
     @property
     def material(self) -> Material:
-        """Its metal."""
+        """Material of the head."""
 
     @property
     def side_wall_mm(self) -> float:
-        """Wall that the flange's screws stand in; the head's own walls are half of it."""
+        """Wall in which the flange's screws lie, mm; the head's own walls are half as thick."""
 
     @property
     def motor_shelf_mm(self) -> float:
@@ -57,7 +57,7 @@ class HeadSpec(Protocol):
 
 @dataclass(frozen=True)
 class HeadedDrive(SectorDrive):
-    """A drive whose one motor hangs on such a head."""
+    """A drive with one motor, which such a head carries."""
 
     support: HeadSpec
 
@@ -76,11 +76,11 @@ class HeadLevels(Protocol):
 
     @property
     def motor_shelf_top_z(self) -> float:
-        """Where the coupling space begins."""
+        """Beginning of the coupling space."""
 
     @property
     def bearing_shelf_bottom_z(self) -> float:
-        """Where the coupling space ends."""
+        """End of the coupling space."""
 
     @property
     def bearing_shelf_top_z(self) -> float:
@@ -89,7 +89,7 @@ class HeadLevels(Protocol):
 
 @dataclass(frozen=True)
 class Flange:
-    """Outline of the flange, mm, and where its screws and dowels stand, (x, y)."""
+    """Outline of the flange, mm, and places of its screws and dowels, (x, y)."""
 
     half_x: float
     back_y: float
@@ -141,16 +141,16 @@ def dowel_length_mm(drive: HeadedDrive) -> float:
 
 
 def inner_half_width_mm(drive: HeadedDrive) -> float:
-    """Half the width of the coupling space: the collar turns in it, and the gearhead's screws stand off its corners."""
+    """Half the width of the coupling space, mm: the collar turns in it, and the gearhead's screws clear its corners."""
     running = drive.clearances.running_mm
-    # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
+    # The heads of the gearhead's screws must clear the rounded corner of the coupling pocket.
     heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
     corner = max(drive.support.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
     return max(collar_sweep_mm(drive, *drive.collar_seat) + running, heads + corner)
 
 
 def face_reach_mm(drive: HeadedDrive) -> float:
-    """How far the motor shelf reaches from the axis: over the face, or past its screws where the face is wider."""
+    """Reach of the motor shelf from the axis, mm: over the face, or beyond its screws if the face is wider."""
     gear = drive.gearhead
     return min(gear.diameter_mm / 2, gear.bolt_circle_mm / 2 + drive.screw(gear.screw).head_diameter_mm)
 
@@ -185,9 +185,9 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
         pilot_radius=gear.pilot_diameter_mm / 2,
         gear_screw_clearance=gear_screw.clearance_mm / 2,
         gear_bolt_circle=gear.bolt_circle_mm / 2,
-        # Seen from the flange; the gearhead is drawn as seen from its face.
+        # Angles seen from the flange; the gearhead is drawn as seen from its face.
         gear_screws=tuple((x, -y + 0.0) for x, y in screw_places(gear.screw_count, gear.bolt_circle_mm / 2)),
-        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is in.
+        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
         key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
         screw_clearance=screw.clearance_mm / 2,
         dowel_radius=DOWEL_MM / 2,

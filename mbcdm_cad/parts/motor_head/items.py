@@ -1,6 +1,6 @@
-"""A motor head with what hangs on it, and the encoder at the other end of the pulley, as items of a bill.
+"""A motor head with gearhead and motor, and the encoder at the other end of the pulley, as items of a bill.
 
-All in the head's frame: Z along the input's axis towards the motor, from where the encoder is to where it is not.
+All in the head's frame: Z along the input's axis, from the encoder towards the motor.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def _at(stand: Placement, x: float, y: float, z: float) -> Placement:
 
 
 def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Placement, mark: str = "") -> None:
-    """The head. ``mark`` tells its items from those of other heads."""
+    """Add the head. ``mark`` in the names distinguishes its items from those of other heads."""
     b.add(
         f"motor_head{mark}",
         "mbcdm_cad.parts.motor_head.draw:create_motor_head",
@@ -47,9 +47,9 @@ def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Pl
 def add_flange_fixings(
     b: BillBuilder, drive: HeadedDrive, head: HeadDims, insert: InsertSpec | None, stand: Placement, mark: str = ""
 ) -> None:
-    """Dowels and screws that locate and hold the head on the frame, and what the screws find there if no thread.
+    """Add the dowels and screws of the head on the frame, and the inserts if the frame has no threads of its own.
 
-    ``mark`` as of the head.
+    ``mark`` as for the head.
     """
     steel, top, pin = drive.material("steel"), head.flange_top_z, dowel_length_mm(drive)
     for n, (x, y) in enumerate(head.flange.dowels, 1):

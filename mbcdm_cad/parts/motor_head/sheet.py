@@ -11,7 +11,7 @@ from mbcdm_cad.parts.sheets.words import mm
 
 
 def _holes(d: HeadDims) -> tuple[Holes, ...]:
-    """Bored along Z; the axis of A is the input's."""
+    """The holes, all along Z; the axis of hole A is that of the input."""
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
     groups = (
         Holes("A", 2 * d.shoulder_radius, THROUGH, ((0.0, 0.0, d.bottom_z),), "below", "bearing", counterbore=seat),

@@ -1,9 +1,9 @@
 """Content of a drawing as plain data: views, dimensions, labels, tables, notes. It needs no kernel and no paper size.
 
-Points are in the part's own coordinates, mm. A view says which way of the part lies to the right and upwards on the
-paper; sections are views with a plane, through ``cut`` and facing the reader, in front of which nothing is drawn.
-Every dimension carries its value, taken from the part's parameters, beside the two points it stands between; the
-engine refuses a sheet in which the two disagree.
+Points are in the part's own coordinates, mm. A view states which directions of the part lie to the right and upwards on
+the paper; sections are views with a plane through ``cut`` that faces the reader, in front of which nothing is drawn.
+Every dimension has its value, taken from the part's parameters, and the two points between which it is measured; the
+engine refuses a sheet in which value and points disagree.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Y: Vector = (0.0, 1.0, 0.0)
 Z: Vector = (0.0, 0.0, 1.0)
 
 
-# Stands in a table for the design's own ``making.position_mm``, which whoever draws the sheet puts in its place.
+# Placeholder in a table for the design's ``making.position_mm``, which is inserted when the sheet is drawn.
 POSITION = "<position>"
 
 
@@ -59,7 +59,7 @@ class View:
         return (b * f - c * e, c * d - a * f, a * e - b * d)
 
     def project(self, point: Vector) -> tuple[float, float]:
-        """Where a point of the part lies in the view, mm to the right and upwards from the part's origin."""
+        """Coordinates of a point of the part in the view, mm to the right and upwards from the part's origin."""
         x, y, z = point
         return (
             x * self.right[0] + y * self.right[1] + z * self.right[2],
@@ -157,10 +157,10 @@ class FitLine:
 
 @dataclass(frozen=True)
 class Sheet:
-    """All that one drawing shows.
+    """The content of one drawing.
 
-    ``simplified``: arguments to draw the views from in place of the part's own, for a feature that a drawing leaves to
-    its tables, as it does with threads. ``holes``: those of its table, for the report.
+    ``simplified``: arguments of the drawing function for the views in place of the part's own, if a feature appears
+    only in the tables, as threads do. ``holes``: those of its table, for the report.
     """
 
     part: str

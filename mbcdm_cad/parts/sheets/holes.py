@@ -92,12 +92,12 @@ class Holes:
 
     @property
     def reach(self) -> float:
-        """Radius that is drawn."""
+        """Radius of the hole as drawn, mm."""
         return max(self.diameter, self.counterbore[0] if self.counterbore else 0.0) / 2
 
 
 def outside_bore(places: tuple[Vector, ...], reach_mm: float, bore_mm: float) -> tuple[Vector, ...]:
-    """The places of holes that reach so far from a bore's axis; none where the bore (its radius) takes them in."""
+    """``places``, or none if the bore of radius ``bore_mm`` includes holes that reach ``reach_mm`` from its axis."""
     return places if reach_mm > bore_mm else ()
 
 
@@ -118,7 +118,7 @@ def position_table(groups: Sequence[Holes], axes: tuple[int, int], title: str) -
 
 
 def _tolerance(group: Holes, place: Vector, axes: tuple[int, int]) -> str:
-    """Of both coordinates: close where the hole has a fit, none where the others are measured from it."""
+    """Tolerance of both coordinates: close for a hole with a fit, none for the hole from which others are measured."""
     fitted = group.fit or (group.counterbore is not None and group.counterbore[2])
     if fitted and not any(place[a] for a in axes):
         return ""

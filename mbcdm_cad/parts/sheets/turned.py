@@ -98,5 +98,5 @@ ALONG_Y = Axis(Y)
 
 
 def fit_lines(*dimensions: Linear | Radius, what: dict[str, str]) -> tuple[FitLine, ...]:
-    """A line of the table of limits for each dimension with a fit; ``what`` says where by its class."""
+    """A line of the table of limits for each dimension with a fit; ``what`` gives its place by the tolerance class."""
     return tuple(FitLine(round(d.value, 6), d.fit, what[d.fit]) for d in dimensions if isinstance(d, Linear) and d.fit)

@@ -28,8 +28,8 @@ class Tensioner:
     """Threaded terminal of one cable on the drum, drum centred.
 
     ``anchor_rad``: where the cable leaves its land, from +Z towards ``side``; distances s run from there along the
-    tangent, n outward along the radius at that point. Swage and tip stand where a cable of nominal length holds them,
-    bedded in and at its preload: ``drawn_in`` from slack, of a ``travel`` that the drum leaves them.
+    tangent, n outward along the radius at that point. Swage and tip are in the place that a cable of nominal length
+    gives them, bedded in and at its preload: ``drawn_in`` from slack, of a ``travel`` that the drum leaves them.
     """
 
     cable_name: str
@@ -44,8 +44,8 @@ class Tensioner:
     lug_end: float
     nuts_end: float
     tip: float
-    pocket_end: float  # behind the tip; beyond the sector where no wall worth leaving would stand there
-    pocket_top: float  # outward; open to the outside where no wall worth leaving would stand before a land's surface
+    pocket_end: float  # behind the tip; beyond the sector if the wall there would be too thin
+    pocket_top: float  # outward; open to the outside if the wall below a land's surface would be too thin
     cut_through: bool  # pockets go through the whole rim instead of leaving a thin floor
     travel: float
     drawn_in: float
@@ -57,12 +57,12 @@ class Tensioner:
 
     @property
     def last_end(self) -> float:
-        """Back of the swage with the terminal drawn in all the way."""
+        """Back of the swage with the terminal drawn in completely."""
         return self.swage_end + self.travel - self.drawn_in
 
     @property
     def last_tip(self) -> float:
-        """End of the stud with the terminal drawn in all the way."""
+        """End of the stud with the terminal drawn in completely."""
         return self.tip + self.travel - self.drawn_in
 
     def at(self, s: float, n: float = 0.0) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Setting the preload, in words: for the order of assembly and the report."""
+"""Instructions for setting the preload, for the order of assembly and the report."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def terminal_items(drive: SectorDrive) -> tuple[str, ...]:
 
 
 def setting_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblyStep, ...]:
-    """The preloads, terminals in their lugs."""
+    """The step that sets the preloads, with the terminals in their lugs."""
     preloads = ", ".join(f"{c.preload_N:g}" for c in drive.cables)
     return (
         AssemblyStep(
@@ -41,7 +41,7 @@ def setting_steps(drive: SectorDrive, plan: TensioningPlan) -> tuple[AssemblySte
 
 
 def tensioning_words(plan: TensioningPlan) -> tuple[str, ...]:
-    """Steps of the bench, drum centred and inputs held: a known tension, the pulls in order, bedding in, and again."""
+    """Steps on the bench, drum centred, inputs held: measure a tension, tighten in order, bed in, repeat."""
     first_round = plan.pulls[: len(plan.cables)]
     highest = max(max(pull.tension_N) for pull in plan.pulls)
     return (
@@ -53,11 +53,11 @@ def tensioning_words(plan: TensioningPlan) -> tuple[str, ...]:
             for p in first_round
         )
         + f". What is tightened first changes as the others follow, up to {highest:.0f} N on the way.",
-        "Go round again until all readings stay: "
+        "Repeat the round until all readings stay: "
         + "; ".join(f"{p.cable} {p.turns:+.2f} turns" for p in plan.pulls[len(first_round) :])
         + f" if all goes as computed. {_turns(plan)}",
         f"Lock the nuts, run the drive for some hundred sweeps, wait a day and tighten again: bedding-in takes up to "
-        f"{max(c.bedding_loss_N for c in plan.cables):.0f} N from a new rope. Repeat until a day takes less than 2 %.",
+        f"{max(c.bedding_loss_N for c in plan.cables):.0f} N from a new rope. Repeat until a day costs less than 2 %.",
     )
 
 

@@ -19,7 +19,7 @@ def highest_preload_N(drive: Drive, cable: CableRun) -> float:
 
 
 def take_up_of(drive: Drive, cable: CableRun, length_mm: float) -> TakeUp:
-    """What a cable ``length_mm`` long asks of its terminal, m."""
+    """Take-up, m, that a cable of ``length_mm`` needs from its terminal."""
     rope = drive.cable
     return take_up(
         length_mm * 1e-3,
@@ -31,14 +31,14 @@ def take_up_of(drive: Drive, cable: CableRun, length_mm: float) -> TakeUp:
 
 
 def terminal_travel_mm(drive: Drive, longest_mm: Mapping[str, float]) -> tuple[float, dict[str, float]]:
-    """(travel of all terminals, how far each is drawn in by a cable of nominal length), from the cables' lengths."""
+    """(travel of all terminals, take-up of each with a cable of nominal length), mm, from the cables' lengths."""
     needed = {c.name: take_up_of(drive, c, longest_mm[c.name]) for c in drive.cables}
     longest = max(t.total_m for t in needed.values()) * 1e3
     return ceil(longest / _STEP_MM - 1e-9) * _STEP_MM, {name: t.nominal_m * 1e3 for name, t in needed.items()}
 
 
 def tensioned_rope(drive: Drive) -> TensionedRope:
-    """What of the rope counts when preloads are set."""
+    """The rope's properties that are needed to set preloads."""
     rope = drive.cable
     wire = drive.material(rope.material)
     loose, bonded = rope_stiffnesses(
