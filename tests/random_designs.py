@@ -33,7 +33,7 @@ sys.path.insert(0, str(Path(__file__).parent / "support"))
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from interference_of_solids import interferences
-from random_generator import BEVEL, ROUND, SPUR, USUAL, Passing, load, passing
+from random_generator import LAYOUTS, USUAL, Passing, load, passing
 
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
@@ -60,9 +60,7 @@ BOX_MM = 0.2
 # How far the mass worked out before anything is drawn may be from that of the solids, as a share.
 MASS_SHARE = 0.03
 MESH_MM = 0.05
-
-
-SPACES = {space.configuration: space for space in (USUAL, SPUR, ROUND, BEVEL)}
+SPACES = {**LAYOUTS, USUAL.configuration: USUAL}
 # What foresees box and volumes before anything is drawn.
 BOXES: dict[str, Any] = {
     "miso_bevel": envelope.box_mm,
@@ -107,17 +105,19 @@ def figures(found: Passing) -> dict[str, float]:
     """What varies, for the table of the spread."""
     d = found.loaded.drive
     first, last = d.cables[0], d.cables[-1]
-    guide = {"smallest guide radius, mm": first.guide_radius_mm} if hasattr(first, "guide_radius_mm") else {}
+    own = {"smallest guide radius, mm": first.guide_radius_mm} if hasattr(first, "guide_radius_mm") else {}
+    if hasattr(d, "centre_distance_mm"):
+        own["centre distance, mm"] = d.centre_distance_mm
+    if hasattr(d, "helix_lead_mm"):
+        own["lead over diameter"] = d.helix_lead_mm / d.cable.diameter_mm
     return {
         "rope diameter, mm": d.cable.diameter_mm,
-        "centre distance, mm": d.centre_distance_mm,
         "smallest input radius, mm": first.input_radius_mm,
-        **guide,
+        **own,
         "largest drum radius, mm": last.drum_radius_mm,
         "drum step, mm": d.cables[1].drum_radius_mm - first.drum_radius_mm,
         "total ratio": first.drum_radius_mm / first.input_radius_mm,
         "half travel, deg": d.half_travel_deg,
-        "lead over diameter": d.helix_lead_mm / d.cable.diameter_mm,
         "sector half angle, deg": d.drum.sector_half_angle_deg,
         "preload, N": first.preload_N,
         **{f"box {axis}, mm": side for axis, side in zip("XZY", box_mm(d), strict=True)},

@@ -69,6 +69,7 @@ ROUND_TRAVEL_DEG = 140.0
 ROUND = replace(SPUR, configuration="miso_spur")
 # The input winds under a turn: 18 degrees of reserve and 25 for the end of the winding besides.
 BEVEL = replace(SPUR, ratio=(1.5, 7.0), torque_Nm=(0.1, 0.7), configuration="siso_bevel", wind_off_deg=317.0)
+LAYOUTS = {space.configuration: space for space in (WHOLE, SPUR, ROUND, BEVEL)}
 
 
 def _without_guide(seed: int, space: Space) -> Data:

@@ -16,12 +16,17 @@ _ANGLES = 160
 
 
 class Ring(NamedTuple):
-    """A zone of the drum: radii from the Y axis and the lowest y in it."""
+    """A zone of the drum: radii from the Y axis, the lowest y in it, and how far up it reaches.
+
+    ``top``: largest z over the travel. A terminal's stud runs along the tangent, down from its cable's end, so that
+    only its sides stand over the cable's radius while some wrap is left.
+    """
 
     name: str
     inner: float
     outer: float
     y: float
+    top: float
 
 
 def rim_points(d: DrumDims) -> np.ndarray:
@@ -53,15 +58,20 @@ def drum_zones(s: SectorUnderTest) -> list[Ring]:
     spec = s.drive.tensioner
     half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
     zones = [
-        Ring("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
-        Ring("drum's web", d.spigot_radius, d.rim_inner_radius + 1.0, min(d.web_start_y, d.lands[0].y_start)),
-        Ring("drum's hub", 0.0, d.hub_radius, d.spigot_y),
+        _disc("drum's rim", d.rim_inner_radius, d.lands[-1].surface_radius_mm, d.lands[0].y_start),
+        _disc("drum's web", d.spigot_radius, d.rim_inner_radius, d.web_start_y),
+        _disc("drum's hub", 0.0, d.hub_radius, d.spigot_y),
     ]
     for t in d.tensioners:
         name = f"terminal of {t.cable_name}"
         below = max(half, d.lug_root(t))
-        zones.append(Ring(name, t.radius_mm - below, hypot(t.radius_mm + half, t.last_tip), t.y_mm - half))
+        top = t.radius_mm + half
+        zones.append(Ring(name, t.radius_mm - below, hypot(top, t.last_tip), t.y_mm - half, top))
     for c in s.steps:
         radii = (c.drum_radius_mm - s.flank_mm, c.drum_radius_mm + s.flank_mm)
-        zones.append(Ring(f"{c.name} on the drum", *radii, c.land_y_mm - s.flank_mm))
+        zones.append(_disc(f"{c.name} on the drum", *radii, c.land_y_mm - s.flank_mm))
     return zones
+
+
+def _disc(name: str, inner: float, outer: float, y: float) -> Ring:
+    return Ring(name, inner, outer, y, outer)

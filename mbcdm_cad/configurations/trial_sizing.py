@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import ceil, floor, inf, pi
 from typing import Any
 
@@ -30,7 +31,11 @@ NOZZLE_MM = 0.4
 # Trials of one field: each moves it by what the check misses, so that a few suffice.
 _MOST_TRIALS = 40
 _MOST_PASSES = 4
+# Fields that a length says nothing of.
+_RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
+# A value tried, and margin with its unit by check.
+Trial = tuple[Any, dict[str, tuple[float, str]]]
 # Parts and sizes of a drive of middle size, for what the first pass does not know yet.
 MIDDLE_SIZE: Mapping[str, Any] = {
     "drive.encoder": "encoder-20-5",
@@ -162,43 +167,76 @@ class TrialKnown(RopeKnown):
     def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
         """The value nearest to ``start``, on multiples of ``step`` in its sense, at which all the checks hold.
 
-        Each trial moves by what the worst check misses, where it is a length, else by steps that grow. Where none of
-        the trials passes, the one that missed least.
+        Each trial moves by what the worst check misses, where it is a length, else by steps that grow. Checks that hold
+        at no trial must be met by another field: they are left out of a second search. Where that finds nothing either,
+        the value that missed least.
         """
         checks = (*checks, *self.own_checks.get(field, ()))
+        found, tried = self._searched(field, start, step, checks)
+        if found is not None:
+            return found
+        within = _within_reach(checks, tried)
+        if within and len(within) < len(checks):
+            found, _ = self._searched(field, start, step, within)
+            if found is not None:
+                return replace(found, rounding=f"{found.rounding}; no value meets {_others(checks, within)}")
+        nearest, margins = max(tried, key=_worst_margin)
+        return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no value passes: the nearest")
+
+    def _searched(
+        self, field: str, start: float, step: float, checks: tuple[str, ...]
+    ) -> tuple[Found | None, list[Trial]]:
+        """The value at which the checks hold, if any does; and all values tried, with their margins."""
         value = rounded_up(start, step) if step > 0.0 else _down(start, -step)
-        driver, least, pace = "", (-inf, value), abs(step)
+        driver, pace, tried = "", abs(step), []
         for _ in range(_MOST_TRIALS):
             margins = self.margins(field, value, checks)
+            tried.append((value, margins))
             name = min(margins, key=lambda check: margins[check][0])
             missed, unit = margins[name]
             if missed >= 0.0:
-                return Found(value, driver, f"{'up' if step > 0.0 else 'down'} to {abs(step):g}")
+                return Found(value, driver, f"{'up' if step > 0.0 else 'down'} to {abs(step):g}"), tried
             driver = name
-            if missed > least[0]:
-                least = missed, value
-            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 else pace
+            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 and field not in _RATIOS else pace
             pace *= 1.3
             value = rounded_up(value + by, step) if step > 0.0 else _down(value - by, -step)
-        return Found(least[1], driver, "no value passes: the nearest")
+        return None, tried
 
     def first(self, field: str, candidates: Iterable[Any], checks: tuple[str, ...]) -> Found:
-        """The first candidate with which all the checks hold, else the one that misses least.
+        """The first candidate with which all the checks hold.
 
-        Raises ``ValueError`` where there is no candidate.
+        Where there is none, the first with which those hold that hold with any candidate at all, else the one that
+        misses least. Raises ``ValueError`` where there is no candidate.
         """
-        driver, least, nearest = "", -inf, None
+        driver, tried, checks = "", [], (*checks, *self.own_checks.get(field, ()))
         for value in candidates:
             margins = self.margins(field, value, checks)
+            tried.append((value, margins))
             worst = min(margins, key=lambda check: margins[check][0])
             if margins[worst][0] >= 0.0:
                 return Found(value, driver, "first that does")
             driver = worst
-            if nearest is None or margins[worst][0] > least:
-                least, nearest = margins[worst][0], value
-        if nearest is None:
+        if not tried:
             raise ValueError("the catalogue has nothing that could fit")
-        return Found(nearest, driver, "nothing does: the nearest")
+        within = _within_reach(checks, tried)
+        for value, margins in tried if within else ():
+            if all(margins[name][0] >= 0.0 for name in within):
+                return Found(value, driver, "first that does; nothing meets " + _others(checks, within))
+        nearest, margins = max(tried, key=_worst_margin)
+        return Found(nearest, min(margins, key=lambda name: margins[name][0]), "nothing does: the nearest")
+
+
+def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, ...]:
+    """The checks that hold in any of the trials: this field can meet them."""
+    return tuple(name for name in checks if any(margins[name][0] >= 0.0 for _, margins in tried))
+
+
+def _others(checks: Iterable[str], within: Sequence[str]) -> str:
+    return ", ".join(name for name in checks if name not in within)
+
+
+def _worst_margin(trial: Trial) -> float:
+    return min(margin for margin, _ in trial[1].values())
 
 
 def _down(value: float, step: float) -> float:

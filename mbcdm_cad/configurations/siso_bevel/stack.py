@@ -23,6 +23,8 @@ HEAD_ROOM_MM = 0.1
 
 # Land beyond the cable: the wall of the slot that holds the swaged stop.
 BAND_MARGIN_MM = 0.8
+# Corners of a printed frame's pockets (estimate).
+PRINTED_CORNER_MM = 2.0
 # Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
 SHOULDER_MM = 0.6
 # Axial play of the pulley between its two bearings.
@@ -58,8 +60,12 @@ class DirectStack:
 
 
 def pocket_corner_radius_mm(drive: DirectDrive, depth_mm: float) -> float:
-    """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor."""
-    return max(drive.support.material.min_internal_radius_mm, depth_mm / TOOL_SLENDERNESS / 2)
+    """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor.
+
+    No cutter has to reach into a printed frame, whose corners are rounded only for strength.
+    """
+    metal, cutter = drive.support.material, depth_mm / TOOL_SLENDERNESS / 2
+    return max(metal.min_internal_radius_mm, min(cutter, PRINTED_CORNER_MM) if metal.printed else cutter)
 
 
 def direct_stack(drive: DirectDrive) -> DirectStack:

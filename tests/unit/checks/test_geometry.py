@@ -78,7 +78,7 @@ def test_webs_leave_out_holes_on_one_axis_and_at_other_depths() -> None:
 def test_ring_and_upright_never_meet_where_a_gap_is_promised(
     x: float, back: float, radius: float, low: float, height: float, y: float
 ) -> None:
-    ring, body = Ring("ring", 40.0, 50.0, y), Upright("body", x, back, radius, low, low + height)
+    ring, body = Ring("ring", 40.0, 50.0, y, 50.0), Upright("body", x, back, radius, low, low + height)
     if ring_gap(ring, body, 0.1) < 0.1:
         return
     angle = np.linspace(0.0, 2 * np.pi, 73)

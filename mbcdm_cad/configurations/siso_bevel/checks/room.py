@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from mbcdm_cad.checks.box import box_checks
@@ -30,11 +32,24 @@ def frame_front(s: DirectUnderTest) -> Comparison:
 
 
 def bought_parts_clear(s: DirectUnderTest) -> Comparison:
-    """Drum and terminals pass in front of gearhead, motor and encoder, which stand at x = y = 0."""
-    drive = s.drive
-    nearest = min(ring.y for ring in drum_zones(s))
-    widest = max(item.diameter_mm for item in (drive.gearhead, drive.motor, drive.encoder)) / 2
-    return at_least("drum before gearhead, motor and encoder", nearest - widest, drive.clearances.running_mm, "mm")
+    """Drum and terminals pass in front of encoder, motor head, gearhead and motor, as far as they reach that high.
+
+    The encoder is a cylinder about z below the pulley; the others stand above it.
+    """
+    drive, v, head, found = s.drive, s.levels, s.layout.head, []
+    radius, shelf_z = drive.encoder.diameter_mm / 2, -v.top_plate_top_z
+    above = (
+        ("motor head", -v.bearing_shelf_bottom_z, head.front_y),
+        ("gearhead", -v.motor_shelf_bottom_z, drive.gearhead.diameter_mm / 2),
+        ("motor", -v.gearhead_bottom_z, drive.motor.diameter_mm / 2),
+    )
+    for ring in drum_zones(s):
+        # Where the ring passes over the encoder's end, beside its axis, the encoder is less deep.
+        deep = sqrt(max(radius**2 - max(ring.inner**2 - shelf_z**2, 0.0), 0.0))
+        if deep > 0.0 and ring.name != "drum's hub":
+            found.append((f"{ring.name} before the encoder", ring.y - deep))
+        found += [(f"{ring.name} before the {name}", ring.y - y) for name, z, y in above if ring.top > z]
+    return worst(at_least(name, gap, drive.clearances.running_mm, "mm") for name, gap in found)
 
 
 def box_mm(s: DirectUnderTest) -> tuple[float, float, float]:

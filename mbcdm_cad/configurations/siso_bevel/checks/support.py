@@ -9,11 +9,9 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
-from mbcdm_cad.configurations.siso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
+from mbcdm_cad.configurations.siso_bevel.support.dims import MOUNT_HEAD_ROOM_MM, MOUNT_SCREW_HEAD_MM, POCKET_FLAT_MM
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
-# Room beside a mounting screw's head for its washer face (estimate).
-HEAD_ROOM_MM = 0.5
 # Height of a mounting screw's head (M3, ISO 4762).
 MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 
@@ -40,18 +38,15 @@ def walls(s: DirectUnderTest) -> Comparison:
 def pockets(s: DirectUnderTest) -> Comparison:
     """Frame and pockets are larger than the rounded corners that the milling cutter leaves."""
     v, f = s.levels, s.layout.frame
-    two = 2 * f.corner_radius
+    sizes = (
+        ("frame's depth", v.front_y - v.back_y),
+        ("width of the pulley's box", 2 * v.side_inner_x),
+        ("column's pocket", f.encoder_shelf_bottom_z - f.stop_shelf_top_z),
+        ("lower pocket", f.stop_shelf_bottom_z - f.low_pocket_bottom_z),
+    )
     return worst(
-        (
-            at_least("frame's depth over two corner radii", v.front_y - v.back_y - two, 0.1, "mm"),
-            at_least("width of the pulley's box over two corner radii", 2 * v.side_inner_x - two, 0.1, "mm"),
-            at_least(
-                "column's pocket over two corner radii", f.encoder_shelf_bottom_z - f.stop_shelf_top_z - two, 0.1, "mm"
-            ),
-            at_least(
-                "lower pocket over two corner radii", f.stop_shelf_bottom_z - f.low_pocket_bottom_z - two, 0.1, "mm"
-            ),
-        )
+        at_least(f"{name} over two corner radii", size - 2 * f.corner_radius, POCKET_FLAT_MM, "mm")
+        for name, size in sizes
     )
 
 
@@ -121,7 +116,7 @@ def mounts(s: DirectUnderTest) -> Comparison:
         ("height of the lower pocket", f.stop_shelf_bottom_z - low - head),
         ("each other", x - head),
     )
-    return worst(at_least(f"mounting screw's head: {name}", room, HEAD_ROOM_MM, "mm") for name, room in rooms)
+    return worst(at_least(f"mounting screw's head: {name}", room, MOUNT_HEAD_ROOM_MM, "mm") for name, room in rooms)
 
 
 def flange(s: DirectUnderTest) -> Comparison:

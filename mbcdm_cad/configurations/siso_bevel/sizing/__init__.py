@@ -16,6 +16,7 @@ from mbcdm_cad.configurations.siso_bevel.sizing.rules import (
     NAMES,
     PRELOAD,
     RATIO,
+    RESERVE,
     ROPE,
     TRANSFER,
 )
@@ -34,6 +35,7 @@ RULES: tuple[Rule, ...] = (
     *RATIO,
     *TRAIN,
     *TRANSFER,
+    *RESERVE,
     *PARTS,
     *FRAME,
     *DRUM,

@@ -10,6 +10,7 @@ from mbcdm_cad.configurations.siso_bevel.design_file.resolve import drive
 from mbcdm_cad.configurations.siso_bevel.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.configurations.siso_bevel.design_file.schema import DirectDesign
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.trial_sizing import TrialKnown, sound
 
 CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
@@ -28,6 +29,7 @@ class DirectKnown(TrialKnown):
         "drive.motor",
         "drive.gearhead",
     )
+    own_checks: Mapping[str, tuple[str, ...]] = {"input_pulleys.lower_bearing": ("bearing_seats",)}
 
     @property
     def drum_mm(self) -> float:
@@ -50,3 +52,9 @@ class DirectKnown(TrialKnown):
     def of_design(self, design: DirectDesign) -> DirectUnderTest:
         """See the base class."""
         return DirectUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))
+
+    def trial_drive(self, field: str, value: float) -> DirectDrive:
+        """The drive of a trial. Raises as :meth:`trial` does."""
+        found = self.trial(field, value).drive
+        assert isinstance(found, DirectDrive)
+        return found

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from math import ceil
+
+from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.configurations.common_rules import SCHEMA_VERSION, TRANSFER_GAP
 from mbcdm_cad.configurations.head_basis import rope, thinnest_rope
@@ -20,6 +24,7 @@ from mbcdm_cad.configurations.head_dims import (
     either,
     side_wall,
 )
+from mbcdm_cad.configurations.siso_bevel.checks.input_turn import LEAST_RESERVE_DEG, highest_ratio
 from mbcdm_cad.configurations.siso_bevel.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
 from mbcdm_cad.sizing.rule import Found, Rule, constant
@@ -31,12 +36,22 @@ PRELOAD_FACTOR = 2.0
 # Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
 BACK_MM, RIB_MM = (3.0, 6.0), (5.0, 8.0)
 _STEPS_TRIED = 24
+# Reserves tried where a ratio that the file states leaves no more of the turn.
+RESERVES_DEG = (RESERVE_DEG, 17.0, 16.0, LEAST_RESERVE_DEG)
 
 
 def _ratio(given: DirectKnown) -> Found:
     """The highest ratio at which the travel, the reserve and the stop's slot stay within a turn of the input."""
-    most = (360.0 - given["transmission.reserve_deg"] - SLOT_DEG) / (2 * given["travel.half_angle_deg"])
-    return given.moved("transmission.input_to_drum", most, -0.05, ("input_under_turn", "drum_sweep", "bend_ratio"))
+    field, reserve = "transmission.input_to_drum", given.get("transmission.reserve_deg", RESERVE_DEG)
+    most = (360.0 - reserve - SLOT_DEG) / (2 * given["travel.half_angle_deg"])
+    with suppress(ValueError, NoFigureError):
+        # A thick rope may find no stop in a pulley of so high a ratio: then only the checks say how high it may be.
+        most = highest_ratio(given.trial_drive(field, 1.0))
+    return given.moved(field, most, -0.05, ("input_under_turn", "drum_sweep", "bearing_seats", "bend_ratio"))
+
+
+def _reserve(given: DirectKnown) -> Found:
+    return given.first("transmission.reserve_deg", RESERVES_DEG, ("input_under_turn",))
 
 
 def _rope(given: DirectKnown) -> Found:
@@ -71,8 +86,12 @@ def _back_plate(given: DirectKnown) -> float:
     return max(either(given, "support", BACK_MM), given.wall_mm("support"))
 
 
-def _rib(given: DirectKnown) -> float:
-    return max(either(given, "support", RIB_MM), given.wall_mm("support"))
+def _rib(given: DirectKnown) -> Found:
+    """As stiff as usual, thinner where a small drum leaves its pockets no height."""
+    least = given.wall_mm("support")
+    usual = max(either(given, "support", RIB_MM), least)
+    tried = [round(usual - 0.5 * k, 2) for k in range(ceil((usual - least) / 0.5))]
+    return given.first("support.rib_mm", [*tried, least], ("pockets", "mounts"))
 
 
 def _back(given: DirectKnown) -> Found:
@@ -104,7 +123,6 @@ NAMES = (
     SCHEMA_VERSION,
     constant("inputs", INPUTS, "the one input", "the configuration"),
     constant("cables", CABLES, "one cable for each sense of the drum", "the configuration"),
-    constant("transmission.reserve_deg", RESERVE_DEG, "wrap that never unwinds", "input_reserve"),
 )
 RATIO = (
     Rule(
@@ -132,10 +150,18 @@ TRANSFER = (
         _drum_radii,
     ),
 )
+RESERVE = (
+    Rule(
+        "transmission.reserve_deg",
+        "wrap that never unwinds, less where a turn of the input leaves less",
+        "input_reserve",
+        _reserve,
+    ),
+)
 FRAME = (
     MOTOR_SHELF,
     Rule("support.back_plate_mm", "stiff, and thick enough for its material", "walls", _back_plate),
-    Rule("support.rib_mm", "stiff, and thick enough for its material", "walls", _rib),
+    Rule("support.rib_mm", "stiff, as far as the height for its pockets allows", "walls", _rib),
     BEARING_SHELF,
     ENCODER_SHELF,
     COUPLING_SPACE,

@@ -28,10 +28,13 @@ from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 
+# Where the drum leaves less height, down to what the walls over and under its pin need.
 STOP_SHELF_MM = 6.0
 STOP_PIN_DEPTH_MM = 10.0
 # Between encoder and stop shelf.
 ENCODER_ROOM_MM = 1.0
+# A pocket is higher than the two corners that its cutter leaves by this much.
+POCKET_FLAT_MM = 0.1
 # Thread of the encoder's screws in its housing, in diameters.
 ENCODER_GRIP = 1.25
 # The frame's own fixing to what carries the drive (ISO 4762).
@@ -39,6 +42,8 @@ MOUNT_SCREW = "M3"
 MOUNT_SCREW_KEY_MM = 2.5
 MOUNT_SCREW_CLEARANCE_MM = 3.4
 MOUNT_SCREW_HEAD_MM = 5.5
+# Room beside a mounting screw's head for its washer face (estimate).
+MOUNT_HEAD_ROOM_MM = 0.5
 MOUNT_ROOM_MM = 0.6
 
 
@@ -112,11 +117,13 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
     insert = drive.insert(drive.support.material, flange_screw.thread_mm)
     radius = corner_radius_mm(drive, levels)
     shelf_bottom = -levels.top_plate_top_z
-    stop_top = -levels.encoder_top_z - ENCODER_ROOM_MM
-    stop_bottom = stop_top - STOP_SHELF_MM
+    stop_top = min(-levels.encoder_top_z - ENCODER_ROOM_MM, shelf_bottom - 2 * radius - POCKET_FLAT_MM)
+    low = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
+    lowest_pocket = max(2 * radius + POCKET_FLAT_MM, MOUNT_SCREW_HEAD_MM + 2 * MOUNT_HEAD_ROOM_MM)
+    least_shelf = drive.drum.stop_pin_mm + 2 * drive.support.material.min_wall_mm
+    stop_bottom = stop_top - min(STOP_SHELF_MM, max(stop_top - low - lowest_pocket, least_shelf))
     # The encoder's end stands in the corner that the pocket's cutter leaves.
     pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
-    low = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
     head_flange = flange(levels)
     beside = round_boss.radius - 1.2
     mount_x = pocket - MOUNT_SCREW_HEAD_MM / 2 - MOUNT_ROOM_MM

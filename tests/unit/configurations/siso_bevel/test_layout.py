@@ -19,9 +19,11 @@ from mbcdm_cad.configurations.siso_bevel.bill import bill
 from mbcdm_cad.configurations.siso_bevel.cable_path import full_input_turn_deg, stop_bend
 from mbcdm_cad.configurations.siso_bevel.checks.input_turn import CHECKS as TURN_CHECKS
 from mbcdm_cad.configurations.siso_bevel.checks.input_turn import highest_ratio
+from mbcdm_cad.configurations.siso_bevel.checks.room import CHECKS as ROOM_CHECKS
 from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.layout import DirectLayout, layout
+from mbcdm_cad.configurations.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.configurations.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
@@ -88,6 +90,28 @@ def test_one_turn_limits_the_ratio_and_the_remedy_names_it(drive: DirectDrive) -
     assert "lower transmission.input_to_drum from 9 to at most 4.5" in result.remedy, result.remedy
     slot = degrees(stop_bend(drive, drive.cables[0]).taken_rad)
     assert full_input_turn_deg(drive, drive.cables[0]) == pytest.approx(4.5 * 70.0 + 18.0 + slot)
+
+
+def test_what_turns_passes_the_encoder_and_stays_below_the_motor(drive: DirectDrive) -> None:
+    """A motor of any width finds room over the drum; an encoder wider than the drum's distance does not."""
+    check = next(c for c in ROOM_CHECKS if c.id == "drum_sweep")
+
+    def status(changed: DirectDrive) -> str:
+        return run_check(check, DirectUnderTest(changed)).status
+
+    wide = replace(drive.motor, diameter_mm=90.0)
+    assert status(replace(drive, motor=wide)) == "pass"
+    web_y = layout(drive).drum.lands[0].y_start
+    for radius, expected in ((web_y - 0.3, "pass"), (web_y + 0.6, "fail")):
+        encoder = replace(drive.encoder, diameter_mm=2 * radius)
+        assert status(replace(drive, encoder=encoder)) == expected, f"encoder {radius} mm, rim at {web_y} mm"
+
+
+def test_corners_of_a_printed_frame_are_no_cutters(drive: DirectDrive) -> None:
+    printed = replace(drive.support.material, process="printed")
+    deep = 80.0
+    assert pocket_corner_radius_mm(drive, deep) == pytest.approx(deep / 8)
+    assert pocket_corner_radius_mm(replace(drive, support=replace(drive.support, material=printed)), deep) == 2.0
 
 
 def test_every_item_joins_once_in_the_order_of_assembly(dims: DirectLayout) -> None:

@@ -1,0 +1,50 @@
+"""The search of a field's value by checks: a check that no value meets does not spoil the others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+
+from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
+
+
+class Margins(DirectKnown):
+    """Margins of a field by formula: ``near`` from 3 mm on, ``far`` from 5, ``never`` at no value."""
+
+    def margins(self, field: str, value: Any, checks: Iterable[str]) -> dict[str, tuple[float, str]]:
+        known = {"near": value - 3.0, "far": value - 5.0, "never": -20.0 - value, "below": 4.0 - value}
+        return {name: (known[name], "mm") for name in checks}
+
+
+@pytest.mark.parametrize(
+    ("checks", "value", "words"),
+    [
+        (("near", "far"), 5.0, "up to 0.1"),
+        (("near", "never"), 3.0, "no value meets never"),
+        # Each holds somewhere, both nowhere: the value that misses least.
+        (("far", "below"), 5.0, "no value passes"),
+    ],
+)
+def test_moved(checks: tuple[str, ...], value: float, words: str) -> None:
+    found = Margins({}, {}).moved("drum.hub_diameter_mm", 1.0, 0.1, checks)
+    assert found.value == pytest.approx(value) and words in found.rounding, found
+
+
+@pytest.mark.parametrize(
+    ("checks", "value", "words"),
+    [
+        (("near", "far"), 6.0, "first that does"),
+        (("near", "never"), 4.0, "nothing meets never"),
+        (("never",), 1.0, "nothing does"),
+    ],
+)
+def test_first(checks: tuple[str, ...], value: float, words: str) -> None:
+    found = Margins({}, {}).first("drum.bearing", (1.0, 2.0, 4.0, 6.0), checks)
+    assert found.value == value and words in found.rounding, found
+
+
+def test_first_of_nothing_is_told() -> None:
+    with pytest.raises(ValueError, match="nothing that could fit"):
+        Margins({}, {}).first("drum.bearing", (), ("near",))
