@@ -61,28 +61,41 @@ def block(x: Point2, y: Point2, z: Point2) -> cq.Solid:
     return cq.Solid.makeBox(x[1] - x[0], y[1] - y[0], z[1] - z[0], cq.Vector(x[0], y[0], z[0]))
 
 
-def prism_y(points: Sequence[Point2], y_start: float, y_end: float) -> cq.Solid:
-    """Prism along Y over a closed polygon of (x, z) points."""
-    wire = cq.Wire.makePolygon([cq.Vector(x, y_start, z) for x, z in points], close=True)
-    return cq.Solid.extrudeLinear(wire, [], cq.Vector(0, y_end - y_start, 0))
+def extruded_y(outline: cq.Wire, length: float, holes: Sequence[cq.Wire] = ()) -> cq.Solid:
+    """Prism along Y of ``length`` over a flat outline less its ``holes``, which lie inside it."""
+    return cq.Solid.extrudeLinear(outline, list(holes), cq.Vector(0, length, 0))
 
 
-def pocket_y(x: Point2, y: Point2, z: Point2, radius: float) -> cq.Shape:
+def prism_y(points: Sequence[Point2], y_start: float, y_end: float, radius: float = 0.0) -> cq.Solid:
+    """Prism along Y over a closed polygon of (x, z) points, its edges parallel to Y rounded by ``radius``."""
+    outline = cq.Wire.makePolygon([cq.Vector(x, y_start, z) for x, z in points], close=True)
+    return extruded_y(_rounded(outline, radius), y_end - y_start)
+
+
+def pocket_y(x: Point2, y: Point2, z: Point2, radius: float) -> cq.Solid:
     """Tool of a pocket milled along Y: a box, its edges parallel to Y rounded by ``radius``, or less if narrow."""
-    corner = pocket_corner_mm(radius, x[1] - x[0], z[1] - z[0])
-    return cq.Workplane(obj=block(x, y, z)).edges("|Y").fillet(corner).val()  # type: ignore[return-value]
+    corners = [(x[0], z[0]), (x[1], z[0]), (x[1], z[1]), (x[0], z[1])]
+    return prism_y(corners, *y, pocket_corner_mm(radius, x[1] - x[0], z[1] - z[0]))
 
 
-def annular_sector(
-    r_inner: float, r_outer: float, start_deg: float, end_deg: float, y: Point2, radius: float = 0.0
-) -> cq.Shape:
-    """Prism along Y over an annular sector about the Y axis (angles from +Z towards +X), its four edges rounded."""
+def _rounded(outline: cq.Wire, radius: float) -> cq.Wire:
+    """The flat outline with all corners rounded, which is far faster than to round the edges of a prism."""
+    if radius <= 0.0:
+        return outline
+    face = cq.Face.makeFromWires(outline)
+    return face.fillet2D(radius, face.Vertices()).outerWire()
+
+
+def sector_outline(
+    r_inner: float, r_outer: float, start_deg: float, end_deg: float, y: float, radius: float = 0.0
+) -> cq.Wire:
+    """Outline of an annular sector about the Y axis at ``y`` (angles from +Z towards +X), its four corners rounded."""
 
     def at(r: float, deg: float) -> cq.Vector:
-        return cq.Vector(r * sin(radians(deg)), y[0], r * cos(radians(deg)))
+        return cq.Vector(r * sin(radians(deg)), y, r * cos(radians(deg)))
 
     middle = (start_deg + end_deg) / 2
-    wire = cq.Wire.assembleEdges(
+    outline = cq.Wire.assembleEdges(
         [
             cq.Edge.makeThreePointArc(at(r_outer, start_deg), at(r_outer, middle), at(r_outer, end_deg)),
             cq.Edge.makeLine(at(r_outer, end_deg), at(r_inner, end_deg)),
@@ -90,10 +103,7 @@ def annular_sector(
             cq.Edge.makeLine(at(r_inner, start_deg), at(r_outer, start_deg)),
         ]
     )
-    solid = cq.Solid.extrudeLinear(wire, [], cq.Vector(0, y[1] - y[0], 0))
-    if radius > 0.0:
-        return cq.Workplane(obj=solid).edges("|Y").fillet(radius).val()  # type: ignore[return-value]
-    return solid
+    return _rounded(outline, radius)
 
 
 def hexagon_z(across_flats: float, z_start: float, z_end: float) -> cq.Solid:

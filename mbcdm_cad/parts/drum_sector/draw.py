@@ -8,12 +8,13 @@ import cadquery as cq
 
 from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.shapes import (
-    annular_sector,
     cut,
     cylinder,
     cylinder_y,
+    extruded_y,
     fuse,
     prism_y,
+    sector_outline,
     turned_about_y,
 )
 from mbcdm_cad.parts.terminal.dims import Tensioner
@@ -27,13 +28,13 @@ def _sector(dims: DrumDims) -> cq.Solid:
     profile.append((dims.rim_inner_radius, lands[-1].y_end))
     half = dims.half_angle_deg
     rim = turned_about_y(profile, -half, 2 * half, "drum rim")
-    web_profile = [
-        (dims.hub_radius - 1.0, dims.web_start_y),
-        (dims.rim_inner_radius + 1.0, dims.web_start_y),
-        (dims.rim_inner_radius + 1.0, dims.web_end_y),
-        (dims.hub_radius - 1.0, dims.web_end_y),
+    y = dims.web_start_y
+    # The web is drawn with its openings: to cut them out of the drum takes the kernel a quarter of all its time for it.
+    openings = [
+        sector_outline(w.r_inner, w.r_outer, w.start_deg, w.end_deg, y, dims.corner_radius) for w in dims.windows
     ]
-    web = turned_about_y(web_profile, -half, 2 * half, "drum web")
+    outline = sector_outline(dims.hub_radius - 1.0, dims.rim_inner_radius + 1.0, -half, half, y)
+    web = extruded_y(outline, dims.web_end_y - y, [*openings, _stop_slot(dims, y)])
     hub_profile = [
         (dims.bore_radius, dims.spigot_y),
         (dims.spigot_radius, dims.spigot_y),
@@ -47,14 +48,12 @@ def _sector(dims: DrumDims) -> cq.Solid:
     return fuse([rim, web, hub], "drum")
 
 
-def _box(t: Tensioner, s: tuple[float, float], n: tuple[float, float], y: tuple[float, float]) -> cq.Solid:
+def _box(
+    t: Tensioner, s: tuple[float, float], n: tuple[float, float], y: tuple[float, float], radius: float = 0.0
+) -> cq.Solid:
+    """Between limits along the terminal and across it; with ``radius`` the corners an end mill along Y leaves."""
     corners = [t.at(s[0], n[0]), t.at(s[1], n[0]), t.at(s[1], n[1]), t.at(s[0], n[1])]
-    return prism_y(corners, *y)
-
-
-def _milled(tool: cq.Solid, radius: float) -> cq.Shape:
-    """The tool with the corners an end mill along Y leaves."""
-    return cq.Workplane(obj=tool).edges("|Y").fillet(radius).val()  # type: ignore[return-value]
+    return prism_y(corners, *y, radius)
 
 
 def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
@@ -68,8 +67,8 @@ def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
     swage, nuts, top, r = dims.swage_pocket, dims.nut_pocket, t.pocket_top, dims.pocket_radius
     low = -dims.flat_wall
     rooms = [
-        _milled(_box(t, (t.slack_start - POCKET_LEAD_MM, t.lug_start), (low, top), (inner, depth(swage))), r),
-        _milled(_box(t, (t.lug_end, t.pocket_end), (-nuts, top), (inner, depth(nuts))), r),
+        _box(t, (t.slack_start - POCKET_LEAD_MM, t.lug_start), (low, top), (inner, depth(swage)), r),
+        _box(t, (t.lug_end, t.pocket_end), (-nuts, top), (inner, depth(nuts)), r),
         # Around the lug, which is added again later; outside it the cutter passes through and leaves no corners.
         _box(t, (t.lug_start, t.lug_end), (low, top), (inner, depth(swage))),
         _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), (inner, depth(swage))),
@@ -110,19 +109,19 @@ def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
     return cq.Solid.extrudeLinear(outline, [], along * (t.lug_end - t.lug_start + 1.0))
 
 
-def _stop_slot(dims: DrumDims) -> cq.Solid:
-    """Slot along an arc, its ends round."""
-    half, low, end = dims.stop_slot_width / 2, dims.web_start_y - 1.0, dims.stop_slot_end_deg
+def _stop_slot(dims: DrumDims, y: float) -> cq.Wire:
+    """Outline at ``y`` of the slot along an arc, its ends round."""
+    half, end = dims.stop_slot_width / 2, dims.stop_slot_end_deg
 
     def at(radius: float, deg: float) -> cq.Vector:
-        return cq.Vector(radius * sin(radians(deg)), low, radius * cos(radians(deg)))
+        return cq.Vector(radius * sin(radians(deg)), y, radius * cos(radians(deg)))
 
     def round_end(deg: float, sense: float) -> tuple[cq.Vector, cq.Vector, cq.Vector]:
         tip = at(dims.stop_radius, deg) + cq.Vector(cos(radians(deg)), 0.0, -sin(radians(deg))) * (sense * half)
         return at(dims.stop_radius - half, deg), tip, at(dims.stop_radius + half, deg)
 
     first, last = round_end(-end, -1.0), round_end(end, 1.0)
-    outline = cq.Wire.assembleEdges(
+    return cq.Wire.assembleEdges(
         [
             cq.Edge.makeThreePointArc(first[2], at(dims.stop_radius + half, 0.0), last[2]),
             cq.Edge.makeThreePointArc(last[2], last[1], last[0]),
@@ -130,7 +129,6 @@ def _stop_slot(dims: DrumDims) -> cq.Solid:
             cq.Edge.makeThreePointArc(first[0], first[1], first[2]),
         ]
     )
-    return cq.Solid.extrudeLinear(outline, [], cq.Vector(0.0, dims.web_end_y + 1.0 - low, 0.0))
 
 
 def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
@@ -155,9 +153,5 @@ def create_drum(dims: DrumDims, set_screw_thread: float) -> cq.Solid:
         body = body.cut(*(_pocket(dims, t) for t in dims.tensioners))
         body = body.fuse(*(_lug(dims, t) for t in dims.tensioners)).clean()
     tools += [_stud_slot(dims, t) for t in dims.tensioners]
-    y = (dims.web_start_y - 1.0, dims.web_end_y + 1.0)
-    for w in dims.windows:
-        tools.append(annular_sector(w.r_inner, w.r_outer, w.start_deg, w.end_deg, y, dims.corner_radius))
-    tools.append(_stop_slot(dims))
     tools += _hub_holes(dims, set_screw_thread)
     return cut(body, tools, "drum")
