@@ -12,8 +12,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.bulk import analyse_many
-from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.equilibrium import solve_weighted
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import DriveSI, to_si
 
@@ -21,8 +20,6 @@ from mbcdm_cad.model.si import DriveSI, to_si
 SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
 # A cable under a hundredth of its preload counts as slack, as in the check no_slack.
 SLACK_SHARE = 0.01
-_HALVINGS = 20
-_MOST_DOUBLINGS = 20
 
 
 @dataclass(frozen=True)
@@ -69,21 +66,16 @@ def preload_table(drive: Drive, shares: tuple[float, ...] = SHARES) -> tuple[Rea
 
 
 def torque_at_first_slack_Nm(d: DriveSI, direction: int) -> float:
-    """Largest torque (N m, >= 0) in ``direction`` at which every cable keeps a hundredth of its preload."""
+    """Largest torque (N m, >= 0) in ``direction`` at which every cable keeps a hundredth of its preload.
 
-    def holds(load: float) -> bool:
-        try:
-            tension = solve_equilibrium(d, direction * load).tension_N
-        except ModelError:
-            return False
-        return bool(np.all(tension >= SLACK_SHARE * d.preload_N))
-
-    low, high = 0.0, float((d.preload_N * d.drum_radius_m).sum())
-    for _ in range(_MOST_DOUBLINGS):
-        if not holds(high):
-            break
-        low, high = high, 2.0 * high
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if holds(middle) else (low, middle)
-    return low
+    The drum's angle at which one cable is left with that tension gives the torque by the tensions of all (derived);
+    of the cables that a torque in ``direction`` relieves, the first one counts.
+    """
+    relieved = [j for j, sense in enumerate(d.sigma) if sense == -direction]
+    shape = (len(relieved),)
+    wide = d.lifted(shape)
+    alone = np.zeros((d.n_cables, len(relieved)))
+    alone[relieved, range(len(relieved))] = -direction
+    left = -direction * SLACK_SHARE * np.asarray(d.preload_N)[relieved]
+    found = solve_weighted(wide, alone, left)
+    return max(0.0, float((direction * found.drum_torque_by_input_Nm(wide).sum(axis=0)).min()))

@@ -8,7 +8,7 @@ tensioned.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import cos, cosh, exp, pi, sin, sinh, sqrt
 from typing import Any
@@ -19,6 +19,9 @@ from mbcdm_cad.routes import Floats
 
 # Beyond this argument cosh and sinh are equal to machine precision, and soon overflow.
 _LARGE = 30.0
+# First root of cosh b cos b = 1: a beam clamped at both ends, without tension.
+_CLAMPED_BEAM = 4.7300407
+_HALVINGS = 60
 
 
 @dataclass(frozen=True)
@@ -95,36 +98,43 @@ def plucked_Hz(
     if not clamped:
         return string * sqrt(1.0 + pi**2 / pull)
 
-    def balance(b: float) -> float:
-        a = sqrt(b * b + pull)
-        if a > _LARGE:
-            return -2.0 * a * b * cos(b) + (a * a - b * b) * sin(b)
-        return (2.0 * a * b * (1.0 - cosh(a) * cos(b)) + (a * a - b * b) * sinh(a) * sin(b)) / cosh(a)
-
-    # The root lies between that of a string (pi) and that of an untensioned clamped beam (4.7300).
-    low, high = pi, 4.7301
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        if balance(middle) > 0.0:
-            low = middle
-        else:
-            high = middle
-    b = 0.5 * (low + high)
-    a = sqrt(b * b + pull)
-    return a * b * sqrt(bending_stiffness_N_m2 / mass_kg_m) / (2.0 * pi * length_m**2)
+    b = _clamped_root(lambda b: sqrt(b * b + pull))
+    return sqrt(b * b + pull) * b * sqrt(bending_stiffness_N_m2 / mass_kg_m) / (2.0 * pi * length_m**2)
 
 
 def tension_from_pitch_N(
     frequency_Hz: float, mass_kg_m: float, length_m: float, bending_stiffness_N_m2: float = 0.0, clamped: bool = True
 ) -> float:
-    """Tension of a span that sounds at ``frequency_Hz``; 0 where its bending stiffness alone would sound higher."""
-    low, high = 0.0, 4.0 * mass_kg_m * (length_m * frequency_Hz) ** 2
-    for _ in range(80):
+    """Tension of a span that sounds at ``frequency_Hz``; 0 where its bending stiffness alone would sound higher.
+
+    The inverse of :func:`plucked_Hz`: a b follows from the frequency, and T l^2/EI = a^2 - b^2 from the root.
+    """
+    string = 4.0 * mass_kg_m * (length_m * frequency_Hz) ** 2
+    if bending_stiffness_N_m2 <= 0.0:
+        return string
+    stiffness = bending_stiffness_N_m2 / length_m**2
+    if not clamped:
+        return max(0.0, string - pi**2 * stiffness)
+    product = pi * sqrt(string / stiffness)
+    if product <= _CLAMPED_BEAM**2:
+        return 0.0
+    b = _clamped_root(lambda b: product / b)
+    return stiffness * ((product / b) ** 2 - b * b)
+
+
+def _clamped_root(a_of: Callable[[float], float]) -> float:
+    """The root b of the clamped beam under tension for a given as a function of b: between string and beam alone."""
+
+    def balance(b: float) -> float:
+        a = a_of(b)
+        if a > _LARGE:
+            return -2.0 * a * b * cos(b) + (a * a - b * b) * sin(b)
+        return (2.0 * a * b * (1.0 - cosh(a) * cos(b)) + (a * a - b * b) * sinh(a) * sin(b)) / cosh(a)
+
+    low, high = pi, 1.0001 * _CLAMPED_BEAM
+    for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if middle > 0.0 and plucked_Hz(middle, mass_kg_m, length_m, bending_stiffness_N_m2, clamped) > frequency_Hz:
-            high = middle
-        else:
-            low = middle
+        low, high = (middle, high) if balance(middle) > 0.0 else (low, middle)
     return 0.5 * (low + high)
 
 
