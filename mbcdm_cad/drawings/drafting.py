@@ -196,20 +196,20 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, sheet_scale: float
         raise ValueError(f"radius {d.value:.6g} mm in view {d.view}: its points stand {drawn:.6g} mm apart")
     text = f"{d.prefix}<>{d.suffix}"
     shown = text.replace("<>", f"R{value_text(d.value, 2)}")
-    # The leader ends in a level leg as long as an arrow, and the text stands behind that leg.
-    width = text_width_mm(shown) + ARROW_MM
+    # The leader ends in a level leg as long as an arrow, behind which the library sets the text, itself a bit wider.
+    width = text_width_mm(shown) + 2 * ARROW_MM
     x, y = room.place(at, width, TEXT_MM, 3.0, beside=True)
     leg = (x + (width / 2 if x < at[0] else -width / 2), y)
     made = paper.add_radius_dim(
         center=centre,
-        radius=hypot(at[0] - centre[0], at[1] - centre[1]),
-        angle=degrees(atan2(at[1] - centre[1], at[0] - centre[0])),
-        location=leg,
+        mpoint=at,
         text=text,
         dimstyle=DIMENSION_STYLE,
         override={"dimlfac": 1.0 / placed.scale, "dimtoh": 1, "dimtih": 1, "dimtad": 0, "dimtmove": 1},
         dxfattribs={"layer": "DIMENSION"},
     )
+    # Given at once, the text's place would decide the arrow's: the library puts the arrow's tip towards it.
+    made.user_location_override(leg)
     made.render()
     made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
 

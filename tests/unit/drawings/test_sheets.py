@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from math import atan2, degrees
 from pathlib import Path
 
 import cadquery as cq
@@ -63,6 +64,14 @@ def test_no_text_stands_on_another(drawn: Drawn, name: str) -> None:
 @pytest.mark.parametrize("name", MADE)
 def test_all_texts_are_inside_the_frame(drawn: Drawn, name: str) -> None:
     assert not texts_outside(document(drawn[name][1]["dxf"]))
+
+
+def test_a_radius_is_drawn_where_its_sheet_puts_it_wherever_its_text_finds_room(drawn: Drawn) -> None:
+    """The rim's inner radius of the drum: 35 degrees from Z towards X, which is 55 degrees on paper."""
+    radii = [d for d in document(drawn["drum"][1]["dxf"]).modelspace().query("DIMENSION") if d.dimtype == 4]
+    assert len(radii) == 1
+    along = radii[0].dxf.defpoint4 - radii[0].dxf.defpoint
+    assert degrees(atan2(along.y, along.x)) == pytest.approx(55.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", MADE)
