@@ -123,7 +123,8 @@ def drum(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
         raise MissingDimensionError(f"lengths {plain}, diameters {bores}")
     (hub_start, web_start, face), (bore, spigot, hub) = plain, bores
     circle = one(dims, "hub", "Ø").value / 2
-    lands = [(float(r), float(a), float(b)) for _, r, _, a, b in _rows(doc, "Lands", 4)]
+    terminals = len(_rows(doc, "Terminals", 12)[0]) - 1  # each stands on a land of its own
+    lands = [(float(r), float(a), float(b)) for _, r, _, a, b in _rows(doc, "Lands", terminals)]
     reach, outer = max(r for r, _, _ in lands), lands[-1][2]
     wedge = _wedge(half, reach + 1.0, (-1.0, face))
     body: cq.Shape = _ring(hub, bore, (hub_start, face - chamfer))
@@ -150,17 +151,19 @@ def drum(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
         k: float(row[3][1:].split()[0]) / 2 if row[3].startswith("M") else float(row[2]) / 2 for k, row in holes.items()
     }
     for name, x, z, _ in table(doc, "Positions from the axis")[1:]:
-        at = cq.Vector(float(x), 0.0, float(z))
-        if name[0] == "P":
-            if abs(at.Length - circle) > 2e-3:
-                raise MissingDimensionError(f"{name} is not on its circle")
-            deep = float(holes["P"][4])
-            body = body.cut(
-                cq.Solid.makeCylinder(radius["P"], deep + 1, at + cq.Vector(0, face - deep, 0), cq.Vector(0, 1, 0))
-            )
+        at, along = cq.Vector(float(x), 0.0, float(z)), cq.Vector(0, 1, 0)
+        _, _, _, _, depth, _, _, begins = holes[name[0]]
+        if begins == "hub, radial":
+            tool = cq.Solid.makeCylinder(radius[name[0]], hub + 1.0, cq.Vector(0, face - screws, 0), at.normalized())
+        elif begins == "hub back":
+            deep = float(depth)
+            tool = cq.Solid.makeCylinder(radius[name[0]], deep + 1.0, at + along * (hub_start - 1.0), along)
         else:
-            start = cq.Vector(0, face - screws, 0)
-            body = body.cut(cq.Solid.makeCylinder(radius["Q"], hub + 1.0, start, at.normalized()))
+            if name[0] == "P" and abs(at.Length - circle) > 2e-3:
+                raise MissingDimensionError(f"{name} is not on its circle")
+            deep = float(depth)
+            tool = cq.Solid.makeCylinder(radius[name[0]], deep + 1.0, at + along * (face - deep), along)
+        body = body.cut(tool)
     return body
 
 

@@ -32,7 +32,8 @@ DESIGNS = {
     "mbcdm": LARGE,
     "siso_bevel": OTHERS["siso_bevel"],
     "siso_spur": OTHERS["siso_spur"],
-    "miso_spur": {"frame": OTHERS["miso_spur"]["frame"]},
+    # Its drum has the dowels that hold two sectors together, which no other has.
+    "miso_spur": {"frame": OTHERS["miso_spur"]["frame"], "drum": LARGE["drum"]},
 }
 CASES: dict[str, Rebuild] = {f"{file}/{part}": make for file, parts in DESIGNS.items() for part, make in parts.items()}
 
