@@ -46,8 +46,10 @@ Found = list[tuple[int, int, float, float, float, float]]
 
 
 class PartShape:
-    """A part's shape. ``key`` identifies its content; ``load`` returns its solid and is called only when a boolean
-    needs it; without a mesh no pair can be proven apart."""
+    """A part's shape.
+
+    ``key`` identifies its content; ``load`` returns its solid and is called only when a boolean needs it. Without a
+    mesh no pair can be proven apart."""
 
     def __init__(self, key: str, box: Box, load: Callable[[], Any], mesh: TriangleMesh | None = None) -> None:
         self.key = key

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.model.capability import TorqueLimit
 
-# How the limits of the drum's torque are called, by cause.
+# Names of the limits of the drum's torque, by cause.
 _LIMITS = {
     "motor": "motor, gearhead without losses",
     "motor_with_efficiency": "motor, gearhead with its losses",
@@ -186,7 +186,7 @@ class AnalysisReport:
 
 
 def _turned(t: ShaftTurns, shaft: str) -> str:
-    """Angle of a shaft of one cable's chain; the motor's is large and needs fewer digits."""
+    """Angle of a shaft of one cable's chain as text; the motor's is large and needs fewer digits."""
     if shaft not in t.turned_deg:
         return ""
     return f"{t.turned_deg[shaft]:+.1f}" if shaft == "motor" else f"{t.turned_deg[shaft]:+.2f}"
@@ -225,7 +225,7 @@ def _torque_notes(a: Analysis) -> Iterator[str]:
 
 
 def _creep_table(a: Analysis) -> ReportTable:
-    """Share of the preload left over time, a row a temperature."""
+    """Share of the preload that is left over time, one row for each temperature."""
     days = tuple(f"{day:.0f} days" for day in a.creep[0].days)
     rows = tuple((f"{line.temperature_C:g} C", *(f"{share:.1%}" for share in line.share)) for line in a.creep)
     return ReportTable(("at", *days), rows)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class BuildReport:
     """Outcome of a build: ``folder`` is None where it was refused, ``data`` is report.json where parts were drawn.
 
-    ``made`` names the parts that had to be drawn, ``unchanged`` says that the folder held all of it already.
+    ``made`` names the parts that had to be drawn; ``unchanged``: the folder already contained everything.
     """
 
     name: str
@@ -68,11 +68,11 @@ class BuildReport:
         return preformatted(self.text()) + self.checks._repr_html_()
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of report.json, ready for JSON; of a refused build only what the checks found."""
+        """The content of report.json, ready for JSON; for a refused build only the results of the checks."""
         return self.data if self.data is not None else {"checks": self.checks.to_dict()["checks"]}
 
 
 def build_report(loaded: LoadedDesign, outcome: Outcome) -> BuildReport:
-    """The outcome of :func:`mbcdm_cad.build.run.build` for people."""
+    """The outcome of :func:`mbcdm_cad.build.run.build` as a report."""
     checks = CheckReport(loaded.drive.name, loaded.sha256, outcome.checks)
     return BuildReport(loaded.drive.name, outcome.folder, checks, outcome.data, outcome.made, outcome.unchanged)

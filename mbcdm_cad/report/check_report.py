@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 Shown = Literal["findings", "failed", "all"]
 WORDS = ("pass", "warn", "fail", "waived")
 _COLOURS = {"pass": "32", "warn": "33", "fail": "31", "waived": "33"}
-# Passing checks first and failing ones last, next to the summary, where they are still on the screen.
+# Passing checks first and failing ones last, next to the summary, so that they stay visible on the terminal.
 _ORDER = ("pass", "warn", "waived", "fail")
 _INDENT = " " * 7
-# Columns for the figure of a passing check against its limit; few need more.
+# Width in characters for figure and limit of a passing check; few need more.
 _FIGURES = 28
 
 
@@ -38,7 +38,7 @@ class CheckReport:
     name: str
     design_sha256: str
     results: tuple[CheckResult, ...]
-    # What the remedies do when followed together, in words; empty where nothing fails.
+    # Result of applying the remedies together, in words; empty if nothing fails.
     advice: str = ""
 
     @property
@@ -79,9 +79,9 @@ class CheckReport:
         raise MbcdmError(f"{check_id}: no such check; {remedy}")
 
     def text(self, *, width: int | None = None, colour: bool = False, show: Shown = "findings") -> str:
-        """What ``mbcdm check`` prints: warnings, then failures with what would mend them, and a summary line.
+        """What ``mbcdm check`` prints: warnings, then failures with their remedies, and a summary line.
 
-        ``show`` "failed" leaves the warnings out, "all" lists what passes too. No line is longer than ``width``.
+        ``show`` "failed" leaves the warnings out, "all" also lists passing checks. No line is longer than ``width``.
         """
         words = {"findings": _ORDER[1:], "failed": _ORDER[3:], "all": _ORDER}[show]
         listed = [result for word in words for result in self.results if _word(result) == word]
@@ -98,7 +98,7 @@ class CheckReport:
         return self.text()
 
     def _repr_html_(self) -> str:
-        """For notebooks: the summary, then what does not simply pass."""
+        """For notebooks: the summary, then the checks that do not simply pass."""
         found = [result for word in _ORDER[1:] for result in self.results if _word(result) == word]
         rows = tuple((_word(r), r.id, figures(r), r.message, r.remedy) for r in found)
         counted = ", ".join(f"{n} {word}" for word, n in self.counts.items())
@@ -137,7 +137,7 @@ def _word(result: CheckResult) -> str:
 
 @dataclass(frozen=True)
 class _Columns:
-    """Widths that the lines of a report share. Titles of passing checks are left out where they do not all fit."""
+    """Widths that the lines of a report share. Titles of passing checks are left out if they do not all fit."""
 
     width: int | None
     id: int
@@ -152,7 +152,7 @@ class _Columns:
 
 
 def _lines(r: CheckResult, columns: _Columns, colour: bool) -> Iterator[str]:
-    """One check: what it is, and below it what was found and what to do, where it does not simply pass."""
+    """Lines of one check: id and figures; if it does not simply pass, message and remedy below."""
     word, width = _word(r), columns.width
     mark = f"\x1b[{_COLOURS[word]}m{word:<6}\x1b[0m" if colour else f"{word:<6}"
     if word == "pass":

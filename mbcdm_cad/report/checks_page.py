@@ -41,7 +41,7 @@ _BUILD = {
 
 
 def checks_page(drive: Drive) -> str:
-    """Markdown: id, what, figure of ``drive`` against its limit, source; one table a family."""
+    """Markdown: id, description, figure of ``drive`` and its limit, source; one table for each family."""
     kind = configuration(drive.configuration)
     design, lines = kind.design_under_test(drive), []
     for family in kind.check_families():

@@ -1,7 +1,7 @@
-"""Designs side by side, from what their builds wrote: torque, mass, box, backlash, stiffness, modes, parts, margins.
+"""Comparison of designs from the files of their builds: torque, mass, box, backlash, stiffness, modes, parts, margins.
 
-Torque counts the gearhead as lossless, as the paper does. Backlash is taken at one load for all designs, the smallest
-of their test torques, since it does not grow in proportion. The stiffness of the frame, where it is known, counts in
+Torque assumes a lossless gearhead, as in the paper. Backlash is computed at one load for all designs, the smallest of
+their test torques, because it does not grow in proportion to the load. The stiffness of the frame, if known, acts in
 series with that of the cables, all wraps sticking.
 """
 
@@ -19,7 +19,7 @@ from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_of
 from mbcdm_cad.report.table import ReportTable
 
-# Units in which a margin over its limit says how much harder the design could be driven.
+# Units for which the margin over the limit is a reserve of load.
 _LOADS = ("times", "N m", "of breaking load")
 
 
@@ -95,7 +95,7 @@ def compared(drive: Drive, report: dict[str, Any], load_Nm: float) -> ComparedDe
 
 
 def _tightest(checks: Sequence[dict[str, Any]]) -> tuple[str, float]:
-    """(id, margin over limit) of the check of strength or torque that is nearest to its limit; warnings aside."""
+    """(id, margin over limit) of the check of strength or torque that is nearest to its limit, without warnings."""
     found = [
         (check["margin"] / abs(check["limit"]), check["id"])
         for check in checks

@@ -52,7 +52,7 @@ def _conventions(own: Conventions, threads: str) -> list[str]:
 
 
 def _rounded(value: Any, digits: int = 9) -> Any:
-    """Figures as written: ten significant digits, so that the last bits of a sum do not show."""
+    """The data with figures rounded to ten significant digits, so that rounding errors do not appear."""
     if isinstance(value, float):
         return float(f"{value:.{digits}g}") if np.isfinite(value) else None
     if isinstance(value, dict):
@@ -82,7 +82,7 @@ def _swept_box(boxes: Sequence[Box]) -> list[float]:
 
 
 def checks_data(checks: Sequence[CheckResult]) -> dict[str, Any]:
-    """What the report says of the checks; a report with failed ones exists only where the build was forced."""
+    """The report's data of the checks; a report with failed checks exists only if the build was forced."""
     failed = [c.id for c in checks if c.status == "fail"]
     plain = _rounded({"checks": [asdict(c) for c in checks], "failed_checks": failed, "forced": bool(failed)})
     assert isinstance(plain, dict)
@@ -95,7 +95,7 @@ def _tensioning(plan: TensioningPlan | None) -> dict[str, Any] | None:
 
 @dataclass(frozen=True)
 class Tested:
-    """What only a whole build finds out: clashes at the poses looked at, and how far the frame winds up."""
+    """Results that only a whole build has: clashes at the tested poses, and the windup of the frame."""
 
     clashes: Sequence[Clash] = ()
     poses_deg: Sequence[float] = ()
@@ -104,7 +104,7 @@ class Tested:
 
 @dataclass(frozen=True)
 class DesignFigures:
-    """What the report says of a design that needs no part drawn: ``data`` as it stands there, and what else rests on.
+    """The report's data that need no drawn part: ``data`` as in the report, and values that other data depend on.
 
     ``boxes`` are those of the cables at ``angles_deg``, the first with the drum centred, the others over its travel.
     """
@@ -148,9 +148,9 @@ def report_data(
     design_sha256: str,
     figures: DesignFigures | None = None,
 ) -> dict[str, Any]:
-    """The report of one build but for its checks, some of which judge what stands here.
+    """The report of one build without its checks, some of which judge these data.
 
-    ``centred`` is the bill with the drum centred; ``figures`` are those of :func:`design_figures` where they are known.
+    ``centred`` is the bill with the drum centred; ``figures`` are those of :func:`design_figures` if they are known.
     """
     drive = layout.drive
     figures = figures or design_figures(layout, centred)

@@ -16,7 +16,7 @@ import networkx as nx
 
 from mbcdm_cad.design.describe import flow
 
-# Sweeps over all columns, there and back; more change nothing any more for designs of some sixty fields.
+# Sweeps over all columns in both directions; more change nothing for designs of some sixty fields.
 _SWEEPS = 24
 _BOX_PX = (208.0, 34.0)
 _COLUMN_PX, _ROW_PX, _PASSING_PX, _EDGE_PX = 246.0, 42.0, 12.0, 12.0
@@ -28,9 +28,9 @@ _Place = str | tuple[str, str, int]
 
 @dataclass(frozen=True)
 class DependencyNode:
-    """A field in the graph: box with its left upper corner in px, and what to say of it.
+    """A field in the graph: box with its left upper corner in px, and its texts.
 
-    ``kind``: "asked" has no rule (requirement, choice), "follows" was filled by its rule, "stated" stands in the file
+    ``kind``: "asked" has no rule (requirement, choice), "follows" was filled by its rule, "stated" is given in the file
     although a rule would fill it.
     """
 
@@ -44,7 +44,7 @@ class DependencyNode:
 
 @dataclass(frozen=True)
 class DependencyLine:
-    """A line from a field to one that rests on it: its points in px, from left to right."""
+    """A line from a field to one that depends on it: its points in px, from left to right."""
 
     source: str
     target: str
@@ -52,7 +52,7 @@ class DependencyLine:
 
     @property
     def path(self) -> str:
-        """As the ``d`` of an SVG path: level where it leaves, passes and arrives."""
+        """The line as the ``d`` of an SVG path, horizontal at its ends and in each column between."""
         start = self.points[0]
         steps = [f"M{start[0]:.1f} {start[1]:.1f}"]
         for (x0, y0), (x1, y1) in pairwise(self.points):
@@ -63,7 +63,7 @@ class DependencyLine:
 
 @dataclass(frozen=True)
 class DependencyGraph:
-    """Fields and lines on a drawing of ``size_px``; ``alone`` rest on nothing, and nothing rests on them."""
+    """Fields and lines on a drawing of ``size_px``; fields in ``alone`` have no dependencies in either direction."""
 
     nodes: tuple[DependencyNode, ...]
     lines: tuple[DependencyLine, ...]
@@ -74,8 +74,8 @@ class DependencyGraph:
 def dependency_graph(fields: Sequence[Mapping[str, Any]]) -> DependencyGraph:
     """The graph of the records of all fields (:meth:`mbcdm_cad.report.explain.Explained.to_dict`).
 
-    What a longer way shows already has no line of its own. Where the rules of two stated fields rest on each other, the
-    first of them in the list comes first.
+    A dependency that a longer path already shows has no line of its own. If the rules of two stated fields depend on
+    each other, the first of them in the list comes first.
     """
     records = {record["field"]: record for record in fields}
     asked = {name: value for record in fields for name, value in record["rests_on"].items() if name not in records}
@@ -96,7 +96,7 @@ def dependency_graph(fields: Sequence[Mapping[str, Any]]) -> DependencyGraph:
 
 
 def dependency_svg(graph: DependencyGraph, title: str) -> str:
-    """The graph as SVG text that stands alone or inside a page, whose colours (CSS variables) it then takes."""
+    """The graph as SVG text, for a file or inside a page; in a page it uses the page's colours (CSS variables)."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mbcdm_cad.report", "."), undefined=jinja2.StrictUndefined, autoescape=True
     )
@@ -114,7 +114,7 @@ def _without_cycles(fields: Iterable[Mapping[str, Any]]) -> nx.DiGraph:
 
 
 def _columns(direct: nx.DiGraph) -> tuple[nx.DiGraph, dict[_Place, int]]:
-    """Column of each field, as far right as what rests on it leaves; long lines get a place in each column between."""
+    """Column of each field, as far right as its dependents allow; long lines get a place in each column between."""
     column: dict[_Place, int] = {}
     for k, generation in enumerate(nx.topological_generations(direct)):
         column |= dict.fromkeys(generation, k)
@@ -131,7 +131,7 @@ def _columns(direct: nx.DiGraph) -> tuple[nx.DiGraph, dict[_Place, int]]:
 
 
 def _ordered(places: nx.DiGraph, column: Mapping[_Place, int]) -> list[list[_Place]]:
-    """The places column by column, in the order with the fewest crossings that the sweeps come by."""
+    """The places column by column, in the order with the fewest crossings of all sweeps."""
     columns: list[list[_Place]] = [[] for _ in range(max(column.values()) + 1)]
     for place in places:
         columns[column[place]].append(place)

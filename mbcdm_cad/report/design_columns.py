@@ -1,4 +1,4 @@
-"""Columns of figures of many designs, in readable units; how they show themselves and turn into plain data."""
+"""Columns of figures of many designs, in readable units, with their output as text, plain data and data frames."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     import pandas
 
 Values = NDArray[Any]
-# Figures with a row for a load that opposes positive rotation, and one for the other way.
+# Figures with a row for a load that opposes positive rotation, and one for the other direction.
 _BOTH_WAYS = ("turn_rad", "peak_torque_Nm")
-# Angles that people read in degrees; the others, of backlash, in mrad.
+# Angles that are shown in degrees; the others, of backlash, in mrad.
 _IN_DEGREES = ("wrap", "fleet_angle")
 
 
 class DesignColumns:
-    """Columns by name, one value a design each. Iterating and indexing goes over columns."""
+    """Columns by name, each with one value for each design. Iteration and indexing use columns."""
 
     @property
     @abstractmethod
@@ -48,7 +48,7 @@ class DesignColumns:
         return iter(self.columns)
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """Columns as lists, ready for JSON: None where there is no figure."""
+        """Columns as lists, ready for JSON: None if there is no figure."""
         return {name: [_or_none(value) for value in column.tolist()] for name, column in self.columns.items()}
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -76,7 +76,7 @@ class DesignColumns:
 
 
 def figure_columns(figures: BulkFigures, cable_names: Sequence[str]) -> dict[str, Values]:
-    """The figures by name and unit; those of a cable with its name, those of both senses as plus and minus."""
+    """The figures by name and unit; those of a cable with its name, those of both directions as plus and minus."""
     found: dict[str, Values] = {}
     for field in fields(figures):
         values = np.asarray(getattr(figures, field.name))
@@ -93,7 +93,7 @@ def figure_columns(figures: BulkFigures, cable_names: Sequence[str]) -> dict[str
 
 
 def _column(name: str, values: Values) -> dict[str, Values]:
-    """A column in the unit that people read, which its name then ends with."""
+    """A column in a readable unit, with which its name then ends."""
     stem, _, unit = name.rpartition("_")
     if unit == "rad":
         degrees = any(word in stem for word in _IN_DEGREES)

@@ -16,7 +16,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 
-# Blocks whose entries bear names of the user's own.
+# Blocks whose entries have names chosen by the user.
 _WITHOUT_RULES = ("catalogue", "as_built", "waivers")
 
 
@@ -24,7 +24,7 @@ _WITHOUT_RULES = ("catalogue", "as_built", "waivers")
 class Explained:
     """One field: its value, and the record of the rule that gives it.
 
-    ``given``: the file states it; ``record`` is then what the rule would give, None where there is no rule.
+    ``given``: the file states it; ``record`` is then what the rule would give, None if there is no rule.
     """
 
     field: str
@@ -48,7 +48,7 @@ class Explained:
 
 
 def explain_all(loaded: LoadedDesign) -> tuple[Explained, ...]:
-    """Every field that has a rule: those it filled in the order of the rules, then those that the file states."""
+    """Every field that has a rule: filled fields in the order of the rules, then those that the file states."""
     filled = (Explained(value.field, value.value, False, value) for value in loaded.sized)
     return (*filled, *_stated(loaded))
 
@@ -65,7 +65,7 @@ def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
 
 
 def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
-    """The data with the fields filled that even a complete file may leave out, so that they are worked out once."""
+    """The data with the fields filled that even a complete file may leave out, so that they are computed only once."""
     size = design_file(loaded.drive.configuration).size
     try:
         return data if size is None else size(copy.deepcopy(data), {}).data
@@ -74,7 +74,7 @@ def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedValue | None:
-    """What the rule gives where the file, read as ``data``, states the field; None where none does."""
+    """The rule's value of a field that the file, read as ``data``, states; None if no rule gives one."""
     size = design_file(loaded.drive.configuration).size
     if size is None:
         return None
@@ -91,12 +91,12 @@ def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedVal
 
 
 def fields_data(loaded: LoadedDesign) -> dict[str, Any]:
-    """What the report says of the fields: a record for each that has a rule, as plain data."""
+    """The report's data of the fields: a record for each field with a rule."""
     return {"fields": [entry.to_dict() for entry in explain_all(loaded)]}
 
 
 def explain_field(loaded: LoadedDesign, field: str) -> Explained:
-    """One field by its dotted name. Raises ``MbcdmError`` for a name that the design has not."""
+    """One field by its dotted name. Raises ``MbcdmError`` for a name that the design does not have."""
     record = next((value for value in loaded.sized if value.field == field), None)
     if record is not None:
         return Explained(field, record.value, False, record)
@@ -127,7 +127,7 @@ def _fields(data: dict[str, Any], prefix: str = "") -> Iterator[str]:
 
 
 def table_lines(loaded: LoadedDesign) -> Iterator[str]:
-    """All fields that have a rule: name, value, what drives it; for a stated value also what the rule gives."""
+    """All fields that have a rule: name, value, driving need; for a stated value also what the rule gives."""
     entries = explain_all(loaded)
     if not entries:
         yield f"{loaded.path}: every field is given, and {loaded.drive.configuration} has no sizing rules"
@@ -146,7 +146,7 @@ def _reason(entry: Explained, rule: SizedValue) -> str:
 
 
 def chain_lines(loaded: LoadedDesign, field: str) -> Iterator[str]:
-    """One field with its rule, and below it what the rule rests on, down to what the file gives."""
+    """One field with its rule, and below it the fields that the rule reads, down to those that the file gives."""
     entry = explain_field(loaded, field)
     yield f"{field} = {_short(entry.value)}"
     if entry.given:

@@ -2,8 +2,8 @@
 
     python -m mbcdm_cad.report.gallery_page params/gallery docs
 
-writes ``docs/gallery.md`` and a picture of each drive below ``docs/pictures/gallery``. Parts are drawn, but not tested
-for interference: that is what the build is for.
+writes ``docs/gallery.md`` and a picture of each drive below ``docs/pictures/gallery``. Parts are drawn, but only a
+build tests them for interference.
 """
 
 from __future__ import annotations
@@ -48,13 +48,14 @@ reach is measured in [how far a short file reaches](reach.md).
 Torque is the lesser of both ways, gearhead lossless; the swing is that at a reversal of the test torque; the lowest
 mode is with the inputs held.
 """
-# What a file's first line says after the sentence that is its own.
+# The end of a file's first line that is the same in all files.
 _HINT = re.compile(r"\.\s+(Everything else|mbcdm explain).*")
 
 
 @dataclass(frozen=True)
 class GalleryDrive:
-    """A drive on show: its file, the first sentence of it, its report without what needs a whole build, a picture."""
+    """A drive of the gallery: its file, first sentence, picture, and its report without the results of a whole
+    build."""
 
     loaded: LoadedDesign
     report: dict[str, Any]
@@ -62,13 +63,13 @@ class GalleryDrive:
 
     @property
     def words(self) -> str:
-        """The sentence that the file begins with."""
+        """The first sentence of the file."""
         first = self.loaded.text.splitlines()[0].removeprefix("#").strip()
         return _HINT.sub("", first).rstrip(".") + "."
 
     @property
     def lines(self) -> int:
-        """Lines of the file that are no comment."""
+        """Lines of the file that are not comments."""
         return sum(bool(line.split("#")[0].strip()) for line in self.loaded.text.splitlines())
 
     def row(self) -> tuple[Any, ...]:
@@ -106,7 +107,7 @@ def gallery_drive(path: Path, cache: Cache) -> GalleryDrive:
 
 
 def gallery_markdown(drives: Sequence[GalleryDrive], folder: str) -> Iterator[str]:
-    """Lines of the page; ``folder`` is where the pictures lie as seen from it."""
+    """Lines of the page; ``folder``: that of the pictures, relative to the page."""
     yield _HEAD
     yield from ReportTable(_COLUMNS, tuple(one.row() for one in drives)).markdown()
     for one in drives:

@@ -27,7 +27,7 @@ def report_markdown(data: dict[str, Any]) -> str:
         loader=jinja2.PackageLoader("mbcdm_cad.report", "."),
         undefined=jinja2.StrictUndefined,
         keep_trailing_newline=True,
-        autoescape=False,  # Markdown, read by people; names in it are plain slugs
+        autoescape=False,  # no HTML escapes in Markdown; all names in it are plain slugs
     )
     environment.filters["figure"] = _figure
     environment.filters["figures"] = _figure

@@ -19,8 +19,9 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 
-# One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
-# (density of the alloy and machining tolerances). Parts of one kind err together, different kinds independently.
+# One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part #
+# (density of the alloy and machining tolerances). Parts of one kind have the same error, different kinds independent
+# ones.
 ESTIMATE_SIGMA = 0.10
 CATALOGUE_SIGMA = 0.02
 MADE_SIGMA = 0.01
@@ -43,10 +44,10 @@ class BillLine:
 
 @dataclass(frozen=True)
 class ReflectedInertias:
-    """Moments of inertia of what moves, g mm^2: seen at the drum's axis, and reflected to one motor's shaft.
+    """Moments of inertia of the moving parts, g mm^2: reflected to the drum's axis, and to one motor's shaft.
 
-    ``passed_at_drum`` holds the bodies that cables pass; ``input_shafts`` are each input's about its own axis, its
-    rotor reflected to it.
+    ``passed_at_drum`` are those of bodies that cables pass; ``input_shafts`` are each input's about its own axis, with
+    its rotor reflected to it.
     """
 
     drum_group: float
@@ -76,7 +77,7 @@ def _source(item: Item, parts_list: Bill, drive: Drive) -> str:
 def mass_is_estimated(source: str) -> bool:
     """Whether a catalogue entry's source calls its mass an estimate.
 
-    What counts is the clause that speaks of the mass (the word, or a figure in g); without one, all that is said.
+    The clause about the mass (with this word, or a figure in g) decides; without one, the whole text.
     """
     clauses = re.split(r";|\.\s", source)
     of_mass = [clause for clause in clauses if _MASS.search(clause)]
@@ -116,7 +117,7 @@ def bill_lines(centred: Bill, parts: Mapping[str, MadePart], drive: Drive) -> tu
 
 
 def total_sigma_g(lines: tuple[BillLine, ...]) -> float:
-    """One sigma of the whole: kinds of parts err independently of each other."""
+    """One sigma of the total mass, g; the errors of different kinds of parts are independent."""
     return float(np.sqrt(sum(line.sigma_g**2 for line in lines)))
 
 
@@ -126,7 +127,7 @@ def masses_by_item(centred: Bill, parts: Mapping[str, MadePart]) -> dict[str, Ma
 
 
 def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties]) -> ReflectedInertias:
-    """Inertia seen at the drum's axis: each moving group by the square of its ratio to the drum.
+    """Inertia reflected to the drum's axis: each moving group times the square of its ratio to the drum.
 
     Cables are left out (2 g, moving with the rims); the rotors turn i_c x gearhead times faster than the drum.
     """

@@ -9,7 +9,7 @@ from mbcdm_cad.report.table import ReportTable
 
 
 def motor_lines(m: Mapping[str, Any]) -> tuple[str, ...]:
-    """Sentences on ``analysis.motor``: what it gives, what the design asks of it, what its rotors add."""
+    """Sentences on ``analysis.motor``: its torque, the torque that the design requires, the inertia of its rotors."""
     return (
         f"Motor at {m['bus_voltage_V']:g} V: {m['continuous_torque_mNm']:.4g} mN m continuous with "
         f"{m['continuous_loss_W']:.3g} W lost in the copper, {m['peak_torque_mNm']:.4g} mN m for moments with "

@@ -17,7 +17,7 @@ from mbcdm_cad.model.stiffness import sticking_response
 
 
 def path_data(dims: Layout) -> dict[str, Any]:
-    """Plain data of the paths, as the report and ``mbcdm analyse --json`` hold them."""
+    """Plain data of the paths, as in the report and in ``mbcdm analyse --json``."""
     figures = configuration(dims.drive.configuration).path_figures(dims)
     length_m = np.array([cable.length_um for cable in figures.cables]) * 1e-6
     d = to_si(dims.drive)
@@ -44,7 +44,7 @@ def _turns_with_real_wraps(d: DriveSI, figures: PathFigures, load_Nm: float) -> 
 
 
 def path_data_or_reason(drive: Drive) -> tuple[dict[str, Any] | None, str]:
-    """As :func:`path_data`; (None, why) where the dimensions have no solution, which ``mbcdm check`` tells in full."""
+    """As :func:`path_data`; (None, reason) if the dimensions have no solution, which ``mbcdm check`` explains."""
     try:
         return path_data(configuration(drive.configuration).layout(drive)), ""
     except (ValueError, ZeroDivisionError, ModelError) as error:
@@ -52,7 +52,7 @@ def path_data_or_reason(drive: Drive) -> tuple[dict[str, Any] | None, str]:
 
 
 def path_lines(kind: str, paths: dict[str, Any]) -> Iterator[str]:
-    """The paths for a terminal: what the configuration says of each cable, then the travel."""
+    """The paths for a terminal: the configuration's lines for each cable, then the travel."""
     ends = paths["drum_angle_deg"][0], paths["drum_angle_deg"][-1]
     yield "cable paths (wraps in deg, drum centred and at both ends of travel; walk and fleet angle at the ends):"
     for c in paths["cables"]:

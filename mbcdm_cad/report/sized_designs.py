@@ -1,7 +1,7 @@
 """Many designs sized at once from a file of requirements, as far as no frame is needed: columns of fields and figures.
 
-The rules are those of one design (:mod:`mbcdm_cad.sizing.bulk`). What rests on drum and frame (setback of the inputs,
-sector, walls, mass, checks) needs a drive of its own for each design, and so :func:`mbcdm_cad.report.sweep.sweep`.
+The rules are those of one design (:mod:`mbcdm_cad.sizing.bulk`). Values that depend on drum and frame (setback of the
+inputs, sector, walls, mass, checks) need a drive for each design: see :func:`mbcdm_cad.report.sweep.sweep`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mbcdm_cad.sizing.bulk import Alike, gathered
 if TYPE_CHECKING:
     from mbcdm_cad.design.loaded import LoadedDesign
 
-# Wraps on passed bodies rest on the inputs' setback, which rests on the frame.
+# Wraps on passed bodies depend on the inputs' setback, which depends on the frame.
 _NEEDS_FRAME = "passed_wrap_deg"
 
 
@@ -32,8 +32,8 @@ class SizedDesigns(DesignColumns):
     """Sized fields and figures of the cables of n designs.
 
     Columns are the varied fields, the sized ones by their dotted names (radii by step, ``...drum_radii_mm[1]``; parts
-    by their catalogue names) and the figures as in :class:`~mbcdm_cad.report.sweep.Sweep`. ``refused`` says of a design
-    why no rule can fill one of its fields; its other columns are NaN or None.
+    by their catalogue names) and the figures as in :class:`~mbcdm_cad.report.sweep.Sweep`. ``refused`` gives for a
+    design the reason why no rule can fill one of its fields; its other columns are NaN or None.
     """
 
     name: str
@@ -62,7 +62,7 @@ class SizedDesigns(DesignColumns):
 def size_designs(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:
     """Size the designs that ``ranges`` describe, as in :func:`mbcdm_cad.report.sweep.sweep`, all at once.
 
-    Values are validated one by one; what rules between fields and checks say of a design is not asked. Errors:
+    Values are validated one by one; rules between fields and checks are not evaluated. Errors:
     ``InputError`` for a value that the file could not hold, ``MbcdmError`` for arrays of different lengths, or a
     configuration whose rules need a drive for each design.
     """

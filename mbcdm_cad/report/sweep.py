@@ -68,7 +68,7 @@ def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False
 
 
 def _routed_alike(designs: Sequence[DriveSI]) -> list[list[int]]:
-    """Places of the designs whose cables run alike; sizing rules may choose another arrangement for some."""
+    """Indices of the designs in groups with the same routes; sizing rules may choose other arrangements for some."""
     groups: list[list[int]] = []
     for k, design in enumerate(designs):
         own = next((group for group in groups if designs[group[0]].geometry == design.geometry), None)

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     import pandas
 
 _GAP = "  "
-# Narrower than this no column of words is wrapped, however narrow the terminal.
+# Least width of a wrapped column of words, also on a narrow terminal.
 _NARROWEST = 12
 
 
 @dataclass(frozen=True)
 class ReportTable:
-    """Rows of cells under named columns; floats are shown with four significant digits, None as nothing."""
+    """Rows of cells under named columns; floats are shown with four significant digits, None as an empty cell."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
@@ -74,7 +74,7 @@ def data_frame(columns: Mapping[str, Any]) -> pandas.DataFrame:
 
 
 def preformatted(text: str) -> str:
-    """Text for a notebook, its columns kept."""
+    """HTML of a text for a notebook, with its columns aligned."""
     return f"<pre>{html.escape(text)}</pre>"
 
 

@@ -17,7 +17,7 @@ _KG_M2 = 1e-9  # of a g mm^2
 def torsion_data(drive: Drive, moving: ReflectedInertias) -> dict[str, Any]:
     """Frequencies (Hz) with every wrap sticking: inputs held, and inputs free with pulley and rotor.
 
-    Bodies that cables pass are taken to turn with the drum. Free inputs leave the rigid turn at 0 Hz out.
+    Bodies that cables pass are assumed to turn with the drum. The rigid rotation at 0 Hz of free inputs is left out.
     """
     d = to_si(drive)
     drum = (moving.drum_group + sum(moving.passed_at_drum.values())) * _KG_M2

@@ -28,7 +28,7 @@ def comparison_page(designs: Sequence[ComparedDesign], drives: Sequence[Drive], 
 
 
 def _row(label: str, values: Sequence[Any]) -> dict[str, Any]:
-    """A row of the table; figures that can be compared have their share of the greatest."""
+    """A row of the table; comparable figures have their share of the largest, for a bar."""
     numbers = all(isinstance(value, float | int) for value in values)
     most = max(values) if numbers else 0.0
     cells = [{"value": value, "share": value / most if numbers and most > 0.0 else None} for value in values]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 _RANK = {"fail": 0, "warn": 1, "pass": 2}
-# Margins of rounding: a wall exactly as thick as its limit may come out 1e-15 under it.
+# Tolerance for rounding: a wall exactly at its limit may be computed as 1e-15 below it.
 _ROUNDING = 1e-9
 CAUSES = {
     "motor": "motor's rated torque, gearhead lossless",
@@ -22,9 +22,9 @@ CAUSES = {
 
 
 def used_share(check: Mapping[str, Any]) -> float | None:
-    """How much of its limit a check uses: 1 at the limit, more beyond it; None where no ratio can be formed.
+    """The share of its limit that a check uses: 1 at the limit, more beyond it; None if there is no such ratio.
 
-    The figure over an upper limit, a lower limit over the figure.
+    It is the figure over an upper limit, or a lower limit over the figure.
     """
     actual, limit, margin = check["actual"], check["limit"], check["margin"]
     if actual is None or limit is None or margin is None or actual < 0.0 or limit < 0.0:
@@ -62,7 +62,7 @@ def tightest(checks: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
 
 
 def capability(report: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Torque limits by cause, both ways side by side, N m; None where a cause sets no limit."""
+    """Torque limits by cause in both directions, N m; None if a cause sets no limit."""
     rows: dict[str, dict[str, Any]] = {}
     for limit in report["analysis"]["limits"]:
         row = rows.setdefault(limit["cause"], {"cause": CAUSES.get(limit["cause"], limit["cause"])})
@@ -71,7 +71,7 @@ def capability(report: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """Derived values: what, value with unit, and what it follows from."""
+    """Derived values: name, value with unit, and the values from which it follows."""
     a, paths, torsion = report["analysis"], report["paths"], report["torsion"]
     spans = [c["free_span_mm"] for c in a["cables"]]
     moving = report["inertia_moving_g_mm2"]
@@ -157,7 +157,7 @@ def derived(report: Mapping[str, Any], bodies: Sequence[Mapping[str, Any]]) -> l
 
 
 def _motor_rows(m: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """What the motor itself allows."""
+    """Derived values of the motor."""
     return [
         (
             "speed of the drum, no load",
@@ -198,7 +198,7 @@ def speed_chart(report: Mapping[str, Any]) -> dict[str, Any] | None:
     }
 
 
-# Units at the end of a field's name, as they are shown, with the digits after the point.
+# Units at the end of a field's name, how they are shown, and the digits after the point.
 _UNITS = {"mm": ("mm", 2), "deg": ("°", 1)}
 
 
@@ -231,13 +231,13 @@ def _range(value: Any, digits: int) -> str:
 
 
 def travel_limits(report: Mapping[str, Any]) -> list[tuple[str, Sequence[Mapping[str, Any]]]]:
-    """What ends the travel each way, nearest first; none where the configuration does not say."""
+    """Limits of the travel in each direction, nearest first; empty if the configuration gives none."""
     ways = [("Negative", report["paths"].get("limits_negative")), ("Positive", report["paths"].get("limits_positive"))]
     return [(name, way) for name, way in ways if way]
 
 
 def groups(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The list of parts: one entry a body with its items by mass, then the cables."""
+    """The list of parts: one entry for each body with its items by mass, then the cables."""
     found = []
     for body in scene["bodies"]:
         items = [item for item in scene["items"] if item["body"] == body["name"]]
@@ -250,7 +250,7 @@ def groups(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def legend_table(chart: Mapping[str, Any], rows: int = 9) -> dict[str, Any]:
-    """A chart as a short table for those who cannot see it; None where its lines do not share their places."""
+    """A chart as a short table for screen readers; None if its lines have different abscissas."""
     lines = chart["lines"]
     if any(line["x"] != lines[0]["x"] for line in lines):
         return {"head": [], "rows": []}

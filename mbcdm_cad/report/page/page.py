@@ -13,7 +13,8 @@ from mbcdm_cad.report.page import content
 from mbcdm_cad.report.page.scene import Scene
 from mbcdm_cad.report.page.template import page_environment
 
-# Scripts in the order in which they run; the tables' own come first, so that they work before the 3D part has loaded.
+# Scripts in the order in which they run; those of the tables come first, so that they work before the 3D view is
+# loaded.
 _TABLE_SCRIPTS = ("charts.js", "graph.js", "tables.js")
 _VIEW_SCRIPTS = ("decode.js", "tube.js", "section.js", "explode.js", "viewer.js", "pictures.js", "main.js")
 THREE = "vendor/three.min.js"

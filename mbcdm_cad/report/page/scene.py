@@ -24,8 +24,8 @@ from mbcdm_cad.parts.bill import Bill, cable_item
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
 
-# A centre line is drawn with chords that leave the curve by at most this much, and angles between two samples are
-# filled in linearly with at most this error. Both lie below what a screen shows.
+# Largest deviation of the chords of a centre line from the curve, and largest error of the linear interpolation between
+# # two drum angles. Both are too small to be visible on a screen.
 CHORD_ERROR_MM = 0.02
 POSE_ERROR_MM = 0.03
 _POSES = (9, 19, 37, 71, 141, 281)
@@ -39,7 +39,7 @@ Lines = Mapping[str, NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Scene:
-    """``data`` goes into the page as JSON, ``binary`` beside it; the arrays in ``data`` name their place in it."""
+    """``data`` is written into the page as JSON, ``binary`` beside it; arrays in ``data`` state their place in it."""
 
     data: dict[str, Any]
     binary: bytes
@@ -185,7 +185,7 @@ def _pose_error(
     angles: NDArray[np.float64],
     counts: Sequence[Sequence[int]],
 ) -> float:
-    """Largest error of linear interpolation, looked for in the middle of the first, middle and last interval."""
+    """Largest error of linear interpolation, evaluated in the middle of the first, middle and last interval."""
     worst = 0.0
     for k in (0, len(angles) // 2, len(angles) - 2):
         true = _sampled(paths_at(radians((angles[k] + angles[k + 1]) / 2)), counts)

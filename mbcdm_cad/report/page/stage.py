@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PageFigures:
-    """What the page shows of a design that needs no part drawn: curves, cables over the travel, graph of the fields."""
+    """Content of the page that needs no drawn part: curves, cables over the travel, graph of the fields."""
 
     studies: Mapping[str, Any]
     lines: Lines
@@ -34,7 +34,7 @@ class PageFigures:
 
 
 def page_figures(drive: Drive, fields: Sequence[Mapping[str, Any]], cache: Cache) -> PageFigures:
-    """``fields`` as the report has them."""
+    """The figures of the page; ``fields`` as in the report."""
     paths_at = configuration(drive.configuration).layout(drive).cable_paths
     lines, _ = cable_lines(paths_at, drive.half_travel_deg)
     return PageFigures(_studies(drive, cache), lines, fields_graph(drive.name, fields))
@@ -49,7 +49,7 @@ def page_of(
 ) -> bytes:
     """``report.html`` of a design with the content of its report.json and its drawn parts.
 
-    ``drawings``: the folder beside the page's where `mbcdm drawings` writes; what stands there is linked.
+    ``drawings``: the folder into which `mbcdm drawings` writes; its files are linked.
     """
     view = design_scene(drive, {name: part.files for name, part in parts.items()}, figures.lines)
     links = file_links(drive.name, parts)
@@ -61,9 +61,9 @@ def page_of(
 
 
 def _studies(drive: Drive, cache: Cache) -> dict[str, Any]:
-    """The curves of the model take seconds and change only with what the model reads, so they are kept."""
-    # The hash of the whole package is at hand; that of the modules read takes a second to find.
-    # As text, since limits that a drive does not have stand as infinity, which content_key refuses.
+    """The curves of the model, from the cache: they take seconds and depend only on what the model reads."""
+    # The hash of the whole package is already known; that of the modules in use takes a second to compute.
+    # As text, because limits that a drive does not have are infinite, which content_key refuses.
     read = [asdict(to_si(drive)), asdict(requirements(drive)), asdict(drive.loads)]
     inputs = json.dumps(read, sort_keys=True, default=lambda array: array.tolist())
     key = content_key("studies", inputs, package_hash(), versions())

@@ -1,4 +1,4 @@
-"""Plots that only the page shows: curves of the model over load, preload and travel, ready to be drawn."""
+"""Charts that only the page shows: curves of the model over load, preload and travel, as plain data."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def _loop(d: DriveSI, load_Nm: float) -> dict[str, Any]:
     turns = np.array([0.0, 1.0, -1.0, 1.0, -0.2, 0.4, -0.2, 1.0]) * load_Nm
     load = np.concatenate([np.linspace(a, b, 40)[1:] for a, b in pairwise(turns)])
     drum = simulate(d, np.zeros((d.n_inputs, load.size)), load).drum_angle_rad
-    # The unloaded drum is put before the run: as its first sample it would be a motion of its own, and turn back there.
+    # The unloaded drum is added before the run: as its first sample it would be a motion with a reversal of its own.
     idle = float(solve_equilibrium(d, 0.0).drum_angle_rad)
     load, drum = np.concatenate([turns[:1], load]), np.concatenate([[idle], drum]) * 1e3
     parts = {"first loading": slice(0, 40), "loop": slice(39, 118), "minor loop": slice(117, None)}
@@ -139,7 +139,7 @@ def _tolerance(stack: ToleranceStack) -> dict[str, Any]:
 
 
 def _sources(stack: ToleranceStack) -> list[dict[str, Any]]:
-    """RMS over the travel that one standard deviation of each source brings, urad, largest first."""
+    """RMS over the travel from one standard deviation of each source, urad, largest first."""
     found = [
         {"source": name, "rms_urad": _rounded(float(size) * 1e6)}
         for name, size in zip(stack.contributor, stack.contribution_rad, strict=True)

@@ -36,14 +36,14 @@ def page_environment(*more: tuple[str, str]) -> jinja2.Environment:
 
 @cache
 def _asset(name: str) -> Any:
-    """A file of this package as it is, for the inside of a <style> or <script>."""
+    """Text of a file of this package, for the inside of a <style> or <script>."""
     folder = files("mbcdm_cad.report.page")
     path = folder / name if name.startswith("vendor/") else folder / "assets" / name
     return markupsafe.Markup(path.read_text("utf-8").replace("</script", "<\\/script"))
 
 
 def _json(value: Any) -> Any:
-    """JSON for the inside of a <script>: no sign that could end it."""
+    """JSON for the inside of a <script>, without characters that could end the element."""
     text = json.dumps(value, separators=(",", ":"), allow_nan=False, sort_keys=True)
     return markupsafe.Markup(text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e"))
 
@@ -55,7 +55,7 @@ def _figure(value: Any, digits: int = 4) -> str:
         return ", ".join(_figure(v, digits) for v in value)
     if isinstance(value, float | int):
         if value != 0 and abs(value) < 1e-9:
-            value = 0.0  # rounding of a sum that comes to nothing
+            value = 0.0  # rounding error of a sum that is zero
         text = f"{value:.{digits}g}"
         if "e" in text and 1e3 <= abs(value) < 1e7:
             text = f"{value:.0f}"
