@@ -22,7 +22,7 @@ SEPARATOR = "__"
 
 
 def with_changes(loaded: LoadedDesign, changes: Mapping[str, Any]) -> LoadedDesign:
-    """The design with ``changes`` laid over its file's content; ``loaded`` stays as it is.
+    """The design with ``changes`` applied to its file's content; ``loaded`` does not change.
 
     Keys are fields, ``transmission__centre_distance_mm`` or ``transmission.centre_distance_mm``, or blocks whose value
     is a mapping of their fields; the item of a list is named by its index from 0, ``cables__0__preload_N``. A value
@@ -36,16 +36,16 @@ def with_changes(loaded: LoadedDesign, changes: Mapping[str, Any]) -> LoadedDesi
 
 
 def changed_drives(loaded: LoadedDesign, rows: Iterable[Mapping[str, Any]]) -> Iterator[Drive]:
-    """As :func:`with_changes` for each of many rows, but only the drives: some thousand a second."""
+    """As :func:`with_changes` for each of many rows, but only the drives: about a thousand a second."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
     for changes in rows:
         yield resolve_tree(yamltree.Tree(_changed(tree.data, changes, loaded), tree.lines), loaded.path)
 
 
 def data_of_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> tuple[SizingOfMany, list[Any]]:
-    """How this configuration sizes many designs, and the groups of those with the fields of ``columns`` changed.
+    """The configuration's class for sizing many designs, and the groups of designs with the ``columns`` applied.
 
-    Fields hold numbers or names, one a design. Raises ``InputError`` for a value that the file could not hold,
+    Columns hold numbers or names, one for each design. Raises ``InputError`` for a value that the file could not hold,
     ``MbcdmError`` for a field of another kind, and for a configuration that sizes designs only one by one.
     """
     tree = yamltree.parse(loaded.text, str(loaded.path))
@@ -74,7 +74,7 @@ def _changed(data: Any, changes: Mapping[str, Any], loaded: LoadedDesign) -> Any
 
 
 def _plain(value: Any) -> Any:
-    """A copy of dicts, lists and plain scalars alone, each node its own; numpy's numbers and arrays become these."""
+    """A deep copy that has only dicts, lists and plain scalars; numbers and arrays of numpy are converted."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -85,7 +85,7 @@ def _plain(value: Any) -> Any:
 
 
 def _put(data: Any, path: tuple[str, ...], value: Any, loaded: LoadedDesign, key: str) -> None:
-    """Lay ``value`` over what stands at ``path``; blocks on the way are made where the file leaves them out."""
+    """Apply ``value`` to the data at ``path``; missing blocks on the way are created."""
     at, passed = data, list[str | int]()
     for part in path[:-1]:
         at = _child(at, part, tuple(passed), loaded, key)
@@ -122,7 +122,7 @@ def _index(at: Any, part: str, passed: FieldPath, loaded: LoadedDesign, key: str
 
 
 def _merged(there: Any, value: Any) -> Any:
-    """``value`` over what was there: blocks field by field; a number over a value with a sigma keeps the sigma."""
+    """``value`` applied to the old one: blocks field by field; a number in place of a value with a sigma keeps it."""
     if isinstance(there, dict) and isinstance(value, dict):
         return {**there, **{key: _merged(there.get(key), item) for key, item in value.items()}}
     if isinstance(there, dict) and set(there) == {VALUE, SIGMA} and isinstance(value, int | float):

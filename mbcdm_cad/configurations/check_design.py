@@ -1,4 +1,4 @@
-"""All checks of a design: those of its configuration, run on the design as this configuration tests it."""
+"""All checks of a design: those of its configuration, run on the configuration's design under test."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def known_ids(drive: Drive) -> tuple[str, ...]:
 
 
 def run_checks(design: Drive | LoadedDesign | Layout) -> tuple[CheckResult, ...]:
-    """Every check on ``design``, in order; dimensions that are given are tested as they are.
+    """Every check on ``design``, in order; given dimensions are tested as they are.
 
     Raises ``InputError`` for a waiver that names no check (with file and line if a ``LoadedDesign`` is given), and
     for nothing else: where a figure does not exist, the checks that need it fail with the reason.
@@ -47,7 +47,7 @@ def run_checks(design: Drive | LoadedDesign | Layout) -> tuple[CheckResult, ...]
 
 
 def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Together | None]:
-    """Every check on a design file, with advice on its pins; and what the remedies do when followed together."""
+    """Every check on a design file, with advice on its pins, and the result of applying all remedies together."""
     refuse_unknown_waivers(loaded.drive, loaded)
     checks, budget = checks_of(loaded.drive), Budget(asked=_asked(loaded))
     subject = configuration(loaded.drive.configuration).design_under_test(loaded.drive)
@@ -55,7 +55,7 @@ def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Toget
     wrong = [result.id for result in failed(results)]
     if not wrong:
         return results, None
-    # Only where something fails.
+    # These trials are made only if a check fails.
     from mbcdm_cad.configurations.pins import pin_advice
     from mbcdm_cad.configurations.together import together
 
@@ -65,14 +65,14 @@ def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Toget
 
 
 def _asked(loaded: LoadedDesign) -> frozenset[str]:
-    """Fields that the file gives and that are no derived dimension; none where no rules say which are derived."""
+    """Fields that the file gives and that are not derived dimensions; empty if there are no rules."""
     derived = configuration(loaded.drive.configuration).design_file().derived()
     given = {dotted(path) for path in loaded.lines}
     return frozenset(given.difference(derived)) if derived else frozenset()
 
 
 def _advised(result: CheckResult, loaded: LoadedDesign, advice: str) -> CheckResult:
-    """The result with the advice on pins first, and with the preload that is in force in place of the common one."""
+    """The result with the advice on pins first, and with each cable's own preload in place of the common one."""
     remedy = result.remedy
     if loaded.design.cables[0].preload_N is not None:
         remedy = _COMMON.sub(r"cables.0.preload_N \1, the other cables' in proportion", remedy)

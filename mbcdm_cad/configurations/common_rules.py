@@ -1,4 +1,4 @@
-"""Rules that every configuration has: limits, the rope's limits, clearances, materials; and what a file must say."""
+"""Rules that every configuration has: limits, the rope's limits, clearances, materials; and required fields."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from mbcdm_cad.sizing.arithmetic import greatest, significant
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
 from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
 
-# D/d below which no life is promised: rope makers' tables of wire rope end there.
+# Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0
-# Share of the peak torque at which the backlash is asked for, where the file names no test torque.
+# Share of the peak torque at which backlash is stated, if the file has no test torque.
 TEST_SHARE = 0.3
 
 
@@ -35,14 +35,14 @@ def _test_torque(given: KnownFields) -> float:
 
 
 def _transfer_gap(given: RopeKnown) -> Found:
-    """What is left of half a rope behind the land's edge and a broken edge, but never less than the run-out."""
+    """Half a rope minus the land's edge margin and the chamfer, mm, but at least the run-out."""
     wide = given.d_mm / 2 - given["clearances.land_edge_mm"] - EDGE_BREAK_MM
     driver = driver_of({"bodies_clear": RUN_OUT_MM, "transfer_gap": wide}, max)
     return Found(round(greatest(wide, RUN_OUT_MM), 4), driver)
 
 
 def needed(field: str, remedy: str) -> Broken:
-    """A requirement that is missing."""
+    """The error for a missing requirement."""
     what = "missing; it is a requirement, so no sizing rule gives it"
     return Broken(tuple(field.split(".")), what, "", "", remedy, missing=True)
 

@@ -1,6 +1,6 @@
-"""A configuration whose modules stand in one package under the usual names.
+"""A configuration whose modules are in one package under the usual names.
 
-Each module is imported when it is asked for, since every command needs only some of them and ``check`` must start fast.
+Each module is imported on first use, since every command needs only some of them and ``check`` must start fast.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ class FolderConfiguration:
         return import_module(f"{self.package}.{name}")
 
     def design_file(self) -> DesignFile:
-        """Schema, reference values and rules of its design files, and how a drive is made of one."""
+        """Schema, reference values and rules of its design files, and the function that makes a drive from a file."""
         found: DesignFile = self._module("design_file").DESIGN_FILE
         return found
 
     def routes(self, drive: Drive) -> RoutedDrive:
-        """How the cables run."""
+        """Routes of the cables."""
         found: RoutedDrive = self._module("routes").routed(self.own(drive))
         return found
 
@@ -71,7 +71,7 @@ class FolderConfiguration:
         return found
 
     def design_under_test(self, drive: Drive, layout: Any = None) -> DesignUnderTest:
-        """The drive as the checks see it."""
+        """The design under test of a drive."""
         found: DesignUnderTest = self._module("design_under_test").UNDER_TEST(self.own(drive), layout)
         return found
 
@@ -81,7 +81,7 @@ class FolderConfiguration:
         return found
 
     def moving_bodies(self, layout: Any) -> tuple[MovingBody, ...]:
-        """What moves."""
+        """The moving bodies."""
         found: tuple[MovingBody, ...] = self._module("bill").moving_bodies(layout)
         return found
 
@@ -116,6 +116,6 @@ class FolderConfiguration:
         return found
 
     def tolerance_stacks(self, layout: Any) -> tuple[StackUp, ...]:
-        """What the tolerances of the parts do to each gap and ratio."""
+        """Tolerance stacks of each gap and ratio."""
         under_test = self.design_under_test(layout.drive, layout)
         return tuple(self._module("checks.tolerances").stacks(under_test))

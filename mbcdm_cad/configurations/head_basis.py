@@ -1,4 +1,4 @@
-"""Rules of what comes first for drives with a motor head: limits, materials, motor and gearhead, the rope's limits."""
+"""The first rules for drives with a motor head: limits, materials, motor and gearhead, the rope's limits."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from mbcdm_cad.configurations.trial_sizing import TrialKnown
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
-# Strength of an end over the rope's, before rope and ends are chosen.
+# Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
 END_SHARE = 0.8
 CONSTRUCTION = "7x7"
-# Rated torque over what the peak torque asks of the motor.
+# Required rated torque of the motor over its torque at the peak torque.
 TORQUE_SPARE = 1.02
 
 
@@ -42,7 +42,7 @@ def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
 
 
 def rope(value: Callable[[Any], Found]) -> Rule:
-    """The rule of the rope, where the file gives none of its own."""
+    """The rule of the rope, if the file gives none."""
     return Rule(
         "rope.type",
         "the thinnest wire rope that holds preload and peak torque with its safety factor",
@@ -53,7 +53,7 @@ def rope(value: Callable[[Any], Found]) -> Rule:
 
 
 def needed_ratio(given: TrialKnown) -> float:
-    """What the motor's continuous torque asks for, its gearhead counted."""
+    """Least ratio of drum to input with which the motor, through its gearhead, holds the peak torque continuously."""
     motor = given.entry("motors", "drive.motor")
     gear = given.gearhead.ratio
     needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / (motor["rated_torque_mNm"] * gear)

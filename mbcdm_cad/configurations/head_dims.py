@@ -1,4 +1,4 @@
-"""Sizes that drives with a motor head share: shelves of the head, and the drum but for its width and its arc."""
+"""Sizing rules that drives with a motor head share: shelves of the head, and the drum but for width and angle."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
 ENGAGED = 1.25
 # Bore of the drum's shaft over its bearings'.
 SHAFT_BORE_SHARE = 0.5
-# Sector beyond the travel, before the wraps' own limits are known.
+# Angle of the sector beyond the travel, before the limits of the wraps are known.
 SECTOR_SPARE_DEG = 15.0
 
 
@@ -21,7 +21,7 @@ def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
 
 
 def _motor_shelf(given: TrialKnown) -> Found:
-    """What the screws leave beyond the thread that they need; no thinner than wall and pilot ask for."""
+    """Screw length minus the needed thread, mm; at least what wall and pilot need."""
     gear = given.gearhead
     screw = given.screw(gear.screw)
     needs = {

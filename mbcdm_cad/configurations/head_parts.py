@@ -1,4 +1,4 @@
-"""Rules that pick the bought parts of drives with a motor head: the lightest with which the checks hold."""
+"""Rules that choose the bought parts of drives with a motor head: the lightest with which the checks pass."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _RING = "ring"
 
 
 def _bores(given: TrialKnown, ring: bool) -> set[float]:
-    """Bores that encoders are made with: those that stand on a shaft's end, or rings."""
+    """Bores of the encoders in the catalogue: of those on a shaft's end, or of rings."""
     return {entry["bore_mm"] for name, entry in given.entries("encoders").items() if (_RING in name) == ring}
 
 

@@ -1,7 +1,7 @@
-"""What a configuration supplies: the interface through which all other rooms use it.
+"""The interface of a configuration, through which all other rooms use it.
 
 A configuration is a folder (a package) whose ``CONFIGURATION`` is an object with the members of :class:`Configuration`.
-Its methods import what they need when they are called: a program that only simulates must not load what draws.
+Its methods import modules when they are called, so that a program that only simulates does not load the CAD code.
 """
 
 from __future__ import annotations
@@ -36,22 +36,22 @@ class Layout(Protocol):
 
 @dataclass(frozen=True)
 class FrameCompliance:
-    """Turning of the drum per N m by the support's deflection, whole and by the part whose strain causes it."""
+    """Rotation of the drum per N m by the support's deflection, in total and by the part whose strain causes it."""
 
     windup_urad_Nm: float
     shares_urad_Nm: dict[str, float]
 
     def windup_mrad(self, torque_Nm: float) -> float:
-        """Turning of the drum under an external torque, mrad: linear in it."""
+        """Rotation of the drum under an external torque, mrad; proportional to the torque."""
         return self.windup_urad_Nm * torque_Nm * 1e-3
 
 
 @dataclass(frozen=True)
 class FrameStudy:
-    """What the frame's compliance depends on, and how it is worked out: it takes long enough to be kept in the cache.
+    """The computation of the frame's compliance and all that it depends on, so that its result can be cached.
 
-    ``module`` is the one whose code makes it, ``inputs`` plain data, all that it depends on. ``advice`` says what makes
-    the frame stiffer.
+    ``module`` is the one whose code computes it, ``inputs`` are plain data, complete for the cache key. ``advice`` says
+    how to make the frame stiffer.
     """
 
     module: str
@@ -77,19 +77,19 @@ class PathFigures(Protocol):
 
     @property
     def usable_deg(self) -> tuple[float, float]:
-        """(lowest, highest) drum angle that nothing forbids."""
+        """(lowest, highest) drum angle of the usable travel, deg."""
 
 
 @dataclass(frozen=True)
 class Conventions:
-    """What the report must say of the drawn model: its frame of reference, and how its cables are drawn."""
+    """Texts of the report on the drawn model: its frame of reference, and how its cables are drawn."""
 
     frame: str
     cables: str
 
 
 class Configuration(Protocol):
-    """A kind of drive: how its cables run, what it is built of, what it must satisfy."""
+    """A kind of drive: its routes, parts and checks."""
 
     @property
     def name(self) -> str:
@@ -97,13 +97,13 @@ class Configuration(Protocol):
 
     @property
     def title(self) -> str:
-        """One line for people."""
+        """Short description in one line."""
 
     def design_file(self) -> DesignFile:
         """Schema, reference values and rules of its design files, and how a drive is made of one."""
 
     def routes(self, drive: Drive) -> RoutedDrive:
-        """How the cables run: what model, rig and identification work on."""
+        """Routes of the cables, on which model, rig and identification work."""
 
     def inertias_kg_m2(self, drive: Drive) -> dict[str, float]:
         """Moment of inertia of each body of the routes about its own axis, without CAD."""
@@ -118,10 +118,10 @@ class Configuration(Protocol):
         """Modules with a tuple ``CHECKS`` each, in the order in which they are run and shown."""
 
     def design_under_test(self, drive: Drive, layout: Any = None) -> DesignUnderTest:
-        """``drive`` as its checks see it; ``layout``: dimensions to test instead of those that follow from it."""
+        """The design under test of ``drive``; ``layout``: dimensions to test instead of those computed from it."""
 
     def moving_bodies(self, layout: Any) -> tuple[MovingBody, ...]:
-        """What moves: the drum, the bodies that cables pass, the inputs in the order of the design's inputs."""
+        """The moving bodies: the drum, the bodies that cables pass, the inputs in the order of the design's inputs."""
 
     def bill(self, layout: Any, drum_angle_deg: float = 0.0) -> Bill:
         """All parts, and all instances of them with the drum at ``drum_angle_deg``.
@@ -130,10 +130,10 @@ class Configuration(Protocol):
         """
 
     def assembly_order(self, layout: Any) -> tuple[AssemblyStep, ...]:
-        """Steps in which the parts go together; every item of the bill joins in one of them."""
+        """Steps of the assembly; every item of the bill joins in one of them."""
 
     def frame_study(self, layout: Any) -> FrameStudy | None:
-        """How far the frame's deflection turns the drum; None where it is taken as rigid."""
+        """Study of the drum's rotation by the frame's deflection; None if the frame is assumed to be rigid."""
 
     def path_figures(self, layout: Any) -> PathFigures:
         """Figures of the cables' true paths over the travel."""
@@ -147,10 +147,10 @@ class Configuration(Protocol):
 
     @property
     def conventions(self) -> Conventions:
-        """What the report says of the drawn model."""
+        """Texts of the report on the drawn model."""
 
     def tolerance_stacks(self, layout: Any) -> tuple[StackUp, ...]:
-        """What the tolerances of the parts do to each gap and ratio; empty where nothing is stacked up."""
+        """Tolerance stacks of each gap and ratio; may be empty."""
 
     def tensioning(self, layout: Any) -> TensioningPlan | None:
-        """How the preloads are set: cut lengths, nut turns, pitch of the spans, order; None where nothing is set."""
+        """Plan for setting the preloads: cut lengths, nut turns, pitch of the spans, order; None if there is none."""

@@ -42,7 +42,7 @@ def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
 
 
 def load_tree(tree: Tree, text: str, path: str | Path) -> LoadedDesign:
-    """As :func:`load_text`, from a tree that was read from ``text`` or holds the same values."""
+    """As :func:`load_text`, from a tree that was read from ``text`` or has the same values."""
     return loaded(tree, text, Path(path), design_file_of(tree, str(path)))
 
 
@@ -79,7 +79,7 @@ def design_file(name: str = DEFAULT) -> DesignFile:
 
 
 def design_file_of(tree: Tree, path: str) -> DesignFile:
-    """By the file's ``configuration``; where that is missing, the default's schema says so among all else it finds."""
+    """The design files of the file's ``configuration``; if it is missing, the default's, whose schema reports that."""
     if not isinstance(tree.data, dict) or "configuration" not in tree.data:
         return design_file()
     name: Any = tree.data["configuration"]

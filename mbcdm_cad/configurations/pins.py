@@ -1,6 +1,6 @@
-"""Advice on pins: derived fields that a file holds by hand, and that a requirement contradicts.
+"""Advice on pins: derived fields that the file gives although a rule could, and that a requirement contradicts.
 
-Each is tried before it is told: the field is taken out, its rule fills it, and the check runs again.
+Each piece of advice is tried before it is given: the field is taken out, its rule fills it, and the check runs again.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
 
-# A file with more pins than this is a complete one of before: its pins are tried together.
+# A file with more pins than this is a complete file: its pins are tried together.
 FEW = 8
 
 
 def pin_advice(loaded: LoadedDesign, failed: Sequence[Check]) -> tuple[dict[str, str], dict[str, list[str]]]:
-    """What taking pins out does for each failed check that it mends, by its id: in words, and as the pins."""
+    """For each failed check that passes without certain pins, by its id: the advice in words, and these pins."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
     derived = design_file(loaded.drive.configuration).derived()
     pins = [field for field in derived if _stands(tree.data, field)]

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
 
 ENTRY_POINTS = "mbcdm_cad.configurations"
-# Of new design files, where no other is asked for.
+# Configuration of new design files by default.
 DEFAULT = "miso_bevel"
 _FOLDER = Path(__file__).parent
 _added: dict[str, Configuration] = {}
 
 
 def add(module: ModuleType) -> Configuration:
-    """Take in the ``CONFIGURATION`` of a module from outside the package; a second one of its name replaces it."""
+    """Add the ``CONFIGURATION`` of a module from outside the package; a second one of the same name replaces it."""
     found: Configuration = module.CONFIGURATION
     _added[found.name] = found
     return found
@@ -43,7 +43,7 @@ def configuration(name: str) -> Configuration:
     if name in _own():
         found: Configuration = import_module(f"mbcdm_cad.configurations.{name}").CONFIGURATION
         return found
-    # Looking through the installed packages takes some milliseconds, so only for a name that is not found here.
+    # Searching the installed packages takes some milliseconds, so it is done only for a name that is not found here.
     if name in _plug_ins():
         return add(import_module(_plug_ins()[name]))
     raise MbcdmError(

@@ -1,8 +1,8 @@
-"""Try the remedies of all failed checks together: whether the design then passes, with the file edited as a user would.
+"""Try the remedies of all failed checks together, in the file as a user would edit it, and see whether it then passes.
 
-Each remedy alone mends its own check. Here the first of every failed check is written into the file at once; the design
-is sized and checked anew, and what fails then is mended in the same way, some rounds long. What the file asks of the
-drive is not touched.
+Each remedy alone makes its own check pass. Here the first remedy of every failed check is written into the file at
+once; the design is sized and checked again, and checks that then fail are treated in the same way, for some rounds.
+Requirements of the file do not change.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ TRIALS = 120
 
 @dataclass(frozen=True)
 class Together:
-    """The file changed as the remedies say: values set, fields taken out, and the checks that fail all the same."""
+    """The file changed by the remedies: values set, fields taken out, and the checks that still fail."""
 
     changes: Mapping[str, float]
     taken_out: tuple[str, ...]
@@ -87,7 +87,7 @@ def together(
         try:
             design = load_tree(yamltree.Tree(copy.deepcopy(tried), tree.lines), loaded.text, loaded.path)
         except InputError:
-            # The file cannot hold what the remedies ask for together: it stays as it was.
+            # The remedies together give an invalid file: it stays unchanged.
             break
         data, changes, out = tried, changes | wanted, gone
         budget = Budget(TRIALS, asked, most=1, warnings=False)
@@ -100,7 +100,7 @@ def together(
 
 
 def _merged(offers: Mapping[str, Sequence[Offer]], pins: Mapping[str, Sequence[str]]) -> dict[str, Offer]:
-    """One offer a field: the first of each check that is no requirement, the further one where two agree in sense."""
+    """One offer for each field: the first of each check that changes no requirement, the larger change of two."""
     found: dict[str, Offer] = {}
     for name, listed in offers.items():
         offer = next((o for o in listed if not o.asked), None)

@@ -1,7 +1,7 @@
-"""Sizing of drives with a motor head: fields, catalogue, and checks asked on a trial drive.
+"""Sizing of drives with a motor head: fields, catalogue, and checks on a trial drive.
 
-Rules invert checks by asking them: a trial drive is made of the fields known so far and of figures for those that are
-still open, which are the values of the pass before. Passes are repeated until no field changes.
+Rules find the value at which checks pass by running them on a trial drive. It is made of the fields known so far and,
+for open fields, of their values from the previous pass. Passes are repeated until no field changes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # The schema's own.
 NOZZLE_MM = 0.4
-# Trials of one field: each moves it by what the check misses, so that a few suffice.
+# Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
 _MOST_TRIALS = 40
 _MOST_PASSES = 4
 # Fields that a length says nothing of.
@@ -36,7 +36,7 @@ _RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
 # A value tried, and margin with its unit by check.
 Trial = tuple[Any, dict[str, tuple[float, str]]]
-# Parts and sizes of a drive of middle size, for what the first pass does not know yet.
+# Parts and sizes of a medium drive, for fields that the first pass does not know yet.
 MIDDLE_SIZE: Mapping[str, Any] = {
     "drive.encoder": "encoder-20-5",
     "drive.drum_encoder": "encoder-24-ring",
@@ -58,9 +58,9 @@ MIDDLE_SIZE: Mapping[str, Any] = {
 class TrialKnown(RopeKnown):
     """Adds figures that follow from a few fields each, and the checks on a trial drive.
 
-    ``schema``: that of the configuration's files. ``asked``: fields that every check on a trial drive rests on, the
-    dimensions known so far besides. ``own_checks``: checks that only this configuration has and that a field must hold
-    beside those which its rule names.
+    ``schema``: that of the configuration's files. ``asked``: fields on which every check on a trial drive depends,
+    besides the dimensions known so far. ``own_checks``: checks of this configuration that a field must also pass,
+    besides those that its rule names.
     """
 
     schema: type[Design]
@@ -88,7 +88,7 @@ class TrialKnown(RopeKnown):
         return Screw(name=name, **self.entries("screws")[name])
 
     def printed(self, part: str) -> bool:
-        """Whether a part is built up in layers."""
+        """Whether a part is 3D printed."""
         return bool(self.entry("materials", f"{part}.material")["process"] in ("printed", "sintered"))
 
     def wall_mm(self, part: str) -> float:
@@ -109,12 +109,12 @@ class TrialKnown(RopeKnown):
 
     @property
     def input_peak_Nm(self) -> float:
-        """What one input holds of the peak torque at the drum."""
+        """Share of one input in the peak torque at the drum, N m."""
         return float(self["loads.peak_torque_Nm"] / max(1, len(self.get("inputs", ()))))
 
     @property
     def half_torque_N(self) -> float:
-        """What the peak torque adds to one cable and takes from the other, of one input."""
+        """Tension that the peak torque adds to one cable of an input and takes from the other, N."""
         return self.input_peak_Nm * 1e3 / (2 * self.drum_mm)
 
     @abstractmethod
@@ -126,9 +126,9 @@ class TrialKnown(RopeKnown):
         """A design of the configuration's schema, under test. Raises ``SizingError`` where it breaks a rule."""
 
     def under_test(self, data: dict[str, Any]) -> DesignUnderTest:
-        """The drive of a file's whole data, under test.
+        """The design under test of complete data.
 
-        Raises ``NoFigureError`` where that is no drive, ``SizingError`` where the file breaks a rule.
+        Raises ``NoFigureError`` if the data give no drive, ``SizingError`` if the file breaks a rule.
         """
         try:
             design = self.schema.model_validate(data)
@@ -137,7 +137,7 @@ class TrialKnown(RopeKnown):
         return self.of_design(design)
 
     def trial(self, field: str, value: Any) -> DesignUnderTest:
-        """The drive with ``field`` at ``value``, known fields as they are and guesses for the open ones, under test."""
+        """The design under test with ``field`` at ``value``, known fields, and estimates for the open ones."""
         whole = KnownFields(copy.deepcopy(self.data))
         for name, guess in self.guesses.items():
             if not whole.has(name):
@@ -165,11 +165,11 @@ class TrialKnown(RopeKnown):
         return found
 
     def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
-        """The value nearest to ``start``, on multiples of ``step`` in its sense, at which all the checks hold.
+        """The value nearest to ``start``, at multiples of ``step`` in its direction, at which all the checks hold.
 
-        Each trial moves by what the worst check misses, where it is a length, else by steps that grow. Checks that hold
-        at no trial must be met by another field: they are left out of a second search. Where that finds nothing either,
-        the value that missed least.
+        Each trial moves by the missing margin of the worst check, if it is a length, else by growing steps. Checks that
+        hold at no trial must be met by another field: they are left out of a second search. If that finds no value
+        either, the result is the one that misses least.
         """
         checks = (*checks, *self.own_checks.get(field, ()))
         found, tried = self._searched(field, start, step, checks)
@@ -259,7 +259,7 @@ def repeated(
     guesses: Mapping[str, Any],
     moved: Moved | None,
 ) -> Sizing:
-    """The data with its gaps filled by ``rules``, in passes until no field changes; the last of them."""
+    """The data with its open fields filled by ``rules``, in passes until no field changes."""
     for _ in range(_MOST_PASSES):
         sizing = fill(known(copy.deepcopy(data), guesses), rules, moved)
         found = {value.field: value.value for value in sizing.values}
@@ -270,5 +270,5 @@ def repeated(
 
 
 def whole_turns(angle_deg: float) -> int:
-    """Turns that hold an angle."""
+    """Least number of whole turns that contain an angle."""
     return max(1, ceil(angle_deg / 360.0))

@@ -54,8 +54,7 @@ _HINT = re.compile(r"\.\s+(Everything else|mbcdm explain).*")
 
 @dataclass(frozen=True)
 class GalleryDrive:
-    """A drive of the gallery: its file, first sentence, picture, and its report without the results of a whole
-    build."""
+    """A drive of the gallery: file, first sentence, picture, and its report without the results of a whole build."""
 
     loaded: LoadedDesign
     report: dict[str, Any]

@@ -1,6 +1,6 @@
 """The configuration of Fig. 1 (d): two inputs, a guide, and a bevel transfer to the drum.
 
-Imports stand inside the methods, since each command needs only some of these modules and ``check`` must start fast.
+Imports are inside the methods, since each command needs only some of these modules and ``check`` must start fast.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What the assembly is made of: every part with the function that draws it, every instance with its place.
+"""The bill of the assembly: every part with the function that draws it, every instance with its place.
 
-No kernel here: with all parts in the cache, a build never draws.
+This module needs no CAD kernel: if all parts are in the cache, a build draws nothing.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from mbcdm_cad.parts.placement import Placement
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
 _Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
 _Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
-# A part drawn along +Z laid along +Y, or -Y.
+# Placements that turn a part drawn along +Z to +Y, or to -Y.
 _ALONG_Y = Placement.about(_X, -90.0)
 _AGAINST_Y = Placement.about(_X, 90.0)
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
-# Colours (linear RGB) that tell bought bodies and cables from machined metal.
+# Colours (linear RGB) that distinguish bought bodies and cables from machined metal.
 
 
 def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
@@ -160,7 +160,7 @@ def _drives(b: _Builder) -> None:
             place=_at(p.x, p.y, v.top_plate_top_z),
             mass_g=encoder.mass_g,
         )
-        # Number by number: the order of the items is that of the files.
+        # Sorted by number, since the order of the items is that in the files.
         gear_places = screw_places(gear.screw_count, lay.frame.gear_bolt_circle)
         encoder_places = screw_places(2, lay.top_plate.encoder_circle_radius)
         for n in range(max(len(gear_places), len(encoder_places))):

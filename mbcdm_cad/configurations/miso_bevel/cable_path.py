@@ -1,11 +1,11 @@
-"""The true centre line of each cable at a given drum angle, and what follows from it.
+"""The true centre line of each cable at a given drum angle, and figures that follow from it.
 
 A cable runs: chord through the input pulley (swaged stop) - inward bend - helix on the input pulley - free span,
 joined to helix and guide by short parabolas - arc on the guide - transfer - arc on the drum - straight into the
 tensioner. Geometry derived from the pitch cone (transfer of step k at (0, r_gk, r_ok)).
 
 Drawn state: the guide's arc lies in the plane z = r_ok, as it does after a move that winds the cable onto the input
-pulley; `guide_landing_walk_mm` gives how far it wanders in a full sweep.
+pulley; `guide_landing_walk_mm` gives how far it moves in a full sweep.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 from mbcdm_cad.sizing import arithmetic
 
-# The rope's bending stiffness rounds the change of slope where span meets pulley over a few sqrt(EI/T), about 0.7 mm
-# for 49 loose wires of 0.09 mm at 70 N; drawn 2.5 diameters long.
+# The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm #
+# for 49 free wires of 0.09 mm at 70 N; this transition is drawn 2.5 diameters long.
 BLEND_DIAMETERS = 2.5
-# Wall left between the pocket of a stop and the land.
+# Wall between the pocket of a stop and the land.
 STOP_WALL_MM = 0.75
-# Kept over the material's thinnest wall at the pocket's corners.
+# Reserve over the material's thinnest wall at the pocket's corners.
 STOP_CORNER_SPARE_MM = 0.01
 
 
 @dataclass(frozen=True)
 class Winding:
-    """Where a cable touches input pulley and guide; angles in rad about Z, seen from +z. Independent of drum angle."""
+    """Tangent points of a cable on input pulley and guide; angles in rad about Z, seen from +z, for any drum angle."""
 
     input_x_mm: float
     input_y_mm: float
@@ -81,10 +81,10 @@ def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
 class StopGeometry:
     """End of a cable in its input pulley: bend inward, then a chord that carries the swaged stop.
 
-    ``end_angle_rad``: where the winding ends, drum centred; ``away``: sense in which the winding runs there (+1
-    anticlockwise). Chord coordinates count from the foot of the perpendicular from the axis, positive towards the bend.
-    The helix's slope tilts the bend: the chord lies ``chord_offset_mm`` from the axis and ``chord_rise_mm`` further out
-    than the winding's end.
+    ``end_angle_rad``: angle at which the winding ends, drum centred; ``away``: sense of the winding there (+1
+    anticlockwise). Chord coordinates are measured from the foot of the perpendicular from the axis, positive towards
+    the bend. The helix's slope tilts the bend: the chord lies ``chord_offset_mm`` from the axis and ``chord_rise_mm``
+    further out than the winding's end.
     """
 
     end_angle_rad: float
@@ -98,7 +98,7 @@ class StopGeometry:
 
 
 def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
-    """The bend is as wide as the pulley allows: its chord runs just inside the land, clear of neck and bearing."""
+    """The stop, with the widest bend that the pulley allows: chord just inside the land, clear of neck and bearing."""
     d = drive.cable.diameter_mm
     w = winding(drive, cable)
     wound = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
@@ -166,7 +166,7 @@ def cable_path(
     z_contact = z_step + inward * walk
     lead = drive.helix_lead_mm
     wound = tau * drive.dead_turns + w.reduction * (half_travel - w.payout * drum_angle_rad)
-    away = w.guide_sense  # followed from the contact into the winding; towards the guide it is the opposite sense
+    away = w.guide_sense  # sense from the contact into the winding; towards the guide it is opposite
     a_contact = w.input_contact_rad
     a_end = a_contact + away * wound
     z_end = z_contact + w.outward * lead * wound / tau
@@ -229,7 +229,7 @@ def fleet_angle_deg(drive: BevelDrive, cable: BevelRun) -> float:
 def self_clearance_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
     """Centre-line distance less d between the leaving span and the turn wound just before it (negative: they overlap).
 
-    The fleet angle bends the span back over its own last turn, most at the fully wound end.
+    The fleet angle leads the span back over its own last turn, most at the fully wound end.
     """
     path = cable_path(drive, cable, 1.0, 1.0, drum_angle_rad)
     helix = path.piece("helix")
@@ -250,8 +250,8 @@ def self_clearance_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float)
 def guide_landing_walk_mm(drive: BevelDrive, cable: BevelRun) -> float:
     """Largest offset of the landing point on the guide from its step plane in a full sweep towards the drum (mm).
 
-    Cable coming from the drum lies in the step plane; cable laid on from the input lags the input's walk with the free
-    span as its space constant, dz/ds = (w - z)/L_free, no lateral slip (derived).
+    Cable that comes from the drum lies in the step plane; cable that comes from the input follows the input's walk with
+    a lag whose space constant is the free span, dz/ds = (w - z)/L_free, without lateral slip (derived).
     """
     w = winding(drive, cable)
     amplitude = abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg)))

@@ -1,4 +1,4 @@
-"""A design of this configuration under test, with what is worked out from it once and read by many checks."""
+"""The design under test of this configuration, with results that are computed once and used by many checks."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class BevelUnderTest(SectorUnderTest):
 
     @cached_property
     def layout(self) -> Layout:
-        """All dimensions: those given, else worked out."""
+        """All dimensions: the given ones, else computed from the drive."""
         return self.given_or(self._layout)
 
     def _layout(self) -> Layout:

@@ -1,4 +1,4 @@
-"""What a miso_bevel drive has beyond what all drives have: guide, steps and sides, and the parts of this design."""
+"""The fields of a miso_bevel drive that other drives do not have: guide, steps and sides, and its parts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class BevelRun(SectorRun):
 
     @property
     def land_y_mm(self) -> float:
-        """The transfer point stands at (0, r_g, r_o)."""
+        """y of the cable on the drum, mm: the transfer point is (0, r_g, r_o)."""
         return self.guide_radius_mm
 
 
@@ -97,7 +97,7 @@ class BevelDrive(SectorDrive):
 
     @property
     def input_turn_rad(self) -> float:
-        """How far the line from the guide's axis to an input's is turned out of the X axis, away from the drum.
+        """Angle, rad, between the X axis and the line from the guide's axis to an input's, positive away from the drum.
 
         asin(setback / L). Raises ValueError for a setback over L.
         """

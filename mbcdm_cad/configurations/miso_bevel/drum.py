@@ -1,4 +1,4 @@
-"""Drum sector of this configuration: where its stop stands, and how far its cables draw their terminals in."""
+"""Drum sector of this configuration: place of its stop pin, and take-up of its terminals."""
 
 from __future__ import annotations
 

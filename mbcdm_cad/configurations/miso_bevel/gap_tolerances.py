@@ -1,9 +1,9 @@
 """Effect of the parts' tolerances on each gap between moving parts: one closed formula for each gap, without a layout.
 
 Each function gives the contributions; with the nominal margin they make a
-:class:`~mbcdm_cad.model.stack_up.StackUp`. Lengths in mm. Parts are taken as made to the fits of
-:mod:`mbcdm_cad.parts.fits` and to the design's block ``making``; run-out counts half its reading on each radius, play
-half its size to either side; the drum's bearings have none, a spring presses them apart.
+:class:`~mbcdm_cad.model.stack_up.StackUp`. Lengths in mm. Parts are assumed to be made to the fits of
+:mod:`mbcdm_cad.parts.fits` and to the design's block ``making``. Run-out counts half its reading on each radius, play
+half its size to either side; the drum's bearings have no play, because a spring presses them apart.
 """
 
 from __future__ import annotations
@@ -34,27 +34,27 @@ def _guide_to_drum(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ..
 
 
 def transfer_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """On how much closer than half a cable guide and drum stand: d/2 - gap."""
+    """Contributions to the difference between half a cable and the gap of guide and drum: d/2 - gap."""
     return (*_guide_to_drum(drive, cable), Contribution("rope's diameter", rope_band_mm(drive), 0.5))
 
 
 def bodies_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """On the gap itself, before guide and drum touch."""
+    """Contributions to the gap between guide and drum."""
     return _guide_to_drum(drive, cable)
 
 
 def land_edge_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """On the distance of a contact line, half a rope over the guide's surface, from the edge of its land."""
+    """Contributions to the distance of a contact line, half a rope over the guide's surface, from its land's edge."""
     return (*_guide_to_drum(drive, cable), Contribution("rope's diameter", rope_band_mm(drive), 0.5))
 
 
 def flank_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """On the gap from a cable's flank, a whole rope over the guide's surface, to the wall of the next land."""
+    """Contributions to the gap from a cable's flank, a rope over the guide's surface, to the wall of the next land."""
     return (*_guide_to_drum(drive, cable), Contribution("rope's diameter", rope_band_mm(drive), 1.0))
 
 
 def guide_wall_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """On the gap from a cable's flank to the walls of its step of the guide, along z."""
+    """Contributions to the gap from a cable's flank to the walls of its step of the guide, along z."""
     making = drive.making
     return (
         Contribution("radius of the drum's land", land_band_mm(drive, cable.drum_radius_mm)),
@@ -62,18 +62,18 @@ def guide_wall_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contri
         Contribution("place of the guide's shelf over the drum's axis", making.position_mm),
         Contribution("place of the walls on the guide", making.position_mm),
         Contribution("axial play of the guide's bearings", axial_play_mm(drive), 0.5),
-        # The centre line stands half a rope over the drum's surface, the flank half a rope beside it.
+        # The centre line lies half a rope over the drum's surface, the flank half a rope beside it.
         Contribution("rope's diameter", rope_band_mm(drive), 1.0),
     )
 
 
 def self_clearance(drive: BevelDrive, cable: BevelRun) -> tuple[float, tuple[Contribution, ...]]:
-    """Gap of the leaving span to the turn wound before it, fully wound, and what the tolerances do to it.
+    """Gap of the leaving span to the turn wound before it, fully wound, and its contributions.
 
-    Near the contact the turn before lies r a^2/2 inside the tangent and lead - c a above the span, a the angle back
-    from the contact, c = lead/2 pi + r tan(fleet angle): D^2 = (r a^2/2)^2 + (lead - c a)^2, least where
-    r^2 a^3 = 2 c (lead - c a) (derived). At the least distance only what D holds itself counts, not how a moves.
-    Raises ``ValueError`` where there is no free span.
+    Near the contact the previous turn lies r a^2/2 inside the tangent and lead - c a above the span, a the angle back
+    from the contact, c = lead/2 pi + r tan(fleet angle): D^2 = (r a^2/2)^2 + (lead - c a)^2, least where r^2 a^3 = 2 c
+    (lead - c a) (derived). At the minimum the change of a has no effect to first order. Raises ``ValueError`` if there
+    is no free span.
     """
     r, lead = cable.input_radius_mm, drive.helix_lead_mm
     slope, span = tan(radians(fleet_angle_deg(drive, cable))), winding(drive, cable).free_span_mm
@@ -98,10 +98,10 @@ def self_clearance(drive: BevelDrive, cable: BevelRun) -> tuple[float, tuple[Con
 
 
 def pair_path_contributions(drive: BevelDrive, pair: tuple[BevelRun, BevelRun]) -> tuple[Contribution, ...]:
-    """On the length that the two cables of an input should pay out and take in alike, at the end of travel.
+    """Contributions to the length by which the two cables of an input differ at the end of travel.
 
-    A cable's path changes by theta (dr_o - i dr_m); a thicker rope changes both radii by half, and the ratios of the
-    pair apart since their radii are not the same.
+    A cable's path changes by theta (dr_o - i dr_m). A thicker rope changes both radii by half of its excess, and the
+    ratios of the pair by different shares since their radii differ.
     """
     half, shift = radians(drive.half_travel_deg), 0.0
     found: list[Contribution] = []
@@ -116,7 +116,7 @@ def pair_path_contributions(drive: BevelDrive, pair: tuple[BevelRun, BevelRun]) 
 
 
 def ratio_contributions(drive: BevelDrive, cable: BevelRun) -> tuple[Contribution, ...]:
-    """On the total ratio r_o / r_m, as a share of it."""
+    """Contributions to the total ratio r_o / r_m, relative to it."""
     r_o, r_m = cable.drum_radius_mm, cable.input_radius_mm
     return (
         Contribution("drum radius", land_band_mm(drive, r_o), 1.0 / r_o),

@@ -37,7 +37,7 @@ def _input_pulley(drive: BevelDrive, name: str) -> float:
 
 
 def _guide(drive: BevelDrive) -> float:
-    """Steps as far apart as the drum's radii, bored for the bearings all through."""
+    """The guide, kg m2: steps at the distances of the drum's radii, bored for the bearings over the whole length."""
     cables = sorted(drive.cables, key=lambda c: c.step)
     radii = [c.drum_radius_mm for c in cables]
     length = (radii[-1] - radii[0]) / (len(radii) - 1) if len(radii) > 1 else drive.cable.diameter_mm

@@ -24,7 +24,7 @@ class CablePathFigures:
     """One cable. Points (x, y, z) in mm with the drum centred; tuples over the angles of :class:`PathFigures`.
 
     ``free_span_mm`` is Eq. (11), in the plane of the pulleys. ``length_um`` is the change of the length between the
-    anchors from the centred drum: the pulleys turning as Eq. (2) says, it is what the helix and the fleet angle make.
+    anchors from the centred drum, with the pulleys turning by Eq. (2): the effect of helix and fleet angle.
     """
 
     name: str
@@ -61,7 +61,7 @@ class PathFigures:
 
     @property
     def usable_deg(self) -> tuple[float, float]:
-        """(lowest, highest) drum angle that nothing forbids."""
+        """(lowest, highest) drum angle of the usable travel, deg."""
         return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
 
 
@@ -116,13 +116,13 @@ def _turned_deg(piece: Piece) -> float:
 
 
 def terminal_to_guide_mm(layout: Layout, terminal: Tensioner, wrap_rad: float) -> float:
-    """Gap between a terminal and the guide with its cables, where ``wrap_rad`` of wrap is left on the drum."""
+    """Gap, mm, between a terminal and the guide with its cables, with a wrap ``wrap_rad`` left on the drum."""
     across, along, keep = _terminal(layout, terminal)
     return across * sin(wrap_rad) + along * cos(wrap_rad) - keep
 
 
 def _terminal(layout: Layout, terminal: Tensioner) -> tuple[float, float, float]:
-    """Nearest corner of a terminal, across and along the tangent at its anchor, and how far the guide reaches, mm."""
+    """Nearest corner of a terminal, across and along the tangent at its anchor, and the reach of the guide, mm."""
     drive, drum = layout.drive, layout.drum
     reach = max(run.guide_radius_mm for run in drive.cables) + drive.cable.diameter_mm / 2
     return terminal.radius_mm - max(drum.nut_pocket, drum.lug_half_width), terminal.slack_start, reach

@@ -4,8 +4,8 @@ Input pulley, axis parallel to Z:
 
     encoder end  |journal|neck|  upper step  |  lower step  |neck|journal, bored for the gearhead's shaft|
 
-The swaged stop of each cable sits in a slot milled from the end face next to its dead turn: the slot bends the cable
-inward round a radius and ends in a pocket that the stop cannot leave.
+The swaged stop of each cable sits in a slot milled from the end face next to its dead turn: the slot leads the cable
+inward around a radius and ends in a pocket that holds the stop.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ def smallest_lead_mm(drive: BevelDrive) -> float:
 
 
 def _groove(drive: BevelDrive, cable: BevelRun, stop: StopGeometry, dead_end_z: float) -> Groove:
-    """From just past the winding's end in the stop's slot to where the span has risen out of the groove."""
+    """The groove, from just beyond the winding's end in the stop's slot to the point where the span has left it."""
     d = drive.cable.diameter_mm
     w = winding(drive, cable)
     depth, r = GROOVE_DEPTH * d, cable.input_radius_mm
     into_slot = d / 2 / r
-    # At this angle past its last contact the straight span has risen by the groove's depth.
+    # At this angle beyond its last contact the straight span has risen by the groove's depth.
     out = acos(r / (r + depth))
     wound = tau * drive.dead_turns + 2 * w.reduction * radians(drive.half_travel_deg) + out
     per_rad = w.outward * drive.helix_lead_mm / tau
@@ -134,7 +134,7 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
 
 
 def guide(drive: BevelDrive, levels: Stack) -> IdlerDims:
-    """Guide pulley: walls half way between the steps, so that the landing point may wander both ways."""
+    """Guide pulley: walls in the middle between the steps, so that the landing point may move in both directions."""
     cables = sorted(drive.cables, key=lambda c: c.step)
     flank = drive.cable.diameter_mm / 2
     bearing = drive.bearings.guide

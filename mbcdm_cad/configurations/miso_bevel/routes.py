@@ -36,7 +36,8 @@ class BevelGeometry:
     """Spans and guide wraps from radii and centre distance.
 
     ``input_side`` (n_inputs,) is -1 for an input at x = -L, +1 at +L; ``drum_side`` (n_cables,) the side to which a
-    cable runs on the drum; ``setback_m`` how far the inputs' axes stand at -y; ``lead_m`` the lead of the helix there.
+    cable runs on the drum; ``setback_m`` the distance of the inputs' axes towards -y; ``lead_m`` the lead of the helix
+    there.
     """
 
     cable_names: tuple[str, ...]
@@ -44,9 +45,9 @@ class BevelGeometry:
     input_of: tuple[int, ...]
     input_side: tuple[int, ...]
     drum_side: tuple[int, ...]
-    # Input axes behind the guide's: the line of centres is turned out of the X axis by asin(setback / L).
+    # With input axes behind the guide's, the line of centres is rotated from the X axis by asin(setback / L).
     setback_m: float = 0.0
-    # Designs that differ in it alone have the same spans and wraps.
+    # Designs that differ only in the lead have the same spans and wraps.
     lead_m: float = field(default=0.0, compare=False)
     per_cable: tuple[str, ...] = (INPUT_RADIUS, GUIDE_RADIUS, DRUM_RADIUS)
     varied: tuple[Varied, ...] = (
@@ -60,18 +61,18 @@ class BevelGeometry:
 
     @cached_property
     def _long_way(self) -> Floats:
-        """Half a turn more on the guide for a cable that runs on the drum towards its own input's side."""
+        """Additional wrap on the guide, rad: half a turn for a cable that runs on the drum to its own input's side."""
         side = [self.input_side[i] for i in self.input_of]
         return np.where(np.array(side) * np.array(self.drum_side) > 0, np.pi, 0.0)
 
     def _turn_rad(self, distance_m: Floats) -> Floats:
-        """By how much the line of centres is turned out of the X axis, away from the drum; NaN where it cannot be."""
+        """Angle, rad, of the line of centres to the X axis, away from the drum; NaN if there is none."""
         with np.errstate(invalid="ignore"):
             return np.asarray(np.arcsin(self.setback_m / distance_m))
 
     @property
     def passed_radii(self) -> dict[str, str]:
-        """The guide alone is passed."""
+        """Radii on the guide, the only body that cables pass, m."""
         return {GUIDE: GUIDE_RADIUS}
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
@@ -79,8 +80,7 @@ class BevelGeometry:
         return tangent_length_m(parameters[DISTANCE], parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS])
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
-        """Wrap on the guide: beta, and half a turn more the long way round; a setback adds to the short, takes from the
-        long way."""
+        """Wrap on the guide, rad: beta, or half a turn more; a setback lengthens the short wrap, shortens the long."""
         reach = (parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS]) / parameters[DISTANCE]
         with np.errstate(invalid="ignore"):
             long_way = self._long_way.reshape(-1, *(1,) * (reach.ndim - 1))
@@ -88,10 +88,10 @@ class BevelGeometry:
             return (np.asarray(np.arcsin(reach) + long_way + turn),)
 
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> None:
-        """Every cable is anchored on its input."""
+        """None, since every cable is anchored on its input."""
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
-        """The pulleys overlap."""
+        """Message for pulleys that overlap."""
         reach = parameters[GUIDE_RADIUS] + parameters[INPUT_RADIUS]
         return (
             f"free span: centre distance {np.min(parameters[DISTANCE]):.6g} m does not exceed r_g + r_i = "
@@ -99,7 +99,7 @@ class BevelGeometry:
         )
 
     def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
-        """Bodies and cables of one design. Where pulleys overlap its spans are NaN."""
+        """Bodies and cables of one design. If pulleys overlap, its spans are NaN."""
         span, wrap = self.free_span_m(parameters), self.passed_wrap_rad(parameters)[0]
         cables = tuple(self._cable(parameters, j, float(span[j]), float(wrap[j])) for j in range(len(self.cable_names)))
         return DriveRoutes(self._bodies(parameters), cables)
@@ -130,12 +130,12 @@ class BevelGeometry:
         r_i, r_g, r_o = (float(parameters[key][j]) for key in (INPUT_RADIUS, GUIDE_RADIUS, DRUM_RADIUS))
         sine = (r_g + r_i) / float(parameters[DISTANCE])
         cosine = float(np.sqrt(max(1.0 - sine**2, 0.0)))
-        # The span seen along Z, before and after the line of centres is turned.
+        # The span seen along Z, before and after the rotation of the line of centres.
         plain = (-side * cosine, -side * towards * sine)
         turn = -side * float(self._turn_rad(parameters[DISTANCE]))
         along = (plain[0] * cos(turn) - plain[1] * sin(turn), plain[0] * sin(turn) + plain[1] * cos(turn), 0.0)
         name = self.input_names[self.input_of[j]]
-        # A crossed span turns the sense round; the guide turns against the drum.
+        # A crossed span reverses the sense; the guide turns against the drum.
         return CableRoute(
             self.cable_names[j],
             name,
@@ -153,7 +153,7 @@ class BevelGeometry:
 
 
 def routed(drive: BevelDrive) -> RoutedDrive:
-    """How the cables of ``drive`` run, and the lengths that follow from its file."""
+    """Routes of the cables of ``drive``, and the lengths that follow from its file."""
 
     def column(attribute: str) -> Floats:
         return np.array([getattr(run, attribute) * _MM for run in drive.cables], dtype=float)

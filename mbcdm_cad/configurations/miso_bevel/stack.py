@@ -5,8 +5,8 @@ From top to bottom along Z:
     encoder | top plate (upper bearings inside) | pulleys and guide | bearing shelf (lower bearings inside)
             | coupling space | motor shelf | gearhead | motor
 
-Everything hangs on the cable steps: the pulleys reach just past their bands of cable, the shelves follow the pulleys,
-the drives follow the shelves. All mm.
+All levels follow from the cable steps: the pulleys end just beyond their bands of cable, the shelves follow from the
+pulleys, the drives from the shelves. All mm.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def band(drive: BevelDrive, cable: BevelRun, outward: int) -> Band:
 
 @dataclass(frozen=True)
 class Stack:
-    """Levels along Z and Y, mm. Names say what lies just below (``_top``) or above (``_bottom``) the level."""
+    """Levels along Z and Y, mm. The named body lies just below (``_top``) or above (``_bottom``) the level."""
 
     motor_bottom_z: float
     gearhead_bottom_z: float
@@ -97,7 +97,7 @@ def milled_corner_mm(drive: BevelDrive, depth_mm: float) -> float:
 
 
 def _beside_corner_mm(corner_mm: float, above_mm: float, gap_mm: float) -> float:
-    """How far from a wall an edge must stay to keep a gap to the corner that the wall makes with the floor below."""
+    """Least distance of an edge from a wall, mm, to keep a gap to the rounded corner between wall and floor."""
     if above_mm >= corner_mm:
         return gap_mm
     inner = (corner_mm - gap_mm) ** 2 - (corner_mm - above_mm) ** 2
@@ -105,7 +105,7 @@ def _beside_corner_mm(corner_mm: float, above_mm: float, gap_mm: float) -> float
 
 
 def stack(drive: BevelDrive) -> Stack:
-    """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
+    """Compute the levels of a design without tests; the checks find impossible levels."""
     bands = {c.name: band(drive, c, outward_of(drive, c)) for c in drive.cables}
     walk_on_guide = max(guide_landing_walk_mm(drive, c) for c in drive.cables)
     flank = drive.cable.diameter_mm / 2
@@ -133,7 +133,7 @@ def stack(drive: BevelDrive) -> Stack:
         collar_sweep_mm(drive, *drive.collar_seat),
     )
     corner = milled_corner_mm(drive, front - s.back_y_mm - s.back_plate_mm)
-    # Of what turns just above the shelf: the lower land of each pulley, and the cable on it.
+    # Radius of the parts that turn just above the shelf: the lower land of each pulley, and the cable on it.
     low_steps = [c for c in drive.cables if outward_of(drive, c) < 0]
     turning = [(c.input_radius_mm - flank, pulleys_low) for c in low_steps]
     turning += [(c.input_radius_mm + flank, bands[c.name].low_mm) for c in low_steps]

@@ -1,4 +1,4 @@
-"""How far the terminals of the drum are drawn in, from slack to the highest preload, and how the preloads are set."""
+"""Take-up of the terminals of the drum, from slack to the highest preload, and the plan to set the preloads."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def longest_mm(drive: BevelDrive, cable: BevelRun, anchor_rad: float) -> float:
 
 
 def terminal_way(drive: BevelDrive) -> TerminalWay:
-    """How far all terminals can be drawn in, and how far each is, mm, by cables anchored as far out as can be."""
+    """Take-up of all terminals, and the part of it that each uses, mm, for cables anchored as far out as possible."""
     furthest = furthest_anchor_rad(drive)
     return terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
 
 
 def plan(layout: Layout) -> TensioningPlan:
-    """How the preloads of this design are set, cables in the order of the file."""
+    """Plan to set the preloads of this design, cables in the order of the file."""
     drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
     slots = {slot.cable_name: slot for pulley in layout.inputs for slot in pulley.slots}

@@ -1,4 +1,4 @@
-"""The order in which the mechanism goes together: what joins at each step, with the tool and why it reaches."""
+"""The order of assembly: the parts that are added at each step, the tool, and how it reaches its place."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _cut(layout: RoundDrumLayout) -> AssemblyStep:
 
 
 def _drum(layout: RoundDrumLayout) -> Iterator[AssemblyStep]:
-    """One sector after the other on to the shaft, the terminals of each in their lugs before it is pushed home."""
+    """The sectors are pushed onto the shaft one after the other; the terminals of each are put into its lugs before."""
     drive, d = layout.drive, layout.drum
     places, names = len(d.payload_places), drive.input_names
     for k, (unit, name) in enumerate(zip(layout.units, names, strict=True)):

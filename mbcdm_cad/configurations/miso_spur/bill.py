@@ -1,4 +1,4 @@
-"""What the assembly is made of: that of siso_spur for each input, turned about the drum's axis, and what all share."""
+"""The bill of the assembly: that of siso_spur for each input, turned about the drum's axis, and the shared parts."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def moving_bodies(lay: RoundDrumLayout) -> tuple[MovingBody, ...]:
 
 
 def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns: list[Placement]) -> None:
-    """Sectors hub on hub, the dowels between them, and the shaft that the last one holds."""
+    """Add the sectors, hub on hub, the dowels between them, and the shaft, which the last hub holds."""
     d, steel = lay.drum, drive.material("steel")
     screw = drive.screw(d.set_screw)
     stands = [turn @ Placement.translation(0.0, level, 0.0) for turn, level in zip(turns, drive.levels_mm, strict=True)]

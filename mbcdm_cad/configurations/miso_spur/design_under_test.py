@@ -1,4 +1,4 @@
-"""A design of this configuration under test: its inputs are alike, so that most checks look at the first of them."""
+"""The design under test of this configuration: its inputs are equal, so that most checks use the first of them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RoundDrumUnderTest(SpurUnderTest):
 
     @cached_property
     def layout(self) -> RoundDrumLayout:  # type: ignore[override]  # has all that the checks of one input read
-        """All dimensions: those given, else worked out."""
+        """All dimensions: the given ones, else computed from the drive."""
         return self.given_or(lambda: layout(self.drive))
 
     @property
@@ -40,7 +40,7 @@ class RoundDrumUnderTest(SpurUnderTest):
         return spur_stack(self.drive.unit(index))
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
-        """Each terminal takes up half of its cable."""
+        """Length that each terminal tensions, mm: half of its cable."""
         return [
             side_length_mm(unit.drive, c, *unit.anchors[c.name])
             for unit in self.layout.units

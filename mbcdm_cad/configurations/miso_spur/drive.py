@@ -1,7 +1,7 @@
-"""What a miso_spur drive has: several inputs of siso_spur round one drum, each by itself a drive of that layout.
+"""A miso_spur drive: several inputs of siso_spur round one drum, each of which is a drive of that layout.
 
-A sector for each input stands on the drum's one shaft, hub on hub, so that the sectors and cables lie side by side
-along the axis. Seen with its input above the drum, each is the sector of siso_spur.
+The sectors of all inputs are on one shaft, hub on hub, so that sectors and cables lie side by side along the axis. Seen
+with its input above the drum, each sector is that of siso_spur.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ class RoundDrumDrive(SpurDrive):
 
     @property
     def angles_rad(self) -> tuple[float, ...]:
-        """Where the inputs stand about Y, from +Z towards +X."""
+        """Angles of the inputs about Y, from +Z towards +X."""
         return tuple(tau * k / self.n_inputs for k in range(self.n_inputs))
 
     @property
     def pitch_mm(self) -> float:
-        """From sector to sector along the axis: hub stands on hub."""
+        """Distance between sectors along the axis, hub on hub."""
         levels = spur_stack(self)
         return levels.hub_face_y - levels.boss_front_y
 
     @property
     def levels_mm(self) -> tuple[float, ...]:
-        """How far each input's cable and sector lie before those of the first."""
+        """Distance of each input's cable and sector from those of the first along the axis."""
         return tuple(k * self.pitch_mm for k in range(self.n_inputs))
 
     def unit(self, index: int) -> SpurDrive:
-        """The input with this index, its cable and its sector as a drive of their own, the input above the drum."""
+        """The input with this index, its cable and its sector as a separate drive, the input above the drum."""
         own = {field.name: getattr(self, field.name) for field in fields(SpurDrive)}
         places = [j for j, cable in enumerate(self.cables) if cable.input_name == self.input_names[index]]
 

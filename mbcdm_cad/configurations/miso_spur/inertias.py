@@ -11,7 +11,7 @@ def inertias_kg_m2(drive: RoundDrumDrive) -> dict[str, float]:
     """Inertia of each body of the routes about its own axis, kg m2."""
     found: dict[str, float] = {DRUM: 0.0}
     for k in range(drive.n_inputs):
-        # The land of a pulley is as long wherever it lies.
+        # The land of a pulley has the same length at every input.
         own = of_one_input(drive.unit(k))
         found[DRUM] += own.pop(DRUM)
         found |= own

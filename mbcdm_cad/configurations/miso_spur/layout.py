@@ -1,4 +1,4 @@
-"""All derived dimensions of a design in one object: what the checks test and the parts draw."""
+"""All derived dimensions of a design in one object, which the checks test and the parts draw."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class RoundDrumLayout:
 
     @property
     def levels(self) -> SpurStack:
-        """Those of the first input."""
+        """Levels of the first input."""
         return self.units[0].levels
 
     @property
@@ -52,7 +52,7 @@ class RoundDrumLayout:
 
     @property
     def inputs(self) -> tuple[InputPulleyDims, ...]:
-        """The pulleys: each reaches as far as its cable lies before the first."""
+        """The pulleys; each is longer by the distance of its cable from the first along the drum's axis."""
         return tuple(unit.inputs[0] for unit in self.units)
 
     @property
@@ -94,13 +94,13 @@ def _turned(path: CablePath, angle_rad: float) -> CablePath:
 
 
 def _dowels(sector: DrumDims, n_inputs: int) -> HubDowels:
-    """The next sector is turned by a share of a turn, so that its holes stand that much back in its own frame."""
+    """The next sector is turned about the axis, so its holes are turned back by that angle in its own frame."""
     return HubDowels(
         radius=DOWEL_RADIUS_MM,
         length=DOWEL_LENGTH_MM,
         circle_radius=sector.payload_circle_radius,
         face_depth=DOWEL_PRESSED_MM,
-        # The hub begins behind the spigot, which stands on the next one's face.
+        # The hub begins behind the spigot, which rests on the face of the next hub.
         back_depth=DOWEL_LENGTH_MM - DOWEL_PRESSED_MM - (sector.hub_start_y - sector.spigot_y) + DOWEL_PLAY_MM,
         face_angles_deg=_FACE_DEG,
         back_angles_deg=tuple((a - 360.0 / n_inputs) % 360.0 for a in _FACE_DEG),

@@ -8,5 +8,5 @@ from mbcdm_cad.routes.geometry import RoutedDrive
 
 
 def routed(drive: RoundDrumDrive) -> RoutedDrive:
-    """How the cables of ``drive`` run, and the lengths that follow from its file."""
+    """Routes of the cables of ``drive``, and the lengths that follow from its file."""
     return routed_round(drive, drive.angles_rad, drive.levels_mm)

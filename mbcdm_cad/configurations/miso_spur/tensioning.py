@@ -1,4 +1,4 @@
-"""How the preloads are set: each cable as the one of siso_spur, with the drum and all inputs held together."""
+"""The plan to set the preloads: each cable as in siso_spur, with the drum and all inputs held together."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mbcdm_cad.parts.terminal.take_up import tensioned_rope
 
 
 def plan(layout: RoundDrumLayout) -> TensioningPlan:
-    """How the preloads of all sides are set, in the order of the drive."""
+    """Plan to set the preloads of all sides, in the order of the drive."""
     drive = layout.drive
     cables = [cable for unit in layout.units for cable in tensioned_sides(unit)]
     return tensioning_plan(cables, tensioned_rope(drive), drive.tensioner.pitch_mm * 1e-3)

@@ -1,6 +1,6 @@
 """The configuration of Fig. 1 (c): one stepped input pulley, straight onto the drum by a bevel transfer.
 
-Imports stand inside the methods, since each command needs only some of these modules and ``check`` must start fast.
+Imports are inside the methods, since each command needs only some of these modules and ``check`` must start fast.
 """
 
 from __future__ import annotations

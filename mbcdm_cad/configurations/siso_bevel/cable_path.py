@@ -1,8 +1,8 @@
-"""The true centre line of each cable at a given drum angle, and where it ends in the input pulley.
+"""The true centre line of each cable at a given drum angle, and its end in the input pulley.
 
-A cable runs: chord through the input pulley (swaged stop) - inward bend - arc on the input - transfer - arc on the
-drum - straight into its terminal. On the input it stays in the plane z = r_o, where the transfer point is: with a helix
-it would walk off it.
+A cable runs: chord through the input pulley (swaged stop) - inward bend - arc on the input - transfer - arc on the drum
+- straight into its terminal. On the input it stays in the plane z = r_o of the transfer point; on a helix it would
+leave this plane.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
 
-# The bend before the stop, D/d: as sharp as a standing bend may well be, so that the slot takes little of the turn.
+# The bend before the stop, D/d: the sharpest usual static bend, so that the slot takes little of the turn.
 STOP_BEND_RATIO = 8.0
 # Straight cable before the swaged stop on its end.
 STOP_LEAD_MM = 0.3
-# Gap between the cable that leaves a full pulley and its own end that dips into the slot (estimate).
+# Gap between the cable that leaves a full pulley and its own end that enters the slot (estimate).
 DIP_GAP_MM = 0.1
-# The point of the input where all cables change over, an angle about Z.
+# Angle about Z of the point of the input at which all cables change to the drum.
 TRANSFER_RAD = pi / 2
 
 
@@ -31,9 +31,9 @@ TRANSFER_RAD = pi / 2
 class StopBend:
     """End of a cable in the input pulley: a bend inward in the plane of its step, then a chord with the swaged stop.
 
-    Along the chord counts the distance from the pulley's middle plane through the axis, positive towards the bend.
-    ``taken_rad``: angle about the pulley's axis that the winding's end must stay short of a whole turn, so that the
-    cable that leaves there passes it, and still finds land.
+    Positions along the chord are measured from the pulley's middle plane through the axis, positive towards the bend.
+    ``taken_rad``: angle by which the winding must end before a whole turn, so that the cable that leaves there clears
+    the end and still lies on land.
     """
 
     bend_radius_mm: float
@@ -55,8 +55,9 @@ def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
             f"input radius {r:g} mm of {cable.name} leaves no room for the bend of {rho:.4g} mm and the stop behind it"
         )
 
-    # The cable that leaves a full pulley runs straight off at the transfer. The end of the winding, this angle short of
-    # a turn, nears that line as it bends inward, to (r - rho)(1 - cos angle) at the nearest (derived).
+    # The cable that leaves a full pulley is straight after the transfer. The end of the winding, this angle before a
+    # full # turn, comes near to that line where it bends inward; the least distance is (r - rho)(1 - cos angle)
+    # (derived).
     passing = acos(max(-1.0, 1.0 - (d + DIP_GAP_MM) / centre))
     outer = rho + (d + SLOT_PLAY_MM) / 2
     cosine = ((r - d / 2 - WEDGE_MM) ** 2 - centre**2 - outer**2) / (2 * centre * outer)
@@ -73,13 +74,13 @@ def input_wrap_rad(drive: DirectDrive, cable: DirectRun, drum_angle_rad: float) 
 
 
 def full_input_turn_deg(drive: DirectDrive, cable: DirectRun) -> float:
-    """i x full travel + reserve + what the stop's slot takes: all that must fit on one turn of the input."""
+    """i x full travel + reserve + angle of the stop's slot, deg: together they must fit on one turn of the input."""
     return degrees(input_wrap_rad(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))) + degrees(
         stop_bend(drive, cable).taken_rad
     )
 
 
-# The stretches of a cable by what carries them.
+# The stretches of a cable by the body that carries them.
 WOUND = ("chord", "bend", "wound")
 ON_DRUM = ("drum", "tail")
 

@@ -1,4 +1,4 @@
-"""A design of this configuration under test, with what is worked out from it once and read by many checks."""
+"""The design under test of this configuration, with results that are computed once and used by many checks."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class DirectUnderTest(HeadUnderTest):
 
     @cached_property
     def layout(self) -> DirectLayout:
-        """All dimensions: those given, else worked out."""
+        """All dimensions: the given ones, else computed from the drive."""
         return self.given_or(lambda: layout(self.drive))
 
     def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,4 +1,4 @@
-"""What a siso_bevel drive has beyond what all drives with a drum sector have: one input at the transfer, its frame."""
+"""The fields of a siso_bevel drive that other drives with a drum sector do not have: one input, its frame."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class DirectRun(SectorRun):
 
     @property
     def land_y_mm(self) -> float:
-        """The transfer point stands at (0, r_m, r_o)."""
+        """y of the cable on the drum, mm: the transfer point is (0, r_m, r_o)."""
         return self.input_radius_mm
 
 

@@ -1,4 +1,4 @@
-"""All derived dimensions of a design in one object: what the checks test and the parts draw."""
+"""All derived dimensions of a design in one object, which the checks test and the parts draw."""
 
 from __future__ import annotations
 

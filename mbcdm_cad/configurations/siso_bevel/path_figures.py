@@ -1,4 +1,4 @@
-"""Exact cable paths in figures: wraps and lengths over the travel, and what ends the travel."""
+"""Exact cable paths in figures: wraps and lengths over the travel, and the limits of the travel."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ STATIONS = 9
 class DirectCableFigures:
     """One cable. Tuples over the angles of :class:`DirectFigures`.
 
-    ``length_um`` is the change of the length between the anchors from the centred drum: 0 but for rounding, since what
-    leaves the input lands on the drum.
+    ``length_um`` is the change of the length between the anchors from the centred drum: 0 except for rounding, since
+    the length that leaves the input lands on the drum.
     """
 
     name: str
@@ -43,7 +43,7 @@ class DirectFigures:
 
     @property
     def usable_deg(self) -> tuple[float, float]:
-        """(lowest, highest) drum angle that nothing forbids."""
+        """(lowest, highest) drum angle of the usable travel, deg."""
         return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
 
 
@@ -74,13 +74,13 @@ def path_figures(layout: DirectLayout) -> DirectFigures:
 
 
 def terminal_to_input_mm(layout: DirectLayout, terminal: Tensioner, wrap_rad: float) -> float:
-    """Gap between a terminal and the input with its cables, where ``wrap_rad`` of wrap is left on the drum."""
+    """Gap, mm, between a terminal and the input with its cables, with a wrap ``wrap_rad`` left on the drum."""
     across, along, keep = _corner(layout, terminal)
     return across * sin(wrap_rad) + along * cos(wrap_rad) - keep
 
 
 def _corner(layout: DirectLayout, terminal: Tensioner) -> tuple[float, float, float]:
-    """Nearest corner of a terminal, across and along the tangent at its anchor, and how far the input reaches, mm."""
+    """Nearest corner of a terminal, across and along the tangent at its anchor, and the reach of the input, mm."""
     drive, drum = layout.drive, layout.drum
     reach = max(run.input_radius_mm for run in drive.cables) + drive.cable.diameter_mm / 2
     return terminal.radius_mm - max(drum.nut_pocket, drum.lug_half_width), terminal.slack_start, reach

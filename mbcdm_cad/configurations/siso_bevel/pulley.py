@@ -2,7 +2,7 @@
 
     gearhead's shaft in a slit journal |neck|  step 2  |  step 1  |neck|journal| encoder
 
-Turned about X by half a turn it stands in the assembly: (x, y, z) of the part are (x, -y, -z) there.
+In the assembly it is turned about X by half a turn: (x, y, z) of the part are (x, -y, -z) there.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """How the cables run: input pulley, transfer point, drum (Fig. 1 c). Nothing stands between the two.
 
 Origin: the apex, where drum axis (Y) and input axis (Z) meet. The cable of step k leaves the input in the plane
-z = r_ok, changes over at (0, r_mk, r_ok) along q x, q the side of the drum it runs to, and lies on the drum in the
-plane y = r_mk. Only there is it off both pulleys: a rope under tension T with bending stiffness EI lifts off a pulley
-sqrt(EI/T) before it would be straight and comes to rest as far beyond (a beam under tension, its curvature decaying as
-e^(-s sqrt(T/EI))), so that 2 sqrt(EI/T) of it touch nothing.
+z = r_ok, changes to the drum at (0, r_mk, r_ok) along q x, q the side of the drum to which it runs, and lies on the
+drum in the plane y = r_mk. It is free of both pulleys only at this point: a rope under tension T with bending stiffness
+EI leaves a pulley sqrt(EI/T) before the tangent point and touches the next one as far beyond it (a beam under tension,
+its curvature decaying as e^(-s sqrt(T/EI))), so that a length 2 sqrt(EI/T) touches neither.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _X, _Y, _DOWN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)
 
 @dataclass(frozen=True)
 class DirectGeometry:
-    """Wraps on input and drum that follow each other; ``drum_side`` (n_cables,) the side to which a cable runs."""
+    """Cables that pass from the input directly to the drum; ``drum_side`` (n_cables,): side to which each runs."""
 
     cable_names: tuple[str, ...]
     input_names: tuple[str, ...]
@@ -41,7 +41,7 @@ class DirectGeometry:
 
     @property
     def input_of(self) -> tuple[int, ...]:
-        """All cables run from the one input."""
+        """Index of the input of each cable; all run from the only input."""
         return (0,) * len(self.cable_names)
 
     @property
@@ -51,7 +51,7 @@ class DirectGeometry:
 
     @property
     def passed_radii(self) -> dict[str, str]:
-        """No cable passes a body."""
+        """Empty, since no cable passes a body."""
         return {}
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
@@ -61,14 +61,14 @@ class DirectGeometry:
         return np.asarray(np.zeros_like(parameters[DRUM_RADIUS]) + alone)
 
     def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
-        """None."""
+        """No wraps, since no body is passed."""
         return ()
 
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> None:
-        """Every cable is anchored on its input."""
+        """None, since every cable is anchored on its input."""
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
-        """A stretch of nothing."""
+        """Message for a stretch across the transfer without length."""
         return (
             f"stretch across the transfer of {np.min(parameters[STRETCH]):.3g} m (limit over 0): a cable that is never "
             "free has no stiffness of its own; give the rope a diameter"
@@ -81,7 +81,7 @@ class DirectGeometry:
         origin = (0.0, 0.0, 0.0)
         bodies = (
             Body(DRUM, "drum", origin, _Y, _X, 1.0),
-            # About -Z it turns in one sense with the drum.
+            # About -Z it turns in the same sense as the drum.
             Body(name, "input", origin, _DOWN, _X, turns),
         )
         free = self.free_span_m(parameters)
@@ -107,7 +107,7 @@ def transfer_stretch_mm(drive: DirectDrive) -> float:
 
 
 def routed(drive: DirectDrive) -> RoutedDrive:
-    """How the cables of ``drive`` run, and the lengths that follow from its file."""
+    """Routes of the cables of ``drive``, and the lengths that follow from its file."""
     geometry = DirectGeometry(
         cable_names=tuple(run.name for run in drive.cables),
         input_names=tuple(drive.input_names),

@@ -1,12 +1,12 @@
 """Levels along the input's axis and depths along Y that all parts share.
 
-Heights count along -Z, from the motor (lowest) to the encoder (highest), since the motor stands above the pulley and
+Heights are measured along -Z, from the motor (lowest) to the encoder (highest), since the motor is above the pulley and
 its parts are drawn with the gearhead below:
 
     motor | gearhead | motor shelf | coupling space | bearing shelf | pulley | encoder shelf | encoder
 
-The drum's axis crosses the input's at height 0; the steps stand at -r_o. The pulley reaches just past its cables, the
-shelves follow the pulley, the drive follows the shelves. All mm.
+The drum's axis intersects the input's at height 0; the steps are at -r_o. The pulley ends just beyond its cables, the
+shelves follow from the pulley, the drive from the shelves. All mm.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ END_PLAY_MM = 0.1
 
 @dataclass(frozen=True)
 class DirectStack:
-    """Levels along -Z (names in ``_z``) and along Y, mm; those along -Z say what lies just below or above them."""
+    """Levels along -Z (names in ``_z``) and along Y, mm; in those along -Z the named body lies just below or above."""
 
     motor_bottom_z: float
     gearhead_bottom_z: float
@@ -69,7 +69,7 @@ def pocket_corner_radius_mm(drive: DirectDrive, depth_mm: float) -> float:
 
 
 def direct_stack(drive: DirectDrive) -> DirectStack:
-    """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
+    """Compute the levels of a design without tests; the checks find impossible levels."""
     flank, running = drive.cable.diameter_mm / 2, drive.clearances.running_mm
     steps = sorted(c.drum_radius_mm for c in drive.cables)
     land_bottom = -steps[-1] - flank - BAND_MARGIN_MM
@@ -87,10 +87,10 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
     front = min(smallest - nut_corner_radius_mm(drive), drum_inner) - running
     head_inner = inner_half_width_mm(drive)
     head_outer = head_inner + s.side_wall_mm / 2
-    # The flange's screws stand in the middle of the side walls, their heads clear of the head.
+    # The flange's screws are in the middle of the side walls, with their heads clear of the motor head.
     beside_head = head_outer + flange_screw(drive).head_diameter_mm / 2 + HEAD_ROOM_MM - s.side_wall_mm / 2
     side_inner = max(largest + flank + running, drive.encoder.diameter_mm / 2 + running, beside_head)
-    # The box's corners, which its cutter leaves, begin at the encoder's shelf.
+    # The rounded corners of the box begin at the encoder's shelf.
     corner = pocket_corner_radius_mm(drive, front - s.back_y_mm - s.back_plate_mm)
     edges = [(c.input_radius_mm + flank, c.drum_radius_mm - flank) for c in drive.cables]
     for x, z in (*edges, (smallest - flank, -land_top)):

@@ -1,4 +1,4 @@
-"""How the preloads are set."""
+"""The plan to set the preloads."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
 
 
 def plan(layout: DirectLayout) -> TensioningPlan:
-    """How the preloads of this design are set, cables in the order of the file. No span is free to be plucked."""
+    """Plan to set the preloads of this design, cables in the order of the file. No free span can be plucked."""
     drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
     slots = {slot.cable_name: slot for pulley in layout.inputs for slot in pulley.slots}

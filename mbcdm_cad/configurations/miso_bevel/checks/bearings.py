@@ -1,7 +1,8 @@
-"""Bearing loads against static ratings, and the deflection at the gearhead in spite of the pulley's own bearings.
+"""Bearing loads against static ratings, and the deflection at the gearhead that the pulley's own bearings leave.
 
-A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cable's pull of well
-over 100 N on each input pulley is more than a gearhead of this size takes, so each pulley has a bearing at both ends.
+A deep-groove bearing runs normally at a static safety of 1 and quietly at 2 (bearing makers). The cables pull each
+input pulley with well over 100 N, more than a gearhead of this size can carry, so each pulley has a bearing at both
+ends.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def guide_forces_N(s: BevelUnderTest) -> list[NDArray[np.float64]]:
     found = []
     for loads in s.loads.on_bodies:
         at = loads.bodies[GUIDE]
-        # About the middle of the bearings, which need not be that of the steps.
+        # Moments about the middle of the bearings, which need not be that of the steps.
         moment = at.moment_Nm - np.cross([0.0, 0.0, shift], at.force_N)
         couple = np.array([moment[1], -moment[0], 0.0]) / apart
         found.append(np.stack([at.force_N / 2 - couple, at.force_N / 2 + couple]))

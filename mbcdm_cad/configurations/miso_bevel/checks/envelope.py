@@ -20,7 +20,7 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     lay, v, drive = s.layout, s.levels, s.drive
     d, f, pitch = lay.drum, lay.frame, drive.input_x_mm
     points = [rim_points(d)]
-    # Cable on the largest step of an input pulley: it may stand out beyond frame and drum on both sides.
+    # The cable on the largest step of an input pulley may extend beyond frame and drum on both sides.
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
     body = max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
     ys = [

@@ -1,8 +1,8 @@
 """Eq. (1) row by row, equal total ratio of both inputs, and the tension that a difference causes.
 
 The paper prints the third row with r_g1 and r_g2; the right input runs on steps 3 and 4, so it must be r_g3 and r_g4.
-Rows are held on the nominal radii, to far less than can be machined: a drive whose drawing misses them is wrong on
-paper already.
+The checks use nominal radii, with a tolerance far below that of machining: they find errors of the design, not of
+parts.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def path_length(s: BevelUnderTest) -> Comparison:
     """Length that helix and fleet angle add to a cable at the ends of travel; no choice of radii removes it."""
     (_, back), (_, centred), (_, forward) = s.extreme_paths
     drift = [[end[k].length_mm - centred[k].length_mm for end in (back, forward)] for k in range(len(centred))]
-    # What turns into rotation is common to all cables and no drift: only the even part stretches.
+    # The odd part turns the drum, the same for all cables; only the even part stretches the cables.
     even = [abs(sum(d)) / 2 for d in drift]
     k = int(np.argmax(even))
     stiffness = s.drive.cable.axial_stiffness_N / max(centred[k].length_mm, 1e-9)

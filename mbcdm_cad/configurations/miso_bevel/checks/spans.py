@@ -21,11 +21,11 @@ from mbcdm_cad.configurations.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.configurations.miso_bevel.stack import band, outward_of
 from mbcdm_cad.sizing.arithmetic import cos, hypot, radians, sin, sqrt, tan
 
-# Crest between two grooves, in rope diameters: thinner it would be a burr that cuts the rope (estimate).
+# Least crest between two grooves, in rope diameters: a thinner one is a sharp edge that cuts the rope (estimate).
 GROOVE_CREST = 0.05
-# Turns left on the pulley when all is unwound: the span never pulls at the bend before the stop (estimate).
+# Turns that stay on the unwound pulley, so that the span never pulls at the bend before the stop (estimate).
 DEAD_TURNS = 0.5
-# Newton's steps towards the point of a turn that is nearest to the span: it settles within five.
+# Newton steps to the point of a turn that is nearest to the span; five are enough to converge.
 _NEWTON_STEPS = 6
 
 
@@ -75,9 +75,10 @@ def helix_lead(s: BevelUnderTest) -> Comparison:
 def straight_span_clearance_mm(drive: BevelDrive, cable: BevelRun) -> float:
     """Centre-line distance less d between the straight free span and its own previous turn, fully wound, mm.
 
-    The span leaves helix and pulley at the contact point along the tangent, rising by the fleet angle over the turn
-    before; no credit for the rope's stiffness, which bends it away at first. Negative: they overlap. For each angle
-    of the previous turn the nearest point of the span is known in closed form; Newton's method finds the angle.
+    The span leaves helix and pulley at the contact point along the tangent and rises by the fleet angle over the
+    previous turn. The rope's bending stiffness, which bends it away at first, is neglected. Negative: they overlap. For
+    each angle of the previous turn the nearest point of the span is known in closed form; Newton's method finds the
+    angle.
     """
     slope = tan(radians(fleet_angle_deg(drive, cable)))
     distance = straight_span_distance_mm(cable.input_radius_mm, drive.helix_lead_mm, slope)
@@ -103,7 +104,7 @@ def straight_span_distance_mm(radius_mm: float, lead_mm: float, slope: float) ->
 
 
 def _slant(fall_mm: float, slope: float, radius_mm: float, cosine: float) -> float:
-    """How fast the turn leaves the span along the pulley's axis, mm/rad."""
+    """Rate at which the turn moves away from the span along the pulley's axis, mm/rad."""
     return fall_mm - slope * radius_mm * cosine
 
 
@@ -184,7 +185,7 @@ def groove_walls(s: BevelUnderTest) -> Comparison:
 
 
 def _grooves(s: BevelUnderTest) -> str:
-    """Grooves, where they alone would do."""
+    """Advice to use grooved pulleys, if they alone are enough."""
     if s.drive.input_pulleys.grooved:
         return ""
     angle, limit = max(fleet_angle_deg(s.drive, c) for c in s.steps), s.drive.limits.fleet_angle_grooved_max_deg

@@ -17,7 +17,7 @@ from mbcdm_cad.configurations.miso_bevel.support.dims import (
     plate_screw_of,
 )
 
-# A screw's head may bear on the pocket's rounded corner by its own broken edge (ISO 4762: under-head edge).
+# A screw's head may overlap the pocket's rounded corner by its own edge rounding (ISO 4762: under-head edge).
 HEAD_EDGE_MM = 0.02
 # Gearheads are held by two to four screws; encoders by two, one on each side.
 GEARHEAD_SCREWS = (2, 3, 4)

@@ -1,7 +1,8 @@
 """Gaps between turning and fixed parts: the drum with its terminals and the drives, the collars and their space.
 
-The drum is taken as swept all the way round, each of its zones as a ring: at radius r from the Y axis nothing of it
-lies nearer to the frame than the zone's y. Drives are cylinders along Z. Cables are sampled over the travel.
+The drum is represented by its swept volume over a full turn, each of its zones by a ring: at radius r from the Y axis
+no part of it lies nearer to the frame than the zone's y. Drives are cylinders along Z. Cables are sampled over the
+travel.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ MOVING_GAP_MM = 0.1
 
 
 class Upright(NamedTuple):
-    """A body round an axis parallel to Z at x = +-``x``, ``y``; ``moves``: it turns in bearings of its own."""
+    """A cylinder with an axis parallel to Z at x = +-``x``, ``y``; ``moves``: it turns in bearings of its own."""
 
     name: str
     x: float
@@ -41,7 +42,7 @@ def _collar_reach_mm(s: BevelUnderTest) -> float:
 
 
 def uprights(s: BevelUnderTest) -> list[Upright]:
-    """Drives and pulleys, one of each pair, since both stand alike."""
+    """Drives and pulleys, one of each symmetric pair."""
     drive, v, lay = s.drive, s.levels, s.layout
     x, y = drive.input_x_mm, drive.input_y_mm
     bodies = [
@@ -65,11 +66,11 @@ def uprights(s: BevelUnderTest) -> list[Upright]:
 
 
 def ring_gap(ring: Ring, body: Upright, want: float) -> float:
-    """Gap of a swept ring of the drum to an upright body: along y, else radially where the ring could reach it."""
+    """Gap of a swept ring of the drum to a cylinder along Z: along y, else radially if the ring could reach it."""
     along_y = ring.y - body.y - body.radius
     if along_y >= want:
         return along_y
-    # The slice of the body that reaches the ring's y: |x| within its chord there.
+    # The part of the body that reaches the ring's y: |x| within its chord there.
     chord = sqrt(max(body.radius**2 - max(ring.y - body.y - want, 0.0) ** 2, 0.0))
     far_x, near_x = body.x + chord, max(body.x - chord, 0.0)
     near_z = 0.0 if body.low <= 0.0 <= body.high else min(abs(body.low), abs(body.high))

@@ -20,7 +20,7 @@ from mbcdm_cad.parts.making import model_tolerances
 Stacks = Callable[[BevelUnderTest], list[StackUp]]
 # Standard deviations on either side that hold 95 % of all drives.
 MOST_DRIVES = 1.96
-# Gain of the self-clearance by a longer lead, at least: the span leaves more steeply too (derived, rounded down).
+# Least gain of the self-clearance for a longer lead: the span also leaves more steeply (derived, rounded down).
 LEAD_GAIN = 0.85
 
 
@@ -111,7 +111,7 @@ def pair_mismatch(s: BevelUnderTest) -> Comparison:
     pairs = [[c for c in s.steps if c.input_name == name] for name in s.drive.input_names]
     found = [StackUp("", 0.0, gaps.pair_path_contributions(s.drive, (pair[0], pair[1]))) for pair in pairs]
     si, idle = s.loads.si, s.loads.idle
-    # One pair off at a time: half its RSS on each of its cables, which both lengthens or both shortens.
+    # One pair at a time has an error: half its RSS on each of its cables, both longer or both shorter.
     path = np.array(
         [
             [stack.rss / 2e3 if c in pair else 0.0 for pair, stack in zip(pairs, found, strict=True)]
@@ -150,7 +150,7 @@ def transmission_error(s: BevelUnderTest) -> Comparison:
 
 
 def _wider_or_closer(of: Stacks, widen: str, gain: float, s: BevelUnderTest) -> str:
-    """How much more room the gap needs, or how close the costliest part must be held: no search, all is linear."""
+    """Advice: the increase of the gap, or the closer tolerance of the costliest part; no search, as all is linear."""
     stack = tightest(of(s))
     most = stack.costliest
     others = stack.rss**2 - most.shift**2

@@ -1,4 +1,4 @@
-"""The reference design of miso_bevel: values of the blocks that all configurations share, and where they come from.
+"""The reference design of miso_bevel: values of the blocks that all configurations share, and their sources.
 
 "Table", "section" and "Fig." are those of the journal paper of the mechanism.
 """

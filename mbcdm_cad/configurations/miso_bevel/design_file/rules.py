@@ -9,9 +9,9 @@ from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign, 
 from mbcdm_cad.design.rules import Broken, NamedEntry, unique
 from mbcdm_cad.parts.drum_sector.resolve import sector_entries
 
-# Beyond half of L the inputs would stand behind the guide rather than beside it.
+# With a setback above half of L the inputs would be behind the guide rather than beside it.
 MOST_SETBACK = 0.5
-# Two statements of one figure agree within this share: ratios are rounded when they are worked out.
+# Two statements of one figure may differ by this share, because computed ratios are rounded.
 SAME = 1e-6
 
 
@@ -74,7 +74,7 @@ def _transmission(design: BevelDesign) -> Iterator[Broken]:
 
 
 def _said_twice(block: Transmission) -> Iterator[Broken]:
-    """Total ratio and first radius against what ratios and radii say; sizing keeps them in step where it fills one."""
+    """Problems where total ratio or first radius contradict ratios and radii; sizing keeps filled values consistent."""
     if block.ratio is not None:
         if block.ratios is not None:
             found = block.ratios.input_to_guide * block.ratios.guide_to_drum

@@ -16,8 +16,8 @@ from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
-# Rope, parts by load, radii, where the pulleys stand. None of them asks a check on a drive, so that they work on many
-# designs at once too.
+# Rope, parts by load, radii, places of the pulleys. None of these rules runs a check on a drive, so that they also work
+# # on many designs at once.
 BEFORE_FRAME: tuple[Rule, ...] = (
     *NAMES,
     *LIMITS,
@@ -47,7 +47,7 @@ RULES: tuple[Rule, ...] = (
     *HUB_FACE,
 )
 
-# Dimensions: fields that are neither a requirement nor a choice of part, material or arrangement.
+# Derived dimensions: fields that are neither a requirement nor a choice of part, material or arrangement.
 DERIVED = tuple(
     rule.field
     for rule in (*LEAD, *CLEARANCES, *FRAME, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
@@ -56,7 +56,7 @@ DERIVED = tuple(
 
 
 def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
-    """The data with its gaps filled, values that rules find as ``moved`` makes them.
+    """The data with its open fields filled; ``moved`` changes the values of rules.
 
     Raises ``SizingError`` where a requirement is missing.
     """

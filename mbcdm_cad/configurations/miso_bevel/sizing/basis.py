@@ -1,4 +1,4 @@
-"""Rules of what comes first: names and order of cables, limits, clearances, materials."""
+"""The first rules: names and order of cables, limits, clearances, materials."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of, rounded_down
 
 
 def _land_edge(given: BevelKnown) -> Found:
-    """A broken edge and the run-out beyond it; a thin rope leaves less, since bodies must clear each other."""
+    """Edge margin, mm: chamfer and run-out; less with a thin rope, since the bodies must clear each other."""
     limit = given.d_mm / 2 - RUN_OUT_MM
     wanted = EDGE_BREAK_MM + RUN_OUT_MM
     if given.has("transmission.drum_radii_mm") and _guide_is_known(given):

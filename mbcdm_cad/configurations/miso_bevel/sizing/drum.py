@@ -32,15 +32,15 @@ from mbcdm_cad.parts.drum_sector.sizes import (
 )
 from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
 
-# Lip of the hub over its set screws, so that they never stand out.
+# Height of the hub over its set screws, so that they never project.
 SCREW_LIP_MM = 1.0
-# Web in thinnest walls, and as a share of the outermost radius: stiff enough between rim and hub (estimate).
+# Web in multiples of the thinnest wall, and as a share of the outermost radius, to be stiff enough (estimate).
 WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 33.0
 # Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
 RIM_SHARE = 0.08
-# Wrap left at the end of travel, over the limit of its check: towards the slip zone at small loads (estimate).
+# Wrap left at the end of travel over the limit of its check: reserve for the slip zone at small loads (estimate).
 WRAP_SPARE_DEG = 6.0
-# Terminal beside the guide, over the running clearance.
+# Reserve of the gap between terminal and guide over the running clearance.
 GUIDE_SPARE_MM = 0.3
 THINNEST_STOP_PIN_MM = 3.0
 WIDEST_DEG = 170.0
@@ -59,7 +59,7 @@ def _web_end(given: BevelKnown) -> float:
 
 
 def _floor_under_pockets(given: BevelKnown) -> float:
-    """Outer face at which no pocket that an outer cable passes over goes through the whole rim."""
+    """Least outer face, mm, with which no pocket below an outer cable goes through the whole rim."""
     guide, drum = given.guide_mm, given.drum_mm
     floor = given.nut_mm + given["clearances.running_mm"] + MIN_FLOOR_MM
     reach = given.nut_pocket_mm + given.d_mm / 2 + MIN_FLOOR_MM
@@ -99,7 +99,7 @@ def _rim_inner(given: BevelKnown) -> Found:
 
 
 def _stop_slot_mm(given: BevelKnown) -> float:
-    """From the foot of the stop pin to the far edge of its slot: the pin and its play."""
+    """Distance from the inner side of the stop pin to the outer edge of its slot, mm: the pin and half its play."""
     return float(given.get("drum.stop_pin_mm", THINNEST_STOP_PIN_MM)) + STOP_SLOT_PLAY_MM / 2
 
 
@@ -140,7 +140,7 @@ def _shaft_bore(given: BevelKnown) -> float:
 
 
 def terminal_mm(given: BevelKnown) -> tuple[float, float]:
-    """(end of the nuts, tip) of a terminal drawn in all the way, from where its cable leaves the land."""
+    """(end of the nuts, tip) of a terminal drawn in completely, mm from the point where its cable leaves the land."""
     spec = given.entry("tensioners", "drum.tensioner")
     travel = take_up_mm(given)
     lug_end = SWAGE_START_MM + spec["swage_length_mm"] + travel + 0.5 + spec["lug_thickness_mm"]
@@ -148,14 +148,14 @@ def terminal_mm(given: BevelKnown) -> tuple[float, float]:
 
 
 def _wrap_clear_of_guide_deg(given: BevelKnown) -> float:
-    """Wrap left at which a terminal still stands beside the guide: across sin w + along cos w = reach."""
+    """Least remaining wrap at which a terminal clears the guide, deg: across sin w + along cos w = reach."""
     reach = max(given.guide_mm) + given.d_mm / 2 + given["clearances.running_mm"] + GUIDE_SPARE_MM
     across = given.drum_mm[0] - given.nut_pocket_mm
     return degrees(asin(min(reach / hypot(across, SWAGE_START_MM), 1.0)) - atan2(SWAGE_START_MM, across))
 
 
 def _sector(given: BevelKnown) -> Found:
-    """Anchors far enough out for the travel, the terminal behind them, neighbours one behind the other."""
+    """Half angle of the sector, deg: for the travel, the terminals behind the anchors, and staggered neighbours."""
     box = given.get("targets.envelope_mm")
     outer = max(given.drum_mm) - given.d_mm / 2
     nuts_end, tip = terminal_mm(given)
@@ -165,7 +165,7 @@ def _sector(given: BevelKnown) -> Found:
     driver = "terminal_clears_guide" if clear >= wrap else "wrap_left"
     half = float(given["travel.half_angle_deg"])
     radii = sorted(given.drum_mm)
-    # The inner of two neighbours on one side stands further out by the outer one's lug.
+    # The inner of two neighbours on one side is further out by the outer one's lug.
     staggered = half + wrap + 0.3 + degrees(atan2(lug_end, radii[2])) + degrees(atan2(tip, radii[1]))
     single = half + wrap + degrees(atan2(tip, radii[0]))
     slot = half + float(given["travel.stop_clearance_deg"])
@@ -186,7 +186,7 @@ def _sector(given: BevelKnown) -> Found:
     driver = max(needs, key=lambda name: needs[name])
     angle = min(rounded_up(needs[driver], 0.5), WIDEST_DEG)
     if not _travels(given, angle):
-        # The outermost two of a side stand one behind the other too.
+        # The outermost two terminals of a side are staggered too.
         angle = min(angle + rounded_up(degrees(atan2(tip, radii[0])), 0.5), WIDEST_DEG)
     return Found(angle, driver, "up to 0.5")
 
@@ -209,7 +209,7 @@ WEB = (
         _outer_face,
     ),
 )
-# The pin that stops the drum stands in a slot between hub and rim.
+# The stop pin of the drum is in a slot between hub and rim.
 DRUM = (
     Rule("drum.rim_inner_radius_mm", "a rim's height under the deepest pocket", "rim_height", _rim_inner),
     Rule("drum.hub_diameter_mm", "the shaft, its set screws and the payload's threads", "hub_walls", _hub_diameter),
@@ -221,7 +221,7 @@ DRUM = (
         _sector,
     ),
 )
-# The box is counted from the frame's back, so that this follows it.
+# The box is measured from the frame's back, so this rule comes after that of the back.
 HUB_FACE = (
     Rule(
         "drum.hub_face_y_mm",

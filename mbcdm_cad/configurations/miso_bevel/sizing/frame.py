@@ -34,9 +34,9 @@ SHELF_SPARE_MM = 0.2
 # Collar above the heads of the gearhead's screws, and journal above them.
 COLLAR_LIFT_MM, SLIT_ABOVE_MM, JOURNAL_LIFT_MM = 0.8, 1.0, 0.5
 SPACE_SPARE_MM = 0.1
-# Diameters of pins, from the one that small drives have.
+# Usual diameters of pins, from that of small drives upwards.
 STOP_PINS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
-# Of a pin thinner than this share of what the one before it asks for none is tried.
+# Pins thinner than this share of the diameter that the previous trial required are not tried.
 PIN_SPARE = 0.75
 
 
@@ -111,7 +111,7 @@ def _stop_pin(given: BevelKnown) -> Found:
             found = stop_pin(BevelUnderTest(trial))
             if found.margin >= 0.0:
                 return Found(size, "stop_pin", "to a usual size")
-            # Stress goes with the cube of the diameter, and the pin moves outwards a little as it grows.
+            # Stress falls with the cube of the diameter; a thicker pin also moves outwards a little.
             thinnest = PIN_SPARE * size * (found.limit / found.actual) ** (1 / 3)
     return Found(STOP_PINS_MM[-1], "stop_pin", "the thickest of the usual sizes")
 
@@ -125,8 +125,8 @@ def _rib(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")["outer_diameter_mm"] / 2
     ring = given.entry("encoders", "drive.drum_encoder")["diameter_mm"]
     head, least = MOUNT_HEAD_RADIUS_MM, given.wall_mm("support")
-    # The column's pocket should still take a mounting screw's head, across and along; where the motors hang so low that
-    # not even the thinnest rib leaves room along, the column goes without.
+    # The column's pocket should have room for a mounting screw's head in width and height. If the motors are so low
+    # that even # the thinnest rib leaves too little height, the column has no pocket.
     boss = max(bearing + 3.0, ring / 2 + given["clearances.running_mm"])
     along = given.motor_shelf_bottom_mm - boss - 2 * head - HEAD_ROOM_MM - MOUNT_ROOM_MM + 0.2
     across = bearing + 3.0 - head - HEAD_ROOM_MM
@@ -162,7 +162,7 @@ def _back(given: BevelKnown) -> Found:
 
 
 def _windup(given: BevelKnown) -> float:
-    """As much as the cables themselves yield at the test torque, spans alone: a frame that is no weaker than they."""
+    """Limit of the windup, mrad: the drum's rotation by the stretch of the free spans at the test torque."""
     stiffness = 0.0
     for drum, guide, pulley in zip(given.drum_mm, given.guide_mm, given.input_mm, strict=True):
         span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - (guide + pulley) ** 2, 1.0))
@@ -196,7 +196,7 @@ FRAME = (
     ),
 )
 STOP_PIN = (Rule("drum.stop_pin_mm", "the thinnest pin that holds both motors stalled", "stop_pin", _stop_pin),)
-# Behind what the inputs' setback leaves.
+# After the inputs' setback, on which it depends.
 BACK = (
     Rule("support.back_y_mm", "behind drum bearings, encoder, pulleys, collars and stop pin", "collar_space", _back),
     Rule(

@@ -9,12 +9,12 @@ from mbcdm_cad.checks.design_variables import ALL_RADII, ROPE_DIAMETER
 from mbcdm_cad.configurations.miso_bevel.sizing.parts import COLLAR_SCREWS
 from mbcdm_cad.design.freedom import Freedom
 
-# A setback is added, since it is often nothing: a whole factor more is this many mm.
+# A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.
 SETBACK_MM = 20.0
 
 
 def _steps(radii: Any, factor: float) -> Any:
-    """Radii of the drum with wider or narrower steps; the first, which a requirement names, stays."""
+    """Radii of the drum with larger or smaller steps; the first radius, a requirement, does not change."""
     first = radii[0]
     return [round(first + factor * (radius - first), 3) for radius in radii]
 

@@ -1,4 +1,4 @@
-"""What the sizing rules of miso_bevel read: fields, catalogue, and plain figures that several rules share."""
+"""The data that the sizing rules of miso_bevel read: fields, catalogue, and figures that several rules share."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from mbcdm_cad.sizing.known import RopeKnown
 STEPS = 4
 # Largest share of a cable in the torque over an even one: inner steps are shorter, hence stiffer.
 UNEVEN = 1.25
-# Fields that are filled last: figures for drives tried before, on which these do not bear.
+# Values of fields that are filled last, for trial drives: they do not affect the checks that are run on these.
 LATER = {
     "drum__hub_face_y_mm": 100.0,
     "drum__outer_face_y_mm": 50.0,
@@ -47,7 +47,7 @@ LATER = {
     "support__back_y_mm": -100.0,
     "limits__frame_windup_max_mrad": 1.0,
 }
-# Fields that the height of the gearheads' faces rests on.
+# Fields on which the height of the gearheads' faces depends.
 _SHELF_RESTS_ON = (
     "travel",
     "transmission",
@@ -69,14 +69,14 @@ LEAD_STEP_MM = 0.01
 
 
 class BevelKnown(RopeKnown):
-    """Adds the figures that follow from a few fields each; reading one notes these fields."""
+    """Adds figures that follow from a few fields each; reading a figure records these fields."""
 
-    # The part that the gearheads' faces rest on, and their height; two rules read it.
+    # The values on which the height of the gearheads' faces depends, as text, and that height; two rules read it.
     _shelf_bottom: tuple[str, float] | None = None
 
     @property
     def termination(self) -> TerminationSpec:
-        """How the rope's ends are made: as named, else the strongest that fits."""
+        """Termination of the rope's ends: as named in the file, else the strongest that fits."""
         rope = CableSpec(name="rope", **{key: value for key, value in self.rope.items() if key != "name"})
         known = [
             TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
@@ -225,7 +225,7 @@ class BevelKnown(RopeKnown):
         Of the open fields, ``block__name``, only such may be left to a figure that the asking rule does not depend on.
         Raises ``NoFigureError`` where what is known makes no drive, ``SizingError`` where the file breaks a rule.
         """
-        # Fields are laid into blocks, no deeper: what stands in a block stays shared.
+        # Only blocks are copied; the values inside a block are shared.
         data = {block: dict(fields) if isinstance(fields, dict) else fields for block, fields in self.data.items()}
         for field, value in open_fields.items():
             block, name = field.split("__")
@@ -242,9 +242,9 @@ class BevelKnown(RopeKnown):
 
 
 def clearing_lead_mm(d_mm: float, radius_mm: float, fleet_deg: float) -> float:
-    """Least lead at which a straight span that rises by the fleet angle stays a rope's diameter off its last turn.
+    """Least lead, mm, at which a straight span that rises by the fleet angle clears its last turn by a rope's diameter.
 
-    The distance grows by nearly as much as the lead, so that two steps of the secant reach it.
+    The distance grows by nearly as much as the lead, so that two secant steps are enough.
     """
     distance = partial(straight_span_distance_mm, radius_mm, slope=tan(radians(fleet_deg)))
     lead = d_mm * 1.05

@@ -1,4 +1,4 @@
-"""Many designs of miso_bevel sized at once, as far as no frame is needed, and what the model needs of their cables."""
+"""Many designs of miso_bevel sized at once, as far as no frame is needed, and their cables for the model."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ FIELDS = tuple(rule.field for rule in BEFORE_FRAME)
 
 
 def size_many(data: dict[str, Any], columns: Mapping[str, Sequence[Any]]) -> Iterator[Alike]:
-    """The designs of ``data`` with the fields of ``columns`` changed row by row, in groups that choose alike."""
+    """The designs of ``data`` with the fields of ``columns`` changed row by row, in groups with the same choices."""
     return fill_many(data, columns, BEFORE_FRAME, BevelKnown)
 
 
 def drive_of_many(alike: Alike, like: Drive) -> BevelDrive:
-    """A drive that stands for a group: what the cable model reads is that of the group, numbers as columns.
+    """A drive that represents a group: the values that the cable model reads are columns, one number for each design.
 
-    All else is that of ``like``, a drive of the same file: its frame, its drum and the setback of its inputs.
+    All other values are those of ``like``, a drive of the same file: frame, drum and setback of the inputs.
     """
     known, like = alike.known, bevel(like)
     assert isinstance(known, BevelKnown)

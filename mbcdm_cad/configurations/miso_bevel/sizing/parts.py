@@ -1,4 +1,4 @@
-"""Rules that pick bought parts from the catalogue: the lightest that carries the load and finds room."""
+"""Rules that choose bought parts from the catalogue: the lightest that carries the load and has room."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, index_of_greatest, least, number
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
 
-# An input carries half the peak torque, a little more in the direction that its preload's bias loads.
+# An input carries half the peak torque, a little more in the direction of the bias of its preload.
 TORQUE_SPARE = 1.095
-# Torque of the preload on an input, as a share of preload times its radius: what neighbouring steps differ by, at least
-# this step of the drum's radii.
+# Torque of the preload on an input, as a share of preload times its radius: the difference of neighbouring steps, at #
+# least this step of the drum's radii.
 BIAS_SHARE, LEAST_STEP_MM = 0.067, 3.6
-# Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end takes most of it. At most,
-# and as it usually is: where nothing in the catalogue does for the first, the second is tried.
+# Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end carries most of it. The
+# largest # and the usual value: if no part of the catalogue carries the first, the second is used.
 INPUT_PRELOADS = (1.65, 1.41)
-# Of the guide: four cables in one state turn it over rather than push it aside, so that the largest tension counts.
+# The same for the guide: four cables tilt it rather than push it aside, so the largest tension counts.
 GUIDE_TENSIONS = 1.85
-# Of a drum's bearing, in tensions, the same.
+# The same for a drum's bearing, in tensions.
 DRUM_TENSIONS = (1.62, 1.23)
-# Grip of a collar over what the check asks: the input's torque is an estimate as long as the drum's steps are open.
+# Grip of a collar over the limit of its check: the input's torque is an estimate as long as the drum's steps are open.
 GRIP_SPARE = 1.03
 COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 # Take-up over the need of the longest cable, whose length is an estimate until the drum's width is known.
@@ -43,20 +43,20 @@ TAKE_UP_SPARE = 1.04
 # Strength of the stud over the limit of its check, because the nut also bends it a little.
 STUD_SPARE = 1.2
 
-# Top plate over what the upper bearing is wide, beside its shoulder's wall.
+# Thickness of the top plate over the width of the upper bearing, besides the wall of its shoulder.
 PLATE_SPARE_MM = 0.3
-# What a pick that meets all margins says of itself.
+# Texts of a choice that meets all margins.
 LIGHTEST = "lightest of the catalogue"
-# Swage to lug with the terminal drawn in: the round corner of the pocket, and a little.
+# Gap from swage to lug with the terminal drawn in: the rounded corner of the pocket and a clearance.
 END_ROOM_MM = 0.5
 
 Entry = Mapping[str, Any]
-# By check, as shares of its limit; negative where it fails.
+# Margins by check, as shares of its limit; negative if it fails.
 Margins = Mapping[str, float]
 
 
 def _kept(margins: Margins) -> bool:
-    """Whether no margin is negative; those that are the same for all designs are asked first."""
+    """Whether no margin is negative; margins that are equal for all designs are tested first."""
     return all(m >= 0.0 for m in margins.values() if not isinstance(m, PerDesign)) and bool(
         least(*margins.values()) >= 0.0
     )
@@ -65,7 +65,8 @@ def _kept(margins: Margins) -> bool:
 def _first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
     """The first candidate whose margins are all kept; else the one that misses least.
 
-    A candidate is (name, what works its margins out), the lightest first; those after the one found are not worked out.
+    A candidate is (name, function that computes its margins), the lightest first; later ones than the result are not
+    computed.
     """
     refused: list[tuple[str, Margins]] = []
     for name, worked_out in candidates:
@@ -78,7 +79,7 @@ def _first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
 
 
 def _careful(factors: tuple[float, float], pick: Callable[[float], Found]) -> Found:
-    """What is picked with the first factor on the load, or with the second where nothing holds the first."""
+    """The choice with the first factor on the load, or with the second if no part carries the first."""
     found = pick(factors[0])
     return found if found.rounding == LIGHTEST else pick(factors[1])
 
@@ -86,7 +87,7 @@ def _careful(factors: tuple[float, float], pick: Callable[[float], Found]) -> Fo
 def _with_partner(
     given: BevelKnown, kind: str, partner: tuple[str, str], margins: Callable[[Entry, Entry], Margins]
 ) -> Found:
-    """The entry of a kind that is lightest with some partner (its kind, its field); a chosen partner stays."""
+    """The entry of a kind that is lightest together with a partner (its kind, its field); a given partner is kept."""
     other_kind, field = partner
     others = given.entries(other_kind)
     if given.has(field):
@@ -94,7 +95,7 @@ def _with_partner(
     pairs = [
         (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", entry, other)
         for name, entry in given.entries(kind).items()
-        # A motor with a shaft of its own is chosen where no gearhead is wanted.
+        # A motor with its own shaft is chosen if the file wants no gearhead.
         if "shaft_diameter_mm" not in entry
         for other_name, other in others.items()
     ]
@@ -137,13 +138,13 @@ def _motor_margins(given: BevelKnown, motor: Entry, gearhead: Entry) -> Margins:
         "motor_torque_back": motor["rated_torque_mNm"] * gearhead["ratio"] / needed - 1.0,
         "collar_grip": _most_grip_Nmm(given, shaft) / (GRIP_SPARE * CLAMP_SAFETY * needed) - 1.0,
         "gearhead_maximum": gearhead["max_torque_mNm"] / needed - 1.0,
-        # A motor wider than its gearhead has no place on the shelf's far side.
+        # A motor wider than its gearhead has no room behind the shelf.
         "drives_apart": 1.0 - motor["diameter_mm"] / (gearhead["diameter_mm"] + 1.0),
     }
 
 
 def _most_grip_Nmm(given: BevelKnown, shaft_mm: float) -> float:
-    """What a collar with the strongest screw of the catalogue holds on a shaft, round the thinnest journal."""
+    """Torque that a collar with the strongest screw of the catalogue holds on a shaft, with the thinnest journal."""
     wall = given.wall_mm("support")
     journal = shaft_mm + 2 * given.wall_mm("input_pulleys")
     screw = given.screw(COLLAR_SCREWS[-1])
@@ -168,7 +169,7 @@ def _gearhead(given: BevelKnown) -> Found:
 
 
 def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
-    """Stud that stands out of both nuts from the start, and still holds the sleeve with the terminal drawn in."""
+    """Least length of the stud, mm: through both nuts at the start, and up to the sleeve with the terminal drawn in."""
     fixed = entry["swage_length_mm"] + entry["lug_thickness_mm"] + 2 * entry["nut_height_mm"]
     return number(fixed + TAKE_UP_SPARE * take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
 
@@ -275,7 +276,7 @@ def _collar_screw(given: BevelKnown) -> Found:
 
 def _drum_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Entry], Margins]:
     screws, load = given.entries("screws"), load_factor * _tension_N(given)
-    # A shaft that looks right beside its drum: an eighth of the smallest land's radius.
+    # Usual proportion of a shaft to its drum: an eighth of the smallest land's radius.
     shaft = given.first_drum_mm / 8.0
 
     def margins(bearing: Entry, ring: Entry) -> Margins:
@@ -311,7 +312,7 @@ def _guide_bearing(given: BevelKnown) -> Found:
 
     def margins(bearing: Entry) -> Margins:
         found = {"guide_bearings": bearing["static_rating_N"] / tension - 1.0}
-        # The axle bends under what the bearings carry, over a lever of about their own bore.
+        # The axle bends under the bearings' load with a lever of about their bore.
         strength = given.entry("materials", "guide.axle_material")["yield_MPa"] / STRESS_SAFETY
         found["axle_stress"] = 0.1 * bearing["bore_mm"] ** 2 * strength / tension - 1.0
         if room is not None:

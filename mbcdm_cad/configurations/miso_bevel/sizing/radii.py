@@ -1,4 +1,4 @@
-"""Rules of the pitch radii and of where the pulleys stand."""
+"""Rules of the pitch radii and of the places of the pulleys."""
 
 from __future__ import annotations
 
@@ -34,15 +34,15 @@ from mbcdm_cad.sizing.arithmetic import greatest, hypot, index_of_greatest, leas
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, largest, rounded_down, rounded_up
 
 STEP_MM = 0.1
-# What is said of a centre distance that leaves no span; a search may still find radii for it.
+# Message for a centre distance that leaves no free span; a search may still find radii for it.
 NO_ROOM = "too short for guide and input pulley beside each other"
 # Spare of a land's width over what it needs: the gap between a cable's flank and the next land.
 FLANK_GAP_MM = 0.045
-# Outermost over first drum radius and centre distance over it, before they are known; wrap on the drum beyond the
-# travel, and way round the guide, both in drum radii.
+# Estimates before the values are known: outermost radius and centre distance over the first drum radius; wrap on the
+# drum # beyond the travel and arc on the guide, both in drum radii.
 USUAL_OUTER, USUAL_DISTANCE = 1.4, 0.9
 ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.6, 0.7
-# Neighbouring terminals stand at different angles: what that takes of the gap between them.
+# Share of the gap between neighbouring terminals that is lost because they are at different angles.
 SLANT_MM = 0.4
 # The free span is longer by this than the fleet angle needs, so that rounding does not make it too short.
 SPAN_SPARE = 1.01
@@ -71,14 +71,14 @@ def _swage_mm(given: BevelKnown) -> float:
 
 
 def least_step_mm(given: BevelKnown) -> float:
-    """What rope, travel and terminals ask of the step, before lead, gaps and guide are known."""
+    """Least step for rope, travel and terminals, mm, before lead, gaps and guide are known."""
     d = given.d_mm
     walk = given.walk_mm(d)
     return greatest(d + 2 * walk, given.nut_pocket_mm - d / 2, given.nut_mm + _swage_mm(given)) + TERMINAL_GAP_MM
 
 
 def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
-    """What each check asks of the step from one drum radius to the next, mm."""
+    """Least step from one drum radius to the next for each check, mm."""
     d = given.d_mm
     outer_input = given.first_drum_mm * _steps_ratio(given, step_mm) / given.total_ratio
     lead = rounded_up(given.clearing_lead_mm(outer_input), LEAD_STEP_MM)
@@ -96,7 +96,7 @@ def _step_needs(given: BevelKnown, step_mm: float) -> dict[str, float]:
 
 
 def _drum_radii(given: BevelKnown) -> Found:
-    """Equal steps; the lead rests on the radii and the step on the lead, so a few passes settle both."""
+    """Radii with equal steps; the lead depends on the radii and the step on the lead, so a few passes are needed."""
     step = 3.0
     needs: dict[str, float] = {}
     for _ in range(4):
@@ -121,7 +121,7 @@ def _guide_wanted(given: BevelKnown, step_mm: float) -> tuple[str, float]:
     }
     radius, room = greatest(*needs.values()), _guide_room_mm(given, outer_input, step_mm)
     if radius > room:
-        # What a setback of the inputs mends too gives way to the centre distance that is asked.
+        # Needs that a setback of the inputs can also meet are ignored if the file gives the centre distance.
         left = {name: least(need, room) if name in _MENDED_BY_SETBACK else need for name, need in needs.items()}
         driver = list(left)[index_of_greatest(list(left.values()))]
         return "centre_distance" if driver in _MENDED_BY_SETBACK else driver, left[driver]
@@ -176,7 +176,7 @@ def _centre_distance(given: BevelKnown) -> Found:
 
 
 def _surface(given: BevelKnown) -> Found:
-    """Smooth, unless the centre distance that is asked leaves a fleet angle that only grooves allow."""
+    """Smooth, unless the given centre distance causes a fleet angle that only grooves allow."""
     if not given.has("transmission.centre_distance_mm"):
         return Found("smooth", "centre distance follows")
     distance = given["transmission.centre_distance_mm"]
@@ -203,7 +203,7 @@ def _shown_mm(length_mm: float) -> str:
 
 
 def _setback(given: BevelKnown) -> Found:
-    """Nothing where the drum passes as it is; else until its terminals pass in front of drives and pulleys."""
+    """Zero if the drum passes drives and pulleys without setback; else the setback at which its terminals pass them."""
     d, running = given.d_mm, given["clearances.running_mm"]
     lowest = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm)
     lower, upper = (given.entry("bearings", f"input_pulleys.{end}_bearing") for end in ("lower", "upper"))
@@ -232,9 +232,9 @@ def _collar_mm(given: BevelKnown) -> float:
 
 
 def take_up_mm(given: BevelKnown) -> float:
-    """Stretch, bedding-in and cut length of the longest cable, a little on the safe side.
+    """Take-up of the longest cable for stretch, bedding-in and cut length, mm, estimated conservatively.
 
-    As long as steps and centre distance are open, those of a drive in usual proportions stand for them.
+    As long as steps and centre distance are open, those of a drive with usual proportions are used.
     """
     rope, first = given.rope, given.first_drum_mm
     known = given.has("transmission.drum_radii_mm")
@@ -248,7 +248,7 @@ def take_up_mm(given: BevelKnown) -> float:
 
 
 def neck_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: float) -> float:
-    """Radius of an input pulley's neck beside the stop of its cable, where no bearing's shoulder asks for less."""
+    """Radius, mm, of an input pulley's neck beside the stop of its cable, if no bearing's shoulder needs less."""
     bend = widest_bend_mm(d_mm, end, wall_mm, pitch_radius_mm)
     return bend - end.stop_radius_ratio * d_mm - NECK_GAP_MM
 

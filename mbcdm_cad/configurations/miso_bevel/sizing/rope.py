@@ -12,33 +12,33 @@ from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.sizing.arithmetic import greatest, least, number, significant
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
 
-# Preload over the least at which no cable goes slack at peak torque, wraps taken as even.
+# Preload over the least at which no cable goes slack at peak torque, cables assumed equal.
 PRELOAD_FACTOR = 2.0
-# Where a rope that holds as much is too thick: at this much the longest cable is still taut.
+# The same if a rope for that preload is too thick: with this factor the longest cable is still taut.
 LEAST_PRELOAD_FACTOR = 1.3
-# How the ends of the rope that is chosen are made, and the thinnest wall of the input pulleys' steel.
+# Termination of a rope that the rule chooses, and the thinnest wall of the input pulleys' steel.
 USUAL_END, WALL_MM = "swaged", 0.5
 # Strength of a swaged end over the rope's, before rope and ends are chosen.
 SWAGED_SHARE = 0.9
 # Strength over the safety factor, because steps and ends are not known yet when the rope is chosen.
 STRENGTH_SPARE = 1.01
-# The same where the rope's strength bounds the preload: what the peak adds is an estimate.
+# The same if the rope's strength limits the preload: the tension added by the peak torque is an estimate.
 HELD_SPARE = 1.02
-# The rope that is chosen where none is named: the supplest wire that the catalogue has in all sizes.
+# Construction of a rope that the rule chooses: the most flexible wire rope of the catalogue in all sizes.
 CONSTRUCTION = "7x7"
 # Mean drum radius over that of step 1, before the steps are known.
 MEAN_OVER_FIRST = 1.1
 
 
 def _share_N(given: BevelKnown) -> float:
-    """What the peak torque adds to a cable, four of them sharing it."""
+    """Tension that the peak torque adds to a cable, N, shared by four cables."""
     return number(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
 
 
 def _rope(given: BevelKnown) -> Found:
     """The thinnest rope of the construction that holds preload and peak torque.
 
-    Where the input pulleys are too thin for it, the thickest that they take, if it holds a smaller preload.
+    If the input pulleys are too thin for it, the thickest that they allow, provided that it holds a smaller preload.
     """
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
@@ -61,7 +61,7 @@ def _rope(given: BevelKnown) -> Found:
 
 
 def _bends(given: BevelKnown, d_mm: float) -> bool:
-    """Whether the smallest input pulley bends a wire rope, takes its stop, and keeps a neck round the drive's shaft."""
+    """Whether the smallest input pulley has room for a wire rope's bend, its stop, and a neck round the shaft."""
     radius = given.first_drum_mm / given.total_ratio
     needed = given["loads.peak_torque_Nm"] * 1e3 / (2 * given.total_ratio)
     shafts = [head["shaft_diameter_mm"] for head in given.entries("gearheads").values()]

@@ -24,20 +24,20 @@ from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
-# Of the top plate's screws from its front and back edges.
+# Distance of the top plate's screws from its front and back edges.
 PLATE_SCREW_INSET_MM = 3.5
 STOP_WEB_MM = 7.0
-# Screws and dowels of the top plate, of which the shortest that engage over one diameter are taken.
+# Screws and dowels of the top plate; the shortest that engage over one diameter are used.
 PLATE_SCREWS = ("M2x6", "M2x8", "M2x10", "M2x12")
 AXLE_SCREW = "M2x3-set"
-# The frame's own fixing to what carries the drive (ISO 4762).
+# Screws that hold the frame on its base (ISO 4762).
 MOUNT_SCREW = "M3"
 MOUNT_SCREW_KEY_MM = 2.5
 MOUNT_SCREW_CLEARANCE_MM = 3.4
 MOUNT_SCREW_HEAD_MM = 5.5
-# Of the bore in which a head is sunk.
+# Diameter of the bore for a sunk head.
 MOUNT_HEAD_RADIUS_MM = MOUNT_SCREW_HEAD_MM / 2 + 0.2
-# From a mounting screw's head to the wall beside it, and the least of it that its washer face needs (estimates).
+# Distance from a mounting screw's head to the wall beside it, and its least value for the bearing face (estimates).
 MOUNT_ROOM_MM, HEAD_ROOM_MM = 1.0, 0.5
 MOUNT_GRIP_MM = 2.6
 COLUMN_WALL_MM = 1.2
@@ -110,7 +110,7 @@ class FrameDims:
 
     @property
     def column_start_z(self) -> float:
-        """Where the column starts behind the boss: the encoder's pocket leaves less than a wall beside it below."""
+        """Lowest z of the column behind the boss: below it the encoder's pocket leaves less than a wall."""
         beside = self.boss_radius - COLUMN_WALL_MM
         return float((max(0.0, self.encoder_pocket_radius**2 - beside**2)) ** 0.5)
 
@@ -219,7 +219,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         gear_screw_clearance=gear_screw.clearance_mm / 2,
         gear_bolt_circle=gear.bolt_circle_mm / 2,
         gear_screw_count=gear.screw_count,
-        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is in.
+        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
         key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
         seat_radius=lower.outer_diameter_mm / 2,
         seat_depth=lower.width_mm,
@@ -247,15 +247,15 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
 
 
 def _mounts(levels: Stack, coupling_z: float, pocket_bottom_z: float) -> tuple[tuple[tuple[float, float], ...], float]:
-    """(x, z) of the mounting screws and where the column's pocket ends below.
+    """(x, z) of the mounting screws, and the lower end of the column's pocket.
 
-    Four screws stand beside the couplings, one in the column. The motors of a small drum hang so near to its bearings
-    that the column has no room for a screw's head: it is then solid, and its pocket ends where the motor shelf begins.
+    Four screws are beside the couplings, one in the column. If the motors of a small drum are so near to its bearings
+    that the column has no room for a screw's head, the column is solid, and its pocket ends at the motor shelf.
     """
     outer_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
     inner_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
     beside = ((-outer_x, coupling_z), (outer_x, coupling_z), (-inner_x, coupling_z), (inner_x, coupling_z))
-    # As low in the column's pocket as its head stands free: the nearer to the drum's bearings, the stiffer.
+    # As low in the column's pocket as its head has room: nearer to the drum's bearings the frame is stiffer.
     column_z = pocket_bottom_z + MOUNT_SCREW_HEAD_MM / 2 + MOUNT_ROOM_MM
     if levels.motor_shelf_bottom_z - column_z - MOUNT_HEAD_RADIUS_MM < HEAD_ROOM_MM:
         return beside, levels.motor_shelf_bottom_z

@@ -1,4 +1,4 @@
-"""Frame and top plate as flat panels: what the module ``stiffness`` beside this one computes with."""
+"""Frame and top plate as flat panels, for the module ``stiffness``."""
 
 from __future__ import annotations
 

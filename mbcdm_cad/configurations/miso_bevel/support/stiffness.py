@@ -1,10 +1,10 @@
-"""How far the elastic support lets the drum turn: frame and top plate as folded plates on their mounting screws.
+"""Rotation of the drum by the elastic support: frame and top plate as folded plates on their mounting screws.
 
 By reciprocity the drum turns, for each N m of load, by f . u: f are the forces that the change of tensions by that load
 puts on the seats (module ``loads``), u the displacements they cause. f . u is also twice the strain energy, so that the
 shares of the panels add up.
 
-Assumptions, with what they cost where solid finite elements of the reference frame can tell (docs/decisions/0005):
+Assumptions, with their effect where solid finite elements of the reference frame show it (docs/decisions/0005):
 
 - tensions share the load as on a rigid support;
 - top plate bonded to walls and back plate (to the walls alone: no change); the mounting screws hold the back face under
@@ -69,7 +69,7 @@ def _half_load(layout: Layout, mesh: PlateMesh, loads: SeatLoads) -> Floats:
 
 
 def ring_compliance_mm_N(layout: Layout, material: Material) -> float:
-    """Sideways give of the drum bearing's ring against the block above it, for 1 N per mm of depth along Y.
+    """Lateral compliance of the drum bearing's ring against the block above it, for 1 N per mm of depth along Y.
 
     The right half is a curved beam from the lowest point, where by antisymmetry only a shear force passes, up into the
     block. Its depth grows there from the round wall to the block's corner. Pressure of the seat is p cos(phi).
@@ -102,14 +102,14 @@ def ring_compliance_mm_N(layout: Layout, material: Material) -> float:
         density += across[a] * across[b] / (_SHEAR_FACTOR * shear_modulus * wall)
         return float(radius * running(density)[-1])
 
-    # The shear force does no work: the lowest point stays in the mirror plane.
+    # The shear force does no work, since the lowest point does not leave the mirror plane.
     return 2.0 * (work(0, 0) - work(0, 1) ** 2 / work(1, 1))
 
 
 def _ring_work(layout: Layout, loads: SeatLoads) -> float:
-    """f . u of the rings round both drum bearings, which shift and shear along the boss, N mm.
+    """f . u of the rings round both drum bearings, which move sideways and shear along the boss, N mm.
 
-    Slices of the ring would bend one by one, but the lower arc ties them: it must shear if they are to move unequally.
+    Slices of the ring cannot bend independently: the lower arc connects them and must shear if they move unequally.
     """
     f, material = layout.frame, layout.drive.support.material
     front, rear = layout.levels.boss_front_y, f.encoder_pocket_floor_y
@@ -138,7 +138,7 @@ def frame_compliance(layout: Layout) -> FrameCompliance:
 
 
 def frame_windup_mrad(layout: Layout, torque_Nm: float) -> float:
-    """Turning of the drum by the support's deflection under ``torque_Nm`` on the drum, mrad."""
+    """Rotation of the drum by the support's deflection under ``torque_Nm`` on the drum, mrad."""
     return frame_compliance(layout).windup_mrad(torque_Nm)
 
 
@@ -153,7 +153,7 @@ def frame_study(layout: Layout) -> FrameStudy:
 
     drive = layout.drive
     cables = [(c.input_side, c.drum_side, c.input_radius_mm, c.guide_radius_mm, c.drum_radius_mm) for c in drive.cables]
-    # Of the drum's shaft only the positions of its bearings: other changes on it must not start the study again.
+    # Only the positions of the drum shaft's bearings, so that other changes of the shaft do not repeat the study.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, layout.top_plate, seats, drive.support, drive.bearings, cables)
     walls = "support.rib_mm, support.back_plate_mm, support.motor_shelf_mm"

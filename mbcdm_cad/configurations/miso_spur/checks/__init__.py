@@ -1,6 +1,6 @@
 """The checks of this configuration, families in the order in which they are run and shown.
 
-What concerns one input with its cable and sector is checked as in siso_spur.
+Each input with its cable and sector is checked as in siso_spur.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from mbcdm_cad.checks import bearings, creep, drum_sector, fixings, motor_head, 
 from mbcdm_cad.configurations.miso_spur.checks import room, sectors, sharing
 from mbcdm_cad.configurations.siso_spur.checks import pulley_fits, ratios, support, tolerances, winding, wraps
 
-# First what the mechanism asks, then what the parts ask.
+# First the checks of the mechanism, then those of the parts.
 FAMILIES: tuple[ModuleType, ...] = (
     ratios,
     winding,

@@ -19,7 +19,7 @@ SHEAR_SHARE = 0.577
 
 
 class Zone(NamedTuple):
-    """What stands or turns at an input: along y, how near it comes to the drum's axis, how wide it is; mm."""
+    """Space of a part at an input: range along y, least distance from the drum's axis, width; mm."""
 
     name: str
     low: float
@@ -52,7 +52,7 @@ def _zones(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
 
 
 def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -> list[tuple[str, float, float, float]]:
-    """(name, lowest y, highest y, outermost radius) of what of a sector passes an input over the travel."""
+    """(name, lowest y, highest y, outermost radius) of the parts of a sector that pass an input over the travel."""
     drive, d = s.drive, s.layout.drum
     level, flank = drive.levels_mm[sector], s.flank_mm
     found = [
@@ -66,7 +66,7 @@ def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -
     nut = nut_corner_radius_mm(drive)
     between = (drive.angles_rad[index] - drive.angles_rad[sector]) % (2 * pi)
     for t in s.layout.units[sector].drum.tensioners:
-        # Angle from the sector's own line of centres to the other input, the way that this terminal lies.
+        # Angle from the sector's own line of centres to the other input, on the side of this terminal.
         away = between if t.side > 0 else 2 * pi - between
         margin = s.half_travel_rad + half_width / drive.centre_distance_mm
         if t.anchor_rad - margin < away < t.anchor_rad + atan2(t.last_tip, t.radius_mm) + margin:
@@ -90,7 +90,7 @@ def sectors_clear_inputs(s: RoundDrumUnderTest) -> Comparison:
 
 
 def heads_apart(s: RoundDrumUnderTest) -> Comparison:
-    """Motor heads of neighbouring inputs stand apart, and so do the threads that hold the frame near its middle."""
+    """Gaps between motor heads of neighbouring inputs, and between the mounting threads near the frame's middle."""
     f, half = s.layout.frame, pi / s.drive.n_inputs
     flange_low = f.axis_z + s.layout.head.flange.back_y
     # Two opposite heads have the drum's axis between them.
@@ -107,7 +107,7 @@ def heads_apart(s: RoundDrumUnderTest) -> Comparison:
 
 
 def hub_dowels(s: RoundDrumUnderTest) -> Comparison:
-    """Dowels under the last hub but one pass the torque of all other sectors on, the motors stalled."""
+    """The dowels between the last two hubs transmit the torque of all other sectors, motors stalled."""
     drive, pins, metal = s.drive, s.layout.dowels, s.drive.drum.material
     share = (drive.n_inputs - 1) / drive.n_inputs
     torque = max(drive.loads.peak_torque_Nm, drive.n_inputs * rated_input_Nm(s) * drive.total_ratio) * share
@@ -134,9 +134,9 @@ def hub_dowels(s: RoundDrumUnderTest) -> Comparison:
 
 
 def dowel_holes(s: RoundDrumUnderTest) -> Comparison:
-    """Holes of the dowels leave metal to bore, rim of the hub, payload's threads and set screws.
+    """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
 
-    In the face they stand opposite the set screws.
+    In the face the holes are opposite the set screws.
     """
     d, pins = s.layout.drum, s.layout.dowels
     near = pins.circle_radius - pins.radius

@@ -1,4 +1,4 @@
-"""How the inputs share the load of the drum: by the stiffness of their cables, wherever the inputs are held."""
+"""Shares of the inputs in the load of the drum, which follow from the stiffness of their cables."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.miso_spur.design_under_test import RoundDrumUnderTest
 
-# Torque of the most loaded input over the mean (a choice: what a motor has in reserve beside the others).
+# Largest torque of an input over the mean (a choice: reserve of its motor compared with the others).
 LARGEST_OVER_MEAN = 1.1
 
 
 def load_shares(s: RoundDrumUnderTest) -> np.ndarray:
-    """Share (2, n_inputs) of peak torque, each way, that every input takes beyond what it holds without a load."""
+    """Share (2, n_inputs) of the peak torque, each direction, that every input takes besides its bias torque."""
     idle, forward, back, *_ = s.loads.input_torque_Nm
     taken = np.stack([forward - idle, back - idle])
     return np.asarray(taken / taken.sum(axis=1, keepdims=True))
 
 
 def sharing(s: RoundDrumUnderTest) -> Comparison:
-    """The input that takes most of peak torque against the mean."""
+    """Torque of the most loaded input at peak torque over the mean of all inputs."""
     shares = load_shares(s)
     listed = ", ".join(f"{name} {share:.1%}" for name, share in zip(s.drive.input_names, shares[0], strict=True))
     return worst(

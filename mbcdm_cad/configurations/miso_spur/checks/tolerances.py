@@ -1,4 +1,4 @@
-"""Stacks of tolerances: those of one input, all being alike."""
+"""Tolerance stacks of one input, since all inputs are equal."""
 
 from __future__ import annotations
 

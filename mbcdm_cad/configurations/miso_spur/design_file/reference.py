@@ -1,4 +1,4 @@
-"""The reference design of miso_spur: two inputs of siso_spur's reference, but for what their number changes."""
+"""The reference design of miso_spur: two inputs of siso_spur's reference, except where their number matters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a validated miso_spur design to its drive."""
+"""Make a drive from a validated miso_spur design."""
 
 from __future__ import annotations
 

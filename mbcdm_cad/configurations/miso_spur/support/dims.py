@@ -13,7 +13,7 @@ from mbcdm_cad.parts.motor_head.dims import Places
 class StarDims:
     """The frame (mm): an arm for each input, with its angle about Y from +Z towards +X.
 
-    The arms differ in how far their yokes reach from the plate. The first one's boss and stop pin are those of all.
+    The arms differ in the reach of their yokes from the plate. Boss and stop pin of the first are shared by all.
     """
 
     arms: tuple[YokeDims, ...]

@@ -1,4 +1,4 @@
-"""Sheet of the frame: that of siso_spur for the first arm, holes of all arms, and what tells the arms apart."""
+"""Sheet of the frame: that of siso_spur for the first arm, holes of all arms, and the differences of the arms."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Sheet, Tabl
 from mbcdm_cad.parts.sheets.holes import Holes, hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.words import mm, mm3
 
-# Holes of which there is one set about the drum's axis.
+# Holes that exist once, about the drum's axis.
 _IN_THE_MIDDLE = "EH"
 _FROM_BEHIND = "ABCDEH"
 
 
 def _holes(d: StarDims) -> tuple[Holes, ...]:
-    """Those of all arms under the letters of the first."""
+    """The holes of all arms, with the letters of the first arm."""
     groups = []
     for alike in zip(*(frame_holes(arm) for arm in d.arms), strict=True):
         first = alike[0]

@@ -1,9 +1,9 @@
-"""How far the elastic frame lets the drum turn: arms in line as one mesh, others each by themselves.
+"""Rotation of the drum by the elastic frame: arms in line as one mesh, other arms separately.
 
-Two arms that stand opposite each other are one frame of two yokes, on which the pulls on the drum cancel. Of four
-inputs there are two such pairs; of three every arm counts alone. Each takes its share of the load. Joined to the others
-it can only bend less (a structure with more constraints stores less energy under the same forces), so that with more
-than two inputs the sum is an upper bound.
+Two opposite arms are one frame with two yokes, on which the forces on the drum cancel. Four inputs are two such pairs;
+with three inputs every arm is computed alone. Each carries its share of the load. Connected to the others an arm can
+only bend less (a structure with more constraints stores less energy under the same forces), so that with more than two
+inputs the sum is an upper bound.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def frame_compliance(layout: RoundDrumLayout) -> FrameCompliance:
         parts = [[units[k], Arm(layout.units[k + half], -1)] for k in range(half)]
     shares = Counter[str]()
     for arms in parts:
-        # What a part turns the drum by under its share of the load, times that share, is its work.
+        # The work of a part is its rotation of the drum under its share of the load, times that share.
         shares.update(arms_compliance(arms, 1.0 / len(units)).shares_urad_Nm)
     return FrameCompliance(sum(shares.values()), dict(shares))
 

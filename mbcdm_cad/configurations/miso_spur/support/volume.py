@@ -10,9 +10,9 @@ from mbcdm_cad.parts.volume import Volume
 
 
 def star_mm3(d: StarDims) -> float:
-    """Arms, less what neighbours share next to the axis, and the boss. The round end lies within the arms."""
+    """Arms minus the volume that neighbours share near the axis, and the boss. The round end lies within the arms."""
     first, n = d.arms[0], len(d.arms)
-    # Half the angle between two arms; two lie in line and share nothing.
+    # Half the angle between two arms; two opposite arms are in line and share nothing.
     slope = tan(pi / n) if n > 2 else inf
     shared = n * first.half_width**2 / slope * (first.levels.front_y - first.levels.plate_back_y)
     return sum(arm_mm3(arm) for arm in d.arms) - shared + boss_mm3(first)

@@ -1,7 +1,7 @@
-"""Wrap on the input under one turn: the cable stays in the plane of its transfer point, so it never goes round twice.
+"""Wrap on the input under one turn: the cable stays in the plane of its transfer point, so it has no second turn.
 
-A helix would carry the tangent point off that plane by a lead a turn. This is what limits the ratio of a drive without
-a guide: i x full travel + reserve + the stop's slot <= 360 degrees.
+A helix would move the tangent point off that plane by its lead in each turn. This limits the ratio of a drive without a
+guide: i x full travel + reserve + the stop's slot <= 360 degrees.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from mbcdm_cad.configurations.siso_bevel.design_under_test import DirectUnderTes
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 
 TURN_DEG = 360.0
-# Wrap left before the stop's bend with all unwound, so that the transfer never comes to pull at the bend (estimate).
+# Wrap left before the stop's bend on the unwound pulley, so that the cable never pulls at the bend (estimate).
 LEAST_RESERVE_DEG = 15.0
-# The slot changes little with the ratio: a few rounds settle it.
+# The slot changes little with the ratio, so a few iterations are enough.
 _ROUNDS = 30
 
 
@@ -42,10 +42,10 @@ def reserve(s: DirectUnderTest) -> Comparison:
 
 
 def highest_ratio(drive: DirectDrive) -> float:
-    """The total ratio that fills one turn of the input over this travel, the drum's radii kept; 0 where none fits.
+    """The total ratio that uses one turn of the input over this travel, with the same drum radii; 0 if there is none.
 
-    A smaller pulley has a slot of a larger angle, so that the two are found together. Raises ValueError where even then
-    the pulley is too small for a stop.
+    A smaller pulley has a slot of a larger angle, so that both are found together. Raises ValueError if the pulley is
+    too small for a stop.
     """
     ratio = 1.0
     for _ in range(_ROUNDS):

@@ -1,4 +1,4 @@
-"""Radii: one ratio of both steps (Eq. (1) without a guide), surfaces that can be cut, bends that the rope bears."""
+"""Radii: one ratio of both steps (Eq. (1) without a guide), surfaces that can be cut, permissible bends of the rope."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reference design of siso_bevel: on motor, gearhead, rope, preload, mean drum radius and travel of miso_bevel's.
+"""The reference design of siso_bevel: motor, gearhead, rope, preload, mean drum radius and travel as in miso_bevel.
 
 "Table", "section" and "Fig." are those of the paper that describes the mechanism.
 """

@@ -1,4 +1,4 @@
-"""From a validated siso_bevel design to its drive: radii known for every cable, names made objects."""
+"""Make a drive from a validated siso_bevel design: radii of every cable, catalogue entries in place of names."""
 
 from __future__ import annotations
 

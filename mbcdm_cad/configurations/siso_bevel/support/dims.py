@@ -37,7 +37,7 @@ ENCODER_ROOM_MM = 1.0
 POCKET_FLAT_MM = 0.1
 # Thread of the encoder's screws in its housing, in diameters.
 ENCODER_GRIP = 1.25
-# The frame's own fixing to what carries the drive (ISO 4762).
+# Screws that hold the frame on its base (ISO 4762).
 MOUNT_SCREW = "M3"
 MOUNT_SCREW_KEY_MM = 2.5
 MOUNT_SCREW_CLEARANCE_MM = 3.4
@@ -96,7 +96,7 @@ def corner_radius_mm(drive: DirectDrive, levels: DirectStack) -> float:
 
 
 def flange(levels: DirectStack) -> Flange:
-    """The motor head's flange on the side walls, which its screws and dowels stand in."""
+    """The motor head's flange on the side walls, into which its screws and dowels go."""
     x = (levels.side_inner_x + levels.side_outer_x) / 2
     front, back = levels.front_y - 3.5, levels.back_y + 3.5
     middle = (front + back) / 2
@@ -122,7 +122,7 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
     lowest_pocket = max(2 * radius + POCKET_FLAT_MM, MOUNT_SCREW_HEAD_MM + 2 * MOUNT_HEAD_ROOM_MM)
     least_shelf = drive.drum.stop_pin_mm + 2 * drive.support.material.min_wall_mm
     stop_bottom = stop_top - min(STOP_SHELF_MM, max(stop_top - low - lowest_pocket, least_shelf))
-    # The encoder's end stands in the corner that the pocket's cutter leaves.
+    # The encoder's end must clear the rounded corner of the pocket.
     pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
     head_flange = flange(levels)
     beside = round_boss.radius - 1.2

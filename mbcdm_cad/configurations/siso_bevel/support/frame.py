@@ -29,7 +29,7 @@ def _pockets(d: ColumnDims) -> list[cq.Shape]:
         pocket_y((-side, side), y, (d.encoder_shelf_top_z, d.top_z + 2 * r + 1.0), r),
         pocket_y((-inner, inner), y, (d.stop_shelf_top_z, d.encoder_shelf_bottom_z), r),
         pocket_y((-inner, inner), y, (d.low_pocket_bottom_z, d.stop_shelf_bottom_z), r),
-        # Behind the boss, below the encoder's pocket, nothing of the column is left.
+        # Behind the boss, below the encoder's pocket, the column is removed.
         block((-beside, beside), (v.back_y - 1.0, d.boss.encoder_pocket_floor_y), (-1.0, d.column_start_z)),
     ]
 

@@ -1,10 +1,10 @@
-"""How far the elastic frame lets the drum turn: column, box and motor head as folded plates on their mounting screws.
+"""Rotation of the drum by the elastic frame: column, box and motor head as folded plates on their mounting screws.
 
 By reciprocity the drum turns, for each N m of load, by f . u: f are the forces that the change of tensions by that load
-puts on the seats, u the displacements they cause (:mod:`mbcdm_cad.model.plate_mesh`). The two cables pull the pulley by
-the difference of their tensions, along x, and the drum the other way; their lever about the input's axis goes through
-the gearhead into the motor head. Assumptions as in docs/decisions/0005, and the boss is rigid; the column's foot from
-the boss to its lower pocket counts as one block.
+puts on the seats, u the displacements they cause (:mod:`mbcdm_cad.model.plate_mesh`). The two cables pull the pulley
+with the difference of their tensions along x, and the drum in the opposite direction; their torque about the input's
+axis goes through the gearhead into the motor head. Assumptions as in docs/decisions/0005, and the boss is rigid; the
+column's foot from the boss to its lower pocket counts as one block.
 """
 
 from __future__ import annotations
@@ -93,10 +93,10 @@ def seat_forces(layout: DirectLayout, tension_N: Floats) -> list[tuple[str, tupl
     axis = d.routes.inputs[0].axis
     pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, lower * MM, upper * MM, axis)
     rear, front = (y + bearings.drum.width_mm / 2 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
-    # Moments about the drum's axis aside, its bearings take force and couple along x by their distances.
+    # Except for the moment about the drum's axis, its bearings carry force and couple along x by their distances.
     on_drum = float(loads.drum.force_N[0])
     on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
-    # What the gearhead holds against: the tensions' lever about the input's axis, -Z.
+    # Torque that the gearhead holds: the moment of the tensions about the input's axis, -Z.
     torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
     return [
         ("motor head's flange", (0.0, 0.0, -lower), -float(pair[0, 0]), 0.0),
@@ -140,7 +140,7 @@ def frame_study(layout: DirectLayout) -> FrameStudy:
 
     drive = layout.drive
     cables = [(c.drum_side, c.input_radius_mm, c.drum_radius_mm, c.preload_N) for c in drive.cables]
-    # Of the drum's shaft only the positions of its bearings: other changes on it must not start the study again.
+    # Only the positions of the drum shaft's bearings, so that other changes of the shaft do not repeat the study.
     seats = (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y)
     inputs = (layout.frame, layout.head, seats, drive.support, drive.bearings, cables)
     return FrameStudy(__name__, inputs, compliance)
