@@ -1,4 +1,4 @@
-"""How often the loop says what is true: simulated runs of many cases and seeds, and what the loop makes of them.
+"""How often the loop names the right effect: simulated runs of many cases and seeds, and the loop's findings.
 
     python tests/confusion.py --seeds 20 --jobs 2 --table docs/loop-confusion.md     the whole study
     python tests/confusion.py --only null,pulley_guide --seeds 5                     a few cases
@@ -149,21 +149,22 @@ def document(scores: list[Score], command: str) -> str:
     """The page of the docs."""
     errors = sorted({f"- {s.case} seed {s.seed}: {s.note}" for s in scores if s.note})
     parts = [
-        "# How often the loop says what is true",
+        "# How often the loop names the right effect",
         f"Made by `{command}`: {len(scores)} runs, seeds fixed.",
-        "The runs are simulated by other means than the project's model (tests/support/bench_chain.py: each cable a "
-        "chain of short pieces under Coulomb friction), with sensors as on the bench. Sizes and phases come from the "
-        "seed. Motions: +-50 mrad, +-0.45 and +-0.6 rad, triangle or sine, 0.05 to 0.1 Hz, 160 s at 100 Hz; loads: a "
-        "brake, a brake at several levels, with a bias, torque steps independent of the motion, none.",
-        "## Against the aims",
+        "The runs are simulated without the project's model (tests/support/bench_chain.py: each cable is a chain of "
+        "short pieces under Coulomb friction), with sensors as on the bench. Sizes and phases come from the seed. "
+        "Motions: +-50 mrad, +-0.45 and +-0.6 rad, triangle or sine, 0.05 to 0.1 Hz, 160 s at 100 Hz. Loads: a brake; "
+        "a brake at several levels; a brake with a bias; torque steps independent of the motion; none.",
+        "## Comparison with the aims",
         aims_table(scores),
         "## By case",
-        "exact: all effects named, nothing else. set: what is not named is in a set. partial: named rightly, something "
-        "missing. wrong: a name that is not true. wrong set: a set without the truth. For runs without an effect "
-        "`none` is right; for causes outside the vocabulary `unknown` is right and `wrong` means blamed on one inside. "
-        "Error after / knowing: held-out error over that of the same run without the effect.",
+        "exact: all effects are named, and nothing else. set: each effect that is not named is a member of a set. "
+        "partial: the names are right, but an effect is missing. wrong: a named effect is not present. wrong set: no "
+        "member of a set is present. For runs without an effect `none` is right. For causes outside the loop's library "
+        "of effects `unknown` is right, and `wrong` means that an effect of the library was named instead. Error after "
+        "/ knowing: held-out error of the result over that of the same run without the effect.",
         outcome_table(scores),
-        "## What was said",
+        "## Findings",
         matrix(scores),
         "## Sizes found",
         value_table(scores),

@@ -1,4 +1,4 @@
-"""What the loop says of every experiment of the rig's library, judged by the truth, which the loop is not told.
+"""Findings of the loop on every experiment of the rig's library, compared with the truth, which the loop never reads.
 
     python tests/rig_study.py --jobs 2 --table docs/loop-on-rig.md      all experiments of params/experiments
     python tests/rig_study.py --only null-long-brake,out-wear           a few
@@ -142,16 +142,16 @@ def page(rows: list[Row], command: str) -> str:
     right = sum(row.right for row in rows)
     kinds = Counter(row.outcome for row in rows)
     lines = [
-        "# What the loop says of the rig's library",
+        "# Findings of the loop on the experiments of the rig",
         "",
-        f"Made by `{command}`: {len(rows)} runs, of which {right} are right: none where nothing was put in; the",
-        "name of the effect, or a set that holds it, where the vocabulary has it; something unknown where it has not.",
-        "Each run is simulated by the rig ([rig.md](rig.md)), which shares no code with the model; its effects stand",
-        "in the truth file alone, which the loop does not read.",
+        f"Made by `{command}`: {len(rows)} runs, of which {right} are right: no name in a run without an",
+        "effect; the effect named, or in a set, if the library has it; something unknown if not. Each run is simulated",
+        "by the rig ([rig.md](rig.md)), which shares no code with the model. The effects of a run are stated only in",
+        "the truth file, which the loop does not read.",
         "",
         "Outcomes: " + ", ".join(f"{kind} {number}" for kind, number in kinds.most_common()) + ".",
         "",
-        "| experiment | true | said | right | held-out error before (urad) | after | s |",
+        "| experiment | true | finding | right | held-out error before (urad) | after | s |",
         "| --- | --- | --- | --- | --- | --- | --- |",
     ]
     for row in rows:

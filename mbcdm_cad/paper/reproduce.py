@@ -70,7 +70,7 @@ def _geometry(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             measured.BEND_RATIO,
             2 * smallest / drive.cable.diameter_mm,
             5e-3,
-            "2 r_min/d; the prose inverts it",
+            "2 r_min/d; the text of the paper inverts it",
         ),
         PaperFigure(
             "effective area A",
@@ -108,7 +108,7 @@ def _torque(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             measured.DESIGN_TORQUE_NM,
             ideal,
             0.02,
-            "motors x gearhead x 9, lossless, shared evenly; the paper rounds it down",
+            "torque of both motors x gearhead x 9, lossless, shared evenly; the paper rounds it down",
         ),
         PaperFigure(
             "torque to weight, theoretical",
@@ -126,7 +126,7 @@ def _torque(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             measured.PEAK_TORQUE_NM,
             with_bias,
             0.05,
-            "equal preloads, the weaker way round: the preload's bias saturates one input first; a candidate "
+            "equal preloads, weaker direction: the bias torque of the preloads saturates one input first; a possible "
             f"reason, not a proof (without the bias {without_bias:.2f} N m; gearhead losses are left out)",
         ),
         PaperFigure(
@@ -161,7 +161,7 @@ def _backlash(d: DriveSI) -> tuple[PaperFigure, ...]:
             float(drum.reversal_swing_rad) * 1e3,
             0.05,
             f"E = {float(d.modulus_Pa) / 1e9:g} GPa is calibrated on this figure ({reversal:.1f} GPa by the "
-            "mean radii): consistent, no confirmation",
+            "mean radii), so the agreement is no confirmation",
         ),
         PaperFigure(
             "backlash, as one-sided turn",
@@ -170,7 +170,7 @@ def _backlash(d: DriveSI) -> tuple[PaperFigure, ...]:
             mrad,
             float(drum.first_loading_rad) * 1e3,
             None,
-            f"the other reading; it would need E = {single:.1f} GPa, implausibly soft for a 7x7 rope",
+            f"the other reading of the figure; it needs E = {single:.1f} GPa, implausibly soft for a 7x7 rope",
         ),
         PaperFigure(
             "difference of Eq. (20) from the test",
@@ -189,7 +189,7 @@ def _backlash(d: DriveSI) -> tuple[PaperFigure, ...]:
             0.0,
             (mid - high) / (low - mid),
             0.25,
-            "flattens out: each step of 0.2 in mu, taken at 0.1, 0.3 and 0.5",
+            "the curve flattens out; from steps of 0.2 in mu, at 0.1, 0.3 and 0.5",
         ),
         PaperFigure(
             "RMSE of the backlash model",
@@ -198,7 +198,7 @@ def _backlash(d: DriveSI) -> tuple[PaperFigure, ...]:
             measured.RMSE_SHARE,
             math.nan,
             None,
-            "needs the paper's data, which it does not publish",
+            "needs data that the paper does not publish",
         ),
     )
 
@@ -231,7 +231,7 @@ def _sensing(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             measured.RIPPLE_CYCLES_PER_RAD,
             motor_per_drum / (2 * math.pi),
             None,
-            "unexplained: the motor's once per turn is far off, and so is every other stage",
+            "unexplained: neither the rotation of the motor nor any other stage has this frequency",
         ),
         PaperFigure(
             "ripple peak, if the axis is per turn",
@@ -240,7 +240,7 @@ def _sensing(drive: Drive, d: DriveSI) -> tuple[PaperFigure, ...]:
             measured.RIPPLE_CYCLES_PER_RAD,
             motor_per_drum,
             None,
-            "the motor's once per turn, if the axis is mislabelled; not proven",
+            "once per turn of the motor, if the axis is mislabelled; not proven",
         ),
     )
 
@@ -251,7 +251,7 @@ def as_markdown(figures: tuple[PaperFigure, ...], name: str) -> str:
         "# The paper's figures and the model's",
         "",
         f"Written by `mbcdm reproduce` for the design `{name}` with the paper's even preload; do not edit by hand.",
-        "A figure without a tolerance is shown only, and the remark says why it is not judged.",
+        "A figure without a tolerance is only shown; its remark says why it is not judged.",
         "",
         "| figure | where | unit | paper | model | difference | tolerance | remark |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",

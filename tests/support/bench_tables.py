@@ -10,20 +10,20 @@ from bench_score import OUTCOMES, Score
 
 # What the project aims at, by group: (what, outcomes that count, share, at least or at most).
 AIMS: tuple[tuple[str, tuple[str, ...], tuple[str, ...], str, float], ...] = (
-    ("a name or set given without an effect", ("null",), ("wrong", "wrong set"), "<=", 0.02),
+    ("a name or set in a run without an effect", ("null",), ("wrong", "wrong set"), "<=", 0.02),
     ("the same with a small repeatable texture", ("texture",), ("wrong", "wrong set"), "<=", 0.05),
-    ("single separable effect named exactly", ("single",), ("exact",), ">=", 0.95),
-    ("single effect where a set is fair, named exactly", ("fair",), ("exact",), ">=", 0.85),
+    ("single effect that can be separated, named exactly", ("single",), ("exact",), ">=", 0.95),
+    ("single effect for which a set is acceptable, named exactly", ("fair",), ("exact",), ">=", 0.85),
     ("the same, named exactly or in a set", ("fair",), ("exact", "set"), ">=", 0.95),
     ("pair named exactly", ("pair",), ("exact",), ">=", 0.90),
     (
-        "wrong name, all runs with effects of the vocabulary",
+        "wrong name, all runs with effects of the library",
         ("single", "fair", "alike", "pair"),
         ("wrong",),
         "<=",
         0.02,
     ),
-    ("cause outside the vocabulary blamed on one inside", ("outside",), ("wrong",), "<=", 0.05),
+    ("cause outside the library for which an effect of the library is named", ("outside",), ("wrong",), "<=", 0.05),
 )
 
 
@@ -37,11 +37,12 @@ def aims_table(scores: list[Score]) -> str:
             rows.append(_aim(what, sense, limit, share, len(runs)))
     sets = [s for s in scores if s.outcome in ("set", "wrong set") and s.group in ("single", "fair", "alike", "pair")]
     if sets:
-        rows.append(_aim("sets that hold the truth", ">=", 0.95, _share(s.outcome == "set" for s in sets), len(sets)))
+        share = _share(s.outcome == "set" for s in sets)
+        rows.append(_aim("sets that contain the true effect", ">=", 0.95, share, len(sets)))
     judged = [s for s in scores if s.knowing_rad and s.after_rad and s.outcome == "exact"]
     if judged:
         ratio = np.array([s.after_rad / s.knowing_rad for s in judged if s.after_rad and s.knowing_rad])
-        what = f"held-out error at most 1.05 of knowing the truth (median {np.median(ratio):.3f}, exact runs)"
+        what = f"held-out error at most 1.05 of that with the truth known (median {np.median(ratio):.3f}, exact runs)"
         rows.append(_aim(what, ">=", 0.95, float(np.mean(ratio <= 1.05)), len(ratio)))
     values = [v for s in scores for v in s.values if s.outcome == "exact"]
     if values:
@@ -51,7 +52,8 @@ def aims_table(scores: list[Score]) -> str:
     if covered:
         share = _share(covered)
         met = "yes" if 0.85 <= share <= 0.99 else "no"
-        rows.append(f"| 95 % intervals that hold the truth | 85 to 99 % | {share:.1%} | {len(covered)} | {met} |")
+        what = "95 % intervals that contain the true value"
+        rows.append(f"| {what} | 85 to 99 % | {share:.1%} | {len(covered)} | {met} |")
     return "\n".join(rows)
 
 
@@ -82,7 +84,7 @@ def outcome_table(scores: list[Score]) -> str:
 
 def matrix(scores: list[Score]) -> str:
     """What was said of each case, most frequent first, with counts."""
-    rows = ["| case | said (runs) |", "| --- | --- |"]
+    rows = ["| case | finding (runs) |", "| --- | --- |"]
     for case, runs in _by_case(scores).items():
         said = Counter(s.said for s in runs).most_common()
         text = "; ".join(f"{what} ({count})" for what, count in said[:8]).replace("|", "or")
@@ -97,7 +99,7 @@ def value_table(scores: list[Score]) -> str:
     for score in scores:
         for what, *rest in score.values:
             sizes[what].append(tuple(rest))  # type: ignore[arg-type]
-    rows = ["| size | values | median error | 95 % of errors below | intervals that hold it |", "| --- " * 5 + "|"]
+    rows = ["| size | values | median error | 95 % of errors below | intervals that contain it |", "| --- " * 5 + "|"]
     for what, values in sorted(sizes.items()):
         error = [abs(found - true) / abs(true) for true, found, _, _ in values]
         held = [low <= true <= high for true, _, low, high in values if low is not None and high is not None]
