@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.configurations.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -12,9 +13,9 @@ COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25"
 _RING = "ring"
 
 
-def _bores(given: TrialKnown, ring: bool) -> set[float]:
-    """Bores of the encoders in the catalogue: of those on a shaft's end, or of rings."""
-    return {entry["bore_mm"] for name, entry in given.entries("encoders").items() if (_RING in name) == ring}
+def _bores(given: TrialKnown) -> set[float]:
+    """Bores that encoders on a shaft's end are made with."""
+    return {entry["bore_mm"] for name, entry in given.entries("encoders").items() if _RING not in name}
 
 
 def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool]) -> list[str]:
@@ -24,8 +25,18 @@ def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]
 
 
 def _drum_bearing(given: TrialKnown) -> Found:
-    bores = _bores(given, ring=True)
-    names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] in bores)
+    rings = [entry for name, entry in given.entries("encoders").items() if _RING in name]
+
+    def has_encoder(bearing: dict[str, Any]) -> bool:
+        """Whether a ring of its bore has its screws beside the bearing's seat."""
+        return any(
+            ring["bore_mm"] == bearing["bore_mm"]
+            and (ring["bolt_circle_mm"] - given.screw(ring["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
+            >= HOLE_WEB_MM
+            for ring in rings
+        )
+
+    names = _by_mass(given, "bearings", lambda _, entry: has_encoder(entry))
     return given.first("drum.bearing", names, ("drum_bearings", "shaft_twist"))
 
 
@@ -36,7 +47,7 @@ def _lower(given: TrialKnown) -> Found:
 
 
 def _upper(given: TrialKnown) -> Found:
-    bores = _bores(given, ring=False)
+    bores = _bores(given)
     names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] in bores)
     return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
 
@@ -66,7 +77,7 @@ def _collar_screw(given: TrialKnown) -> Found:
 PARTS = (
     Rule(
         "drum.bearing",
-        "the lightest that carries the drum and whose shaft is not twisted off",
+        "the lightest with a ring encoder that carries the drum and whose shaft is not twisted off",
         "drum_bearings",
         _drum_bearing,
     ),

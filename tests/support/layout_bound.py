@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, product
-from math import acos, degrees
+from math import acos, degrees, pi, radians, tan
 from typing import Any
 
 from mbcdm_cad.design.catalogue import package_entries
@@ -28,7 +28,9 @@ LEAST_RESERVE_DEG = 15.0
 LAND_MM, OVER_SHELF_MM, UNDER_ENCODER_MM, STOP_PIN_MM, MOUNT_MM, BOSS_WALL_MM = 0.8, 0.7, 1.0, 3.0, 6.5, 3.0
 # What a requirement that is left out may be at best.
 LEAST_RATIO, MOST_RADIUS_MM = 1.0, 1000.0
-NAMES = ("ratio", "radius", "travel", "torque", "rope")
+NAMES = ("ratio", "radius", "travel", "torque", "rope", "surface")
+# Slope of the turns on a smooth input, at most.
+SMOOTH_FLEET_DEG = 1.5
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ class Asked:
     travel: float | None
     torque: float | None
     rope: str | None
+    surface: str | None = None
     wall_mm: float = MILLED_WALL_MM
 
     def only(self, names: tuple[str, ...]) -> Asked:
@@ -139,15 +142,21 @@ def _column_fits(t: Trial) -> bool:
     return t.radius_mm >= least_column_mm(t.asked.wall_mm, t.d)
 
 
-SPUR_CONDITIONS: dict[str, Callable[[Trial], bool]] = {
+def _straight(t: Trial) -> bool:
+    """Turns of a smooth input lie a rope apart at least, so that a thin input slopes them."""
+    return t.asked.surface != "smooth" or t.d <= 2 * pi * t.input_mm * tan(radians(SMOOTH_FLEET_DEG))
+
+
+COMMON: dict[str, Callable[[Trial], bool]] = {
     "the input is too thin for the bend of the rope": _bends,
     "the rope is too weak": _strong,
 }
+SPUR_CONDITIONS = {**COMMON, "turns on a smooth input slope too much": _straight}
 CONDITIONS: dict[str, dict[str, Callable[[Trial], bool]]] = {
     "siso_spur": SPUR_CONDITIONS,
     "miso_spur": SPUR_CONDITIONS,
     "siso_bevel": {
-        **SPUR_CONDITIONS,
+        **COMMON,
         "the input has no room for the rope's stop": _stop_fits,
         "ratio x full travel + reserve + slot > 360 degrees": _under_turn,
         "no bearing of the input fits behind the drum": _seat_behind_drum,
@@ -167,6 +176,7 @@ def asked(data: Mapping[str, Any]) -> Asked:
         data["travel"].get("half_angle_deg"),
         torque / max(1, len(data.get("inputs", ()))) if torque else None,
         data.get("rope", {}).get("type"),
+        data.get("input_pulleys", {}).get("surface"),
         wall,
     )
 

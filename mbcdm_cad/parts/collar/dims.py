@@ -17,6 +17,8 @@ COLLAR_SLIT_MM = 1.0
 HEAD_PLAY_MM = 0.1
 # Collar above and below its screw's head, and beyond a grip of one shaft's diameter.
 HEAD_EDGE_MM = 0.2
+# Collar over the heads of the gearhead's screws.
+COLLAR_OVER_HEADS_MM = 0.8
 
 
 class Coupled(Protocol):
@@ -72,11 +74,16 @@ def collar_sweep_mm(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_na
     return max(radius, hypot(offset + screw.head_diameter_mm / 2, seat + screw.head_height_mm))
 
 
+def collar_over_shelf_mm(drive: Coupled) -> float:
+    """Height of the collar over the motor shelf: just above the heads of the gearhead's screws."""
+    return drive.screw(drive.gearhead.screw).head_height_mm + COLLAR_OVER_HEADS_MM
+
+
 def collar(drive: Coupled, bore_mm: float, min_wall_mm: float, screw_name: str, motor_shelf_top_z: float) -> CollarDims:
     """Collar about its own axis, heights as in the assembly: just above the gearhead's screws, whose heads lie on the
     motor shelf."""
     radius, offset, seat = _section(drive, bore_mm, min_wall_mm, screw_name)
-    bottom = motor_shelf_top_z + drive.screw(drive.gearhead.screw).head_height_mm + 0.8
+    bottom = motor_shelf_top_z + collar_over_shelf_mm(drive)
     return CollarDims(
         bore_radius=bore_mm / 2,
         radius=radius,

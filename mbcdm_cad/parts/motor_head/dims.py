@@ -13,11 +13,12 @@ in the opposite direction, from the gearhead.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import Protocol
 
 from mbcdm_cad.design.bought import Material, Screw
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.collar.dims import collar_over_shelf_mm, collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).
@@ -27,6 +28,10 @@ DOWEL_MM = 2.0
 DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 16.0)
 # Longest sensible reach of an end mill, in diameters.
 TOOL_SLENDERNESS = 4.0
+# Each round changes the pocket's width by a quarter of what the one before did, at most.
+_ROUNDS = 12
+# Keeps the gap whole where the last digits of a sum are lost.
+_ROUNDING_MM = 1e-6
 
 Places = tuple[tuple[float, float], ...]
 
@@ -141,12 +146,26 @@ def dowel_length_mm(drive: HeadedDrive) -> float:
 
 
 def inner_half_width_mm(drive: HeadedDrive) -> float:
-    """Half the width of the coupling space, mm: the collar turns in it, and the gearhead's screws clear its corners."""
-    running = drive.clearances.running_mm
-    # The heads of the gearhead's screws must clear the rounded corner of the coupling pocket.
+    """Half the width of the coupling space: the collar turns in it, and the gearhead's screws stand off its corners."""
+    running, reach = drive.clearances.running_mm, collar_sweep_mm(drive, *drive.collar_seat)
+    # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
     heads = (drive.gearhead.bolt_circle_mm + drive.screw(drive.gearhead.screw).head_diameter_mm) / 2 + running
     corner = max(drive.support.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
-    return max(collar_sweep_mm(drive, *drive.collar_seat) + running, heads + corner)
+    inner = max(reach + running, heads + corner)
+    # The collar stands lower over the shelf than the corner of a wide pocket reaches up, which grows with the width.
+    for _ in range(_ROUNDS):
+        corner = _corner_radius_mm(drive, inner)
+        below = corner - collar_over_shelf_mm(drive)
+        if below > 0.0:
+            room = sqrt(max((corner - running) ** 2 - below**2, 0.0))
+            inner = max(inner, reach + corner - room + _ROUNDING_MM)
+    return inner
+
+
+def _corner_radius_mm(drive: HeadedDrive, inner_mm: float) -> float:
+    """Corner radius of the coupling pocket, by the cutter that reaches its back."""
+    depth = inner_mm + max(inner_mm, face_reach_mm(drive))
+    return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
 
 
 def face_reach_mm(drive: HeadedDrive) -> float:
@@ -167,7 +186,6 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
     inner = inner_half_width_mm(drive)
     outer = inner + spec.side_wall_mm / 2
     front = max(inner, face_reach_mm(drive))
-    depth = front + inner
     return HeadDims(
         bottom_z=-levels.bearing_shelf_top_z,
         flange_top_z=-levels.bearing_shelf_bottom_z,
@@ -178,7 +196,7 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
         back_y=-outer,
         inner_x=inner,
         outer_x=outer,
-        corner_radius=max(spec.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2),
+        corner_radius=_corner_radius_mm(drive, inner),
         seat_radius=lower.outer_diameter_mm / 2,
         seat_depth=lower.width_mm,
         shoulder_radius=lower.outer_shoulder_mm / 2,

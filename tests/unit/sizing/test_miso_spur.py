@@ -54,6 +54,16 @@ def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
     assert {name: three[name] for name in alike} == {name: one[name] for name in alike}
 
 
+def test_motors_alone_give_a_drum_with_room_for_boss_and_stop_slot() -> None:
+    """6 N m from two of 0.7 N m at 4.4 to 1: rope and shaft alone would take a drum of 35.5 mm."""
+    plastic = {"drum": {"material": "pla"}, "support": {"material": "pla"}}
+    data = short(6.0, rope={"type": "uhmwpe-2"}, drive={"motor": "tmotor-u8-100kv"}, transmission={}, **plastic)
+    drive = load_text(yaml.safe_dump(data | {"travel": {"half_angle_deg": 60.0}})).drive
+    assert not failed(drive), failed(drive)
+    radius = drive.cables[0].drum_radius_mm
+    assert 35.5 < radius < 42.0, f"{radius} mm"
+
+
 def test_what_is_given_stays_and_the_starting_file_passes() -> None:
     data = yaml.safe_load((PARAMS / "miso_spur.yaml").read_text())
     values = {value.field: value.value for value in size(data).values}

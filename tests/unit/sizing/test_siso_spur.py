@@ -40,6 +40,8 @@ def failed(drive: Drive) -> dict[str, str]:
         (35.0, 9.9, 60.0, 2.0, {}),
         (60.0, 6.9, 30.0, 0.28, {}),
         (90.0, 7.9, 80.0, 2.0, {}),
+        # A collar of 31 mm beside the wide corner of its pocket.
+        (14.5, 3.76, 110.6, 5.0, {}),
         (20.0, 4.0, 100.0, 3.0, {"rope": {"type": "uhmwpe-1.5"}, "input_pulleys": {"surface": "smooth"}}),
         (60.0, 8.0, 70.0, 2.0, {"drum": {"material": "pla"}, "support": {"material": "pla"}}),
     ],

@@ -121,7 +121,7 @@ def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
     low = max(round_boss.radius, round_boss.encoder_pocket_radius) + drive.support.rib_mm
     lowest_pocket = max(2 * radius + POCKET_FLAT_MM, MOUNT_SCREW_HEAD_MM + 2 * MOUNT_HEAD_ROOM_MM)
     least_shelf = drive.drum.stop_pin_mm + 2 * drive.support.material.min_wall_mm
-    stop_bottom = stop_top - min(STOP_SHELF_MM, max(stop_top - low - lowest_pocket, least_shelf))
+    stop_bottom = stop_top - max(least_shelf, min(STOP_SHELF_MM, stop_top - low - lowest_pocket))
     # The encoder's end must clear the rounded corner of the pocket.
     pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm + radius
     head_flange = flange(levels)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, log, sqrt
+from math import degrees, inf, log, sqrt
 
 from mbcdm_cad.configurations.head_basis import needed_ratio, rope, thinnest_rope
 from mbcdm_cad.configurations.siso_spur.design_file.reference import CABLES, INPUTS
@@ -32,14 +32,21 @@ def _windup(given: SpurKnown) -> Found:
 
 
 def _drum_radius(given: SpurKnown) -> Found:
-    """The smallest input that bends the rope no sharper than its limit and leaves a neck round the shaft."""
-    d = given.d_mm
+    """By the smallest input that bends the rope no sharper than its limit and leaves a neck round the shaft.
+
+    No smaller than the stop slot asks for between hub and rim, whose sizes are those of the pass before.
+    """
+    field, d = "transmission.drum_radius_mm", given.d_mm
     needs = {
-        "bend_ratio": given["limits.bend_ratio_min"] * d / 2,
-        "bearing_shoulders": given.gearhead.shaft_diameter_mm / 2 + NECK_MM + d / 2,
+        "bend_ratio": given["limits.bend_ratio_min"] * d / 2 * given.ratio,
+        "bearing_shoulders": (given.gearhead.shaft_diameter_mm / 2 + NECK_MM + d / 2) * given.ratio,
     }
+    before = given.guesses.get(field)
+    if before is not None:
+        missed, _ = given.margins(field, before, ("stop_slot",))["stop_slot"]
+        needs["stop_slot"] = before + (-missed if -inf < missed < 0.0 else 0.0)
     driver = max(needs, key=lambda name: needs[name])
-    return Found(rounded_up(needs[driver] * given.ratio, 0.5), driver, "up to 0.5")
+    return Found(rounded_up(needs[driver], 0.5), driver, "up to 0.5")
 
 
 def _wanted_preload_N(given: SpurKnown) -> float:
@@ -92,7 +99,7 @@ ROPE = (rope(_rope),)
 RADIUS = (
     Rule(
         "transmission.drum_radius_mm",
-        "the ratio times the smallest input that the rope and the shaft allow",
+        "the ratio times the smallest input that the rope and the shaft allow, with room for the stop slot",
         "bend_ratio",
         _drum_radius,
     ),
