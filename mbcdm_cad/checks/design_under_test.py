@@ -32,12 +32,16 @@ class CableTensions:
 
     def __init__(self, drive: Drive, si: DriveSI) -> None:
         peak, test = drive.loads.peak_torque_Nm, drive.loads.test_torque_Nm
-        self.si = si
+        self.si, self._loads = si, drive.loads
         torques = np.array([0.0, peak, -peak, test, -test])
         self.equilibrium = solve_equilibrium(si, torques)
         tension = self.equilibrium.tension_N
         self.idle, self.peak_forward, self.peak_back, self.test_forward, self.test_back = tension.T
         self.input_torque_Nm = self.equilibrium.input_torque_Nm(si).T  # (state, input), states as above
+
+    def are_those_of(self, drive: Drive, si: DriveSI) -> bool:
+        """Whether another drive has the same, because nothing differs that they follow from."""
+        return self._loads == drive.loads and self.si.is_same(si)
 
     @property
     def states(self) -> tuple[tuple[str, NDArray[np.float64]], ...]:
@@ -71,6 +75,8 @@ class DesignUnderTest(ABC):
         self.drive = drive
         self._given = layout
         self._kept: dict[str, Any] = {}
+        # A design whose loads are worked out already, and which may have the same.
+        self.before: DesignUnderTest | None = None
 
     @property
     @abstractmethod
@@ -118,9 +124,17 @@ class DesignUnderTest(ABC):
                 f"({carried:.4g} N m): cables go slack far below it; raise rope.preload_N or lower the load"
             )
         try:
-            return CableTensions(drive, to_si(drive))
+            si = to_si(drive)
+            if self.before is not None and self.before.loads.are_those_of(drive, si):
+                return self.before.loads
+            return CableTensions(drive, si)
         except ModelError as error:
             raise NoFigureError(f"the model has no answer: {error}") from None
+
+    @property
+    def has_loads(self) -> bool:
+        """Whether they are worked out."""
+        return "loads" in self.__dict__
 
     @property
     def half_travel_rad(self) -> float:

@@ -97,7 +97,11 @@ class SectorUnderTest(DesignUnderTest):
 
     def anchor_rad(self, cable: SectorRun) -> float:
         """Drum angle in rad at which the cable leaves its land, drum centred."""
-        return float(next(t.anchor_rad for t in self.terminals if t.cable_name == cable.name))
+        return float(self.terminal_of(cable).anchor_rad)
+
+    def terminal_of(self, cable: SectorRun) -> Tensioner:
+        """The terminal that a cable ends in."""
+        return next(t for t in self.terminals if t.cable_name == cable.name)
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length in mm that each terminal tensions, drum centred, in the order of the design's cables."""

@@ -31,14 +31,19 @@ TORQUE_SPARE = 1.02
 
 def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
     """The thinnest rope of the construction that holds a tension with its safety factor."""
-    needed = tension_N * given["limits.tension_safety_factor"] / END_SHARE
+    return thinnest_rope_by(given, lambda diameter_mm: tension_N)
+
+
+def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> Found:
+    """The same where the tension depends on the rope's diameter in mm, because a radius follows from it."""
+    needed = given["limits.tension_safety_factor"] / END_SHARE
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
         for name, entry in given.entries("ropes").items()
         if entry["construction"] == CONSTRUCTION
     )
-    strong = [name for _, name, breaking in ropes if breaking >= needed]
-    return Found(strong[0] if strong else ropes[-1][1], "tension", "next size of the catalogue")
+    strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm))
+    return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
 
 
 def rope(value: Callable[[Any], Found]) -> Rule:
@@ -68,7 +73,8 @@ def _gearhead(given: TrialKnown) -> Found:
     if _has_face(given):
         given["drive.motor"]
         return Found(NO_GEARHEAD, "the motor's own shaft")
-    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio
+    # Where the ratio follows from motor and gearhead, these hold the torque whichever they are.
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio if given.has_ratio else 0.0
     motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
     pairs = [
         (motor["mass_g"] + head["mass_g"], name)
@@ -76,7 +82,7 @@ def _gearhead(given: TrialKnown) -> Found:
         for name, head in given.entries("gearheads").items()
         if "shaft_diameter_mm" not in motor
         and motor["rated_torque_mNm"] * head["ratio"] >= needed
-        and head["max_torque_mNm"] >= needed
+        and head["max_torque_mNm"] >= (needed or motor["rated_torque_mNm"] * head["ratio"])
         and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
     ]
     if pairs:

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import copy
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import ceil, floor, inf, pi
+from math import ceil, floor, pi
 from typing import Any
 
-from pydantic import ValidationError
-
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
+from mbcdm_cad.checks.design_under_test import DesignUnderTest
+from mbcdm_cad.configurations.trial_drives import At, End, Margin, TrialDrives, Way
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.bought import Gearhead, Screw, least_wall_mm
 from mbcdm_cad.design.lookup import Catalogue
@@ -30,12 +29,14 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 NOZZLE_MM = 0.4
 # Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
 _MOST_TRIALS = 40
+# After so many in a row with the same margins the field has no bearing on them.
+_MOST_IDLE = 8
 _MOST_PASSES = 4
 # Fields that a length says nothing of.
 _RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
 # A value tried, and margin with its unit by check.
-Trial = tuple[Any, dict[str, tuple[float, str]]]
+Trial = tuple[Any, dict[str, Margin]]
 # Parts and sizes of a medium drive, for fields that the first pass does not know yet.
 MIDDLE_SIZE: Mapping[str, Any] = {
     "drive.encoder": "encoder-20-5",
@@ -58,6 +59,8 @@ MIDDLE_SIZE: Mapping[str, Any] = {
 class TrialKnown(RopeKnown):
     """Adds figures that follow from a few fields each, and the checks on a trial drive.
 
+    ``guesses``: estimates for the fields that are still open.
+
     ``schema``: that of the configuration's files. ``asked``: fields on which every check on a trial drive depends,
     besides the dimensions known so far. ``own_checks``: checks of this configuration that a field must also pass,
     besides those that its rule names.
@@ -67,9 +70,15 @@ class TrialKnown(RopeKnown):
     asked: tuple[str, ...] = ()
     own_checks: Mapping[str, tuple[str, ...]] = {}
 
-    def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any]) -> None:
+    def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
+        """``drives``: those of the pass before, which need not be worked out again."""
         super().__init__(data)
         self.guesses = guesses
+        self.drives = drives or TrialDrives(self.schema, self.of_design)
+        whole = KnownFields({})
+        for field, guess in guesses.items():
+            whole.put(field, guess)
+        self._guessed = whole.data
 
     @property
     def axial_stiffness_N(self) -> float:
@@ -108,6 +117,11 @@ class TrialKnown(RopeKnown):
         """Drum radius over input radius."""
 
     @property
+    def has_ratio(self) -> bool:
+        """Whether it is known yet."""
+        return True
+
+    @property
     def input_peak_Nm(self) -> float:
         """Share of one input in the peak torque at the drum, N m."""
         return float(self["loads.peak_torque_Nm"] / max(1, len(self.get("inputs", ()))))
@@ -125,82 +139,74 @@ class TrialKnown(RopeKnown):
     def of_design(self, design: Any) -> DesignUnderTest:
         """A design of the configuration's schema, under test. Raises ``SizingError`` where it breaks a rule."""
 
-    def under_test(self, data: dict[str, Any]) -> DesignUnderTest:
-        """The design under test of complete data.
+    def trial(self, field: str, value: Any) -> DesignUnderTest:
+        """The drive with ``field`` at ``value``, known fields as they are and guesses for the open ones, under test.
 
         Raises ``NoFigureError`` if the data give no drive, ``SizingError`` if the file breaks a rule.
         """
-        try:
-            design = self.schema.model_validate(data)
-        except ValidationError as error:
-            raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
-        return self.of_design(design)
+        return self.drives.under_test(self._whole(field, value))
 
-    def trial(self, field: str, value: Any) -> DesignUnderTest:
-        """The design under test with ``field`` at ``value``, known fields, and estimates for the open ones."""
-        whole = KnownFields(copy.deepcopy(self.data))
-        for name, guess in self.guesses.items():
-            if not whole.has(name):
-                whole.put(name, guess)
-        whole.put(field, value)
-        return self.under_test(whole.data)
-
-    def margins(self, field: str, value: Any, checks: Iterable[str]) -> dict[str, tuple[float, str]]:
+    def margins(self, field: str, value: Any, checks: Iterable[str]) -> dict[str, Margin]:
         """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there."""
-        found, known = {}, self.checks()
         for name in self.asked:
             self.get(name)
-        try:
-            under_test = self.trial(field, value)
-        except NoFigureError:
-            return dict.fromkeys(checks, (-inf, ""))
-        for name in checks:
-            try:
-                comparison = known[name].measure(under_test)
-            except (NoFigureError, ValueError, ZeroDivisionError):
-                found[name] = (-inf, "")
-            else:
-                held = comparison.holds
-                found[name] = (max(comparison.margin, 0.0) if held else min(comparison.margin, -1e-9), comparison.unit)
-        return found
+        return self.drives.margins(self._whole(field, value), checks, self.checks())
+
+    def _whole(self, field: str, value: Any) -> dict[str, Any]:
+        whole = KnownFields(_laid_over(self._guessed, self.data))
+        whole.put(field, value)
+        return whole.data
 
     def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
         """The value nearest to ``start``, at multiples of ``step`` in its direction, at which all the checks hold.
 
         Each trial moves by the missing margin of the worst check, if it is a length, else by growing steps. Checks that
         hold at no trial must be met by another field: they are left out of a second search. If that finds no value
-        either, the result is the one that misses least.
+        either, the result is the one that misses least. If the pass before searched from the same start, only the last
+        trials of that search are repeated, unless they have another result now.
         """
         checks = (*checks, *self.own_checks.get(field, ()))
-        found, tried = self._searched(field, start, step, checks)
-        if found is not None:
-            return found
-        within = _within_reach(checks, tried)
-        if within and len(within) < len(checks):
-            found, _ = self._searched(field, start, step, within)
-            if found is not None:
-                return replace(found, rounding=f"{found.rounding}; no value meets {_others(checks, within)}")
-        nearest, margins = max(tried, key=_worst_margin)
-        return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no value passes: the nearest")
+        way = Way(field, rounded_up(start, step) if step > 0.0 else _down(start, -step), step, checks)
+        before = self.drives.ends.get(way)
+        if before is not None:
+            found, tried, _ = self._searched(way, before.checks, before.failing)
+            if found is not None and len(tried) == (1 if before.failing is None else 2):
+                return _without(found, checks, before.checks)
+        found, tried, failing = self._searched(way, checks)
+        within = checks if found is not None else _within_reach(checks, tried)
+        if found is None and within and len(within) < len(checks):
+            found, _, failing = self._searched(way, within)
+        if found is None:
+            nearest, margins = max(tried, key=_worst_margin)
+            return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no value passes: the nearest")
+        self.drives.ends[way] = End(within, failing)
+        return _without(found, checks, within)
 
     def _searched(
-        self, field: str, start: float, step: float, checks: tuple[str, ...]
-    ) -> tuple[Found | None, list[Trial]]:
-        """The value at which the checks hold, if any does; and all values tried, with their margins."""
-        value = rounded_up(start, step) if step > 0.0 else _down(start, -step)
-        driver, pace, tried = "", abs(step), []
+        self, way: Way, checks: tuple[str, ...], begin: At | None = None
+    ) -> tuple[Found | None, list[Trial], At | None]:
+        """The value at which the checks hold, if any does; all values tried; and the last at which one did not.
+
+        The search begins at the start of the way, or at ``begin`` as one did before.
+        """
+        step = way.step
+        value, pace = begin or At(way.start, abs(step))
+        driver, tried, failing, idle = "", list[Trial](), None, 0
         for _ in range(_MOST_TRIALS):
-            margins = self.margins(field, value, checks)
+            margins = self.margins(way.field, value, checks)
+            idle = idle + 1 if tried and margins == tried[-1][1] else 0
             tried.append((value, margins))
             name = min(margins, key=lambda check: margins[check][0])
             missed, unit = margins[name]
             if missed >= 0.0:
-                return Found(value, driver, f"{'up' if step > 0.0 else 'down'} to {abs(step):g}"), tried
-            driver = name
-            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 and field not in _RATIOS else pace
+                return Found(value, driver, f"{'up' if step > 0.0 else 'down'} to {abs(step):g}"), tried, failing
+            if idle == _MOST_IDLE:
+                break
+            driver, failing = name, At(value, pace)
+            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 and way.field not in _RATIOS else pace
             pace *= 1.3
             value = rounded_up(value + by, step) if step > 0.0 else _down(value - by, -step)
-        return None, tried
+        return None, tried, failing
 
     def first(self, field: str, candidates: Iterable[Any], checks: tuple[str, ...]) -> Found:
         """The first candidate with which all the checks hold.
@@ -231,6 +237,13 @@ def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, .
     return tuple(name for name in checks if any(margins[name][0] >= 0.0 for _, margins in tried))
 
 
+def _without(found: Found, checks: Sequence[str], within: Sequence[str]) -> Found:
+    """Says which of the checks are left out."""
+    if len(within) == len(checks):
+        return found
+    return replace(found, rounding=f"{found.rounding}; no value meets {_others(checks, within)}")
+
+
 def _others(checks: Iterable[str], within: Sequence[str]) -> str:
     return ", ".join(name for name in checks if name not in within)
 
@@ -241,6 +254,18 @@ def _worst_margin(trial: Trial) -> float:
 
 def _down(value: float, step: float) -> float:
     return round(floor(value / step + _ON_STEP) * step, 9)
+
+
+def _laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of ``above``, and those of ``below`` where these are missing, in an order that ``below`` begins."""
+    found = {key: dict(value) if isinstance(value, dict) else value for key, value in below.items()}
+    for key, value in above.items():
+        if isinstance(value, dict):
+            under = found.get(key)
+            found[key] = _laid_over(under if isinstance(under, dict) else {}, value)
+        elif value is not None or key not in found:
+            found[key] = value
+    return found
 
 
 def sound(design: Design, broken: Iterator[Broken], named: Iterator[NamedEntry]) -> Catalogue:
@@ -254,14 +279,16 @@ def sound(design: Design, broken: Iterator[Broken], named: Iterator[NamedEntry])
 
 def repeated(
     data: dict[str, Any],
-    known: Callable[[dict[str, Any], Mapping[str, Any]], TrialKnown],
+    known: type[TrialKnown],
     rules: Sequence[Rule],
     guesses: Mapping[str, Any],
     moved: Moved | None,
 ) -> Sizing:
     """The data with its open fields filled by ``rules``, in passes until no field changes."""
+    drives: TrialDrives | None = None
     for _ in range(_MOST_PASSES):
-        sizing = fill(known(copy.deepcopy(data), guesses), rules, moved)
+        given = known(copy.deepcopy(data), guesses, drives)
+        drives, sizing = given.drives, fill(given, rules, moved)
         found = {value.field: value.value for value in sizing.values}
         if all(guesses.get(field) == value for field, value in found.items()):
             break

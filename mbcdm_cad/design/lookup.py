@@ -52,6 +52,10 @@ class Catalogue:
         """All names of a kind, the package's first, in the files' order."""
         return list(dict.fromkeys((*package_entries(kind), *self._own[kind])))
 
+    def has(self, kind: str, name: str) -> bool:
+        """Whether there is an entry called ``name``."""
+        return name in self._own[kind] or name in package_entries(kind)
+
     def get(self, kind: str, name: str, **changed: Any) -> Any:
         """The entry as its dataclass of :mod:`mbcdm_cad.design.bought`, the values in ``changed`` laid over it.
 
@@ -66,8 +70,9 @@ class Catalogue:
 
     def material(self, name: str) -> Material:
         """The material called ``name``, its thinnest wall that of the design's nozzle where it is printed."""
-        found: Material = self.get("materials", name)
-        return replace(found, min_wall_mm=least_wall_mm(found.process, found.min_wall_mm, self._nozzle_mm))
+        if name not in self._own["materials"]:
+            return _material(name, self._nozzle_mm)
+        return _printed_with(self.get("materials", name), self._nozzle_mm)
 
     def bearing(self, name: str) -> Bearing:
         """The bearing called ``name``."""
@@ -76,7 +81,13 @@ class Catalogue:
 
     def all(self, kind: str) -> tuple[Any, ...]:
         """Every entry of a kind."""
-        return tuple(self.get(kind, name) for name in self.names(kind))
+        return tuple(self.get(kind, name) for name in self.names(kind)) if self._own[kind] else _all(kind)
+
+    def materials(self) -> tuple[Material, ...]:
+        """Every material, as :meth:`material`."""
+        if self._own["materials"]:
+            return tuple(self.material(name) for name in self.names("materials"))
+        return _materials(self._nozzle_mm)
 
 
 @cache
@@ -88,7 +99,31 @@ def _bought(kind: str, name: str) -> Any:
     return BOUGHT[kind](name=name, **values)
 
 
+@cache
+def _all(kind: str) -> tuple[Any, ...]:
+    return tuple(_bought(kind, name) for name in package_entries(kind))
+
+
+@cache
+def _material(name: str, nozzle_mm: float) -> Material:
+    return _printed_with(_bought("materials", name), nozzle_mm)
+
+
+@cache
+def _materials(nozzle_mm: float) -> tuple[Material, ...]:
+    return tuple(_material(name, nozzle_mm) for name in package_entries("materials"))
+
+
+def _printed_with(found: Material, nozzle_mm: float) -> Material:
+    return replace(found, min_wall_mm=least_wall_mm(found.process, found.min_wall_mm, nozzle_mm))
+
+
+@cache
+def _field_names(target: type[Any]) -> tuple[str, ...]:
+    return tuple(item.name for item in fields(target))
+
+
 def copied(target: type[T], block: BaseModel, **given: Any) -> T:
     """``target`` with the fields of the same name in ``block``, those in ``given`` taking precedence."""
-    names = [item.name for item in fields(target)]  # type: ignore[arg-type]
+    names = _field_names(target)  # type: ignore[arg-type]
     return target(**{name: given[name] if name in given else getattr(block, name) for name in names})

@@ -54,7 +54,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "waivers": tuple(copied(d.Waiver, waiver) for waiver in design.waivers),
         "screws": catalogue.all("screws"),
         "inserts": catalogue.all("inserts"),
-        "materials": tuple(catalogue.material(name) for name in catalogue.names("materials")),
+        "materials": catalogue.materials(),
         "as_built": (),
     }
 

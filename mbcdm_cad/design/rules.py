@@ -59,9 +59,8 @@ def broken_shared_rules(design: Design) -> Iterator[Broken]:
 def broken_names(catalogue: Catalogue, named: Iterable[NamedEntry]) -> Iterator[Broken]:
     """The names that lead to no entry of the catalogue."""
     for path, kind, name in named:
-        known = catalogue.names(kind)
-        if name is not None and name not in known:
-            yield unknown_entry(path, kind, name, known)
+        if name is not None and not catalogue.has(kind, name):
+            yield unknown_entry(path, kind, name, catalogue.names(kind))
 
 
 def unknown_entry(path: FieldPath, kind: str, name: str, known: Sequence[str]) -> Broken:
@@ -89,7 +88,7 @@ def named_by_shared_blocks(design: Design) -> Iterator[NamedEntry]:
 def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
     """A motor without a gearhead needs a face and a shaft; a voltage means nothing without a torque constant."""
     train = design.drive
-    if train.motor not in catalogue.names("motors"):
+    if not catalogue.has("motors", train.motor):
         return
     motor: Motor = catalogue.get("motors", train.motor)
     if train.gearhead == NO_GEARHEAD:
@@ -99,7 +98,7 @@ def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
             names = ", ".join(each.name for each in able if not missing_face_fields(each))
             remedy = f"choose a gearhead, one of these motors, or give {', '.join(missing)} under catalogue: motors:"
             yield Broken(("drive", "gearhead"), f"{motor.name} has no face and shaft of its own", "none", names, remedy)
-        elif motor.screw not in catalogue.names("screws"):
+        elif not catalogue.has("screws", str(motor.screw)):
             yield unknown_entry(("drive", "motor"), "screws", str(motor.screw), catalogue.names("screws"))
     if train.bus_voltage_V is not None and motor.torque_constant_mNm_A is None:
         yield Broken(

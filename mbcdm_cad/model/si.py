@@ -85,6 +85,21 @@ class DriveSI:
         rest = {name: per_design(getattr(self, name)) for name in PER_DESIGN}
         return replace(self, **(fields | rest | {"parameters": lengths}))
 
+    def is_same(self, other: DriveSI) -> bool:
+        """Whether the other one holds the same values."""
+        mine, its = self._values, other._values
+        return (
+            self.geometry == other.geometry
+            and self.parameters.keys() == other.parameters.keys()
+            and len(mine) == len(its)
+            and all(np.array_equal(a, b) for a, b in zip(mine, its, strict=True))
+        )
+
+    @property
+    def _values(self) -> list[Floats]:
+        own = [getattr(self, name) for name in (*PER_CABLE, *PER_DESIGN)]
+        return [*self.parameters.values(), *own, *self.passed_wrap_rad]
+
     @property
     def cable_names(self) -> tuple[str, ...]:
         """Names of the cables."""

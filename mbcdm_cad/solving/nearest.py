@@ -11,9 +11,9 @@ from mbcdm_cad.solving.repair import repair
 from mbcdm_cad.solving.trials import Trials, cost, setting_of
 
 BISECTIONS = 5
-# Trials to make a design pass again after an aim was moved.
-TRIALS_FOR_AN_AIM = 60
 AIM_STEPS = 7
+# Past what the rules alone reach: how far at once, as a share of what is left, the trials to make it pass, how often.
+FURTHER, TRIALS_FOR_AN_AIM, AIM_REPAIRS = 0.05, 60, 4
 
 
 def written_out(trials: Trials, point: Point) -> Point:
@@ -113,24 +113,44 @@ def _sized(trials: Trials, point: Point, field: str) -> object:
 
 
 def towards_aims(trials: Trials, point: Point) -> Point:
-    """Move ranges towards their aim (min or max) by bisection; repair what fails then, if possible."""
+    """Move ranges towards their aim (min or max): by bisection, then a little further where that can be repaired."""
     for field, found in trials.question.ranges.items():
         if not found.aim:
             continue
-        setting = point[field]
-        assert isinstance(setting, Fixed), "values are written out by now"
-        passing, failing = float(setting.value), found.low if found.aim == "min" else found.high
-        for _ in range(AIM_STEPS):
-            near = (passing * failing) ** 0.5 if passing > 0.0 and failing > 0.0 else 0.5 * (passing + failing)
-            middle = float(f"{near:.4g}")
-            if middle in (passing, failing):
+        end = found.low if found.aim == "min" else found.high
+        point = _bisected(trials, point, field, end)
+        for _ in range(AIM_REPAIRS):
+            near = {**point, field: Fixed(_between(_number(point, field), end, FURTHER))}
+            trial = dict(repair(trials, near, TRIALS_FOR_AN_AIM))
+            trial = dict(written_out(trials, trial)) if trials(trial).passes else trial
+            if trial.get(field) != near[field] or not trials(trial).passes:
                 break
-            trial = {**point, field: Fixed(middle)}
-            if not trials(trial).passes:
-                trial = dict(repair(trials, trial, TRIALS_FOR_AN_AIM))
-                trial = {**written_out(trials, trial)} if trials(trial).passes else trial
-            if trial.get(field) == Fixed(middle) and trials(trial).passes:
-                passing, point = middle, trial
-            else:
-                failing = middle
+            point = _bisected(trials, trial, field, end)
     return point
+
+
+def _bisected(trials: Trials, point: Point, field: str, end: float) -> Point:
+    """A passing point with a field as near to ``end`` as passes by the rules alone."""
+    passing, failing = _number(point, field), end
+    for _ in range(AIM_STEPS):
+        middle = _between(passing, failing, 0.5)
+        if middle in (passing, failing):
+            break
+        trial = {**point, field: Fixed(middle)}
+        if trials(trial).passes:
+            passing, point = middle, trial
+        else:
+            failing = middle
+    return point
+
+
+def _number(point: Point, field: str) -> float:
+    setting = point[field]
+    assert isinstance(setting, Fixed), "values are written out by now"
+    return float(setting.value)
+
+
+def _between(near: float, far: float, share: float) -> float:
+    """This share of the way from one value to the other, by their ratio where both are positive."""
+    by_ratio = near > 0.0 and far > 0.0
+    return float(f"{near * (far / near) ** share if by_ratio else near + share * (far - near):.4g}")

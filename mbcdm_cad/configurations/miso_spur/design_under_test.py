@@ -11,6 +11,7 @@ from mbcdm_cad.configurations.miso_spur.layout import RoundDrumLayout, layout
 from mbcdm_cad.configurations.siso_spur.cable_path import side_length_mm
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.terminal.dims import Tensioner
 
 
@@ -32,6 +33,11 @@ class RoundDrumUnderTest(SpurUnderTest):
     def terminals(self) -> tuple[Tensioner, ...]:
         """See the base class."""
         return tuple(t for unit in self.layout.units for t in unit.drum.tensioners)
+
+    def terminal_of(self, cable: SectorRun) -> Tensioner:
+        """See the base class; those of the first input are known before the others."""
+        on_first = (t for t in self.layout.drum.tensioners if t.cable_name == cable.name)
+        return next(on_first, None) or super().terminal_of(cable)
 
     def levels_of(self, index: int) -> SpurStack:
         """See the base class."""

@@ -7,6 +7,7 @@ with its input above the drum, each sector is that of siso_spur.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from math import tau
 
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, laid
@@ -28,7 +29,7 @@ class RoundDrumDrive(SpurDrive):
         """Angles of the inputs about Y, from +Z towards +X."""
         return tuple(tau * k / self.n_inputs for k in range(self.n_inputs))
 
-    @property
+    @cached_property
     def pitch_mm(self) -> float:
         """Distance between sectors along the axis, hub on hub."""
         levels = spur_stack(self)

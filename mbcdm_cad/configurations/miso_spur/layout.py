@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import degrees
 
 from mbcdm_cad.configurations.miso_spur.drive import RoundDrumDrive
@@ -30,25 +31,34 @@ _FACE_DEG = (225.0, 315.0)
 class RoundDrumLayout:
     """Dimensions of every part of one design, mm, drum centred.
 
-    ``units``: those of each input with its cable and sector, as a drive of siso_spur with the input above the drum.
-    ``drum`` is one sector, all being alike; the last one's face is the output.
+    ``first``: those of the first input with its cable and sector, as a drive of siso_spur. ``drum`` is one sector, all
+    being alike; the last one's face is the output.
     """
 
     drive: RoundDrumDrive
-    units: tuple[SpurLayout, ...]
+    first: SpurLayout
     drum: DrumDims
     drum_shaft: DrumShaftDims
-    star: StarDims
+
+    @cached_property
+    def units(self) -> tuple[SpurLayout, ...]:
+        """Those of each input, as of the first, turned so that it stands above the drum; few checks need the others."""
+        return self.first, *(layout_of_one_input(self.drive.unit(k)) for k in range(1, self.drive.n_inputs))
+
+    @cached_property
+    def star(self) -> StarDims:
+        """The frame, an arm for each input."""
+        return StarDims(tuple(unit.frame for unit in self.units), tuple(degrees(a) for a in self.drive.angles_rad))
 
     @property
     def levels(self) -> SpurStack:
         """Levels of the first input."""
-        return self.units[0].levels
+        return self.first.levels
 
     @property
     def preload_spring(self) -> PreloadSpringDims:
         """Wave spring of the drum's bearings."""
-        return self.units[0].preload_spring
+        return self.first.preload_spring
 
     @property
     def inputs(self) -> tuple[InputPulleyDims, ...]:
@@ -58,17 +68,17 @@ class RoundDrumLayout:
     @property
     def collar(self) -> CollarDims:
         """Clamp collar of each pulley."""
-        return self.units[0].collar
+        return self.first.collar
 
     @property
     def frame(self) -> YokeDims:
         """Boss, and the arm of the frame at the first input."""
-        return self.units[0].frame
+        return self.first.frame
 
     @property
     def head(self) -> HeadDims:
         """Motor head of each input."""
-        return self.units[0].head
+        return self.first.head
 
     @property
     def dowels(self) -> HubDowels:
@@ -109,12 +119,12 @@ def _dowels(sector: DrumDims, n_inputs: int) -> HubDowels:
 
 def layout(drive: RoundDrumDrive) -> RoundDrumLayout:
     """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
-    units = tuple(layout_of_one_input(drive.unit(k)) for k in range(drive.n_inputs))
-    first, last, turned = units[0], drive.levels_mm[-1], degrees(drive.angles_rad[-1])
+    first = layout_of_one_input(drive.unit(0))
+    last, turned = drive.levels_mm[-1], degrees(drive.angles_rad[-1])
     near, far = SET_SCREW_ANGLES_DEG
     return RoundDrumLayout(
         drive=drive,
-        units=units,
+        first=first,
         drum=replace(first.drum, dowels=_dowels(first.drum, drive.n_inputs)),
         # It ends in the last hub, whose set screws hold all of them.
         drum_shaft=replace(
@@ -123,5 +133,4 @@ def layout(drive: RoundDrumDrive) -> RoundDrumLayout:
             flat_y=first.drum_shaft.flat_y + last,
             flat_angles_deg=(near + turned, far + turned),
         ),
-        star=StarDims(tuple(unit.frame for unit in units), tuple(degrees(a) for a in drive.angles_rad)),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import acos, hypot, pi, radians, sqrt, tan, tau
 from typing import TypeVar
 
@@ -114,7 +115,7 @@ class SpurDrive(HeadedDrive):
         """i = r_o / r_i."""
         return self.drum_radius_mm / self.input_radius_mm
 
-    @property
+    @cached_property
     def landing_rad(self) -> float:
         """Angle from the line of centres at which the cable lands on the drum: cos = (r_o + r_i) / L.
 
@@ -158,7 +159,7 @@ class SpurDrive(HeadedDrive):
         """The same to where each span lands on the drum."""
         return self.leave_mm + self.free_span_mm * self.slope
 
-    @property
+    @cached_property
     def terminal_mm(self) -> float:
         """The same to the planes of the terminals: beyond what winds on and off the drum's helix."""
         turned = radians(self.half_travel_deg) + CHANGE_RAD + tan(CHANGE_RAD)

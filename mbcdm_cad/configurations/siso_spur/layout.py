@@ -61,7 +61,7 @@ def layout(drive: SpurDrive) -> SpurLayout:
     return SpurLayout(
         drive=drive,
         levels=levels,
-        drum=drum(laid(replace(drive, level_mm=0.0)), levels, frame.stop_pin_z, way),
+        drum=drum(_at_level_0(drive), levels, frame.stop_pin_z, way),
         drum_shaft=shaft,
         preload_spring=preload_spring(drive, shaft),
         inputs=(input_pulley(drive, levels),),
@@ -69,3 +69,7 @@ def layout(drive: SpurDrive) -> SpurLayout:
         frame=frame,
         head=head(drive, levels, flange(drive)),
     )
+
+
+def _at_level_0(drive: SpurDrive) -> SpurDrive:
+    return drive if drive.level_mm == 0.0 else laid(replace(drive, level_mm=0.0))

@@ -217,7 +217,8 @@ def _pocket_radius(drive: SectorDrive, placed: tuple[Tensioner, ...], flat_wall:
         return min(abs(end - surface) for end in ends for surface in surfaces)
 
     tried = [least + k * drive.clearances.running_mm / 12 for k in range(13)]
-    return next((radius for radius in tried if nearest(radius) >= SLIVER_MM), max(tried, key=nearest))
+    found = next((radius for radius in tried if nearest(radius) >= SLIVER_MM), None)
+    return max(tried, key=nearest) if found is None else found
 
 
 def _windows(drive: SectorDrive, stop_radius: float, slot_end_deg: float) -> tuple[Window, ...]:

@@ -134,9 +134,13 @@ def flange_screw(drive: HeadedDrive) -> Screw:
     wide = 2 * body_radius_mm(drive)
     thread = next((mm for most, mm in FLANGE_THREADS_MM if wide <= most), FLANGE_THREAD_MOST_MM)
     sizes = [s for s in drive.screws if s.thread_mm == thread and s.head_height_mm > 0.0]
-    sizes.sort(key=lambda s: s.length_mm)
     needed = drive.support.bearing_shelf_mm + thread
-    return next((s for s in sizes if s.length_mm >= needed), sizes[-1])
+    enough = [s for s in sizes if s.length_mm >= needed]
+    return min(enough, key=_length_mm) if enough else max(sizes, key=_length_mm)
+
+
+def _length_mm(screw: Screw) -> float:
+    return screw.length_mm
 
 
 def dowel_length_mm(drive: HeadedDrive) -> float:

@@ -67,6 +67,16 @@ def test_motor_alone_gives_ratio_and_radius() -> None:
     assert not failed(drive), failed(drive)
 
 
+@pytest.mark.parametrize("given", [{"transmission": {"input_to_drum": 8.0}}, {"drive": {"motor": "motor-2.9mNm-15"}}])
+def test_rope_and_radius_both_left_out_follow_from_each_other(given: dict[str, Any]) -> None:
+    """The thinnest rope that holds the tension on the drum that it leads to; gearhead and ratio follow from a motor."""
+    values = {
+        v.field: v.value
+        for v in size({**yaml.safe_load(short(45.0, 1.0, 1.0, 1.5)), "transmission": {}} | given).values
+    }
+    assert {"rope.type", "transmission.drum_radius_mm", "drive.gearhead"} <= values.keys(), values
+
+
 def test_what_is_given_stays_and_a_whole_file_has_no_gaps() -> None:
     data = yaml.safe_load((PARAMS / "siso_spur.yaml").read_text())
     values = {value.field: value.value for value in size(data).values}

@@ -11,6 +11,7 @@ from mbcdm_cad.configurations.miso_spur.design_file.schema import RoundDrumDesig
 from mbcdm_cad.configurations.siso_spur.design_file.rules import named_entries
 from mbcdm_cad.configurations.siso_spur.design_file.starting import starting
 from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing
 
 STARTING = starting("miso_spur", 4.0, "# inputs: [{{name: a}}, {{name: b}}, {{name: c}}]  # left out: two inputs\n")
@@ -28,6 +29,12 @@ def _derived() -> tuple[str, ...]:
     return DERIVED
 
 
+def _freedoms() -> tuple[Freedom, ...]:
+    from mbcdm_cad.configurations.siso_spur.sizing.freedoms import FREEDOMS
+
+    return FREEDOMS
+
+
 DESIGN_FILE = DesignFile(
-    RoundDrumDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, starting=STARTING
+    RoundDrumDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING
 )

@@ -10,6 +10,7 @@ from mbcdm_cad.configurations.siso_bevel.design_file.rules import broken_rules, 
 from mbcdm_cad.configurations.siso_bevel.design_file.schema import DirectDesign
 from mbcdm_cad.configurations.siso_bevel.design_file.starting import STARTING
 from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing
 
 
@@ -25,4 +26,10 @@ def _derived() -> tuple[str, ...]:
     return DERIVED
 
 
-DESIGN_FILE = DesignFile(DirectDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, starting=STARTING)
+def _freedoms() -> tuple[Freedom, ...]:
+    from mbcdm_cad.configurations.siso_bevel.sizing.freedoms import FREEDOMS
+
+    return FREEDOMS
+
+
+DESIGN_FILE = DesignFile(DirectDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING)

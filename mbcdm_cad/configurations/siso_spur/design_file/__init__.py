@@ -10,6 +10,7 @@ from mbcdm_cad.configurations.siso_spur.design_file.rules import broken_rules, n
 from mbcdm_cad.configurations.siso_spur.design_file.schema import SpurDesign
 from mbcdm_cad.configurations.siso_spur.design_file.starting import STARTING
 from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing
 
 
@@ -25,4 +26,10 @@ def _derived() -> tuple[str, ...]:
     return DERIVED
 
 
-DESIGN_FILE = DesignFile(SpurDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, starting=STARTING)
+def _freedoms() -> tuple[Freedom, ...]:
+    from mbcdm_cad.configurations.siso_spur.sizing.freedoms import FREEDOMS
+
+    return FREEDOMS
+
+
+DESIGN_FILE = DesignFile(SpurDesign, SHARED, broken_rules, named_entries, drive, _size, _derived, _freedoms, STARTING)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import degrees, inf, log, sqrt
 
-from mbcdm_cad.configurations.head_basis import needed_ratio, rope, thinnest_rope
+from mbcdm_cad.configurations.common_rules import LEAST_WIRE_RATIO
+from mbcdm_cad.configurations.head_basis import needed_ratio, rope, thinnest_rope_by
 from mbcdm_cad.configurations.siso_spur.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.configurations.trial_sizing import whole_turns
@@ -31,16 +32,22 @@ def _windup(given: SpurKnown) -> Found:
     return Found(float(f"{max(share * turn, 1e-4):.3g}"), driver, "three digits")
 
 
+def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[str, float]:
+    """Least radii of the input: it bends the rope no sharper than its limit, and leaves a neck round the shaft."""
+    return {
+        "bend_ratio": bend_ratio * d_mm / 2,
+        "bearing_shoulders": given.gearhead.shaft_diameter_mm / 2 + NECK_MM + d_mm / 2,
+    }
+
+
 def _drum_radius(given: SpurKnown) -> Found:
     """By the smallest input that bends the rope no sharper than its limit and leaves a neck round the shaft.
 
     No smaller than the stop slot asks for between hub and rim, whose sizes are those of the pass before.
     """
-    field, d = "transmission.drum_radius_mm", given.d_mm
-    needs = {
-        "bend_ratio": given["limits.bend_ratio_min"] * d / 2 * given.ratio,
-        "bearing_shoulders": (given.gearhead.shaft_diameter_mm / 2 + NECK_MM + d / 2) * given.ratio,
-    }
+    field = "transmission.drum_radius_mm"
+    on_input = _input_needs_mm(given, given.d_mm, given["limits.bend_ratio_min"])
+    needs = {name: radius * given.ratio for name, radius in on_input.items()}
     before = given.guesses.get(field)
     if before is not None:
         missed, _ = given.margins(field, before, ("stop_slot",))["stop_slot"]
@@ -49,17 +56,27 @@ def _drum_radius(given: SpurKnown) -> Found:
     return Found(rounded_up(needs[driver], 0.5), driver, "up to 0.5")
 
 
-def _wanted_preload_N(given: SpurKnown) -> float:
+def _wanted_preload_N(given: SpurKnown, half_torque_N: float) -> float:
     margin = given.get("limits.slip_margin_min", SLIP_MARGIN)
-    return float(PRELOAD_SPARE * margin * given.half_torque_N)
+    return float(PRELOAD_SPARE * margin * half_torque_N)
 
 
 def _rope(given: SpurKnown) -> Found:
-    return thinnest_rope(given, _wanted_preload_N(given) + given.half_torque_N)
+    """Where the drum's radius is open, each rope is asked on the drum that it leads to."""
+
+    def tension_N(d_mm: float) -> float:
+        if given.has("transmission.drum_radius_mm"):
+            share = given.half_torque_N
+        else:
+            needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO))
+            share = given.input_peak_Nm * 1e3 / (2 * rounded_up(max(needs.values()) * given.ratio, 0.5))
+        return _wanted_preload_N(given, share) + share
+
+    return thinnest_rope_by(given, tension_N)
 
 
 def _preload(given: SpurKnown) -> Found:
-    wanted = _wanted_preload_N(given)
+    wanted = _wanted_preload_N(given, given.half_torque_N)
     most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
     driver = "input_slip" if wanted <= most else "preload_share"
     return Found(float(f"{min(wanted, most):.2g}"), driver, "two digits")

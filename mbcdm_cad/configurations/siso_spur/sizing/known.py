@@ -40,6 +40,11 @@ class SpurKnown(TrialKnown):
         return float(self["transmission.drum_radius_mm"] / self["transmission.input_radius_mm"])
 
     @property
+    def has_ratio(self) -> bool:
+        """See the base class; else it follows from the motor."""
+        return self.has("transmission.input_to_drum") or self.has("transmission.input_radius_mm")
+
+    @property
     def input_mm(self) -> float:
         """Pitch radius of the input."""
         return float(self["transmission.drum_radius_mm"]) / self.ratio

@@ -1,0 +1,130 @@
+"""Drives of trial data under test, each worked out once: sizing asks many checks on drives that differ in one field.
+
+Successive trials have most blocks in common, which are validated once, and many are the same drive: once the values of
+a pass are those of the pass before, each field's last trial is the whole drive again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from math import inf
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
+from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.fields import Block
+
+# A margin and its unit.
+Margin = tuple[float, str]
+NO_MARGIN: Margin = (-inf, "")
+
+
+class Way(NamedTuple):
+    """How the value of a field is looked for: start, step and its sense, checks that it must hold."""
+
+    field: str
+    start: float
+    step: float
+    checks: tuple[str, ...]
+
+
+class At(NamedTuple):
+    """A trial on it, with the next step where no length says how far to go."""
+
+    value: float
+    pace: float
+
+
+class End(NamedTuple):
+    """How a search ended: the checks that the value holds, and the last trial at which it did not, if there was one."""
+
+    checks: tuple[str, ...]
+    failing: At | None
+
+
+class TrialDrives:
+    """Makes drives under test from whole files' data, and keeps them with the margins of the checks asked of them.
+
+    ``schema``: that of the configuration's files; ``of_design`` puts a design of it under test.
+    """
+
+    def __init__(self, schema: type[Design], of_design: Callable[[Any], DesignUnderTest]) -> None:
+        self._schema, self._of_design = schema, of_design
+        self.ends: dict[Way, End] = {}
+        self._kept: dict[str, tuple[DesignUnderTest | None, dict[str, Margin]]] = {}
+        self._last: tuple[Mapping[str, Any], Design] | None = None
+        self._loaded: DesignUnderTest | None = None
+
+    def margins(self, data: dict[str, Any], checks: Iterable[str], known: Mapping[str, Check]) -> dict[str, Margin]:
+        """Margin by check; minus infinity where a check has no figure there, or the data makes no drive.
+
+        Raises ``SizingError`` where the file breaks a rule.
+        """
+        try:
+            under_test, margins = self._looked_up(data)
+        except NoFigureError:
+            return dict.fromkeys(checks, NO_MARGIN)
+        for name in checks:
+            if name not in margins:
+                margins[name] = _margin(known[name], under_test)
+        if under_test.has_loads:
+            self._loaded = under_test
+        return {name: margins[name] for name in checks}
+
+    def under_test(self, data: dict[str, Any]) -> DesignUnderTest:
+        """The drive of a file's whole data, under test.
+
+        Raises ``NoFigureError`` where that is no drive, ``SizingError`` where the file breaks a rule.
+        """
+        return self._looked_up(data)[0]
+
+    def _looked_up(self, data: dict[str, Any]) -> tuple[DesignUnderTest, dict[str, Margin]]:
+        key = repr(data)
+        if key not in self._kept:
+            self._kept[key] = self._made(data), {}
+        under_test, margins = self._kept[key]
+        if under_test is None:
+            raise NoFigureError("what is known so far makes no drive")
+        return under_test, margins
+
+    def _made(self, data: dict[str, Any]) -> DesignUnderTest | None:
+        try:
+            found = self._of_design(self._design(data))
+        except (NoFigureError, ValidationError):
+            return None
+        found.before = self._loaded
+        return found
+
+    def _design(self, data: dict[str, Any]) -> Design:
+        """The design of a file's data, blocks that have not changed taken from the one before."""
+        changed = None if self._last is None else self._changed(self._last[0], data)
+        if self._last is None or changed is None:
+            design = self._schema.model_validate(data)
+        else:
+            design = self._last[1].model_copy(update=changed)
+        self._last = data, design
+        return design
+
+    def _changed(self, before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Block] | None:
+        """The blocks that differ, validated; None where more than blocks differs."""
+        if before.keys() != now.keys():
+            return None
+        found = {}
+        for name, value in now.items():
+            if value != before[name]:
+                kind = self._schema.model_fields[name].annotation
+                if not (isinstance(kind, type) and issubclass(kind, Block)):
+                    return None
+                found[name] = kind.model_validate(value)
+        return found
+
+
+def _margin(check: Check, under_test: DesignUnderTest) -> Margin:
+    try:
+        found = check.measure(under_test)
+    except (NoFigureError, ValueError, ZeroDivisionError):
+        return NO_MARGIN
+    return max(found.margin, 0.0) if found.holds else min(found.margin, -1e-9), found.unit

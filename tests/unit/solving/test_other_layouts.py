@@ -1,0 +1,45 @@
+"""Questions about drives with a motor head: their files' ranges are met, and what may move exists."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import pytest
+
+from mbcdm_cad.configurations.loader import design_file
+from mbcdm_cad.configurations.registry import names
+from mbcdm_cad.solving.fields import value_at
+from mbcdm_cad.solving.question import question_of
+from mbcdm_cad.solving.solve import solve
+
+# Of each layout a field is given as a range.
+QUESTIONS = {
+    "siso_spur": "{input_to_drum: 6.0, drum_radius_mm: {min: 55, max: 70}}",
+    "miso_spur": "{input_to_drum: {min: 4, max: 6}, drum_radius_mm: 70.0}",
+    "siso_bevel": "{input_to_drum: {min: 2, max: 5}, drum_radius_mm: {min: 50, max: 75}}",
+}
+
+
+@pytest.mark.parametrize("layout", QUESTIONS)
+def test_ranges_are_met(layout: str) -> None:
+    asked = question_of(
+        f"name: asked\nconfiguration: {layout}\ntravel: {{half_angle_deg: 30.0}}\n"
+        f"transmission: {QUESTIONS[layout]}\nloads: {{peak_torque_Nm: 1.0}}\n"
+    )
+    found = solve(asked, jobs=1)
+    assert found.data is not None, found.conflict
+    for field, limits in asked.ranges.items():
+        assert limits.low <= value_at(found.data, field) <= limits.high, field
+    assert found.trials < 20, "the rules alone come to a passing design from there"
+
+
+def test_what_may_move_are_fields_of_the_schema() -> None:
+    for layout in names():
+        file = design_file(layout)
+        for freedom in file.freedoms():
+            block: Any = file.schema
+            for part in freedom.field.split("."):
+                assert part in block.model_fields, f"{layout}: {freedom.field}"
+                kind = block.model_fields[part].annotation
+                block = next((one for one in get_args(kind) if hasattr(one, "model_fields")), kind)
+        assert file.freedoms() or file.size is None, layout
