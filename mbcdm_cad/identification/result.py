@@ -238,7 +238,7 @@ class LoopResult:
     def _helps(self) -> str:
         """A clause on what lowers the error and is not named."""
         parts = [f"{one.named.words} (odds {min(one.odds, 9999.0):.0f} to 1)" for one in self.helpful]
-        return f"The error falls for certain with: {', '.join(parts)}, which may only resemble the cause"
+        return f"The error falls with {' and '.join(parts)}, which may only resemble the cause"
 
     def _described(self, named: Named) -> str:
         figures = []
@@ -270,7 +270,7 @@ def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
 
 
 def share_text(share: float) -> str:
-    """A share in per cent; a share below 1 is never rounded to 100 %."""
+    """A share in per cent; a share slightly below 1 is not called 100 %."""
     return "over 99%" if 0.99 < share < 0.9999 else f"{share:.0%}"
 
 
