@@ -62,8 +62,12 @@ def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
         return " or ".join([*choices, *([advice] if advice else [])])
     names = ", ".join(dict.fromkeys(adjustment.path for adjustment in check.adjust))
     if budget.left <= 0:
-        senses = " or ".join(f"{'raise' if a.sense > 0 else 'lower'} {a.path}" for a in check.adjust)
-        return f"{senses}; no value was searched, because too many other checks fail: correct them first"
+        senses: dict[str, str] = {}
+        for a in check.adjust:
+            sense = "raise" if a.sense > 0 else "lower"
+            senses[a.path] = sense if senses.get(a.path, sense) == sense else "change"
+        ways = " or ".join(f"{sense} {path}" for path, sense in senses.items())
+        return f"{ways}; no value was searched, because too many other checks fail: correct them first"
     return f"no single one of {names} is enough: change several"
 
 
