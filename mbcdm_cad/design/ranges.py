@@ -61,21 +61,24 @@ def split_ranges(tree: Tree, file: str, node_at: NodeAt) -> tuple[Tree, tuple[Ra
 
 
 def refuse_ranges(tree: Tree, file: str, node_at: NodeAt) -> None:
-    """Raise InputError where the file gives ranges: nothing but a search can do with them."""
+    """Raise InputError where the file gives ranges: nothing but a search can do with them.
+
+    What is wrong with a range itself comes first, since no search takes it either.
+    """
     problems = [
-        Problem(
-            file,
-            tree.line_of(path),
-            dotted(path),
-            "a range, of which a design needs one value",
-            value if isinstance(value, str) else ", ".join(f"{key} {end}" for key, end in value.items()),
-            "a number",
-            f"run 'mbcdm solve {file} --apply FILE', which chooses it, or give a number",
-        )
+        Problem(file, tree.line_of(where), dotted(where), what, shown, limit, remedy)
         for path, value in _ranges(tree.data, (), node_at)
+        for where, what, shown, limit, remedy in _refused(path, value, node_at(path) or {}, file)
     ]
     if problems:
         raise InputError(problems)
+
+
+def _refused(path: FieldPath, value: Any, node: Node, file: str) -> list[tuple[FieldPath, str, str, str, str]]:
+    shown = value if isinstance(value, str) else ", ".join(f"{key} {end}" for key, end in value.items())
+    remedy = f"run 'mbcdm solve {file} --apply FILE', which chooses it, or give a number"
+    wrong = list(_wrong(path, {} if isinstance(value, str) else value, node))
+    return wrong or [(path, "a range, of which a design needs one value", shown, "a number", remedy)]
 
 
 def _ranges(node: Any, path: FieldPath, node_at: NodeAt) -> Iterator[tuple[FieldPath, Any]]:

@@ -75,6 +75,13 @@ def test_a_stated_ratio_that_needs_it_takes_from_the_reserve() -> None:
         assert least <= drive.reserve_deg < above, f"{ratio}: {drive.reserve_deg} deg"
 
 
+def test_two_radii_of_step_1_contradict_each_other() -> None:
+    data = short(35.0, 60.0, 0.9)
+    data["transmission"]["drum_radii_mm"] = [50.0, 55.0]
+    with pytest.raises(InputError, match="drum_radius_mm: contradicts drum_radii_mm"):
+        load_text(yaml.safe_dump(data))
+
+
 def test_a_missing_radius_is_told() -> None:
     with pytest.raises(InputError) as caught:
         load_text(yaml.safe_dump(short(30.0, 1.0, 0.5) | {"transmission": {}}))

@@ -95,6 +95,12 @@ def test_only_solve_reads_ranges_all_else_says_so() -> None:
     assert "mbcdm solve short.yaml --apply FILE" in str(refused.value)
 
 
+def test_a_range_that_is_wrong_is_not_sent_to_solve() -> None:
+    with pytest.raises(InputError) as caught:
+        load_text(SHORT.replace("60.0", "{min: 70, max: 50}"))
+    assert "a range upside down" in str(caught.value) and "mbcdm solve" not in str(caught.value), caught.value
+
+
 def test_a_requirement_left_out_is_marked_as_missing() -> None:
     with pytest.raises(InputError) as refused:
         load_text("name: x\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 30.0}\n")

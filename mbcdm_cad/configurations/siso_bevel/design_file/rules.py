@@ -45,6 +45,14 @@ def _transmission(design: DirectDesign) -> Iterator[Broken]:
         what, remedy = "radii of the input pulley are not given", "add input_to_drum, or input_radii_mm"
         yield Broken(("transmission",), what, "", "input_to_drum or explicit radii", remedy)
     small, large = block.drum_radii_mm
+    if block.drum_radius_mm is not None and block.drum_radius_mm != small:
+        yield Broken(
+            ("transmission", "drum_radius_mm"),
+            "contradicts drum_radii_mm",
+            f"{block.drum_radius_mm:g} mm",
+            f"{small:g} mm, the first of drum_radii_mm",
+            "leave one of the two out, so that it follows",
+        )
     if large <= small:
         remedy = "order the radii from step 1, the smaller, to step 2"
         step = ("transmission", "drum_radii_mm", 1)
