@@ -5,8 +5,9 @@ The paper's design (14.8 at its smallest pulley) is below every rope maker's min
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -63,6 +64,26 @@ def _thinner_or_larger(measure: Callable[[DesignUnderTest], Comparison], s: Desi
     return (
         f"a rope of at most {floored(s.drive.cable.diameter_mm / share)} mm, or all radii {share:.4g} times as large; "
         "else inspect the cables often"
+    )
+
+
+def anchor_bend(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], s: DesignUnderTest) -> Comparison:
+    """The constant bend of the cable before the swaged stop inside the input pulley."""
+    d = s.drive.cable.diameter_mm
+    return worst(
+        at_least(f"D/d of the bend at the stop of {cable}", 2 * radius / d, ANCHOR_RATIO, "D/d")
+        for cable, radius in bends_mm(s)
+    )
+
+
+def anchor_check(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], adjust: tuple[Adjustment, ...]) -> Check:
+    """The check; ``bends_mm``: of a design under test, (cable, radius of the bend before its stop) of each cable."""
+    return Check(
+        "anchor_bend",
+        "Standing bend at the cable's stop",
+        "rope makers' tables, interpolated: estimate",
+        partial(anchor_bend, bends_mm),
+        adjust=adjust,
     )
 
 

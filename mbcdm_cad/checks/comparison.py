@@ -70,6 +70,7 @@ class Check(NamedTuple):
     ``severity``: status if the limit is not kept. ``adjust``: design variables that may correct it, tried in this
     order. ``advice``: other changes that help. ``measure`` and ``advice`` get the design under test of the
     configuration that the check belongs to, a :class:`~mbcdm_cad.checks.design_under_test.DesignUnderTest`.
+    ``applies``: the drives of the configuration that the check is run on, None for all.
     """
 
     id: str
@@ -79,3 +80,8 @@ class Check(NamedTuple):
     severity: str = "fail"
     adjust: tuple[Adjustment, ...] = ()
     advice: str | Callable[[Any], str] = ""
+    applies: Callable[[Any], bool] | None = None
+
+    def asked_of(self, drive: Any) -> bool:
+        """Whether the check is asked of this drive of its configuration."""
+        return self.applies is None or self.applies(drive)

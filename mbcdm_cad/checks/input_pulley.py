@@ -16,6 +16,8 @@ FIT_MM = 0.01
 FLOOR_MM = 1.0
 # Shaft held by a clamp over at least its own diameter (usual rule).
 GRIP_DIAMETERS = 1.0
+# Turns left on the pulley when all is unwound: the span never pulls at the bend before the stop (estimate).
+DEAD_TURNS = 0.5
 # Clearance for a part during assembly (estimate).
 PASSAGE_MM = 0.1
 
@@ -23,6 +25,16 @@ PASSAGE_MM = 0.1
 def _slots(s: SectorUnderTest) -> list[tuple[InputPulleyDims, StopSlot, float]]:
     """(pulley, slot, surface radius of the land round it)."""
     return [(p, slot, slot.pitch_radius - s.flank_mm) for p in s.layout.inputs for slot in p.slots]
+
+
+def dead_turns(s: SectorUnderTest) -> Comparison:
+    """Number of turns that stay on the input pulley at the unwound end of the travel."""
+    return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
+
+
+def dead_turns_check(adjust: tuple[Adjustment, ...]) -> Check:
+    """The check; ``adjust``: the configuration's variables that leave more on the pulley."""
+    return Check("dead_turns", "Dead turns protect the stop", "half a turn: estimate", dead_turns, adjust=adjust)
 
 
 def stop_pocket_wall(s: SectorUnderTest) -> Comparison:
@@ -194,10 +206,11 @@ _CHOOSE = "choose another bearing or gearhead, or a material of thinner walls"
 
 def pulley_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
     """The family; ``wider``: the configuration's variables that make the input pulleys larger."""
-    return (*_stop_checks(wider), *coupling_checks(wider))
+    return (*stop_checks(wider), *coupling_checks(wider))
 
 
-def _stop_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
+def stop_checks(wider: tuple[Adjustment, ...]) -> tuple[Check, ...]:
+    """Those of the stops' pockets."""
     return (
         Check(
             "stop_pocket_wall",

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 
 
 def checks_of(drive: Drive) -> tuple[Check, ...]:
-    """The checks of this drive's configuration, in the order in which they are run and shown."""
-    return tuple(check for family in configuration(drive.configuration).check_families() for check in family.CHECKS)
+    """The checks of this drive, in the order in which they are run and shown."""
+    families = configuration(drive.configuration).check_families()
+    return tuple(check for family in families for check in family.CHECKS if check.asked_of(drive))
 
 
 def known_ids(drive: Drive) -> tuple[str, ...]:

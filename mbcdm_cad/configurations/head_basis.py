@@ -25,6 +25,8 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 # Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
 END_SHARE = 0.8
 CONSTRUCTION = "7x7"
+# Preload over what keeps a cable taut at peak torque, where friction on an input need not hold it.
+PRELOAD_FACTOR = 2.0
 # Required rated torque of the motor over its torque at the peak torque.
 TORQUE_SPARE = 1.02
 
@@ -44,6 +46,22 @@ def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> 
     )
     strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm))
     return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
+
+
+def taut_rope(given: TrialKnown) -> Found:
+    """The thinnest rope for the preload that keeps every cable taut at peak torque."""
+    return thinnest_rope(given, (PRELOAD_FACTOR + 1.0) * given.half_torque_N)
+
+
+def taut_preload(given: TrialKnown) -> Found:
+    """That preload, or the highest that the rope may have."""
+    return preload(given, PRELOAD_FACTOR * given.half_torque_N, "no_slack")
+
+
+def preload(given: TrialKnown, wanted_N: float, driver: str) -> Found:
+    """A preload that ``driver`` asks for, as far as the rope allows it."""
+    most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
+    return Found(float(f"{min(wanted_N, most):.2g}"), driver if wanted_N <= most else "preload_share", "two digits")
 
 
 def rope(value: Callable[[Any], Found]) -> Rule:

@@ -7,8 +7,16 @@ from dataclasses import asdict
 from functools import cache
 from typing import Any
 
-from mbcdm_cad.design.bought import NO_GEARHEAD, Motor, missing_face_fields, without_gearhead
+from mbcdm_cad.design.bought import (
+    NO_GEARHEAD,
+    CableSpec,
+    Motor,
+    TerminationSpec,
+    missing_face_fields,
+    without_gearhead,
+)
 from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.design.rules import Broken, unknown_entry
 from mbcdm_cad.design.sized import SizingError
 
@@ -123,3 +131,13 @@ class RopeKnown(KnownFields):
     def d_mm(self) -> float:
         """The rope's diameter."""
         return float(self.rope["diameter_mm"])
+
+    @property
+    def termination(self) -> TerminationSpec:
+        """How the rope's ends are made: as named, else the strongest that fits."""
+        rope = CableSpec(name="rope", **{key: value for key, value in self.rope.items() if key != "name"})
+        known = [
+            TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
+            for name, entry in self.entries("terminations").items()
+        ]
+        return termination(self.get("rope.termination"), known, rope)

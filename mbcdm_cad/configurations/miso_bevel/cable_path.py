@@ -16,19 +16,13 @@ from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
 import numpy as np
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
-from mbcdm_cad.design.bought import TerminationSpec
-from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, STOP_CUTTER, STOP_PLAY_MM
+from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
-from mbcdm_cad.sizing import arithmetic
 
 # The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm #
 # for 49 free wires of 0.09 mm at 70 N; this transition is drawn 2.5 diameters long.
 BLEND_DIAMETERS = 2.5
-# Wall between the pocket of a stop and the land.
-STOP_WALL_MM = 0.75
-# Reserve over the material's thinnest wall at the pocket's corners.
-STOP_CORNER_SPARE_MM = 0.01
 
 
 @dataclass(frozen=True)
@@ -77,64 +71,15 @@ def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
     )
 
 
-@dataclass(frozen=True)
-class StopGeometry:
-    """End of a cable in its input pulley: bend inward, then a chord that carries the swaged stop.
-
-    ``end_angle_rad``: angle at which the winding ends, drum centred; ``away``: sense of the winding there (+1
-    anticlockwise). Chord coordinates are measured from the foot of the perpendicular from the axis, positive towards
-    the bend. The helix's slope tilts the bend: the chord lies ``chord_offset_mm`` from the axis and ``chord_rise_mm``
-    further out than the winding's end.
-    """
-
-    end_angle_rad: float
-    away: int
-    bend_radius_mm: float
-    chord_offset_mm: float
-    chord_rise_mm: float
-    stop_radius_mm: float
-    stop_start_mm: float
-    stop_end_mm: float
-
-
-def stop_geometry(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
-    """The stop, with the widest bend that the pulley allows: chord just inside the land, clear of neck and bearing."""
-    d = drive.cable.diameter_mm
+def stop_of(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
+    """The cable's end in its input pulley."""
     w = winding(drive, cable)
     wound = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
-    stop_radius = drive.termination.stop_radius_ratio * d
-    wall = drive.input_pulleys.material.min_wall_mm
-    bend_radius = widest_bend_mm(d, drive.termination, wall, cable.input_radius_mm)
-    slope = atan2(drive.helix_lead_mm, tau * cable.input_radius_mm)
-    return StopGeometry(
-        end_angle_rad=w.input_contact_rad + w.guide_sense * wound,
-        away=w.guide_sense,
-        bend_radius_mm=bend_radius,
-        chord_offset_mm=bend_radius * cos(slope),
-        chord_rise_mm=bend_radius * sin(slope),
-        stop_radius_mm=stop_radius,
-        stop_start_mm=drive.termination.stop_length_ratio * d / 2,
-        stop_end_mm=-drive.termination.stop_length_ratio * d / 2,
-    )
-
-
-def widest_bend_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: float) -> float:
-    """Bend radius of a rope before its stop in an input pulley of this pitch radius, thinnest wall of its metal given.
-
-    The chord runs just inside the land; the corners of the stop's pocket, further out than its middle, leave the wall
-    that they need.
-    """
-    surface, stop_radius = pitch_radius_mm - d_mm / 2, end.stop_radius_ratio * d_mm
-    cutter = STOP_CUTTER * (d_mm + SLOT_PLAY_MM) / 2
-    inset = cutter / sqrt(2.0)
-    along = end.stop_length_ratio * d_mm / 2 + STOP_PLAY_MM - inset
-    room = surface - wall_mm - STOP_CORNER_SPARE_MM - cutter
-    deepest = inset + arithmetic.sqrt(arithmetic.greatest(room**2 - along**2, 0.0)) - stop_radius - STOP_PLAY_MM
-    return arithmetic.least(surface - stop_radius - STOP_WALL_MM, deepest)
+    return stop_geometry(drive, cable.input_radius_mm, w.input_contact_rad + w.guide_sense * wound, w.guide_sense)
 
 
 # The stretches of a cable by what carries them: wound on the input pulley, free and on the guide, on the drum.
-WOUND = ("chord", "bend", "helix")
+WOUND = (*STOP_PIECES, "helix")
 FREE = ("span_in", "span", "span_out", "guide")
 ON_DRUM = ("drum", "tail")
 
@@ -177,13 +122,8 @@ def cable_path(
     radial = np.array([cos(a_end), sin(a_end), 0.0])
     start = np.array([w.input_x_mm + r_m * radial[0], w.input_y_mm + r_m * radial[1], z_end])
     back = -helix.tangent(0.0)
-    stop = stop_geometry(drive, cable)
-    rho = stop.bend_radius_mm
-    centre = start - rho * radial
-    bend_end = centre + rho * back
-    chord_end = bend_end - radial * ((r_m - rho) - stop.stop_end_mm)
-    pieces.append(("chord", Line(_t(chord_end), _t(bend_end))))
-    pieces.append(("bend", Arc(_t(centre), _t(radial), _t(back), rho, pi / 2, 0.0)))
+    ends = stop_pieces(start, radial, back, r_m, stop_of(drive, cable))
+    pieces.extend(zip(STOP_PIECES, ends, strict=True))
     pieces.append(("helix", helix))
 
     contact = helix.points(np.array([1.0]))[0]

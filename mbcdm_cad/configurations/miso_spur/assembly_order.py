@@ -6,7 +6,14 @@ from collections.abc import Iterator
 
 from mbcdm_cad.configurations.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.configurations.miso_spur.tensioning import plan
-from mbcdm_cad.configurations.siso_spur.assembly_order import boss_step, encoder_step, input_steps, key, numbered
+from mbcdm_cad.configurations.siso_spur.assembly_order import (
+    boss_step,
+    encoder_step,
+    ends_words,
+    input_steps,
+    key,
+    numbered,
+)
 from mbcdm_cad.configurations.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.parts.bill import AssemblyStep
 from mbcdm_cad.parts.inserts import insert_items, insert_words
@@ -42,6 +49,8 @@ def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
 
 def _cut(layout: RoundDrumLayout) -> AssemblyStep:
     drive, found = layout.drive, {c.name: c.cut_length_m * 1e3 for c in plan(layout).cables}
+    if drive.anchored:
+        return AssemblyStep(ends_words(drive))
     cuts = ", ".join(
         f"{sum(found[side.name] for side in unit.drive.cables):.1f} mm for {name}"
         for unit, name in zip(layout.units, drive.input_names, strict=True)
@@ -57,11 +66,12 @@ def _drum(layout: RoundDrumLayout) -> Iterator[AssemblyStep]:
     """The sectors are pushed onto the shaft one after the other; the terminals of each are put into its lugs before."""
     drive, d = layout.drive, layout.drum
     places, names = len(d.payload_places), drive.input_names
+    each = "each of its cables" if drive.anchored else "each end of its cable"
     for k, (unit, name) in enumerate(zip(layout.units, names, strict=True)):
         first, last = k == 0, k == len(names) - 1
         text = insert_words(d.payload_insert, places, "the holes in the hub's face") if last else ""
         text += (
-            f"Push the sector of {name} on to the shaft, not yet home, take off the tape and lay each end of its cable "
+            f"Push the sector of {name} on to the shaft, not yet home, take off the tape and lay {each} "
             "over the rim to its own side, the one that leaves the input in front to the front. With nut and lock nut "
             "run on to the stud's end, drop both terminals sideways into the slotted lugs from behind. "
         )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from math import tau
+
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
 from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
 from mbcdm_cad.configurations.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.configurations.siso_spur.tensioning import plan
@@ -29,20 +32,34 @@ def numbered(stem: str, count: int) -> tuple[str, ...]:
 
 def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     drive, f = layout.drive, layout.frame
-    rope = drive.cable
-    cut = sum(setting.cut_length_m for setting in plan(layout).cables) * 1e3
     inserts = (
         *insert_items("flange_insert", f.flange_insert, len(f.flange_screws)),
         *insert_items("mount_insert", f.mount_insert, len(f.mounts)),
     )
     return (
-        AssemblyStep(
-            f"Cut one cable ({rope.name}, {rope.diameter_mm:g} mm) {cut:.1f} mm long, both halves of the bill of "
-            f"materials together, and end it in a threaded terminal ({drive.tensioner.name}) on either side, "
-            f"{drive.termination.name}. Mark its middle."
-        ),
+        AssemblyStep(ends_words(drive) if drive.anchored else _cut_words(layout)),
         boss_step(layout, 1, inserts),
         encoder_step(layout),
+    )
+
+
+def ends_words(drive: SpurDrive) -> str:
+    """How the ends of anchored cables are made."""
+    rope = drive.cable
+    return (
+        f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
+        f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
+        "materials."
+    )
+
+
+def _cut_words(layout: SpurLayout) -> str:
+    drive, rope = layout.drive, layout.drive.cable
+    cut = sum(setting.cut_length_m for setting in plan(layout).cables) * 1e3
+    return (
+        f"Cut one cable ({rope.name}, {rope.diameter_mm:g} mm) {cut:.1f} mm long, both halves of the bill of "
+        f"materials together, and end it in a threaded terminal ({drive.tensioner.name}) on either side, "
+        f"{drive.termination.name}. Mark its middle."
     )
 
 
@@ -83,13 +100,8 @@ def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
     drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
     flange = flange_screw(drive).name
     gear = drive.gearhead
-    how = "in the groove" if drive.input_pulleys.grooved else "side by side"
     return (
-        AssemblyStep(
-            "Push the input pulley through the opening from behind, through the bearing into the encoder, and tighten "
-            "the encoder's own clamp.",
-            (f"input_pulley_{name}",),
-        ),
+        _pulley_step(drive),
         AssemblyStep(
             f"On the bench, screw the {train_words(drive)} on the motor head ({gear.screw_count} x {gear.screw}). "
             f"The screws go in through the open side of the coupling space; the {key(layout, gear.screw)} reaches "
@@ -108,11 +120,36 @@ def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
             f"({key(layout, flange)}), then the collar through the open side ({key(layout, collar_screw)}).",
             (*numbered(f"dowel{mark}", 2), *numbered(f"flange_screw{mark}", len(layout.frame.flange_screws))),
         ),
-        AssemblyStep(
+        _winding_step(drive),
+    )
+
+
+def _pulley_step(drive: SpurDrive) -> AssemblyStep:
+    """The pulley into its far bearing, with the stops of anchored cables, which no hand reaches later."""
+    name = drive.input_names[0]
+    hook = "Hook the stops of both cables into the slots in the end faces of the input pulley. " * drive.anchored
+    led = ", their free ends before it," if drive.anchored else ""
+    stops = tuple(f"stop_{c.name}" for c in drive.cables) if drive.anchored else ()
+    return AssemblyStep(
+        f"{hook}Push the input pulley{led} through the opening from behind, through the bearing into the encoder, and "
+        "tighten the encoder's own clamp.",
+        (f"input_pulley_{name}", *stops),
+    )
+
+
+def _winding_step(drive: SpurDrive) -> AssemblyStep:
+    if not drive.anchored:
+        how = "in the groove" if drive.input_pulleys.grooved else "side by side"
+        return AssemblyStep(
             f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, under the bridge, "
             "and hold it with tape; its ends hang down on both sides of the plate, crossed.",
-            (cable_item(name),),
-        ),
+            (cable_item(drive.input_names[0]),),
+        )
+    how = "in its groove" if drive.input_pulleys.grooved else "side by side"
+    return AssemblyStep(
+        f"Wind each cable on to the input from its stop towards the middle, {drive.wound_rad / tau:.1f} turns {how}, "
+        "one each way, and hold both with tape; their ends hang down on both sides of the plate, crossed.",
+        tuple(cable_item(c.name) for c in drive.cables),
     )
 
 
@@ -126,6 +163,7 @@ def _base(layout: SpurLayout) -> AssemblyStep:
 def _drum(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
     drive, hub_screw, insert = layout.drive, layout.drum.set_screw, layout.drum.payload_insert
     places = len(layout.drum.payload_places)
+    each = "each cable" if drive.anchored else "each end of the cable"
     return (
         AssemblyStep(
             insert_words(insert, places, "the holes in the hub's face")
@@ -133,8 +171,8 @@ def _drum(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
             "bearing, then press the stop pin through the slot of its web into the plate. To preload the bearings, "
             "draw shaft and hub together until the shaft's end is flush with the hub's face, which presses the spring "
             f"with {layout.preload_spring.force_N:g} N, and tighten the hub's two set screws ({hub_screw}, "
-            f"{key(layout, hub_screw)}, radially, in front of the web). Take off the tape and lay each end of the "
-            "cable over the rim to its own side, the one that leaves the input in front to the front.",
+            f"{key(layout, hub_screw)}, radially, in front of the web). Take off the tape and lay "
+            f"{each} over the rim to its own side, the one that leaves the input in front to the front.",
             ("drum", "stop_pin", *numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
         ),
         *terminal_steps(drive, plan(layout)),

@@ -1,4 +1,4 @@
-"""The true centre line of the cable at a given drum angle, from one terminal to the other.
+"""The true centre line of each cable at a given drum angle: of one from terminal to terminal, of two from their stops.
 
 One helix angle all the way: the turns walk along the input by one lead a turn, each span leaves in line with them, and
 on the drum the cable lies on a helix of the same slope. So nothing bends sideways at any angle of the drum, and the
@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import cos, radians, sin, tan
+from math import cos, pi, radians, sin, tan, tau
 
 import numpy as np
 
 from mbcdm_cad.configurations.siso_spur.drive import CHANGE_RAD, SpurDrive, SpurRun, contact_rad
+from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, Vector, reverse
 
@@ -24,11 +25,11 @@ _SIDE = ("span", "drum", "lay", "dead", "tail")
 
 
 def input_wrap_rad(drive: SpurDrive, cable: SpurRun, drum_angle_rad: float) -> float:
-    """Wrap of one side on the input, from the cable's middle; a side that runs to +x leaves it as the drum turns.
+    """Wrap of one side on the input, from the cable's middle or stop; one that runs to +x leaves it as the drum turns.
 
-    Below zero where the cable's middle has left the input.
+    Below zero where that has left the input.
     """
-    return drive.wrap_rad / 2 - cable.drum_side * drive.total_ratio * drum_angle_rad
+    return drive.wound_rad - cable.drum_side * drive.total_ratio * drum_angle_rad
 
 
 def walked_mm(drive: SpurDrive, drum_angle_rad: float) -> float:
@@ -59,7 +60,9 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
     start = landing + radians(drive.half_travel_deg) + CHANGE_RAD + moved
     last, end = start + CHANGE_RAD, start + 2 * CHANGE_RAD
     plane = cable.terminal_y_mm
-    start_y = plane - cable.outward * r_o * drive.slope * tan(CHANGE_RAD)
+    # On towards the plane as the helix runs there: away from the middle, or of two anchored cables past it.
+    onward = -cable.outward if drive.anchored else cable.outward
+    start_y = plane - onward * r_o * drive.slope * tan(CHANGE_RAD)
     anchor = anchor_rad + moved
     along = np.array([side * cos(anchor), 0.0, -sin(anchor)])
     leaving = np.array(on_drum(anchor, plane))
@@ -72,11 +75,41 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
     ]
 
 
-def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], angle_rad: float) -> CablePath:
-    """Centre line of the whole cable at a drum angle; ``anchors``: (anchor_rad, tail_mm) of each side by its name.
+def cable_paths(
+    drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], angle_rad: float
+) -> tuple[CablePath, ...]:
+    """Centre lines at a drum angle; ``anchors``: (anchor_rad, tail_mm) of each side by its name."""
+    if drive.anchored:
+        return tuple(anchored_path(drive, c, *anchors[c.name], angle_rad) for c in drive.cables)
+    return (cable_path(drive, anchors, angle_rad),)
 
-    It is named as the input that it goes round.
-    """
+
+def stop_of(drive: SpurDrive, cable: SpurRun) -> StopGeometry:
+    """End of an anchored cable in the input pulley, its angle as in the pulley's own frame."""
+    end = contact_rad(drive, cable.drum_side) - pi / 2 + cable.drum_side * drive.wound_rad
+    return stop_geometry(drive, cable.input_radius_mm, end, cable.drum_side)
+
+
+def anchored_path(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float, angle_rad: float) -> CablePath:
+    """Centre line of one of two anchored cables, from the end of its stop; arguments as of :func:`side_pieces`."""
+    axis = (0.0, 0.0, drive.centre_distance_mm)
+    leave = drive.level_mm + walked_mm(drive, angle_rad) + cable.outward * drive.leave_mm
+    wrap = input_wrap_rad(drive, cable, angle_rad)
+    at = contact_rad(drive, cable.drum_side)
+    end, end_y = at + cable.drum_side * wrap, leave + cable.outward * drive.helix_lead_mm * wrap / tau
+    wound = Coil(axis, _Y, _Z, cable.input_radius_mm, end, at, end_y, leave)
+    start = wound.points(np.array([0.0]))[0]
+    radial = np.array([sin(end), 0.0, cos(end)])
+    ends = stop_pieces(start, radial, -wound.tangent(0.0), cable.input_radius_mm, stop_of(drive, cable))
+    side = side_pieces(drive, cable, anchor_rad, tail_mm, angle_rad)
+    on_input = (*STOP_PIECES, *ON_INPUT)
+    pieces = (*zip(on_input, (*ends, wound), strict=True), *zip(_SIDE, side, strict=True))
+    stretches = (Stretch(f"input_{cable.input_name}", on_input), Stretch(None, _SIDE[:1]), Stretch("drum", _SIDE[1:]))
+    return CablePath(cable, angle_rad, pieces, stretches)
+
+
+def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], angle_rad: float) -> CablePath:
+    """Centre line of the one cable, named as the input that it goes round; arguments as of :func:`cable_paths`."""
     first, second = drive.cables
     ends = [side_pieces(drive, c, *anchors[c.name], angle_rad) for c in (first, second)]
     at = contact_rad(drive, first.drum_side)
@@ -109,13 +142,23 @@ def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], ang
 
 
 def side_length_mm(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float) -> float:
-    """Length of one side, from the middle of the cable to the bottom of the swage's bore."""
-    wound = drive.input_radius_mm * drive.stretched * drive.wrap_rad / 2
+    """Length of one side, from the middle of the cable or the end of its stop to the bottom of the swage's bore."""
+    wound = drive.input_radius_mm * drive.stretched * drive.wound_rad
+    if drive.anchored:
+        wound += stop_length_mm(stop_of(drive, cable), cable.input_radius_mm)
     return wound + sum(piece.length_mm for piece in side_pieces(drive, cable, anchor_rad, tail_mm, 0.0))
+
+
+def stop_length_mm(stop: StopGeometry, radius_mm: float) -> float:
+    """Length of bend and chord in the input pulley."""
+    return pi / 2 * stop.bend_radius_mm + (radius_mm - stop.bend_radius_mm) - stop.stop_end_mm
 
 
 def longest_mm(drive: SpurDrive, anchor_rad: float) -> float:
     """Length of a side that leaves its land at ``anchor_rad``, a little more than the drawn path."""
-    wound = drive.input_radius_mm * drive.wrap_rad / 2 + drive.free_span_mm
+    wound = drive.input_radius_mm * drive.wound_rad + drive.free_span_mm
+    if drive.anchored:
+        first = drive.cables[0]
+        wound += stop_length_mm(stop_of(drive, first), first.input_radius_mm)
     on_drum = drive.drum_radius_mm * max(anchor_rad - drive.landing_rad, 0.0)
     return (wound + on_drum) * drive.stretched + 6.0 * drive.cable.diameter_mm

@@ -76,7 +76,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
 
 
 class SpurUnderTest(HeadUnderTest):
-    """Adds the winding of the one cable."""
+    """Adds the winding of the input."""
 
     drive: SpurDrive
     steps: tuple[SpurRun, ...]
@@ -125,7 +125,7 @@ class SpurUnderTest(HeadUnderTest):
         return super().anchor_rad(cable) - self.drive.landing_rad
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
-        """Each terminal takes up half of the cable."""
+        """Each terminal takes up half of the one cable, or a cable of its own."""
         anchors = self.layout.anchors
         return [side_length_mm(self.drive, c, *anchors[c.name]) for c in self.drive.cables]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from mbcdm_cad.configurations.siso_spur.cable_path import cable_path, longest_mm
+from mbcdm_cad.configurations.siso_spur.cable_path import cable_paths, longest_mm
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, laid
 from mbcdm_cad.configurations.siso_spur.pulley import input_pulley
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
@@ -42,8 +42,8 @@ class SpurLayout:
         return {t.cable_name: (t.anchor_rad, t.cable_end) for t in self.drum.tensioners}
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
-        """Centre line of the one cable at a drum angle, between the bottoms of the bores of both swages."""
-        return (cable_path(self.drive, self.anchors, drum_angle_rad),)
+        """Centre line of each cable at a drum angle, to the bottoms of the bores of its swages."""
+        return cable_paths(self.drive, self.anchors, drum_angle_rad)
 
 
 def layout(drive: SpurDrive) -> SpurLayout:

@@ -18,10 +18,10 @@ STATIONS = 9
 
 @dataclass(frozen=True)
 class SideFigures:
-    """One side of the cable, from its middle to its terminal. Tuples over the angles of :class:`SpurFigures`.
+    """One side of the cable, from its middle to its terminal, or one of two anchored cables, from the end of its stop.
 
-    ``length_um`` is the change of the whole cable's length from the centred drum: 0 but for rounding, since what leaves
-    the drum on one side lands on it on the other.
+    Tuples over the angles of :class:`SpurFigures`. ``length_um`` is the change of the whole cable's length from the
+    centred drum: 0 but for rounding, since what leaves the drum lands on it on the other side, or on the input.
     """
 
     name: str
@@ -35,12 +35,13 @@ class SideFigures:
 class SpurFigures:
     """Both sides over the travel. ``limits`` holds each direction's, the nearest first; it is the usable travel.
 
-    ``wrap_deg`` is the wrap over the input, ``walk_mm`` how far it walks along the axis at each angle.
+    ``wrap_deg`` is the wrap of one cable over the input, None of two anchored there; ``walk_mm`` is how far the spans
+    walk along the axis at each angle.
     """
 
     drum_angle_deg: tuple[float, ...]
     cables: tuple[SideFigures, ...]
-    wrap_deg: float
+    wrap_deg: float | None
     walk_mm: tuple[float, ...]
     limits_positive: tuple[EndOfTravel, ...]
     limits_negative: tuple[EndOfTravel, ...]
@@ -55,25 +56,28 @@ def path_figures(layout: SpurLayout) -> SpurFigures:
     """The figures of one design at ``STATIONS`` drum angles over its travel."""
     drive = layout.drive
     angles = np.linspace(-drive.half_travel_deg, drive.half_travel_deg, STATIONS)
-    lengths = [layout.cable_paths(float(angle))[0].length_mm for angle in np.radians(angles)]
-    centred = layout.cable_paths(0.0)[0].length_mm
+    posed = [layout.cable_paths(float(angle)) for angle in np.radians(angles)]
+    centred = layout.cable_paths(0.0)
+    # The one cable is the path of both its sides.
+    at = [min(k, len(centred) - 1) for k in range(len(drive.cables))]
+    share = len(centred) / len(drive.cables)
     cables = tuple(
         SideFigures(
             name=run.name,
-            length_mm=centred / 2,
+            length_mm=centred[k].length_mm * share,
             input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, float(a))) for a in np.radians(angles)),
             drum_wrap_deg=tuple(
                 degrees(layout.anchors[run.name][0] - drive.landing_rad) + run.drum_side * float(a) for a in angles
             ),
-            length_um=tuple((length - centred) * 1e3 for length in lengths),
+            length_um=tuple((paths[k].length_mm - centred[k].length_mm) * 1e3 for paths in posed),
         )
-        for run in drive.cables
+        for k, run in zip(at, drive.cables, strict=True)
     )
     ends = sorted(_ends(layout), key=lambda end: abs(end.angle_deg))
     return SpurFigures(
         tuple(float(a) for a in angles),
         cables,
-        degrees(drive.wrap_rad),
+        None if drive.anchored else degrees(drive.wrap_rad),
         tuple(walked_mm(drive, float(a)) for a in np.radians(angles)),
         tuple(end for end in ends if end.angle_deg > 0.0),
         tuple(end for end in ends if end.angle_deg <= 0.0),
@@ -97,6 +101,9 @@ def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
         yield end(half + 0.01, f"{run.name} reaches the plane of its terminal")
         round_rad = tau - drive.landing_rad - terminal.anchor_rad - atan2(terminal.last_tip, terminal.radius_mm)
         yield end(-min(round_rad, pi), f"terminal of {run.name} comes round to the input")
+        if drive.anchored:
+            # The sense that winds it off the drum winds it on to the input.
+            yield end(-half - tau * drive.dead_turns / drive.total_ratio, f"{run.name} is all off the input")
 
 
 def path_lines(c: dict[str, Any]) -> Iterator[str]:

@@ -1,9 +1,10 @@
-"""How the cables run: each round its input, crossed over to the drum, both ends on the drum (Fig. 1 a and b).
+"""How the cables run: each on its input, crossed over to the drum, where it ends (Fig. 1 a and b).
 
-Origin on the drum's axis (Y), in the middle of what the first cable takes of its input; the axis of the first input
+Origin on the drum's axis (Y), in the middle of what is wound on the first input; the axis of the first input
 stands at z = L, those of others turned about Y and further along it, all parallel. A cable goes N times round its
 input, is anchored nowhere on it, and crosses to the drum as an internal tangent on both sides. As long as a part of it
-sticks on the input, each side acts as a cable of its own.
+sticks on the input, each side acts as a cable of its own. Two anchored cables take the place of its sides: they are
+wound outwards from where their spans leave, so that these converge along Y.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ class SpurGeometry:
     """Crossed spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) as of the runs.
 
     ``angle_rad`` and ``level_m`` (n_inputs,): where each input stands, about Y from +Z towards +X, and along Y.
+    ``apart_m``: half the distance along Y at which two anchored cables leave an input, None where one goes round it.
     """
 
     cable_names: tuple[str, ...]
@@ -41,6 +43,7 @@ class SpurGeometry:
     outward: tuple[int, ...]
     turns: int
     lead_m: float
+    apart_m: float | None = None
     per_cable: tuple[str, ...] = (INPUT_RADIUS, DRUM_RADIUS)
     varied: tuple[Varied, ...] = (
         Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
@@ -64,8 +67,10 @@ class SpurGeometry:
         """None."""
         return ()
 
-    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats:
-        """N turns less the angles from the line of centres to both landings; (n_inputs, *batch)."""
+    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
+        """N turns less the angles from the line of centres to both landings; (n_inputs, *batch). None: anchored."""
+        if self.apart_m is not None:
+            return None
         reach = (parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS]) / parameters[DISTANCE]
         of = np.array(self.input_of)
         with np.errstate(invalid="ignore"):
@@ -104,15 +109,19 @@ class SpurGeometry:
         distance = float(parameters[DISTANCE])
         cosine, sine = (r_o + r_i) / distance, free_m / distance
         through = self.through_wrap_rad(parameters)
-        leave = level + self.outward[j] * self.lead_m * float(through[i]) / (4 * np.pi)
-        land = leave + self.outward[j] * self.lead_m / (2 * np.pi * r_i) * free_m
+        if through is None:
+            apart, rises = self.apart_m or 0.0, -self.outward[j]
+        else:
+            apart, rises = self.lead_m * float(through[i]) / (4 * np.pi), self.outward[j]
+        leave = level + self.outward[j] * apart
+        land = leave + rises * self.lead_m / (2 * np.pi * r_i) * free_m
         # Towards the drum from an input at z = L, turned about Y to where this one stands.
         across, down = side * cosine, -sine
         along = (across * cos(angle) + down * sin(angle), 0.0, down * cos(angle) - across * sin(angle))
         pieces = (
             Anchor(name),
             # Heights count along the input's own axis, -Y.
-            Wrap(name, r_i, np.inf, -leave, side, may_slip_through=True, lead_m=self.lead_m),
+            Wrap(name, r_i, np.inf, -leave, side, may_slip_through=through is not None, lead_m=self.lead_m),
             Span(free_m, along),
             Wrap(DRUM, r_o, np.inf, land, side),
             Terminal(DRUM),
@@ -121,7 +130,7 @@ class SpurGeometry:
 
 
 def routed(drive: SpurDrive) -> RoutedDrive:
-    """How the one cable of ``drive`` runs, and the lengths that follow from its file."""
+    """How the winding of ``drive`` runs, and the lengths that follow from its file."""
     return routed_round(drive, (0.0,), (drive.level_mm,))
 
 
@@ -137,6 +146,7 @@ def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple
         outward=tuple(run.outward for run in drive.cables),
         turns=drive.turns,
         lead_m=drive.helix_lead_mm * _MM,
+        apart_m=drive.leave_mm * _MM if drive.anchored else None,
     )
     parameters = {
         INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),

@@ -1,6 +1,6 @@
 """Levels along the axes, all parallel to Y, that all parts share; mm.
 
-From behind to the front, y = 0 in the middle of what the cable takes of the input when the drum is centred:
+From behind to the front, y = 0 in the middle of what the winding takes of the input when the drum is centred:
 
     motor | gearhead | motor shelf | coupling space | flange | plate | pulley | encoder shelf | encoder
                                         drum encoder | bearings in the boss | hub and sector
@@ -11,11 +11,10 @@ Along the input's axis y counts as height, from the gearhead on (names in ``_z``
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, sqrt
 
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, run_out_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
-from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
+from mbcdm_cad.parts.input_pulley.stop import STOP_LAND_MM
 
 # Land beyond the cable at both ends of its walk.
 BAND_MARGIN_MM = 0.5
@@ -49,34 +48,19 @@ class SpurStack:
     boss_front_y: float
 
 
-def groove_depth_mm(drive: SpurDrive) -> float:
-    """How far the crests of the input's grooves stand over the surface that the cable lies on; 0 if smooth."""
-    return GROOVE_DEPTH * drive.cable.diameter_mm if drive.input_pulleys.grooved else 0.0
-
-
-def groove_run_out_rad(drive: SpurDrive) -> float:
-    """Angle past its last contact at which the straight span has risen out of the groove."""
-    r = drive.input_radius_mm
-    return acos(r / (r + groove_depth_mm(drive)))
-
-
 def reach_mm(drive: SpurDrive) -> float:
-    """Half the length of the input that cable, grooves and walk take."""
-    half = drive.leave_mm + drive.walk_mm / 2
-    flank = drive.cable.diameter_mm / 2
-    if not drive.input_pulleys.grooved:
-        return half + flank
-    radius, depth = GROOVE_RADIUS * drive.cable.diameter_mm, groove_depth_mm(drive)
-    wide = sqrt(2 * radius * depth - depth**2)
-    return half + drive.input_radius_mm * drive.slope * groove_run_out_rad(drive) + max(flank, wide)
+    """Half the length of the input that cables, grooves and walk take."""
+    if drive.anchored:
+        return drive.dead_end_mm + drive.cable.diameter_mm / 2
+    return drive.leave_mm + drive.walk_mm / 2 + run_out_mm(drive)
 
 
 def spur_stack(drive: SpurDrive) -> SpurStack:
     """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
     flank, running, s = drive.cable.diameter_mm / 2, drive.clearances.running_mm, drive.support
-    land = reach_mm(drive) + BAND_MARGIN_MM
-    plane = drive.terminal_mm
-    drum_inner = -plane - flank - drive.clearances.land_edge_mm
+    land = reach_mm(drive) + (STOP_LAND_MM if drive.anchored else BAND_MARGIN_MM)
+    plane = abs(drive.terminal_mm)
+    drum_inner = -drive.on_drum_mm - flank - drive.clearances.land_edge_mm
     front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land) - running
     plate_back = front - s.plate_mm
     bearing_bottom = plate_back - s.bearing_shelf_mm

@@ -1,4 +1,4 @@
-"""How the preload is set: one cable, drawn in at both ends; each terminal stretches its own half of it."""
+"""How the preload is set: one cable, drawn in at both ends, of which each terminal stretches its half; or two."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ def plan(layout: SpurLayout) -> TensioningPlan:
 
 
 def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
-    """Both sides of the cable, in the order of the drive; lengths are those of each half."""
+    """Both sides of the cable, in the order of the drive; lengths are those of each half, or of each of two."""
     drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
+    stops = {slot.cable_name: slot.stop_start - slot.stop_end for pulley in layout.inputs for slot in pulley.slots}
     cables = []
     for c in drive.cables:
         t = terminals[c.name]
-        on_drum, wound = t.anchor_rad - drive.landing_rad, drive.wrap_rad / 2
-        # Along the cable from the nut: straight end, drum, span, half the wrap on the input.
+        on_drum, wound = t.anchor_rad - drive.landing_rad, drive.wound_rad
+        # Along the cable from the nut: straight end, drum, span, its wrap on the input.
         pieces = (
             (t.swage_start * 1e-3, 0.0),
             (c.drum_radius_mm * on_drum * 1e-3, on_drum),
@@ -35,7 +36,7 @@ def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
                 preload_N=c.preload_N,
                 highest_preload_N=highest_preload_N(drive, c),
                 length_m=side_length_mm(drive, c, *layout.anchors[c.name]) * 1e-3,
-                ends_m=(t.cable_end - t.swage_start) * 1e-3,
+                ends_m=(t.cable_end - t.swage_start + stops.get(c.name, 0.0)) * 1e-3,
                 lever_m=c.sense * c.drum_radius_mm * 1e-3,
                 pieces=pieces,
                 spans_m=(drive.free_span_mm * drive.stretched * 1e-3,),

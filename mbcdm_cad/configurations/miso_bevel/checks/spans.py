@@ -9,6 +9,7 @@ import numpy as np
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.input_pulley import dead_turns_check
 from mbcdm_cad.configurations.miso_bevel.cable_path import (
     BLEND_DIAMETERS,
     fleet_angle_deg,
@@ -23,8 +24,6 @@ from mbcdm_cad.sizing.arithmetic import cos, hypot, radians, sin, sqrt, tan
 
 # Least crest between two grooves, in rope diameters: a thinner one is a sharp edge that cuts the rope (estimate).
 GROOVE_CREST = 0.05
-# Turns that stay on the unwound pulley, so that the span never pulls at the bend before the stop (estimate).
-DEAD_TURNS = 0.5
 # Newton steps to the point of a turn that is nearest to the span; five are enough to converge.
 _NEWTON_STEPS = 6
 
@@ -154,11 +153,6 @@ def guide_walk(s: BevelUnderTest) -> Comparison:
     )
 
 
-def dead_turns(s: BevelUnderTest) -> Comparison:
-    """Number of turns that stay on the input pulley at the unwound end of the travel."""
-    return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
-
-
 def landing_angle(s: BevelUnderTest) -> Comparison:
     """Every cable lands on the guide before the transfer point, and less than a turn before it."""
     s.levels  # noqa: B018 - without levels there is no winding
@@ -262,11 +256,5 @@ CHECKS = (
         guide_walk,
         adjust=(down("rope.helix_lead_mm"), down("travel.half_angle_deg"), up("all radii of transmission")),
     ),
-    Check(
-        "dead_turns",
-        "Dead turns protect the stop",
-        "half a turn: estimate",
-        dead_turns,
-        adjust=(up("rope.dead_turns"),),
-    ),
+    dead_turns_check((up("rope.dead_turns"),)),
 )

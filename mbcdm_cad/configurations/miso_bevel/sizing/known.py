@@ -15,16 +15,13 @@ from mbcdm_cad.configurations.miso_bevel.design_file.schema import BevelDesign
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.stack import stack
 from mbcdm_cad.design.bought import (
-    CableSpec,
     Gearhead,
     InsertSpec,
     Screw,
-    TerminationSpec,
     least_wall_mm,
     shortest_insert,
 )
 from mbcdm_cad.design.lookup import Catalogue
-from mbcdm_cad.design.resolve import termination
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
@@ -73,16 +70,6 @@ class BevelKnown(RopeKnown):
 
     # The values on which the height of the gearheads' faces depends, as text, and that height; two rules read it.
     _shelf_bottom: tuple[str, float] | None = None
-
-    @property
-    def termination(self) -> TerminationSpec:
-        """Termination of the rope's ends: as named in the file, else the strongest that fits."""
-        rope = CableSpec(name="rope", **{key: value for key, value in self.rope.items() if key != "name"})
-        known = [
-            TerminationSpec(name=name, **{**entry, "constructions": tuple(entry["constructions"])})
-            for name, entry in self.entries("terminations").items()
-        ]
-        return termination(self.get("rope.termination"), known, rope)
 
     @property
     def modulus_GPa(self) -> float:

@@ -15,11 +15,12 @@ from mbcdm_cad.checks.terminals import STUD_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_step_mm, neck_mm, take_up_mm
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_step_mm, take_up_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, DOWEL_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.parts.collar.dims import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
+from mbcdm_cad.parts.input_pulley.stop import neck_mm
 from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, index_of_greatest, least, number
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
 

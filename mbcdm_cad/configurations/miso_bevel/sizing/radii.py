@@ -9,10 +9,7 @@ import numpy as np
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
-from mbcdm_cad.configurations.miso_bevel.cable_path import (
-    BLEND_DIAMETERS,
-    widest_bend_mm,
-)
+from mbcdm_cad.configurations.miso_bevel.cable_path import BLEND_DIAMETERS
 from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM, drum_sweep
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.sizing.known import (
@@ -25,11 +22,9 @@ from mbcdm_cad.configurations.miso_bevel.sizing.known import (
     span_for_fleet_mm,
 )
 from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM
-from mbcdm_cad.design.bought import TerminationSpec
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
-from mbcdm_cad.parts.input_pulley.dims import NECK_GAP_MM
 from mbcdm_cad.sizing.arithmetic import greatest, hypot, index_of_greatest, least, number, sqrt
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, largest, rounded_down, rounded_up
 
@@ -245,12 +240,6 @@ def take_up_mm(given: BevelKnown) -> float:
     cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
     stretch = given["rope.preload_N"] / (given.modulus_GPa * 1e3 * given.area_mm2)
     return number(length * (stretch + rope["bedding_in_share"]) + cut)
-
-
-def neck_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: float) -> float:
-    """Radius, mm, of an input pulley's neck beside the stop of its cable, if no bearing's shoulder needs less."""
-    bend = widest_bend_mm(d_mm, end, wall_mm, pitch_radius_mm)
-    return bend - end.stop_radius_ratio * d_mm - NECK_GAP_MM
 
 
 RADII = (

@@ -5,10 +5,9 @@ from __future__ import annotations
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.configurations.common_rules import LEAST_WIRE_RATIO
-from mbcdm_cad.configurations.miso_bevel.cable_path import widest_bend_mm
 from mbcdm_cad.configurations.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import neck_mm
 from mbcdm_cad.design.bought import TerminationSpec
+from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
 from mbcdm_cad.sizing.arithmetic import greatest, least, number, significant
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
 

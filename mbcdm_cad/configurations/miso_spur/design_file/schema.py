@@ -30,7 +30,7 @@ class RoundDrumDesign(SpurBlocks):
         max_length=8,
     )
     cables: tuple[RoundDrumSide, ...] = choice(
-        "the two sides of each input's cable; preload_N may be given for each",
+        "the two sides of each input's cable, or its two anchored ones; preload_N may be given for each",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,

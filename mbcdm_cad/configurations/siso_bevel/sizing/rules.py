@@ -8,7 +8,7 @@ from math import ceil
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
 from mbcdm_cad.configurations.common_rules import SCHEMA_VERSION, TRANSFER_GAP
-from mbcdm_cad.configurations.head_basis import rope, thinnest_rope
+from mbcdm_cad.configurations.head_basis import rope, taut_preload, taut_rope
 from mbcdm_cad.configurations.head_dims import (
     BEARING_SHELF,
     COUPLING_SPACE,
@@ -31,8 +31,6 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant
 
 # Wrap that stays on the input, and what the stop's slot takes before it is known, deg.
 RESERVE_DEG, SLOT_DEG = 18.0, 8.0
-# Preload over what keeps both cables taut at peak torque.
-PRELOAD_FACTOR = 2.0
 # Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
 BACK_MM, RIB_MM = (3.0, 6.0), (5.0, 8.0)
 _STEPS_TRIED = 24
@@ -52,17 +50,6 @@ def _ratio(given: DirectKnown) -> Found:
 
 def _reserve(given: DirectKnown) -> Found:
     return given.first("transmission.reserve_deg", RESERVES_DEG, ("input_under_turn",))
-
-
-def _rope(given: DirectKnown) -> Found:
-    return thinnest_rope(given, (PRELOAD_FACTOR + 1.0) * given.half_torque_N)
-
-
-def _preload(given: DirectKnown) -> Found:
-    most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
-    wanted = PRELOAD_FACTOR * given.half_torque_N
-    driver = "no_slack" if wanted <= most else "preload_share"
-    return Found(float(f"{min(wanted, most):.2g}"), driver, "two digits")
 
 
 def _land_edge(given: DirectKnown) -> Found:
@@ -133,8 +120,8 @@ RATIO = (
         applies=lambda given: not given.has("transmission.input_radii_mm"),
     ),
 )
-ROPE = (rope(_rope),)
-PRELOAD = (Rule("rope.preload_N", "twice what keeps both cables taut at peak torque", "no_slack", _preload),)
+ROPE = (rope(taut_rope),)
+PRELOAD = (Rule("rope.preload_N", "twice what keeps both cables taut at peak torque", "no_slack", taut_preload),)
 TRANSFER = (
     Rule(
         "clearances.land_edge_mm",

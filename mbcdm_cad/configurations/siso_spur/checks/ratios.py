@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.bending import bending_checks
+from collections.abc import Iterator
+
+from mbcdm_cad.checks.bending import anchor_check, bending_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.configurations.siso_spur.cable_path import stop_of
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.configurations.siso_spur.drive import is_anchored
 
 
 def cut_at_pitch(s: SpurUnderTest) -> Comparison:
@@ -18,6 +22,11 @@ def cut_at_pitch(s: SpurUnderTest) -> Comparison:
         at_most(f"surface of {name} from pitch radius less d/2", abs(off + s.flank_mm), SURFACE_TOLERANCE_MM, "mm")
         for name, off in cut
     )
+
+
+def _stop_bends_mm(s: SpurUnderTest) -> Iterator[tuple[str, float]]:
+    for c in s.steps:
+        yield c.name, stop_of(s.drive, c).bend_radius_mm
 
 
 WIDER: tuple[Adjustment, ...] = (
@@ -35,4 +44,5 @@ CHECKS = (
         advice="the layout cuts at r - d/2; this fails only if that is changed",
     ),
     *bending_checks(WIDER),
+    anchor_check(_stop_bends_mm, WIDER)._replace(applies=is_anchored),
 )

@@ -32,7 +32,7 @@ def turn_gap(s: SpurUnderTest) -> list[StackUp]:
 def rim_edge(s: SpurUnderTest) -> list[StackUp]:
     """The cable on the drum and the nearer face of its rim."""
     drive, making = s.drive, s.drive.making
-    plane, (low, *_, high) = drive.terminal_mm + s.flank_mm, s.layout.drum.lands
+    plane, (low, *_, high) = drive.on_drum_mm + s.flank_mm, s.layout.drum.lands
     return [
         StackUp(
             "flank of the cable from the rim's face, mm",

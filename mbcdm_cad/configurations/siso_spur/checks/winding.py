@@ -1,4 +1,4 @@
-"""The one cable over the input: what friction holds, what of it stays there, how its turns walk along.
+"""Cables on the input: what friction holds of one that goes round it, what stays there, how turns walk along.
 
 Friction holds T_h / T_l <= e^(mu theta) over the whole wrap theta; with equal linear sides that is a difference of
 2 T_pre tanh(mu theta / 2) (derived). Beyond it the cable slips through. Long before, each end of the wrap creeps over
@@ -8,16 +8,18 @@ of that adds up. Where the travel carries it off, the cable moves on a little ev
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import acos, ceil, degrees, log, tau
 
 import numpy as np
 
-from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.siso_spur.cable_path import ON_INPUT
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.configurations.siso_spur.drive import is_anchored, is_continuous
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
@@ -101,18 +103,22 @@ def lead(s: SpurUnderTest) -> Comparison:
 
 
 def crest(s: SpurUnderTest) -> Comparison:
-    """Crest between neighbouring turns of the groove."""
+    """Crest between neighbouring turns of a groove, and between the grooves of two cables."""
     grooves = s.layout.inputs[0].grooves
     if not grooves:
         return noted("no groove: crest", 0.0, "mm")
     limit = GROOVE_CREST * s.drive.cable.diameter_mm
-    return worst(at_least("crest between turns", g.lead - 2 * g.half_width, limit, "mm") for g in grooves)
+    found = [at_least("crest between turns", g.lead - 2 * g.half_width, limit, "mm") for g in grooves]
+    for low, high in pairwise(grooves):
+        between = min(high.start_z, high.end_z) - max(low.start_z, low.end_z) - low.half_width - high.half_width
+        found.append(at_least(f"crest between {low.cable_name} and {high.cable_name}", between, limit, "mm"))
+    return worst(found)
 
 
 def on_land(s: SpurUnderTest) -> Comparison:
     """The walk of both spans stays on the input's land."""
     pulley, drive = s.layout.inputs[0], s.drive
-    reach = drive.leave_mm + drive.walk_mm / 2 + s.flank_mm
+    reach = (drive.dead_end_mm if drive.anchored else drive.leave_mm + drive.walk_mm / 2) + s.flank_mm
     room = min(pulley.land_top_z, -pulley.land_bottom_z) - reach
     note = f"{drive.helix_lead_mm:g} x {drive.total_ratio:.4g} x travel / 360 deg = {drive.walk_mm:.3g} mm of walk"
     return at_least("land of the input beyond the cable at the ends of its walk", room, LAND_EDGE_MM, "mm", note)
@@ -127,7 +133,7 @@ def land_spacing(s: SpurUnderTest) -> Comparison:
 def on_rim(s: SpurUnderTest) -> Comparison:
     """The cable's outermost planes lie inside the rim's faces."""
     lands, edge = s.layout.drum.lands, s.drive.clearances.land_edge_mm
-    plane = s.drive.terminal_mm + s.flank_mm
+    plane = s.drive.on_drum_mm + s.flank_mm
     return worst(
         (
             at_least("rim's inner face beyond the cable", -plane - lands[0].y_start, edge, "mm"),
@@ -142,7 +148,8 @@ def fleet_angle(s: SpurUnderTest) -> Comparison:
     for angle, path in ((angle, path) for angle, paths in s.extreme_paths for path in paths):
         names = [name for name, _ in path.pieces]
         at = names.index(ON_INPUT[0])
-        for span, end in ((path.pieces[at - 1][1], 0.0), (path.pieces[at + 1][1], 1.0)):
+        beyond = ((path.pieces[at - 1][1], 0.0), (path.pieces[at + 1][1], 1.0))
+        for span, end in beyond[1:] if s.drive.anchored else beyond:
             along = span.tangent(0.5)
             off = acos(min(1.0, abs(float(along @ path.piece(ON_INPUT[0]).tangent(end)))))
             # On a smooth land nothing but friction keeps the turns on their slope.
@@ -188,6 +195,7 @@ CHECKS = (
         slip,
         adjust=_LESS,
         advice=_turns_that_hold,
+        applies=is_continuous,
     ),
     Check(
         "input_sticks",
@@ -197,6 +205,7 @@ CHECKS = (
         "warn",
         adjust=(down("travel.half_angle_deg"), *_LESS),
         advice=_turns_that_hold,
+        applies=is_continuous,
     ),
     Check("helix_lead", "Turns lie side by side", "rope makers' tables for grooves", lead, adjust=_LEAD),
     Check("groove_crest", "Crests between grooves stand", "0.05 d: estimate", crest, adjust=_LEAD),
@@ -222,6 +231,15 @@ CHECKS = (
         "derived: N leads and the spans' slope; 0.1 mm: estimate",
         land_spacing,
         adjust=(up("transmission.turns"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),
+        applies=is_continuous,
+    ),
+    Check(
+        "cables_apart",
+        "Cables stay apart",
+        "derived: the spans converge; 0.1 mm: estimate",
+        cables_apart,
+        adjust=(down("transmission.centre_distance_mm"),),
+        applies=is_anchored,
     ),
     Check(
         "rim_width",

@@ -14,8 +14,9 @@ from mbcdm_cad.parts.drum_sector.design import Clearances, WoundPulleySpec
 from mbcdm_cad.parts.drum_sector.resolve import sector_values
 
 _SIGN = {"-x": -1, "+x": 1}
-# The side that runs to +x lies at the smaller y: then the groove is right-handed, as lathes are set to cut.
-_STEP = {"+x": 1, "-x": 2}
+# By what ``transmission.cables`` says. The side that runs to +x lies at the smaller y, of two anchored cables at the
+# larger: then the grooves are right-handed, as lathes are set to cut.
+_STEP = {"continuous": {"+x": 1, "-x": 2}, "two_anchored": {"+x": 2, "-x": 1}}
 
 
 def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.SpurDrive:
@@ -28,10 +29,10 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
 
     Sides are in the order of the inputs, then of y.
     """
-    order = [item.name for item in design.inputs]
+    order, step = [item.name for item in design.inputs], _STEP[design.transmission.cables]
     places = sorted(
         range(len(design.cables)),
-        key=lambda k: (order.index(design.cables[k].input), _STEP[design.cables[k].drum_side]),
+        key=lambda k: (order.index(design.cables[k].input), step[design.cables[k].drum_side]),
     )
     transmission, pulleys = design.transmission, design.input_pulleys
     radius = input_radius_mm(transmission)
@@ -49,14 +50,14 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
                 catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
             ),
             "helix_lead_mm": design.rope.helix_lead_mm,
-            # No end of a cable lies on an input.
+            # As ``laid`` finds them.
             "dead_turns": 0.0,
             "cables": tuple(
                 d.SpurRun(
                     name=cable.name,
                     input_name=cable.input,
                     drum_side=_SIGN[cable.drum_side],
-                    step=_STEP[cable.drum_side],
+                    step=step[cable.drum_side],
                     input_radius_mm=radius,
                     drum_radius_mm=transmission.drum_radius_mm,
                     preload_N=preload_N(design, cable),
@@ -66,6 +67,7 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
             ),
             "centre_distance_mm": transmission.centre_distance_mm,
             "turns": transmission.turns,
+            "anchored": transmission.cables == "two_anchored",
             "radii_explicit": transmission.input_to_drum is None,
             "bearings": d.SpurBearings(
                 drum=catalogue.bearing(design.drum.bearing),

@@ -14,7 +14,7 @@ from mbcdm_cad.design.sector_blocks import SectorDrum, SteppedPulleys
 
 
 class SpurTransmission(Block):
-    """Pitch radii (to the cable's centre line), centre distance, and the turns round the input."""
+    """Pitch radii (to the cable's centre line), centre distance, and how the cable is wound on the input."""
 
     drum_radius_mm: Length = quantity(
         "drum pitch radius r_o",
@@ -46,8 +46,16 @@ class SpurTransmission(Block):
         source="estimate: room between rim and pulley to lead the cable in",
         reference=70.0,
     )
+    cables: Literal["continuous", "two_anchored"] = choice(
+        "continuous: one cable for both senses, held on the input by friction; two_anchored: one for each, its stop in "
+        "the input",
+        source="Fig. 1",
+        reference="continuous",
+        default="continuous",
+    )
     turns: Integer = quantity(
-        "how often the cable comes round the input to the line of centres",
+        "how often the cable comes round the input to the line of centres; of two anchored ones, how often each does "
+        "where the travel winds it up",
         unit="-",
         source="some of the cable stays on the input all over the travel",
         reference=3,
@@ -102,7 +110,7 @@ class SpurPulleys(SteppedPulleys):
     ORDER: ClassVar[tuple[str, ...]] = ("material", "surface", "lower_bearing", "upper_bearing")
 
     surface: Literal["smooth", "grooved"] = choice(
-        "a smooth land, or a helical groove that leads the cable",
+        "a smooth land, or a helical groove that leads each cable",
         source="drives that people build: a helical pattern",
         reference="grooved",
         default="grooved",
@@ -174,7 +182,7 @@ class SpurLimits(Limits):
     )
 
     slip_margin_min: Number = quantity(
-        "torque at which the cable slips on the input over the peak torque",
+        "torque at which a continuous cable slips on the input over the peak torque",
         unit="-",
         source="estimate: friction is known to a factor of two",
         reference=2.0,
@@ -185,7 +193,7 @@ class SpurLimits(Limits):
 
 
 class SpurSide(Cable):
-    """One side of the cable, from the input to the drum."""
+    """One side of the cable, or one of two anchored cables, from the input to the drum."""
 
     ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "drum_side", "preload_N")
 
@@ -240,7 +248,8 @@ class SpurDesign(SpurBlocks):
         "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
     )
     cables: tuple[SpurSide, ...] = choice(
-        "the two sides of the one cable, which way round the drum each runs; preload_N may be given for each",
+        "the two sides of the one cable, or two anchored ones, which way round the drum each runs; preload_N may be "
+        "given for each",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,

@@ -15,6 +15,7 @@ travel:
 transmission:
   input_to_drum: 9.9        # drum radius over input radius; left out: what the motor needs
   drum_radius_mm: 60.0      # mm: drum pitch radius; left out: as small as the rope allows
+  # cables: two_anchored    # two cables with a stop each in the input; left out: one, held there by friction
 loads:
   peak_torque_Nm: TORQUE       # N m: torque to hold both ways
 # drive: {{motor: tmotor-u8-100kv}}  # a motor with a shaft of its own needs no gearhead

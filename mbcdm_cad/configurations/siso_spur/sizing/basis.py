@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from math import degrees, inf, log, sqrt
 
+from mbcdm_cad.checks.bending import ANCHOR_RATIO
+from mbcdm_cad.checks.input_pulley import SHOULDER_MM
 from mbcdm_cad.configurations.common_rules import LEAST_WIRE_RATIO
-from mbcdm_cad.configurations.head_basis import needed_ratio, rope, thinnest_rope_by
+from mbcdm_cad.configurations.head_basis import PRELOAD_FACTOR, needed_ratio, preload, rope, thinnest_rope_by
 from mbcdm_cad.configurations.siso_spur.design_file.reference import CABLES, INPUTS
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.configurations.trial_sizing import whole_turns
+from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
 # Preload over what the slip margin asks of an endless wrap: the wrap is not endless.
@@ -20,6 +23,8 @@ NECK_MM = 2.5
 PLASTIC_WINDUP = 20.0
 # Angle that both landings take of the wrap, before the centre distance is known, and what should stick besides.
 LANDINGS_DEG, STICKING_DEG = 50.0, 20.0
+# In which the smallest input that takes the stops of anchored cables is looked for, mm.
+_RADIUS_STEP_MM = 0.05
 
 
 def _windup(given: SpurKnown) -> Found:
@@ -43,10 +48,13 @@ def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[st
 def _drum_radius(given: SpurKnown) -> Found:
     """By the smallest input that bends the rope no sharper than its limit and leaves a neck round the shaft.
 
-    No smaller than the stop slot asks for between hub and rim, whose sizes are those of the pass before.
+    With anchored cables also one that takes their stops. No smaller than the stop slot asks for between hub and rim,
+    whose sizes are those of the pass before.
     """
     field = "transmission.drum_radius_mm"
     on_input = _input_needs_mm(given, given.d_mm, given["limits.bend_ratio_min"])
+    if given.anchored:
+        on_input["anchor_bend"] = _stops_mm(given)
     needs = {name: radius * given.ratio for name, radius in on_input.items()}
     before = given.guesses.get(field)
     if before is not None:
@@ -56,7 +64,25 @@ def _drum_radius(given: SpurKnown) -> Found:
     return Found(rounded_up(needs[driver], 0.5), driver, "up to 0.5")
 
 
+def _stops_mm(given: SpurKnown) -> float:
+    """The smallest input on which cables bend as wide as a stop asks, beside necks over the journals."""
+    d, end, wall = given.d_mm, given.termination, given.wall_mm("input_pulleys")
+    bearings, journals = given.entries("bearings"), []
+    for field in ("input_pulleys.lower_bearing", "input_pulleys.upper_bearing"):
+        name = given.get(field, given.guesses[field])
+        journals.append(float(bearings[name]["bore_mm"]) / 2 if name in bearings else 0.0)
+    radius = given["limits.bend_ratio_min"] * d / 2
+    while (
+        2 * widest_bend_mm(d, end, wall, radius) < ANCHOR_RATIO * d
+        or neck_mm(d, end, wall, radius) < max(journals) + SHOULDER_MM
+    ):
+        radius += _RADIUS_STEP_MM
+    return float(radius)
+
+
 def _wanted_preload_N(given: SpurKnown, half_torque_N: float) -> float:
+    if given.anchored:
+        return float(PRELOAD_FACTOR * half_torque_N)
     margin = given.get("limits.slip_margin_min", SLIP_MARGIN)
     return float(PRELOAD_SPARE * margin * half_torque_N)
 
@@ -76,18 +102,21 @@ def _rope(given: SpurKnown) -> Found:
 
 
 def _preload(given: SpurKnown) -> Found:
-    wanted = _wanted_preload_N(given, given.half_torque_N)
-    most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
-    driver = "input_slip" if wanted <= most else "preload_share"
-    return Found(float(f"{min(wanted, most):.2g}"), driver, "two digits")
+    return preload(given, _wanted_preload_N(given, given.half_torque_N), "no_slack" if given.anchored else "input_slip")
 
 
 def _turns(given: SpurKnown) -> Found:
-    """Wrap for the travel, for what creeps at both ends at peak torque, and for what should stick besides."""
-    preload, share, mu = given["rope.preload_N"], given.half_torque_N, given["rope.friction_coefficient"]
+    """Wrap for the travel, for what creeps at both ends at peak torque, and for what should stick besides.
+
+    Of two anchored cables, for the travel and for what protects the stop.
+    """
+    if given.anchored:
+        start = whole_turns(2 * given["travel.half_angle_deg"] * given.ratio)
+        return given.first("transmission.turns", range(start, start + 3), ("dead_turns", "cable_ends"))
+    tension, share, mu = given["rope.preload_N"], given.half_torque_N, given["rope.friction_coefficient"]
     travel = 2 * given["travel.half_angle_deg"] * given.ratio
-    slack = max(preload - share, 0.05 * preload)
-    creeping = degrees(log((preload + share) / slack)) / mu
+    slack = max(tension - share, 0.05 * tension)
+    creeping = degrees(log((tension + share) / slack)) / mu
     start = whole_turns(travel + creeping + LANDINGS_DEG + STICKING_DEG)
     return given.first("transmission.turns", range(start, min(start + 12, 41)), ("input_slip",))
 
@@ -122,13 +151,18 @@ RADIUS = (
     ),
 )
 PRELOAD = (
-    Rule("rope.preload_N", "what friction needs to hold the slip margin over the peak torque", "input_slip", _preload),
+    Rule(
+        "rope.preload_N",
+        "what friction needs to hold the slip margin over the peak torque; twice what keeps anchored cables taut",
+        "input_slip",
+        _preload,
+    ),
 )
 WINDING = (
     Rule("rope.helix_lead_mm", "the least lead at which turns and grooves clear each other", "helix_lead", _lead),
     Rule(
         "transmission.turns",
-        "as many as the travel, the creep at both ends and the slip margin ask for",
+        "as many as the travel asks for, with the creep at both ends and the slip margin, or what protects a stop",
         "input_slip",
         _turns,
     ),

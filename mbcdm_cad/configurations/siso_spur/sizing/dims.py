@@ -34,7 +34,16 @@ def _bridge(given: SpurKnown) -> float:
 
 def _centre_distance(given: SpurKnown) -> Found:
     start = given["transmission.drum_radius_mm"] + given.input_mm + 2 * given.d_mm
-    checks = ("free_span", "drum_and_input", "land_spacing", "input_room", "walls", "mounts", "bodies_behind")
+    checks = (
+        "free_span",
+        "drum_and_input",
+        "land_spacing",
+        "cables_apart",
+        "input_room",
+        "walls",
+        "mounts",
+        "bodies_behind",
+    )
     return given.moved("transmission.centre_distance_mm", start, 0.5, checks)
 
 

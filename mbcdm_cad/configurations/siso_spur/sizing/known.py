@@ -33,6 +33,11 @@ class SpurKnown(TrialKnown):
     )
 
     @property
+    def anchored(self) -> bool:
+        """Whether two cables end on each input."""
+        return bool(self.get("transmission.cables", "continuous") == "two_anchored")
+
+    @property
     def ratio(self) -> float:
         """Drum radius over input radius."""
         if self.has("transmission.input_to_drum"):

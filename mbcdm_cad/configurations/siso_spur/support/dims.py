@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from math import pi, tan
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
-from mbcdm_cad.configurations.siso_spur.stack import SpurStack, groove_depth_mm, least_wall_z_mm
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, groove_depth_mm
+from mbcdm_cad.configurations.siso_spur.stack import SpurStack, least_wall_z_mm
 from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.parts.boss.dims import BossDims, boss
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
@@ -114,11 +114,15 @@ def _round_thread_mm(drive: SpurDrive, screw: Screw, cut_mm: float) -> float:
 
 
 def opening_radius_mm(drive: SpurDrive) -> float:
-    """Opening of the plate: pulley, bearing and the keys for the encoder's screws pass through."""
+    """Opening of the plate: pulley, bearing and the keys for the encoder's screws pass through.
+
+    Beside the pulley pass the cables that are anchored on it.
+    """
     encoder, screw = drive.encoder, drive.screw(drive.encoder.screw)
     land = drive.input_radius_mm + max(groove_depth_mm(drive) - drive.cable.diameter_mm / 2, 0.0)
     heads = encoder.bolt_circle_mm / 2 + screw.head_diameter_mm / 2 + 0.1
-    return max(land + 0.3, drive.bearings.input_upper.outer_diameter_mm / 2 + 0.3, heads + 0.1)
+    beside = drive.cable.diameter_mm if drive.anchored else 0.0
+    return max(land + beside + 0.3, drive.bearings.input_upper.outer_diameter_mm / 2 + 0.3, heads + 0.1)
 
 
 def flange(drive: SpurDrive) -> Flange:

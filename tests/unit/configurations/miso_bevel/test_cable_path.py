@@ -16,7 +16,7 @@ from mbcdm_cad.configurations.miso_bevel.cable_path import (
     fleet_angle_deg,
     guide_landing_walk_mm,
     self_clearance_mm,
-    stop_geometry,
+    stop_of,
     winding,
 )
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
@@ -247,7 +247,7 @@ def test_self_clearance_at_the_wound_end(drive: BevelDrive) -> None:
 def test_the_stop_sits_inside_the_land(drive: BevelDrive) -> None:
     """Bend tangent to the land, chord inside it by stop and wall; the stop ends on the chord where it is said to."""
     for c in drive.cables:
-        g, d = stop_geometry(drive, c), drive.cable.diameter_mm
+        g, d = stop_of(drive, c), drive.cable.diameter_mm
         assert g.bend_radius_mm + g.stop_radius_mm < c.input_radius_mm - d / 2 - 0.5
         corner = hypot(g.chord_offset_mm + g.stop_radius_mm, g.stop_start_mm)
         assert corner < c.input_radius_mm - d / 2 - 0.4, f"{c.name}: stop's corner at {corner:.3f} mm"

@@ -19,6 +19,13 @@ def drive() -> RoundDrumDrive:
 
 
 @pytest.fixture(scope="session")
+def anchored() -> RoundDrumLayout:
+    """The same with two anchored cables for each input."""
+    text = new_design_text("miso_spur", "miso_spur").replace("cables: continuous", "cables: two_anchored")
+    return layout(round_drum(load_text(text).drive))
+
+
+@pytest.fixture(scope="session")
 def dims(drive: RoundDrumDrive) -> RoundDrumLayout:
     """Its dimensions."""
     return layout(drive)

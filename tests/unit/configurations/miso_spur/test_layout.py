@@ -59,6 +59,21 @@ def test_cables_keep_their_length_and_join_without_a_kink(with_inputs: Made, cou
                 assert gap < 1e-9 and kink < 1e-9, f"{one} to {two}: {gap} mm, {kink}"
 
 
+def test_anchored_cables_fail_no_check_and_end_in_their_stops(anchored: RoundDrumLayout) -> None:
+    """Two for each input; the end of each lies at the far end of the stop that the bill places for it."""
+    failed = {result.id: result.message for result in run_checks(anchored.drive) if result.status == "fail"}
+    assert not failed, failed
+    slots = [slot for pulley in anchored.inputs for slot in pulley.slots]
+    for angle in (-35.0, 20.0):
+        items = {item.name: item for item in bill(anchored, angle).items}
+        paths = anchored.cable_paths(np.radians(angle))
+        assert [path.cable.name for path in paths] == [slot.cable_name for slot in slots]
+        for slot, path in zip(slots, paths, strict=True):
+            stop = np.array([[0.0, 0.0, slot.stop_start - slot.stop_end]])
+            end = path.line[0].points(np.array([0.0]))[0]
+            assert items[f"stop_{slot.cable_name}"].location.apply(stop)[0] == pytest.approx(end, abs=1e-9)
+
+
 def test_each_cable_lies_in_its_groove_at_every_angle(dims: RoundDrumLayout) -> None:
     """In each pulley's own frame the wound cable follows the groove's helix, at the level of its sector."""
     for angle in (-35.0, 0.0, 20.0, 35.0):
@@ -102,8 +117,10 @@ def test_dowels_meet_the_holes_of_both_hubs(with_inputs: Made, count: int) -> No
     assert pins.length - pins.face_depth - reach < pins.back_depth, "the dowel stands up before the hubs meet"
 
 
-def test_every_item_joins_once_in_the_order_of_assembly(with_inputs: Made, dims: RoundDrumLayout) -> None:
-    for each in (dims, layout(with_inputs(4))):
+def test_every_item_joins_once_in_the_order_of_assembly(
+    with_inputs: Made, dims: RoundDrumLayout, anchored: RoundDrumLayout
+) -> None:
+    for each in (dims, layout(with_inputs(4)), anchored):
         joined = [name for step in assembly_order(each) for name in step.items]
         assert sorted(joined) == sorted(item.name for item in bill(each).items)
 

@@ -1,4 +1,4 @@
-"""The reference design of siso_spur, as its schema writes it."""
+"""The reference design of siso_spur, as its schema writes it, and with two anchored cables."""
 
 from __future__ import annotations
 
@@ -13,6 +13,13 @@ from mbcdm_cad.configurations.siso_spur.layout import SpurLayout, layout
 def drive() -> SpurDrive:
     """Its drive."""
     return spur(load_text(new_design_text("siso_spur", "siso_spur")).drive)
+
+
+@pytest.fixture(scope="session")
+def anchored() -> SpurDrive:
+    """The same drive with two cables that are anchored on input and drum, all else as it is."""
+    text = new_design_text("siso_spur", "siso_spur").replace("cables: continuous", "cables: two_anchored")
+    return spur(load_text(text).drive)
 
 
 @pytest.fixture(scope="session")
