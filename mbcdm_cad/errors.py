@@ -14,9 +14,8 @@ class MbcdmError(Exception):
 class Problem:
     """One thing wrong with an input file: where, what, which value against which limit, and what to do about it.
 
-    ``value`` and ``limit`` may be empty where there is none to give. ``may_move``: nothing is wrong with the file as
-    such, and other values of fields that are free may mend it; a search goes on. ``missing``: the file leaves out what
-    it must give.
+    ``value`` and ``limit`` may be empty if there is none. ``may_move``: the file itself is valid, and other values of
+    free fields may solve the problem, so that a search continues. ``missing``: the file lacks a required field.
     """
 
     file: str
@@ -38,7 +37,7 @@ class Problem:
 
 
 class InputError(MbcdmError):
-    """An input file that cannot be used. Carries every problem found, one line of text each."""
+    """An input file that cannot be used. Contains every problem found, one line of text each."""
 
     def __init__(self, problems: tuple[Problem, ...] | list[Problem]) -> None:
         if not problems:
@@ -48,7 +47,7 @@ class InputError(MbcdmError):
 
 
 class OutputError(MbcdmError):
-    """The output folder cannot be written, or must not be: says which folder, why, and what to do."""
+    """The output folder cannot or must not be written; the text says which folder, why, and what to do."""
 
 
 def shortened(value: object, limit: int = 60) -> str:
@@ -63,7 +62,7 @@ def shortened(value: object, limit: int = 60) -> str:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """``did you mean X?``, or the known names when none is near."""
+    """``did you mean X?``, or the known names if none is similar."""
     import difflib  # only when something is wrong
 
     known = list(known)

@@ -13,7 +13,7 @@ from mbcdm_cad.routes.curves import Piece, Vector
 
 @dataclass(frozen=True)
 class Stretch:
-    """Neighbouring pieces of a cable that move together with ``body``; None: they run free, or slide over a body."""
+    """Neighbouring pieces of a cable that move together with ``body``; None: they are free, or slide over a body."""
 
     body: str | None
     pieces: tuple[str, ...]

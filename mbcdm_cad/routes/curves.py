@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
-# The positive half of the 12 nodes on -1..1 of Gauss and Legendre, and their weights: numpy's function for them lies in
-# numpy.polynomial, whose import every start would wait for.
+# The positive half of the 12 Gauss-Legendre nodes on -1..1, and their weights: numpy's function for them is in #
+# numpy.polynomial, whose import would slow every start down.
 _GAUSS_NODES = (
     0.1252334085114689,
     0.3678314989981802,
@@ -224,7 +224,7 @@ def turned_about_y(piece: Line | Arc | Coil | Parabola, angle_rad: float) -> Pie
 
 
 def reverse(piece: Piece) -> Piece:
-    """The piece run through from its end to its start."""
+    """The piece in the opposite direction."""
     if isinstance(piece, Line | Parabola):
         return replace(piece, start=piece.end, end=piece.start)
     turned = replace(piece, angle_start=piece.angle_end, angle_end=piece.angle_start)

@@ -6,8 +6,8 @@ spans. With D the line of centres of its two bodies in their plane, R = s_2 r_2 
 
     L = sqrt(D^2 - R^2),  change = L' - L - R beta,
 
-the last term being the rope that both wraps gain. Where the axes are not parallel, or the cable changes over at a
-point, the first order is used; the second is the turning of the span, some nm for 10 um.
+the last term being the rope that both wraps gain. Where the axes are not parallel, or the cable changes to the next
+body at a point, only the first order is used; the second order is the rotation of the span, some nm for 10 um.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mbcdm_cad.routes.route import Body, CableRoute, DriveRoutes, Span, Wrap
 
 
 def offset_m(body: Body, eccentricity_m: float, angle_rad: Floats) -> Floats:
-    """Displacement (3, n) of a groove's centre that stands ``angle_rad`` (n,) about the axis from the reference."""
+    """Displacement (3, n), m, of a groove's centre at ``angle_rad`` (n,) about the axis from the reference."""
     first = np.array(body.reference)
     second = np.cross(body.axis, first)
     angle = np.asarray(angle_rad, dtype=float)
@@ -56,7 +56,7 @@ def path_change_m(routes: DriveRoutes, route: CableRoute, offsets_m: Mapping[str
 
 
 def _span_change_m(routes: DriveRoutes, ends: tuple[Wrap, Wrap], span: Span, apart_m: Floats) -> Floats:
-    """Change of one span and of what its turning winds on or off at both ends, (n,)."""
+    """Change of one span, and of the rope that its rotation winds on or off at both ends, m (n,)."""
     one, two = (routes.body(wrap.body) for wrap in ends)
     axis = np.array(one.axis)
     parallel = float(np.dot(axis, two.axis))

@@ -55,7 +55,7 @@ class Geometry(Protocol):
 
     @property
     def per_cable(self) -> tuple[str, ...]:
-        """Names of the lengths that each cable has its own of."""
+        """Names of the lengths that each cable has separately."""
 
     @property
     def varied(self) -> tuple[Varied, ...]:
@@ -77,12 +77,12 @@ class Geometry(Protocol):
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
         """Wrap over each input of one cable that friction alone holds there, (n_inputs, *batch).
 
-        None where cables are anchored on their inputs. Such a cable counts as two, one for each sense, from where it
-        sticks on the input; their tensions may differ by no more than the factor e^(mu wrap).
+        None where cables are anchored on their inputs. A cable without an anchor counts as two, one for each sense,
+        from the point at which it sticks on the input; the ratio of their tensions is at most e^(mu wrap).
         """
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
-        """Why there is no geometry: what, value, limit and remedy in one sentence."""
+        """Message for lengths without a geometry: problem, value, limit and remedy in one sentence."""
 
     def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
         """Bodies and cables of one design."""
@@ -99,7 +99,7 @@ def tangent_length_m(distance_m: Floats, radius_sum_m: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class RoutedDrive:
-    """What a configuration supplies of one design: geometry, its lengths in m, and those that the file gives, as shown.
+    """The routes of one design as a configuration supplies them: geometry, its lengths in m, and those of the file.
 
     ``parameters`` are (n_cables,) or scalar; ``shown`` are the lengths of the whole design by their names in the file.
     """

@@ -50,11 +50,11 @@ class Terminal:
 
 @dataclass(frozen=True)
 class Wrap:
-    """The cable on a body. ``turning`` is the sense in which it runs round the axis on its way to the drum.
+    """The cable on a body. ``turning`` is the sense in which it runs round the axis in the direction to the drum.
 
     ``angle_rad`` is infinite where the wrap ends at an anchor beyond all slip and its length has not been set
     (:meth:`CableRoute.with_anchored_wraps`). ``passed``: the rope runs on at both ends, nothing is anchored.
-    ``may_slip_through``: friction alone holds the cable there. ``lead_m`` is the advance along the axis a turn.
+    ``may_slip_through``: only friction holds the cable there. ``lead_m`` is the advance along the axis a turn.
     """
 
     body: str
@@ -76,7 +76,7 @@ class Span:
 
 
 def input_body(input_name: str) -> str:
-    """Name of the body that the input ``input_name`` turns."""
+    """Name of the body that the input ``input_name`` drives."""
     return f"input_{input_name}"
 
 
@@ -85,7 +85,7 @@ Piece = Anchor | Wrap | Span | Terminal
 
 @dataclass(frozen=True)
 class Contact:
-    """Where the cable runs on to a body and off it: unit vectors of travel, None at an end that is anchored."""
+    """Directions in which the cable runs onto a body and off it: unit vectors, None at an end that is anchored."""
 
     wrap: Wrap
     arriving: Triple | None
@@ -128,12 +128,12 @@ class CableRoute:
 
     @property
     def input_radius_m(self) -> float:
-        """Lever of the tension at the input."""
+        """Lever arm of the tension at the input, m."""
         return self.wraps[0].radius_m
 
     @property
     def drum_radius_m(self) -> float:
-        """Lever of the tension at the drum."""
+        """Lever arm of the tension at the drum, m."""
         return self.wraps[-1].radius_m
 
     @property

@@ -30,11 +30,12 @@ def cache_folder() -> Path:
 
 
 class Cache:
-    """Entries of named blobs by content key. ``Cache(None)`` holds nothing and keeps nothing.
+    """Entries of named blobs by content key. ``Cache(None)`` is always empty and stores nothing.
 
-    An entry is one file, written aside and renamed into place, so a reader never sees half of one and processes need
-    no lock. Every read is checked against the entry's own hash; a broken entry is removed and counts as absent. A
-    cache that cannot be read or written never stops a build: ``problem`` then says why in one sentence.
+    An entry is one file, written under a temporary name and then renamed, so that a reader never sees a part of one and
+    processes need no lock. Every read is checked against the entry's own hash; a broken entry is removed and counts as
+    absent. A cache that cannot be read or written never stops a build: ``problem`` then gives the reason in one
+    sentence.
     """
 
     def __init__(self, folder: Path | None, limit_bytes: int = DEFAULT_LIMIT_BYTES) -> None:
@@ -61,11 +62,11 @@ class Cache:
         return blobs
 
     def put(self, key: str, blobs: Mapping[str, bytes]) -> None:
-        """Store the blobs under ``key``; if the cache has grown beyond its limit, the longest unused entries go."""
+        """Store the blobs under ``key``; beyond the limit of the cache the longest unused entries are removed."""
         if self._folder is None:
             return
         try:
-            # What a crash of the machine breaks is noticed by its hash; to wait for the disk would take too long.
+            # An entry broken by a crash of the machine is found by its hash; waiting for the disk would take too long.
             write_whole({self._path(key): _packed(blobs)}, durable=False)
         except OSError as error:
             self._note(error)
@@ -80,7 +81,7 @@ class Cache:
         return blobs
 
     def trim(self) -> None:
-        """Remove the longest unused entries until the cache is within its limit, and what dead processes left."""
+        """Remove the longest unused entries until the cache is within its limit, and leftovers of dead processes."""
         if self._folder is None:
             return
         entries: list[tuple[float, int, Path]] = []

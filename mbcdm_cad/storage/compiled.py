@@ -1,7 +1,7 @@
 """Scalar loops compiled by numba where it is installed; the same functions run as plain Python where it is not.
 
-numba keeps machine code on the disk and drops it when the file of the function itself changes, but not when a function
-that it calls from another file does. So the folder that it is kept in carries the hash of all compiled sources.
+numba keeps machine code on the disk and discards it when the file of the function itself changes, but not when a
+function that it calls from another file changes. So the name of its folder contains the hash of all compiled sources.
 numba takes longer to import than the whole of ``check``: only modules that are loaded for a time series import this.
 """
 
@@ -36,7 +36,7 @@ def compiled(function: Function) -> Function:
 
 @cache
 def machine_code_folder() -> Path:
-    """Folder of the code made from these very sources. Those of other sources go a day after they were made."""
+    """Folder of the code compiled from the present sources. Folders of other sources are removed after a day."""
     digest = hashlib.sha256()
     for file in sorted(_ROOT.rglob("*.py")):
         content = file.read_bytes()

@@ -12,7 +12,7 @@ from mbcdm_cad.errors import InputError, Problem
 
 
 def aside(target: Path) -> Path:
-    """A name beside ``target`` that nothing else has, for what is to take its place."""
+    """An unused path beside ``target``, for a file or folder that will replace it."""
     return target.with_name(f".{target.name}.new-{secrets.token_hex(8)}")
 
 
@@ -23,17 +23,18 @@ def is_aside(path: Path, target: Path | None = None) -> bool:
 
 
 def refuse_missing_folder(path: Path) -> None:
-    """Raise ``InputError`` if the folder that ``path`` is to be written into is not there."""
+    """Raise ``InputError`` if the folder into which ``path`` is written does not exist."""
     if not path.parent.is_dir():
         what = f"there is no folder {path.parent}"
         raise InputError([Problem(str(path), 1, "", what, remedy="make it first, or choose another path")])
 
 
 def write_whole(files: Mapping[Path, bytes], *, durable: bool = True) -> None:
-    """Write all files; none is touched before all are on the disk. Raises OSError that names the file meant.
+    """Write all files; none is replaced before all are on the disk. Raises OSError that names the file concerned.
 
-    Folders that are not there are made. With ``durable`` the content is on the disk itself before a file takes its
-    name, so that a crash of the machine leaves the old or the new one; without, only a crash of the program does.
+    Missing folders are made. With ``durable`` the content is on the disk before a file gets its name, so that even
+    after a crash of the machine the old or the new file exists completely; without, this holds only for a crash of the
+    program.
     """
     written: dict[Path, Path] = {}
     try:

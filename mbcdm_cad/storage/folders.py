@@ -1,4 +1,4 @@
-"""Write an output folder aside and put it in place in one step, so that a build that dies leaves the last one whole."""
+"""Write an output folder under a temporary name and rename it in one step, so that a failed build changes nothing."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LOCK_TIMEOUT_S = 600.0
 
 
 class OutputFolder:
-    """A folder being written. ``path`` is the folder aside; what is in it at the end becomes the output."""
+    """A folder being written. ``path`` is the temporary folder, whose content becomes the output at the end."""
 
     def __init__(self, path: Path, target: Path) -> None:
         self.path = path
@@ -44,8 +44,8 @@ class OutputFolder:
 def output_folder(target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIMEOUT_S) -> Iterator[OutputFolder]:
     """As :func:`whole_folder`, with a manifest by which a later build knows its own files.
 
-    Files in ``target`` that its manifest does not list are somebody's own and move along. ``files`` of ``manifest`` is
-    filled in here. Raises ``OutputError`` also if ``target`` is something that this program did not make.
+    Files in ``target`` that its manifest does not list belong to the user and are kept. ``files`` of ``manifest`` is
+    filled in here. Raises ``OutputError`` also if this program did not make ``target``.
     """
     target = target.resolve()
     with whole_folder(target, _refuse_what_is_not_ours, timeout_s) as staging:
@@ -66,11 +66,11 @@ def write_folder(target: Path, files: Mapping[str, bytes], refuse: Callable[[Pat
 
 @contextmanager
 def whole_folder(target: Path, refuse: Callable[[Path], None], timeout_s: float = _LOCK_TIMEOUT_S) -> Iterator[Path]:
-    """A new folder beside ``target`` that takes its place when the block ends well.
+    """A new folder beside ``target`` that replaces it when the block ends without an exception.
 
-    Whatever happens before (an exception, a full disk, SIGKILL), ``target`` stays as it was; what is left lying beside
-    it (``.NAME.new-*``, ``.NAME.lock``) is removed by the next one. Those who write one folder take turns. ``refuse``
-    is called with ``target`` under the lock and raises ``OutputError`` where it must not be replaced.
+    If anything fails before (an exception, a full disk, SIGKILL), ``target`` does not change; leftovers beside it
+    (``.NAME.new-*``, ``.NAME.lock``) are removed by the next call. Processes that write the same folder wait for each
+    other. ``refuse`` is called with ``target`` under the lock and raises ``OutputError`` if it must not be replaced.
 
     Raises ``OutputError`` if another process holds the folder for longer than ``timeout_s``, or if the system refuses
     to write.
@@ -93,7 +93,7 @@ def whole_folder(target: Path, refuse: Callable[[Path], None], timeout_s: float 
 
 @contextmanager
 def _lock(path: Path, timeout_s: float) -> Iterator[None]:
-    """Hold the lock file ``path`` for the block; the system lets go of it when a process dies."""
+    """Hold the lock file ``path`` for the block; the system releases it when a process dies."""
     with filelock.FileLock(path, timeout=timeout_s):
         try:
             yield
@@ -106,7 +106,7 @@ def _lock(path: Path, timeout_s: float) -> Iterator[None]:
 
 @contextmanager
 def _staging(target: Path, refuse: Callable[[Path], None]) -> Iterator[Path]:
-    """The folder aside, put in place at the end; called under the lock."""
+    """The temporary folder, renamed to ``target`` at the end; called under the lock."""
     old = target.with_name(f".{target.name}.before-swap")
     staging = aside(target)
     try:
@@ -132,7 +132,7 @@ def _staging(target: Path, refuse: Callable[[Path], None]) -> Iterator[Path]:
 
 
 def _add_manifest(staging: Path, target: Path, manifest: Manifest) -> None:
-    """Write the manifest, and bring along the files that are not the program's."""
+    """Write the manifest, and keep the files that belong to the user."""
     names = sorted(path.relative_to(staging).as_posix() for path in staging.rglob("*") if not path.is_dir())
     files = {name: file_entry(staging / name) for name in names}
     (staging / MANIFEST_NAME).write_text(replace(manifest, files=files).text(), "utf-8")
@@ -187,7 +187,7 @@ def _checked(name: str) -> PurePosixPath:
 
 
 def _sync(path: Path) -> None:
-    """See a file or a folder onto the disk: a full disk must show before the swap, not after."""
+    """Flush a file or a folder to the disk, so that a full disk is noticed before the swap."""
     if os.name != "posix" and path.is_dir():
         return
     descriptor = os.open(path, os.O_RDONLY if os.name == "posix" else os.O_RDWR)

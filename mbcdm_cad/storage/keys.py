@@ -33,7 +33,7 @@ def content_key(kind: str, data: Any, source: str, versions: Mapping[str, str]) 
 def canonical_json(value: Any) -> str:
     """JSON text that is equal for equal values: keys sorted, floats to the last bit, dataclasses with their class.
 
-    Raises ``TypeError`` for what is not plain data, ``ValueError`` for a number that is not finite.
+    Raises ``TypeError`` for a value that is not plain data, ``ValueError`` for a number that is not finite.
     """
     return json.dumps(_plain(value), sort_keys=True, separators=(",", ":"), allow_nan=False)
 
@@ -81,7 +81,7 @@ def source_hash(*modules: str) -> str:
 def package_hash() -> str:
     """SHA-256 (hex) of every file of the program and its data: equal only if nothing of it has changed."""
     digest = hashlib.sha256()
-    # Every start waits for this, and with Path for names it would wait half as long again.
+    # This is part of every start, and would take half as long again with Path objects.
     files = (os.path.join(folder, name) for folder, _, names in os.walk(_ROOT) for name in names)
     for file in sorted(name for name in files if name.endswith((".py", ".json", ".yaml", ".j2"))):
         with open(file, "rb") as content:
@@ -102,7 +102,7 @@ def _imports(module: str) -> frozenset[str]:
 
 
 def _names(node: ast.AST, package: str) -> Iterator[str]:
-    """All that an import statement may mean: what stands after ``from``, and each name in it, which may be a module."""
+    """All modules that an import statement may mean: the name after ``from``, and each imported name."""
     if isinstance(node, ast.Import):
         yield from (alias.name for alias in node.names)
     elif isinstance(node, ast.ImportFrom):

@@ -26,10 +26,10 @@ class FileEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What ``manifest.json`` says, beside the versions.
+    """The content of ``manifest.json`` without the versions.
 
-    ``design_sha256`` is of the design alone; ``inputs_sha256`` of all that the output follows from (design, options,
-    program, versions): equal inputs and unaltered files mean that there is nothing to build. ``failed_checks`` are
+    ``design_sha256`` is the hash of the design alone; ``inputs_sha256`` that of all inputs of the output (design,
+    options, program, versions): with equal inputs and unchanged files there is nothing to build. ``failed_checks`` are
     the ids of the checks that fail; where there are any, ``forced`` is true.
     """
 
@@ -81,7 +81,7 @@ def file_entry(path: Path) -> FileEntry:
 
 
 def altered_files(folder: Path, manifest: Manifest) -> list[str]:
-    """Names of the files that are missing or no longer what the manifest says, sorted."""
+    """Names of the files that are missing or differ from the manifest, sorted."""
 
     def is_as_written(name: str, entry: FileEntry) -> bool:
         path = folder / name

@@ -8,19 +8,19 @@ from typing import Any, TypeVar
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
-# So often whoever waits for forked work is asked whether to go on, s.
+# Interval, s, at which a caller that waits for forked work may stop it.
 _LOOK_S = 0.02
 
-# What the forked processes work on: inherited with the memory, so that no kernel shape has to be pickled.
+# Work of the forked processes: inherited with the memory, so that no kernel shape has to be pickled.
 _work: tuple[Callable[[Any], Any], Sequence[Any]] | None = None
 _allowed = False
 
 
 def allow_processes() -> None:
-    """Let :func:`fork_map` fork. For a program of our own at its start.
+    """Allow :func:`fork_map` to fork. Called by the project's own programs at their start.
 
-    A process that imports the package may run threads (a notebook, a browser's driver, the kernel's own), and a fork of
-    it can wait for ever for a lock that one of them held: there the work is done in the process itself.
+    A process that imports the package may run threads (a notebook, a browser's driver, the kernel), and its fork can
+    wait for ever for a lock that one of them held. There the work is done in the process itself.
     """
     global _allowed
     _allowed = True
@@ -43,8 +43,8 @@ def forked(
 ) -> Iterator[Callable[..., list[Result]]]:
     """:func:`fork_map`, begun at entry, so that this process can do something else meanwhile, and ended at exit.
 
-    Yields ``results(look)``, which waits for all of it; ``look`` is called now and then and may raise to give up. Where
-    nothing is forked (``jobs`` is one, too), the work is done when its results are asked for.
+    Yields ``results(look)``, which waits for all results; ``look`` is called regularly and may raise an exception to
+    stop. If nothing is forked (also if ``jobs`` is one), the work is done when ``results`` is called.
     """
     global _work
     if jobs <= 1 or not arguments or not _allowed or not _can_fork():

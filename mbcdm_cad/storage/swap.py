@@ -14,10 +14,10 @@ _NOT_OFFERED = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM}
 
 
 def replace_folder(new: Path, target: Path, old: Path) -> None:
-    """Put ``new`` in the place of ``target``, and remove what was there. All three lie in one parent folder.
+    """Replace ``target`` by ``new``, and remove the old one. All three lie in one parent folder.
 
-    On Linux the two change places in one step of the file system. Elsewhere the target is first moved to ``old``;
-    if the process dies before the second rename, :func:`recover` puts it back.
+    On Linux the two are exchanged in one step of the file system. Elsewhere the target is first moved to ``old``; if
+    the process dies before the second rename, :func:`recover` puts it back.
     """
     if not target.exists():
         new.rename(target)
@@ -39,7 +39,7 @@ def recover(target: Path, old: Path) -> None:
 
 
 def _exchange(first: Path, second: Path) -> bool:
-    """Let two folders change places in one step; False where system or file system does not offer it."""
+    """Exchange two folders in one step; False if the system or the file system cannot do it."""
     renameat2 = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if os.name == "posix" else None
     if renameat2 is None:
         return False
