@@ -18,11 +18,11 @@ from mbcdm_cad.parts.placement import Placement
 Shape = Any
 
 # The kernel writes statistics of every STEP file to standard output; only failures are wanted. cadquery makes the same
-# # setting when it is imported, but an assembly of cached parts is written without cadquery.
+# setting when it is imported, but an assembly of cached parts is written without cadquery.
 for _printer in Message.DefaultMessenger_s().Printers():
     _printer.SetTraceLevel(Message_Gravity.Message_Fail)
 
-# The kernel must start no threads: work is divided among forked processes, and a process forked after the kernel has #
+# The kernel must start no threads: work is divided among forked processes, and a process forked after the kernel has
 # started threads waits for them for ever. Only the first call has an effect, so it comes before anything is drawn.
 OSD_ThreadPool.DefaultPool_s(1)
 

@@ -19,7 +19,7 @@ from mbcdm_cad.model.kinematics import pair_mismatch_m
 # 0.6 um on a radius of 6 mm, a tenth of the tolerance of good turning: allows for rounding of nominal radii only.
 RATIO_TOLERANCE = 1e-4
 # Tension that the mismatch of a pair may add over the travel, as a share of the preload; beyond it the tension differs
-# too # much from the preload that was set (estimate).
+# too much from the preload that was set (estimate).
 MISMATCH_SHARE = 0.1
 
 

@@ -20,7 +20,7 @@ HALF_95 = 1.96
 
 
 def with_as_built(drive: Drive, found: tuple[AsBuilt, ...]) -> Drive:
-    """``drive`` as it was built: each entry of ``found`` in turn, values changed and their sigmas widened, or kept."""
+    """``drive`` as built: each entry of ``found`` changes a value and widens its sigma, or is kept for the loop."""
     for entry in found:
         if entry.form in CHANGE_VALUES.get(entry.name, ()):
             share = next(value for value in entry.values if value.name == "share")

@@ -1,8 +1,8 @@
 """Blocks of the design file that all configurations share: each field with type, bounds, unit and a line of meaning.
 
 Fields keep the units in their names (mm, degrees, N, N m, g). A configuration adds blocks of its own to :class:`Design`
-and gives the reference values with their sources (:mod:`mbcdm_cad.design.design_file`). What cannot be said field by
-field is in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
+and gives the reference values with their sources (:mod:`mbcdm_cad.design.design_file`). Conditions that concern several
+fields are in :mod:`mbcdm_cad.design.rules` and in the configuration's rules.
 """
 
 from __future__ import annotations

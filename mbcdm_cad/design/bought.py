@@ -28,11 +28,11 @@ class Material:
 
     @property
     def printed(self) -> bool:
-        """Whether parts of it are built up in layers, of filament or of powder."""
+        """Whether parts of it are 3D printed, from filament or from powder."""
         return self.process in ("printed", "sintered")
 
 
-# A wall of filament is closed from two lines on.
+# A wall of filament needs at least two lines to be closed.
 WALL_LINES = 2
 
 
@@ -149,7 +149,7 @@ class Motor:
         return self.torque_constant_mNm_A * self.peak_current_A
 
 
-# What a motor needs to drive an input without a gearhead.
+# Fields that a motor's entry needs to drive an input without a gearhead.
 FACE_FIELDS = (
     "radial_load_N",
     "shaft_diameter_mm",
@@ -186,23 +186,23 @@ class Gearhead:
 
     @property
     def absent(self) -> bool:
-        """Whether there is none: the values are those of the motor's own face."""
+        """Whether there is no gearhead: the values are then those of the motor's own face."""
         return self.name == NO_GEARHEAD
 
 
-# What a design file names in place of a gearhead where the motor turns the input by itself.
+# Name in place of a gearhead in a design file whose motor drives the input directly.
 NO_GEARHEAD = "none"
 
 
 def missing_face_fields(motor: Motor) -> list[str]:
-    """What the motor's entry would need to drive an input without a gearhead, and does not hold."""
+    """Fields that the motor's entry lacks to drive an input without a gearhead."""
     return [name for name in FACE_FIELDS if getattr(motor, name) is None]
 
 
 def without_gearhead(motor: Motor) -> Gearhead:
-    """The motor's own shaft and face, as what drives the input: a ratio of 1, nothing lost, no length and no mass.
+    """The motor's own shaft and face as a gearhead of ratio 1 without losses, length and mass.
 
-    ``KeyError`` names what the motor's entry lacks for it.
+    ``KeyError`` names a field that the motor's entry lacks for this.
     """
     missing = missing_face_fields(motor)
     if missing:
@@ -269,7 +269,7 @@ class InsertSpec:
 
     @property
     def depth_mm(self) -> float:
-        """Least depth of its hole: the plastic that it pushes before it goes below it."""
+        """Least depth of its hole, mm, with room below it for the displaced plastic."""
         return self.length_mm + 1.0
 
 

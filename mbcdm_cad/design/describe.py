@@ -22,7 +22,7 @@ _PLAIN = re.compile(
 
 
 class _InOrder(GenerateJsonSchema):
-    """Keeps everything in the order of the schema's source, examples too, and blocks in the order that they ask for."""
+    """Keeps the order of the schema's source, also of examples; blocks with an ``ORDER`` keep that."""
 
     def sort(self, value: Any, parent_key: str | None = None) -> Any:
         return value
@@ -38,14 +38,14 @@ class _InOrder(GenerateJsonSchema):
 
 @dataclass(frozen=True)
 class Given:
-    """Value of the reference design for a field of a shared block, and where it comes from."""
+    """Value of the reference design for a field of a shared block, and its source."""
 
     value: Any = None
     source: str = "-"
 
 
 class SchemaNodes:
-    """The JSON Schema of one kind of design file, and what it says of each field."""
+    """The JSON Schema of one kind of design file, and its node for each field."""
 
     def __init__(self, schema: type[BaseModel], reference: Mapping[str, Given]) -> None:
         """``reference``: values for fields of shared blocks by their place, ``"rope.preload_N"`` or ``"cables.name"``.
@@ -53,7 +53,7 @@ class SchemaNodes:
         Raises ``KeyError`` for a place that the schema has not.
         """
         for field in schema.model_fields.values():
-            # Blocks are built when they first validate something; a default cannot be written out before.
+            # pydantic builds blocks when they first validate data; a default cannot be written before.
             if isinstance(field.default, BaseModel):
                 type(field.default).model_rebuild()
         root: Node = schema.model_json_schema(schema_generator=_InOrder)
@@ -78,7 +78,7 @@ class SchemaNodes:
         return node
 
     def solid(self, node: Node) -> Node:
-        """The node with its ``$ref`` followed and its non-null branch merged in; the field's own words win."""
+        """The node with its ``$ref`` followed and its non-null branch merged in; the field's own values win."""
         merged = dict(node)
         for branch in merged.pop("anyOf", []):
             if branch.get("type") != "null":
@@ -102,12 +102,12 @@ class SchemaNodes:
 
 
 def named_values(node: Node) -> Node | None:
-    """The node of the values of a block whose keys are names of the user's, such as the entries of a catalogue."""
+    """The node of the values of a block whose keys are chosen by the user, such as the entries of a catalogue."""
     return next(iter(node.get("patternProperties", {}).values()), None)
 
 
 def _item(node: Node, index: int) -> Node | None:
-    """The node of an item of a list, with the list's unit and leave to carry a sigma where it has none of its own."""
+    """The node of an item of a list, with the list's unit and permission for a sigma if it has none of its own."""
     prefix = node.get("prefixItems", [])
     item = prefix[index] if index < len(prefix) else node.get("items")
     if not isinstance(item, dict):

@@ -23,9 +23,9 @@ __all__ = ["DesignFile", "Given"]
 class SizingOfMany:
     """How a configuration sizes many designs at once, as far as no frame is needed.
 
-    ``size`` fills the gaps of a file's data with the fields of some columns changed row by row, and yields the designs
-    in groups that agree on all choices. ``fields`` are those that its rules fill. ``drive`` is called with a group and
-    a drive of the same file; in what it returns the numbers that the cable model reads are columns.
+    ``size`` fills the open fields of a file's data with the fields of some columns changed row by row, and yields the
+    designs in groups that agree on all choices. ``fields`` are those that its rules fill. ``drive`` is called with a
+    group and a drive of the same file; in the drive that it returns the numbers that the cable model reads are columns.
     """
 
     size: Callable[[dict[str, Any], Mapping[str, Sequence[Any]]], Iterator[Any]]
@@ -39,8 +39,9 @@ class DesignFile:
 
     ``schema`` extends :class:`~mbcdm_cad.design.blocks.Design` by the configuration's own blocks; ``reference`` holds
     the reference values of the shared blocks' fields by their place. The three functions are called with a design of
-    that schema: ``rules`` yields what of its own the design breaks, ``named`` the catalogue entries that its own blocks
-    name, and ``drive`` makes the configuration's :class:`~mbcdm_cad.design.drive.Drive`, the sigmas given by field.
+    that schema: ``rules`` yields the configuration's rules that the design breaks, ``named`` the catalogue entries that
+    its own blocks name, and ``drive`` makes the configuration's :class:`~mbcdm_cad.design.drive.Drive`, the sigmas
+    given by field.
     """
 
     schema: type[Design]
@@ -48,23 +49,23 @@ class DesignFile:
     rules: Callable[[Any], Iterator[Broken]]
     named: Callable[[Any], Iterator[NamedEntry]]
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
-    # The data, which it may change, with its gaps filled by the configuration's sizing rules; the second argument
-    # is what a search makes of the values that they find.
+    # Fills the open fields of the data, which it may change, by the configuration's sizing rules; the second argument
+    # has the functions with which a search changes the values of rules.
     size: Callable[[dict[str, Any], Moved], Sizing] | None = None
     # Fields that are neither requirement nor choice: given in a file, they are pins.
     derived: Callable[[], tuple[str, ...]] = tuple
-    # What a search for a passing design may move, besides numbers that are derived.
+    # Fields that a search for a passing design may change, besides derived numbers.
     freedoms: Callable[[], tuple[Freedom, ...]] = tuple
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
-    # Sizing of many designs at once, where the configuration's rules can do that.
+    # Sizing of many designs at once, if the configuration's rules support it.
     size_many: Callable[[], SizingOfMany] | None = None
 
     @cached_property
     def nodes(self) -> SchemaNodes:
-        """What the schema says of each field; writing the schema out takes a tenth of a second."""
+        """The schema's node of each field; writing the schema takes a tenth of a second."""
         return SchemaNodes(self.schema, self.reference)
 
     def node_at(self, path: FieldPath) -> Node | None:
-        """What the schema says of one field, None if unknown; handed on, it writes the schema out only when called."""
+        """The schema's node of one field, None if unknown; the schema is written only when this is called."""
         return self.nodes.at(path)

@@ -53,7 +53,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Making:
-    """How exactly the parts are made. Plus or minus, but run-out (full reading) and bearing play (side to side)."""
+    """Tolerances of the parts. Plus or minus, except run-out (full reading) and bearing play (side to side)."""
 
     rope_diameter_share: float
     run_out_mm: float
@@ -63,7 +63,7 @@ class Making:
 
 @dataclass(frozen=True)
 class Printing:
-    """How parts of printed materials are made."""
+    """Settings of the parts of printed materials."""
 
     hole_allowance_mm: float  # on the diameter, in the files for the printer
     nozzle_mm: float
@@ -72,7 +72,7 @@ class Printing:
 
 @dataclass(frozen=True)
 class Targets:
-    """What mass and box must come to, and by how much they may differ; None: not asked. The box is (X, Z, Y)."""
+    """Targets of mass and box with their tolerances; None: no target. The box is (X, Z, Y)."""
 
     mass_g: float | None
     mass_tolerance_g: float
@@ -136,10 +136,10 @@ class AsBuilt:
 
 @dataclass(frozen=True)
 class Drive:
-    """All that is known of a design whatever its configuration, which adds fields of its own in a class of its own.
+    """All values of a design that every configuration has; a configuration adds its own fields in a subclass.
 
-    ``as_built`` holds what was found on the built drive and is not among its values; a modulus, preload or friction
-    that was found is (:mod:`mbcdm_cad.design.as_built`).
+    ``as_built`` has the effects found on the built drive that change no value; a modulus, preload or friction that was
+    found is already in the values (:mod:`mbcdm_cad.design.as_built`).
 
     ``screws``, ``materials``, ``inserts`` and ``terminations`` hold the whole catalogue with the design's own entries:
     parts choose screws by name, bought parts name their material, and a remedy names the terminations that fit.
@@ -178,7 +178,7 @@ class Drive:
 
     @property
     def mounted(self) -> str:
-        """What is screwed on for each input, in one word: its gearhead, or the motor without one."""
+        """The body that is screwed on for each input, in one word: its gearhead, or the motor without one."""
         return "motor" if self.gearhead.absent else "gearhead"
 
     @property
@@ -197,7 +197,8 @@ class Drive:
     def insert(self, material: Material, thread_mm: float) -> InsertSpec | None:
         """The insert that a thread gets in a part of ``material``.
 
-        None where the thread is cut in the part itself: not a printed one, no inserts asked, or none of this size.
+        None if the thread is cut in the part itself: the part is not printed, the design uses no inserts, or none has
+        this size.
         """
         if self.printing.threads != "inserts" or not material.printed:
             return None

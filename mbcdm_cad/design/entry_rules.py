@@ -26,7 +26,7 @@ ELECTRICAL_FIELDS = (
     "voltage_V",
     "pole_pairs",
 )
-# Rated torque is less than constant x current by friction, and where the iron saturates.
+# The rated torque is lower than constant x current because of friction and saturation of the iron.
 TORQUE_AGREEMENT = 0.25
 
 _ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
@@ -49,7 +49,7 @@ _ORDERS: dict[type[Entry], tuple[tuple[str, ...], ...]] = {
 
 
 def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
-    """What of one entry contradicts itself: field, what, value, limit, remedy."""
+    """Contradictions within one entry: field, problem, value, limit, remedy."""
     for names in entry_orders(entry):
         for small, large in pairwise(names):
             low, high = getattr(entry, small), getattr(entry, large)
@@ -70,7 +70,7 @@ def entry_faults(entry: Entry) -> Iterator[tuple[str, str, str, str, str]]:
 
 
 def _motor_faults(entry: MotorEntry) -> Iterator[tuple[str, str, str, str, str]]:
-    """Electrical values come together, and the continuous torque is what the continuous current gives."""
+    """Problems if electrical values are incomplete, or if continuous torque and current contradict each other."""
     values = {name: getattr(entry, name) for name in ELECTRICAL_FIELDS}
     missing = [name for name, value in values.items() if value is None]
     if missing and len(missing) < len(values):

@@ -20,7 +20,7 @@ def dotted(path: FieldPath) -> str:
 
 
 def nearest_line(lines: Mapping[FieldPath, int], path: FieldPath) -> int:
-    """Line of the field, or of the nearest block above it that the file holds."""
+    """Line of the field, or of the nearest block above it in the file."""
     while path and path not in lines:
         path = path[:-1]
     return lines.get(path, 1)

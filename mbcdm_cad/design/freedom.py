@@ -18,13 +18,13 @@ def scaled(value: Any, factor: float) -> Any:
 
 
 def nothing_instead(data: Mapping[str, Any]) -> dict[str, Any]:
-    """A field that is taken out leaves nothing behind."""
+    """No fields to add in place of a field that is taken out."""
     return {}
 
 
 @dataclass(frozen=True)
 class Freedom:
-    """One field that follows from a rule, and how far a search may move it from there.
+    """One field that follows from a rule, and the range in which a search may change it.
 
     A number is moved by a factor between ``low`` and ``high``: ``stretch(value, factor)`` is the moved value. A choice
     is one of ``words``, or of the catalogue's entries of ``kind``, which ``order`` sorts by size. ``mends`` names

@@ -16,8 +16,9 @@ from mbcdm_cad.design.sized import SizedValue
 class LoadedDesign:
     """A design file that passed schema and rules.
 
-    ``design`` is the file as its schema's model, ``sized`` what the file leaves out and sizing filled. ``sha256`` is
-    over the content: the values read or sized and all catalogue entries they draw on, not layout or comments.
+    ``design`` is the file as its schema's model, ``sized`` the fields that the file leaves out and sizing filled.
+    ``sha256`` is the hash of the content: all values and the catalogue entries that they use, without layout and
+    comments.
     """
 
     drive: Drive

@@ -36,14 +36,14 @@ from mbcdm_cad.errors import InputError, Problem
 
 
 def loaded(tree: Tree, text: str, path: Path, file: DesignFile) -> LoadedDesign:
-    """The design in ``tree``, which was parsed from ``text`` or holds the same values. Raises as :func:`resolved`."""
+    """The design in ``tree``, which was parsed from ``text`` or has the same values. Raises as :func:`resolved`."""
     found = resolved(tree, path, file)
     sha256 = _sha256(found.design, found.drive)
     return LoadedDesign(found.drive, path, sha256, found.design, text, tree.lines, found.sized)
 
 
 class Resolved(NamedTuple):
-    """A design that holds together, its drive, and what sizing filled."""
+    """A valid design, its drive, and the fields that sizing filled."""
 
     design: Design
     drive: Drive
@@ -53,8 +53,8 @@ class Resolved(NamedTuple):
 def resolved(tree: Tree, path: Path, file: DesignFile, moved: Moved | None = None) -> Resolved:
     """The design and its drive from a tree of the file's values. Raises InputError with all problems of one stage.
 
-    The stages are: ranges, sigmas, schema, sizing of what the file leaves out, schema of the whole, rules between
-    fields. ``moved``: what a search makes of the values that rules find, by field.
+    The stages are: ranges, sigmas, schema, sizing of missing fields, schema of the whole, rules between fields.
+    ``moved``: by field, the functions with which a search changes the values of rules.
     """
     tree, sigmas = _split(tree, str(path), file)
     tree, sized = _sized(tree, str(path), file, moved or {})
@@ -69,12 +69,12 @@ def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPat
     """The tree with plain values, and the sigmas."""
     refuse_ranges(tree, path, file.node_at)
     if isinstance(tree.data, dict) and tree.data.get("as_built", ()) is None:
-        tree.data["as_built"] = []  # all entries are comments still, as 'mbcdm loop --apply' writes what is undecided
+        tree.data["as_built"] = []  # all entries are comments, as 'mbcdm loop --apply' writes the members of a set
     return split_sigmas(tree, path, lambda field: bool((file.node_at(field) or {}).get("uncertain")))
 
 
 def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved) -> tuple[Tree, tuple[SizedValue, ...]]:
-    """The tree with its gaps filled, and what filled them. What the file does give must satisfy the schema by then."""
+    """The tree with its open fields filled, and their records. The fields of the file must already be valid."""
     if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
         return tree, ()
     try:
@@ -98,7 +98,7 @@ def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
 def open_data(tree: Tree, path: Path, file: DesignFile) -> dict[str, Any]:
     """The file's data as sizing rules read it: plain values, with the blocks that they will fill.
 
-    Raises InputError where what the file gives is wrong by itself.
+    Raises InputError if a field of the file is invalid by itself.
     """
     tree, _ = _split(tree, str(path), file)
     _has_gaps(tree, str(path), file)
@@ -110,7 +110,7 @@ def _is_block(annotation: Any) -> bool:
 
 
 def _has_gaps(tree: Tree, path: str, file: DesignFile) -> bool:
-    """Whether fields are missing. Raises InputError where what is given is wrong, or items of a list lack a field."""
+    """Whether fields are missing. Raises InputError if given fields are invalid, or items of a list lack a field."""
     filled = {name: value for name, value in tree.data.items() if value is not None or not _may_be_left_out(name, file)}
     try:
         file.schema.model_validate(filled)
@@ -128,7 +128,7 @@ def _may_be_left_out(name: str, file: DesignFile) -> bool:
 
 
 def _is_wrong(item: Any) -> bool:
-    """Whether one of pydantic's findings is more than a field left out, which sizing may fill."""
+    """Whether one of pydantic's findings is a real error and not only a missing field, which sizing may fill."""
     in_a_list = any(isinstance(part, int) for part in item["loc"])
     return item["type"] != "missing" or in_a_list or item["loc"] == ("configuration",)
 

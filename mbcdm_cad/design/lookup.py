@@ -26,7 +26,7 @@ from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
 
 T = TypeVar("T")
-# What an entry of each kind becomes.
+# Dataclass of each kind of entry.
 BOUGHT: dict[str, type[Any]] = {
     "ropes": CableSpec,
     "terminations": TerminationSpec,
@@ -57,10 +57,10 @@ class Catalogue:
         return name in self._own[kind] or name in package_entries(kind)
 
     def get(self, kind: str, name: str, **changed: Any) -> Any:
-        """The entry as its dataclass of :mod:`mbcdm_cad.design.bought`, the values in ``changed`` laid over it.
+        """The entry as its dataclass of :mod:`mbcdm_cad.design.bought`, with the values in ``changed`` replaced.
 
-        The package's entries are taken as they are: validating them at every start would cost a tenth of it, and a
-        test does it. KeyError if neither the design nor the package holds the name.
+        The package's entries are not validated at every start, which would take a tenth of its time; a test validates
+        them. KeyError if neither the design nor the package has the name.
         """
         own = self._own[kind].get(name)
         if own is not None:
@@ -92,7 +92,7 @@ class Catalogue:
 
 @cache
 def _bought(kind: str, name: str) -> Any:
-    """One of the package's entries as its dataclass, which is frozen: a search asks for the same ones again."""
+    """One of the package's entries as its frozen dataclass; cached, since a search needs the same ones again."""
     values = {
         key: tuple(value) if isinstance(value, list) else value for key, value in package_entries(kind)[name].items()
     }

@@ -18,7 +18,7 @@ MAX_LISTED = 50
 _WANTED = {"number": "a number", "integer": "a whole number", "string": "text", "array": "a list", "object": "a block"}
 
 
-# What pydantic puts in a path beside fields: keys, and the branches of "a name or a number".
+# Parts of pydantic's paths that are not fields: keys, and the branches of "a name or a number".
 _NO_FIELDS = ("[key]", "constrained-str", "int")
 
 NodeAt = Callable[[FieldPath], Node | None]
@@ -31,12 +31,12 @@ def schema_problems(
     node_at: NodeAt,
     wanted: Callable[[Any], bool] = lambda item: True,
 ) -> list[Problem]:
-    """All findings by line, cut after ``MAX_LISTED`` with a word on how many more there are.
+    """All findings by line, at most ``MAX_LISTED`` with the number of further ones.
 
-    ``node_at`` looks up what the file's schema says of a field; ``wanted`` which of pydantic's findings count.
+    ``node_at`` returns the schema's node of a field; ``wanted`` decides which of pydantic's findings count.
     """
     items = [item for item in error.errors(include_url=False) if wanted(item) and not _follows(item)]
-    # Every branch of "a name or a number" complains alike.
+    # Every branch of "a name or a number" gives the same error.
     alike = dict.fromkeys(_problem(item, tree, file, node_at) for item in items)
     found = sorted(alike, key=lambda problem: problem.line)
     if len(found) > MAX_LISTED:
@@ -49,7 +49,7 @@ def schema_problems(
 
 
 def _follows(item: Any) -> bool:
-    """Whether a list is called too short only because its items were refused, which is said already."""
+    """Whether a list is reported as too short only because its items were refused, which is already reported."""
     return bool(item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"])
 
 

@@ -22,7 +22,7 @@ NodeAt = Callable[[FieldPath], Node | None]
 
 @dataclass(frozen=True)
 class Range:
-    """A number of the file that may lie from ``low`` to ``high``; ``aim``: ``min`` or ``max`` where one is wished."""
+    """A number of the file between ``low`` and ``high``; ``aim``: ``min`` or ``max`` if the file asks for one."""
 
     field: str
     low: float
@@ -61,9 +61,9 @@ def split_ranges(tree: Tree, file: str, node_at: NodeAt) -> tuple[Tree, tuple[Ra
 
 
 def refuse_ranges(tree: Tree, file: str, node_at: NodeAt) -> None:
-    """Raise InputError where the file gives ranges: nothing but a search can do with them.
+    """Raise InputError if the file contains ranges, which only a search can use.
 
-    What is wrong with a range itself comes first, since no search takes it either.
+    Errors of a range itself are reported first, since a search refuses them too.
     """
     problems = [
         Problem(file, tree.line_of(where), dotted(where), what, shown, limit, remedy)
@@ -82,7 +82,7 @@ def _refused(path: FieldPath, value: Any, node: Node, file: str) -> list[tuple[F
 
 
 def _ranges(node: Any, path: FieldPath, node_at: NodeAt) -> Iterator[tuple[FieldPath, Any]]:
-    """(field, what is written) of every number that the file gives as a range; lists hold none."""
+    """(field, content) of every number that the file gives as a range; lists contain no ranges."""
     if not isinstance(node, dict):
         return
     for key, value in node.items():

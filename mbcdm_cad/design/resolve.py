@@ -1,4 +1,4 @@
-"""From the validated design to the ``Drive``: what all configurations have in common."""
+"""Make the shared part of a ``Drive`` from the validated design, for all configurations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mbcdm_cad.design.lookup import Catalogue, copied
 
 
 class SteppedCable(Protocol):
-    """A cable that the file puts on a step of its pulleys."""
+    """A cable whose step of the pulleys the file states."""
 
     @property
     def step(self) -> int:
@@ -23,8 +23,8 @@ class SteppedCable(Protocol):
 def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
     """The fields of :class:`~mbcdm_cad.design.drive.Drive` that follow from shared blocks.
 
-    All but cables, sigmas, and how the rope lies on the inputs (``helix_lead_mm``, ``dead_turns``). Effects found on
-    the built drive are left out; the loader puts them in.
+    All except cables, sigmas, and the winding on the inputs (``helix_lead_mm``, ``dead_turns``). Effects found on the
+    built drive are left out; the loader adds them.
     """
     train, rope, ends = design.drive, _rope(design.rope, catalogue), catalogue.all("terminations")
     motor: Motor = catalogue.get("motors", train.motor)
@@ -60,12 +60,12 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
 
 
 def by_step(cables: Sequence[SteppedCable]) -> list[int]:
-    """Places of the file's cables in the order of their steps."""
+    """Indices of the file's cables in the order of their steps."""
     return sorted(range(len(cables)), key=lambda k: cables[k].step)
 
 
 def preload_N(design: Design, cable: Cable) -> float:
-    """Preload of a cable: its own, else the rope's."""
+    """Preload of a cable, N: its own, else the rope's."""
     return design.rope.preload_N if cable.preload_N is None else cable.preload_N
 
 
@@ -108,7 +108,7 @@ def as_built(design: Design) -> tuple[d.AsBuilt, ...]:
 
 
 def termination(name: str | None, known: Sequence[TerminationSpec], rope: CableSpec) -> TerminationSpec:
-    """The one named, else the strongest that fits the rope, else the strongest, which a check then refuses."""
+    """The named termination, else the strongest that fits the rope, else the strongest, which a check then fails."""
     if name is not None:
         return next(each for each in known if each.name == name)
     return max(known, key=lambda each: (each.fits(rope), each.strength_share))

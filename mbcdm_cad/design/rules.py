@@ -42,7 +42,7 @@ class NamedEntry(NamedTuple):
 def every_broken_rule(
     design: Design, catalogue: Catalogue, own: Iterable[Broken], named: Iterable[NamedEntry]
 ) -> Iterator[Broken]:
-    """What does not hold of a design: its configuration's ``own`` rules, the shared ones, then names nothing has."""
+    """The rules that a design breaks: its configuration's ``own`` rules, the shared ones, then unknown names."""
     yield from own
     yield from broken_shared_rules(design)
     yield from broken_names(catalogue, named_by_shared_blocks(design))
@@ -57,14 +57,14 @@ def broken_shared_rules(design: Design) -> Iterator[Broken]:
 
 
 def broken_names(catalogue: Catalogue, named: Iterable[NamedEntry]) -> Iterator[Broken]:
-    """The names that lead to no entry of the catalogue."""
+    """The names that are not in the catalogue."""
     for path, kind, name in named:
         if name is not None and not catalogue.has(kind, name):
             yield unknown_entry(path, kind, name, catalogue.names(kind))
 
 
 def unknown_entry(path: FieldPath, kind: str, name: str, known: Sequence[str]) -> Broken:
-    """A name that leads to no entry of the catalogue."""
+    """The broken rule for a name that is not in the catalogue."""
     remedy = f"{did_you_mean(name, known)} or add it under catalogue: {kind}:"
     return Broken(path, f"not in the catalogue of {kind}", shortened(name), "", remedy)
 
@@ -86,7 +86,7 @@ def named_by_shared_blocks(design: Design) -> Iterator[NamedEntry]:
 
 
 def _motor(design: Design, catalogue: Catalogue) -> Iterator[Broken]:
-    """A motor without a gearhead needs a face and a shaft; a voltage means nothing without a torque constant."""
+    """A motor without a gearhead needs a face and a shaft; a voltage has no effect without a torque constant."""
     train = design.drive
     if not catalogue.has("motors", train.motor):
         return
@@ -197,7 +197,7 @@ def _own_entries(design: Design) -> Iterator[Broken]:
 
 
 def unique(block: str, name: str, values: Sequence[str] | Sequence[int]) -> Iterator[Broken]:
-    """``values`` of the field ``name`` of a list of blocks, each but once."""
+    """The rule that ``values`` of the field ``name`` in a list of blocks are unique."""
     counts = Counter(values)
     for k, value in enumerate(values):
         if counts[value] > 1 and value in values[:k]:

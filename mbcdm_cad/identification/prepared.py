@@ -27,13 +27,12 @@ from mbcdm_cad.routes import Floats
 # Longest window of the load's smoothing, s; the window in use follows from the data.
 LONGEST_LOAD_S = 1.3
 # The difference of the inputs is separated from noise by its spectrum: power, over that of the noise, that is kept;
-# share # of a frequency over which the spectrum is averaged, and least number of its lines; time added before and
-# after.
+# share of a frequency over which the spectrum is averaged, and least number of its lines; time added before and after.
 LEAST_POWER = 1.6
 SPECTRUM_SHARE, SPECTRUM_LEAST = 0.1, 6
 PAD_S = 5.0
 # Servos seldom differ faster than this, Hz. A faster difference of the inputs is an error of their encoders, unless its
-# # power is so many times that of their noise: the cogging of a motor moves the cables to and fro and eases their
+# power is so many times that of their noise: the cogging of a motor moves the cables to and fro and eases their
 # friction.
 FASTEST_HZ = 4.0
 FAST_POWER = 20.0
@@ -62,7 +61,7 @@ MOST_BLIND = 0.5
 FEWEST_SWEEPS = 3
 # Where mean and load differ by so many standard errors of one sample, the load is on a flank, and the sample is used.
 FLANK_ERRORS = 5.0
-# Between simulated samples, load and difference of the inputs may deviate from a straight line by this share of their #
+# Between simulated samples, load and difference of the inputs may deviate from a straight line by this share of their
 # range, the load by this share of its sensor's noise.
 BENT_SHARE = 0.001
 BENT_NOISE = 0.05

@@ -39,7 +39,7 @@ MOST_FIRST = 3
 MOST_LEFT = 0.1
 # An effect reduces noise, and does not only fit it, if at most this share of the noise is left.
 QUIETER = 0.9
-# Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves #
+# Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
 # nothing above the noise.
 MUCH = 1.25
 MOST_THREADS = 4

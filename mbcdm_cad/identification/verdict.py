@@ -25,8 +25,8 @@ from mbcdm_cad.measurement.sweeps import smoothed
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.routes import Floats
 
-# Two candidates are alike if the better one could be the wrong one (see ``clusters``), if their errors differ by less #
-# than this many standard errors over the cells of sweep and sector, or by less than this share of the floor in #
+# Two candidates are alike if the better one could be the wrong one (see ``clusters``), if their errors differ by less
+# than this many standard errors over the cells of sweep and sector, or by less than this share of the floor in
 # quadrature: so small a difference may be an error of the model.
 ALIKE_ERRORS = 2.0
 ALIKE_SHARE = 0.12
@@ -36,7 +36,7 @@ BLAME_SHARE = 0.35
 WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
 # An effect that is not named is reported as helpful from these odds on. It stays in the fit if it explains this share
-# of # the error above the floor.
+# of the error above the floor.
 LEAST_ODDS = 20.0
 MOST_OF = 0.75
 # A size counts as possibly zero if it is zero with this probability.
@@ -183,7 +183,7 @@ class Judge:
             if max(excess, fast) > (LEAST_FALL * self.search.floor_rad) ** 2:
                 found = describe_unknown(p, r, self.search.floor_rad)
                 # An error that does not repeat is noise, white or coloured, and a pattern in time cannot repeat. With
-                # too few # half sweeps repetition cannot be tested, and the error cannot be called noise.
+                # too few half sweeps repetition cannot be tested, and the error cannot be called noise.
                 repeats = p.few or any(pattern.variable != "time" for pattern in found.patterns)
                 if repeats and (worst is None or found.rms_rad > worst.rms_rad):
                     worst = found

@@ -19,7 +19,7 @@ Ints = NDArray[np.int64]
 # Corners of an element in its own (u, v), and the Gauss points.
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 _GAUSS = _CORNERS / np.sqrt(3.0)
-# Couples the rotation about a plate's normal to its in-plane rotation: a share of G that keeps the matrix regular. #
+# Couples the rotation about a plate's normal to its in-plane rotation: a share of G that keeps the matrix regular.
 # Between 0.001 and 1 the windup of the reference frame changes by less than 2 %.
 _DRILLING = 0.1
 _SHEAR_FACTOR = 5.0 / 6.0

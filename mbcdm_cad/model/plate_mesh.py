@@ -22,9 +22,9 @@ from mbcdm_cad.routes import Floats
 CELL_MM = 12.0
 # Grid lines closer than this are merged.
 MERGED_MM = 1.0
-# Factor on the thickness of a wall where it lies inside or along another wall, so that the walls of the column bend #
+# Factor on the thickness of a wall where it lies inside or along another wall, so that the walls of the column bend
 # only between the faces. The metal there is about this many times as thick as the wall; with a factor of 3 the windup
-# of # the reference frame rises by 4 %, with 10 it falls by 6 %.
+# of the reference frame rises by 4 %, with 10 it falls by 6 %.
 EMBEDDED = 5.0
 # A cell of which a hole leaves less than this share is left out.
 EMPTY = 0.05

@@ -10,7 +10,7 @@ from typing import Literal
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.placement import Placement
 
-# Names are used as file stems, STEP products and nodes of the GLB, so only characters valid in all three are allowed. #
+# Names are used as file stems, STEP products and nodes of the GLB, so only characters valid in all three are allowed.
 # Long enough for a name of the design file (64) with a word before and a number after it.
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,95}")
 

@@ -19,7 +19,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 
-# One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part #
+# One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
 # (density of the alloy and machining tolerances). Parts of one kind have the same error, different kinds independent
 # ones.
 ESTIMATE_SIGMA = 0.10

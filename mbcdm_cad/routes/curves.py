@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
-# The positive half of the 12 Gauss-Legendre nodes on -1..1, and their weights: numpy's function for them is in #
+# The positive half of the 12 Gauss-Legendre nodes on -1..1, and their weights: numpy's function for them is in
 # numpy.polynomial, whose import would slow every start down.
 _GAUSS_NODES = (
     0.1252334085114689,

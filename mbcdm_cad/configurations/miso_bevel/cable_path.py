@@ -20,7 +20,7 @@ from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_ge
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
 
-# The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm #
+# The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm
 # for 49 free wires of 0.09 mm at 70 N; this transition is drawn 2.5 diameters long.
 BLEND_DIAMETERS = 2.5
 

@@ -56,7 +56,7 @@ def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
         )
 
     # The cable that leaves a full pulley is straight after the transfer. The end of the winding, this angle before a
-    # full # turn, comes near to that line where it bends inward; the least distance is (r - rho)(1 - cos angle)
+    # full turn, comes near to that line where it bends inward; the least distance is (r - rho)(1 - cos angle)
     # (derived).
     passing = acos(max(-1.0, 1.0 - (d + DIP_GAP_MM) / centre))
     outer = rho + (d + SLOT_PLAY_MM) / 2

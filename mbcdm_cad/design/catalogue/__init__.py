@@ -1,7 +1,7 @@
 """The package's catalogue: one JSON file per kind of bought-out part, and materials.
 
-JSON, since a start of the program reads several of them and it parses ten times as fast as YAML. Entries are validated
-by :mod:`mbcdm_cad.design.entries` when they are looked up; a test validates them all.
+JSON, because every start of the program reads several files, and JSON is parsed ten times as fast as YAML. Entries are
+validated by :mod:`mbcdm_cad.design.entries` when they are looked up; a test validates them all.
 """
 
 from __future__ import annotations

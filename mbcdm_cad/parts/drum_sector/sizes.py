@@ -19,7 +19,7 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 HUB_SCREW = "M3x5-set"
 # Threads in the hub's face that hold the payload.
 PAYLOAD_THREAD_MM, PAYLOAD_DEPTH_MM = 2.5, 6.0
-# Wave spring under the rear bearing's outer ring: height at its nominal force, play in the seat's bore, and # force per
+# Wave spring under the rear bearing's outer ring: height at its nominal force, play in the seat's bore, and force per
 # mm of the bearing's bore (SKF: 5 to 10 N per mm keeps small bearings free of play and quiet).
 SPRING_HEIGHT_MM = 0.6
 SPRING_PLAY_MM = 0.15

@@ -25,7 +25,7 @@ from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
 
 # Largest deviation of the chords of a centre line from the curve, and largest error of the linear interpolation between
-# # two drum angles. Both are too small to be visible on a screen.
+# two drum angles. Both are too small to be visible on a screen.
 CHORD_ERROR_MM = 0.02
 POSE_ERROR_MM = 0.03
 _POSES = (9, 19, 37, 71, 141, 281)

@@ -17,7 +17,7 @@ from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
 
 # Rope, parts by load, radii, places of the pulleys. None of these rules runs a check on a drive, so that they also work
-# # on many designs at once.
+# on many designs at once.
 BEFORE_FRAME: tuple[Rule, ...] = (
     *NAMES,
     *LIMITS,

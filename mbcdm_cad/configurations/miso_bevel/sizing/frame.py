@@ -126,7 +126,7 @@ def _rib(given: BevelKnown) -> Found:
     ring = given.entry("encoders", "drive.drum_encoder")["diameter_mm"]
     head, least = MOUNT_HEAD_RADIUS_MM, given.wall_mm("support")
     # The column's pocket should have room for a mounting screw's head in width and height. If the motors are so low
-    # that even # the thinnest rib leaves too little height, the column has no pocket.
+    # that even the thinnest rib leaves too little height, the column has no pocket.
     boss = max(bearing + 3.0, ring / 2 + given["clearances.running_mm"])
     along = given.motor_shelf_bottom_mm - boss - 2 * head - HEAD_ROOM_MM - MOUNT_ROOM_MM + 0.2
     across = bearing + 3.0 - head - HEAD_ROOM_MM

@@ -26,11 +26,11 @@ from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
 
 # An input carries half the peak torque, a little more in the direction of the bias of its preload.
 TORQUE_SPARE = 1.095
-# Torque of the preload on an input, as a share of preload times its radius: the difference of neighbouring steps, at #
+# Torque of the preload on an input, as a share of preload times its radius: the difference of neighbouring steps, at
 # least this step of the drum's radii.
 BIAS_SHARE, LEAST_STEP_MM = 0.067, 3.6
 # Radial load of one bearing of an input pulley, in preloads: both cables pull, and one end carries most of it. The
-# largest # and the usual value: if no part of the catalogue carries the first, the second is used.
+# largest and the usual value: if no part of the catalogue carries the first, the second is used.
 INPUT_PRELOADS = (1.65, 1.41)
 # The same for the guide: four cables tilt it rather than push it aside, so the largest tension counts.
 GUIDE_TENSIONS = 1.85

@@ -34,7 +34,7 @@ NO_ROOM = "too short for guide and input pulley beside each other"
 # Spare of a land's width over what it needs: the gap between a cable's flank and the next land.
 FLANK_GAP_MM = 0.045
 # Estimates before the values are known: outermost radius and centre distance over the first drum radius; wrap on the
-# drum # beyond the travel and arc on the guide, both in drum radii.
+# drum beyond the travel and arc on the guide, both in drum radii.
 USUAL_OUTER, USUAL_DISTANCE = 1.4, 0.9
 ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.6, 0.7
 # Share of the gap between neighbouring terminals that is lost because they are at different angles.
