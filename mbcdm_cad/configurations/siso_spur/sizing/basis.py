@@ -17,6 +17,8 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 # Preload over what the slip margin asks of an endless wrap: the wrap is not endless.
 PRELOAD_SPARE = 1.35
 SLIP_MARGIN = 2.0
+# Preloads tried, over the usual one: below the last the slip margin is lost on any number of turns.
+PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8)
 # Least wall of an input pulley round the motor's shaft and its neck, as a radius beyond the shaft's (estimate).
 NECK_MM = 2.5
 # Turning of a printed frame over what the cable's spans yield (estimate).
@@ -102,7 +104,14 @@ def _rope(given: SpurKnown) -> Found:
 
 
 def _preload(given: SpurKnown) -> Found:
-    return preload(given, _wanted_preload_N(given, given.half_torque_N), "no_slack" if given.anchored else "input_slip")
+    """Less where friction holds with less and the ends of a rope that the file states would not bear the usual one."""
+    driver = "no_slack" if given.anchored else "input_slip"
+    usual = preload(given, _wanted_preload_N(given, given.half_torque_N), driver)
+    if given.anchored:
+        return usual
+    tried = [float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES]
+    found = given.first("rope.preload_N", tried, ("cable_ends",)).value
+    return usual if found == usual.value else Found(found, "cable_ends", "two digits")
 
 
 def _turns(given: SpurKnown) -> Found:
