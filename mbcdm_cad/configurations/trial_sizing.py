@@ -10,7 +10,7 @@ import copy
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import ceil, floor, pi
+from math import ceil, floor, inf, pi
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check
@@ -29,7 +29,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 NOZZLE_MM = 0.4
 # Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
 _MOST_TRIALS = 40
-# After so many in a row with the same margins the field has no bearing on them.
+# After so many in a row that miss the same by the same the field has no bearing on it.
 _MOST_IDLE = 8
 _MOST_PASSES = 4
 # Fields that a length says nothing of.
@@ -194,7 +194,7 @@ class TrialKnown(RopeKnown):
         driver, tried, failing, idle = "", list[Trial](), None, 0
         for _ in range(_MOST_TRIALS):
             margins = self.margins(way.field, value, checks)
-            idle = idle + 1 if tried and margins == tried[-1][1] else 0
+            idle = idle + 1 if tried and _missed(margins) == _missed(tried[-1][1]) else 0
             tried.append((value, margins))
             name = min(margins, key=lambda check: margins[check][0])
             missed, unit = margins[name]
@@ -218,6 +218,8 @@ class TrialKnown(RopeKnown):
         for value in candidates:
             margins = self.margins(field, value, checks)
             tried.append((value, margins))
+            if len(tried) == _MOST_IDLE and all(_worst_margin(trial) == _best_margin(trial) == -inf for trial in tried):
+                break  # none has a figure for any check: something else is missing
             worst = min(margins, key=lambda check: margins[check][0])
             if margins[worst][0] >= 0.0:
                 return Found(value, driver, "first that does")
@@ -250,6 +252,14 @@ def _others(checks: Iterable[str], within: Sequence[str]) -> str:
 
 def _worst_margin(trial: Trial) -> float:
     return min(margin for margin, _ in trial[1].values())
+
+
+def _missed(margins: Mapping[str, Margin]) -> dict[str, Margin]:
+    return {name: margin for name, margin in margins.items() if margin[0] < 0.0}
+
+
+def _best_margin(trial: Trial) -> float:
+    return max(margin for margin, _ in trial[1].values())
 
 
 def _down(value: float, step: float) -> float:
