@@ -53,6 +53,25 @@ def test_a_short_file_passes_every_check(
     assert not found, found
 
 
+@pytest.mark.parametrize(
+    ("half_deg", "transmission", "peak_Nm", "more"),
+    [
+        (60.0, {"input_to_drum": 6.9, "drum_radius_mm": 30.0}, 0.28, {}),
+        (20.0, {"input_to_drum": 4.0}, 3.0, {"rope": {"type": "uhmwpe-1.5"}, "input_pulleys": {"surface": "smooth"}}),
+        (60.0, {"input_to_drum": 8.0}, 2.0, {"drum": {"material": "pla"}, "support": {"material": "pla"}}),
+    ],
+)
+def test_one_line_more_gives_two_anchored_cables_that_pass(
+    half_deg: float, transmission: dict[str, Any], peak_Nm: float, more: dict[str, Any]
+) -> None:
+    """Turns for travel and reserve, an input that takes the stops, bearings inside their necks."""
+    data = yaml.safe_load(short(half_deg, 1.0, 1.0, peak_Nm, **more))
+    data["transmission"] = transmission | {"cables": "two_anchored"}
+    drive: Any = load_text(yaml.safe_dump(data)).drive
+    assert not failed(drive), failed(drive)
+    assert 0.5 <= drive.dead_turns < 1.6, drive.dead_turns
+
+
 def test_motor_alone_gives_ratio_and_radius() -> None:
     """6 N m from 0.74 N m: 8.3 to 1, on the smallest input that a 2 mm rope and the shaft allow."""
     data = yaml.safe_load(short(60.0, 1.0, 1.0, 6.0)) | {

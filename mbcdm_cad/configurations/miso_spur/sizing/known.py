@@ -24,6 +24,7 @@ class RoundDrumKnown(SpurKnown):
     schema = RoundDrumDesign
     asked = (*SpurKnown.asked, "inputs")
     own_checks: Mapping[str, tuple[str, ...]] = {
+        **SpurKnown.own_checks,
         "transmission.centre_distance_mm": ("sectors_clear_inputs", "heads_apart"),
         "drum.hub_diameter_mm": ("dowel_holes", "hub_dowels"),
         "drum.hub_face_y_mm": ("sectors_apart", "dowel_holes"),

@@ -32,6 +32,12 @@ class SpurKnown(TrialKnown):
         "drive.gearhead",
     )
 
+    # The stops of anchored cables leave less of a neck than the bearings' own shoulders.
+    own_checks: Mapping[str, tuple[str, ...]] = {
+        "input_pulleys.lower_bearing": ("bearing_shoulders",),
+        "input_pulleys.upper_bearing": ("bearing_shoulders",),
+    }
+
     @property
     def anchored(self) -> bool:
         """Whether two cables end on each input."""
