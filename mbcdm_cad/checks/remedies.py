@@ -7,6 +7,7 @@ effect of the change on the others.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from functools import cached_property
 from math import ceil, floor, log10
 from typing import NamedTuple
 
@@ -38,18 +39,28 @@ class Offer(NamedTuple):
 class Budget:
     """Number of trials that all remedies of one run may take; not a time, so that results do not depend on speed.
 
-    ``asked`` are fields that the file requires, which are named last; ``offers`` holds the values found, by check: at
-    most ``most`` each, and none for a check that only warns unless ``warnings``.
+    ``asked`` tells the fields that the file requires, which are named last; it is called when a value is first searched
+    for, since it loads all sizing rules. ``offers`` holds the values found, by check: at most ``most`` each, and none
+    for a check that only warns unless ``warnings``.
     """
 
     def __init__(
-        self, trials: int = TRIALS, asked: Collection[str] = (), most: int = MOST_OFFERS, warnings: bool = True
+        self,
+        trials: int = TRIALS,
+        asked: Callable[[], Collection[str]] = tuple,
+        most: int = MOST_OFFERS,
+        warnings: bool = True,
     ) -> None:
         self.left = trials
-        self.asked = asked
+        self._asked = asked
         self.most = most
         self.warnings = warnings
         self.offers: dict[str, list[Offer]] = {}
+
+    @cached_property
+    def asked(self) -> Collection[str]:
+        """Fields that the file requires."""
+        return self._asked()
 
 
 def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:

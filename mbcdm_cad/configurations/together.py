@@ -90,7 +90,7 @@ def together(
             # The remedies together give an invalid file: it stays unchanged.
             break
         data, changes, out = tried, changes | wanted, gone
-        budget = Budget(TRIALS, asked, most=1, warnings=False)
+        budget = Budget(TRIALS, lambda: asked, most=1, warnings=False)
         results = run_all(checks, configuration_of(design.drive).design_under_test(design.drive), budget)
         failing = tuple(result.id for result in failed(results))
         offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
