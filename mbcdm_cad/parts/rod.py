@@ -7,7 +7,7 @@ kernel, and these processes need nothing else of it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot
+from math import hypot, inf
 
 import numpy as np
 from OCP.BRepBuilderAPI import (
@@ -54,6 +54,10 @@ def swept_rod(pieces: Sequence[Piece], radius_mm: float) -> TopoDS_Shape:
 
     Raises ``ValueError``, or one of the kernel's own errors, where there is no such solid.
     """
+    tightest = min((p.radius_mm for p in pieces if not isinstance(p, Line | Parabola)), default=inf)
+    if tightest <= radius_mm:
+        # The kernel sweeps it, and takes what crosses itself for valid; a mesh of it then never ends.
+        raise ValueError(f"a bend of {tightest:.4g} mm is too tight for a rod of {radius_mm:.4g} mm radius")
     first = pieces[0]
     direction = gp_Dir(*(float(c) for c in first.tangent(0.0)))
     circle = gp_Circ(gp_Ax2(_point(first.points(np.array([0.0]))[0]), direction), radius_mm)

@@ -11,6 +11,7 @@ import pytest
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.parts.cable import create_cable
+from mbcdm_cad.routes.curves import Arc, Line
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])
@@ -42,3 +43,12 @@ def test_ends_are_flat_discs_in_stop_and_terminal(dims: Layout, solids: dict[str
             assert disc.Area() == pytest.approx(pi * radius**2, rel=1e-6)
             centre = np.array(disc.Center().toTuple())
             assert min(np.linalg.norm(centre - end) for end in ends) < 1e-6
+
+
+def test_a_bend_tighter_than_the_rope_is_refused() -> None:
+    """The kernel would sweep it into a solid that crosses itself, on which a mesh never becomes fine enough."""
+    straight = Line((0.0, 0.0, -5.0), (0.0, 0.0, 0.0))
+    bend = Arc((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0), 1.0, 0.0, pi / 2)
+    assert create_cable((straight, bend), 0.99).Volume() == pytest.approx(pi * 0.99**2 * (5.0 + pi / 2), rel=1e-6)
+    with pytest.raises(ValueError, match="a bend of 1 mm is too tight for a rod of 1 mm radius"):
+        create_cable((straight, bend), 1.0)
