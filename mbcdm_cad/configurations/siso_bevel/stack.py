@@ -72,8 +72,10 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
     """Compute the levels of a design without tests; the checks find impossible levels."""
     flank, running = drive.cable.diameter_mm / 2, drive.clearances.running_mm
     steps = sorted(c.drum_radius_mm for c in drive.cables)
-    land_bottom = -steps[-1] - flank - BAND_MARGIN_MM
-    land_top = -steps[0] + flank + BAND_MARGIN_MM
+    # A thick stop reaches as far as the land does, and no further.
+    beyond = max(BAND_MARGIN_MM, drive.termination.stop_radius_ratio * drive.cable.diameter_mm - flank)
+    land_bottom = -steps[-1] - flank - beyond
+    land_top = -steps[0] + flank + beyond
     s = drive.support
     bearing_top = land_bottom - SHOULDER_MM
     bearing_bottom = bearing_top - s.bearing_shelf_mm
