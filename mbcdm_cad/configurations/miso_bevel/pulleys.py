@@ -25,7 +25,7 @@ from mbcdm_cad.parts.input_pulley.dims import (
     JOURNAL_SLIT_MM,
     InputPulleyDims,
 )
-from mbcdm_cad.parts.input_pulley.stop import STOP_LAND_MM, anchored_groove, neck_radius_mm, stop_slot
+from mbcdm_cad.parts.input_pulley.stop import anchored_groove, neck_radius_mm, stop_land_mm, stop_slot
 
 
 def smallest_lead_mm(drive: BevelDrive) -> float:
@@ -43,8 +43,9 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
     flank = drive.cable.diameter_mm / 2
     bearings = drive.bearings
     stops = [stop_of(drive, c) for c in cables]
-    land_bottom = low_band.low_mm - STOP_LAND_MM
-    land_top = high_band.high_mm + STOP_LAND_MM
+    beyond = stop_land_mm(drive)
+    land_bottom = low_band.low_mm - beyond
+    land_top = high_band.high_mm + beyond
     slots = tuple(
         stop_slot(drive, c.name, c.input_radius_mm, g, b.dead_end_mm, land_bottom if c is low else land_top)
         for c, g, b in zip(cables, stops, (low_band, high_band), strict=True)

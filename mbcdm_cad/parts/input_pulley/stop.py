@@ -28,8 +28,8 @@ from mbcdm_cad.sizing import arithmetic
 STOP_WALL_MM = 0.75
 # Kept over the material's thinnest wall at the pocket's corners.
 STOP_CORNER_SPARE_MM = 0.01
-# Land beyond the flank of a winding's last turn: the wall of the slot.
-STOP_LAND_MM = 0.8
+# Least land beyond the flank of a winding's last turn: the wall of the slot.
+_STOP_LAND_MM = 0.8
 # The pieces of a cable's path inside the land, from its end.
 STOP_PIECES = ("chord", "bend")
 
@@ -96,6 +96,13 @@ def neck_mm(d_mm: float, end: TerminationSpec, wall_mm: float, pitch_radius_mm: 
 def neck_radius_mm(shoulder_mm: float, stop: StopGeometry) -> float:
     """Neck beside a stop: the shoulder of its bearing, but clear of the stop."""
     return min(shoulder_mm / 2, stop.bend_radius_mm - stop.stop_radius_mm - NECK_GAP_MM)
+
+
+def stop_land_mm(drive: SectorDrive) -> float:
+    """Land beyond the flank of a winding's last turn: the wall of its slot, and no less than a thick stop reaches."""
+    stops = [stop_geometry(drive, c.input_radius_mm, 0.0, 1) for c in drive.cables]
+    reach = max(stop.chord_rise_mm + stop.stop_radius_mm for stop in stops)
+    return max(_STOP_LAND_MM, reach - drive.cable.diameter_mm / 2)
 
 
 def stop_pieces(start: Vector, radial: Vector, back: Vector, radius_mm: float, stop: StopGeometry) -> list[Piece]:

@@ -10,9 +10,9 @@ import pytest
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import guide_landing_walk_mm
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.stack import END_PLAY_MM, SHOULDER_MM, band, outward_of, stack
-from mbcdm_cad.parts.input_pulley.stop import STOP_LAND_MM
+from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
 
 
 def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims: Layout) -> None:
@@ -67,9 +67,20 @@ def test_levels_are_in_order(dims: Layout) -> None:
 def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: BevelDrive, dims: Layout) -> None:
     for pulley in dims.inputs:
         low, high = sorted((c for c in drive.cables if c.input_name == pulley.name), key=lambda c: c.step)
-        assert pulley.land_bottom_z == band(drive, low, outward_of(drive, low)).low_mm - STOP_LAND_MM
-        assert pulley.land_top_z == band(drive, high, outward_of(drive, high)).high_mm + STOP_LAND_MM
+        assert pulley.land_bottom_z == band(drive, low, outward_of(drive, low)).low_mm - stop_land_mm(drive)
+        assert pulley.land_top_z == band(drive, high, outward_of(drive, high)).high_mm + stop_land_mm(drive)
         assert pulley.land_bottom_z < low.drum_radius_mm < pulley.wall_z < high.drum_radius_mm < pulley.land_top_z
+
+
+@pytest.mark.parametrize("stop_radius_ratio", [1.0, 2.0])
+def test_no_stop_stands_out_of_its_pulley(drive: BevelDrive, stop_radius_ratio: float) -> None:
+    """A rope of 2 mm has a stop that is thicker than the slot's wall; beyond the land are shelf and top plate."""
+    thick = replace(drive, termination=replace(drive.termination, stop_radius_ratio=stop_radius_ratio))
+    for pulley in layout(thick).inputs:
+        for slot in pulley.slots:
+            beyond = max(pulley.land_bottom_z - (slot.chord_z - slot.stop_radius), 0.0)
+            beyond = max(slot.chord_z + slot.stop_radius - pulley.land_top_z, beyond)
+            assert beyond < 1e-9, f"{slot.cable_name}: {beyond:.3f} mm"
 
 
 def test_dead_turns_lie_on_the_outer_ends(drive: BevelDrive) -> None:
