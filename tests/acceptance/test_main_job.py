@@ -82,6 +82,7 @@ def test_report_says_what_sets_each_field(built: Path) -> None:
 @pytest.mark.skipif(
     freecad_program() is None, reason="FreeCAD is not installed (Debian: apt-get install freecad-python3)"
 )
+@pytest.mark.slow
 def test_freecad_reads_every_solid(built: Path) -> None:
     step = built / "mbcdm.step"
     assert differences(freecad_findings(step), read_parts(step)) == []
@@ -130,6 +131,7 @@ def test_one_parameter_edited_redraws_only_what_depends_on_it(built: Path, cache
     assert sorted(made) == ["assembly", "drum", "drum_shaft", "interference at 9 poses", "stop_pin"], done.stdout
 
 
+@pytest.mark.slow
 def test_failing_design_is_refused_and_forced_output_says_so(cache: Path, tmp_path: Path) -> None:
     design = edited(tmp_path, "stiff_rope", ("bend_ratio_min: 14.8", "bend_ratio_min: 16.0"))
     refused = mbcdm("build", design, "--out", tmp_path / "out", cache=cache)

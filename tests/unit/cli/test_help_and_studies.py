@@ -72,6 +72,7 @@ def test_analyse_fits_the_terminal_and_names_no_infinite_load(
     assert "not reached" in next(line for line in out.splitlines() if "a cable goes slack" in line)
 
 
+@pytest.mark.slow
 def test_sensitivity_prints_readable_units(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

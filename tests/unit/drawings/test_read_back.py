@@ -15,6 +15,7 @@ from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import DoubledDimensionError, MissingDimensionError, dimensions, document
 from tests.support.rebuilt import SMALL, turned
 
+pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
 # Lengths are printed to a hundredth or a thousandth of a millimetre; a nut of 1.3 mm feels that most.
 _VOLUME_ERROR = 2e-3

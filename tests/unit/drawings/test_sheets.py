@@ -18,6 +18,7 @@ from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import document, table, texts_on_texts, texts_outside
 
+pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 _OF = configuration(_DRIVE.configuration)
