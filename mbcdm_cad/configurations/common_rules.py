@@ -11,6 +11,8 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, driver_of
 
 # Least D/d in the rope makers' tables of wire rope; they state no life below it.
 LEAST_WIRE_RATIO = 10.0
+# Screws of the clamp collars, by size.
+COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 # Share of the peak torque at which backlash is stated, if the file has no test torque.
 TEST_SHARE = 0.3
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
+from mbcdm_cad.configurations.common_rules import COLLAR_SCREWS
 from mbcdm_cad.configurations.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
-COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 _RING = "ring"
 
 

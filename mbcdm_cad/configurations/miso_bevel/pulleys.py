@@ -25,7 +25,7 @@ from mbcdm_cad.parts.input_pulley.dims import (
     JOURNAL_SLIT_MM,
     InputPulleyDims,
 )
-from mbcdm_cad.parts.input_pulley.stop import anchored_groove, neck_radius_mm, stop_land_mm, stop_slot
+from mbcdm_cad.parts.input_pulley.stop import anchored_groove, helix_stop_land_mm, neck_radius_mm, stop_slot
 
 
 def smallest_lead_mm(drive: BevelDrive) -> float:
@@ -43,7 +43,7 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
     flank = drive.cable.diameter_mm / 2
     bearings = drive.bearings
     stops = [stop_of(drive, c) for c in cables]
-    beyond = stop_land_mm(drive)
+    beyond = helix_stop_land_mm(drive)
     land_bottom = low_band.low_mm - beyond
     land_top = high_band.high_mm + beyond
     slots = tuple(

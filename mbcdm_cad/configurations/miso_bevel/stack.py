@@ -18,7 +18,7 @@ from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, guide_
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
-from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
+from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
 # Gap between a pulley's end face and a shelf or plate; the inner ring's shoulder bridges it.
 SHOULDER_MM = 0.6
@@ -111,7 +111,7 @@ def stack(drive: BevelDrive) -> Stack:
     steps = sorted(c.drum_radius_mm for c in drive.cables)
     guide_bottom = steps[0] - walk_on_guide - flank - GUIDE_MARGIN_MM
     guide_top = steps[-1] + walk_on_guide + flank + GUIDE_MARGIN_MM
-    beyond = stop_land_mm(drive)
+    beyond = helix_stop_land_mm(drive)
     pulleys_low = min(b.low_mm for b in bands.values()) - beyond
     pulleys_high = max(b.high_mm for b in bands.values()) + beyond
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.routes import DRUM
-from mbcdm_cad.configurations.siso_bevel.stack import BAND_MARGIN_MM, direct_stack
+from mbcdm_cad.configurations.siso_bevel.stack import direct_stack
 from mbcdm_cad.model.inertia import disc_kg_m2
 from mbcdm_cad.parts.drum_sector.inertia import drum_inertia_kg_m2
 from mbcdm_cad.routes.route import input_body
@@ -16,9 +16,8 @@ from mbcdm_cad.routes.route import input_body
 
 def inertias_kg_m2(drive: DirectDrive) -> dict[str, float]:
     """Inertia of each body of the routes about its own axis, kg m2."""
-    small, large = sorted(drive.cables, key=lambda c: c.step)
-    flank, density = drive.cable.diameter_mm / 2, drive.input_pulleys.material.density_g_cm3
-    # Both steps reach from the wall between them to the margin beyond their cable.
-    width = (large.drum_radius_mm - small.drum_radius_mm) / 2 + flank + BAND_MARGIN_MM
+    v, flank, density = direct_stack(drive), drive.cable.diameter_mm / 2, drive.input_pulleys.material.density_g_cm3
+    # The wall between the steps stands in the middle of the land.
+    width = (v.land_top_z - v.land_bottom_z) / 2
     pulley = sum(disc_kg_m2(density, width, c.input_radius_mm - flank) for c in drive.cables)
-    return {DRUM: drum_inertia_kg_m2(drive, direct_stack(drive).drum_inner_y), input_body(drive.input_names[0]): pulley}
+    return {DRUM: drum_inertia_kg_m2(drive, v.drum_inner_y), input_body(drive.input_names[0]): pulley}

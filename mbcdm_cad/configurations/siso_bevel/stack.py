@@ -16,13 +16,12 @@ from math import sqrt
 
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
 from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, flange_screw, inner_half_width_mm
 
 # Between the heads of the flange's screws and the motor head's wall.
 HEAD_ROOM_MM = 0.1
 
-# Land beyond the cable: the wall of the slot that holds the swaged stop.
-BAND_MARGIN_MM = 0.8
 # Corners of a printed frame's pockets (estimate).
 PRINTED_CORNER_MM = 2.0
 # Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
@@ -72,8 +71,7 @@ def direct_stack(drive: DirectDrive) -> DirectStack:
     """Compute the levels of a design without tests; the checks find impossible levels."""
     flank, running = drive.cable.diameter_mm / 2, drive.clearances.running_mm
     steps = sorted(c.drum_radius_mm for c in drive.cables)
-    # A thick stop reaches as far as the land does, and no further.
-    beyond = max(BAND_MARGIN_MM, drive.termination.stop_radius_ratio * drive.cable.diameter_mm - flank)
+    beyond = stop_land_mm(drive)
     land_bottom = -steps[-1] - flank - beyond
     land_top = -steps[0] + flank + beyond
     s = drive.support

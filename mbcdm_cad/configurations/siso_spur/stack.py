@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, run_out_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
-from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
+from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
 # Land beyond the cable at both ends of its walk.
 BAND_MARGIN_MM = 0.5
@@ -58,7 +58,7 @@ def reach_mm(drive: SpurDrive) -> float:
 def spur_stack(drive: SpurDrive) -> SpurStack:
     """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
     flank, running, s = drive.cable.diameter_mm / 2, drive.clearances.running_mm, drive.support
-    land = reach_mm(drive) + (stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
+    land = reach_mm(drive) + (helix_stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
     plane = abs(drive.terminal_mm)
     drum_inner = -drive.on_drum_mm - flank - drive.clearances.land_edge_mm
     front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land) - running

@@ -98,11 +98,18 @@ def neck_radius_mm(shoulder_mm: float, stop: StopGeometry) -> float:
     return min(shoulder_mm / 2, stop.bend_radius_mm - stop.stop_radius_mm - NECK_GAP_MM)
 
 
-def stop_land_mm(drive: SectorDrive) -> float:
-    """Land beyond the flank of a winding's last turn: the wall of its slot, and no less than a thick stop reaches."""
-    stops = [stop_geometry(drive, c.input_radius_mm, 0.0, 1) for c in drive.cables]
-    reach = max(stop.chord_rise_mm + stop.stop_radius_mm for stop in stops)
-    return max(_STOP_LAND_MM, reach - drive.cable.diameter_mm / 2)
+def stop_land_mm(drive: SectorDrive, rise_mm: float = 0.0) -> float:
+    """Land beyond the flank of a winding's last turn: the wall of its slot, and no less than a thick stop reaches.
+
+    ``rise_mm``: how far along the axis the stop lies beyond the winding's end.
+    """
+    d = drive.cable.diameter_mm
+    return max(_STOP_LAND_MM, rise_mm + drive.termination.stop_radius_ratio * d - d / 2)
+
+
+def helix_stop_land_mm(drive: SectorDrive) -> float:
+    """The same where the cables are wound in a helix, whose slope carries the stops outwards."""
+    return stop_land_mm(drive, max(stop_geometry(drive, c.input_radius_mm, 0.0, 1).chord_rise_mm for c in drive.cables))
 
 
 def stop_pieces(start: Vector, radial: Vector, back: Vector, radius_mm: float, stop: StopGeometry) -> list[Piece]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from mbcdm_cad.checks.design_variables import ALL_RADII, ROPE_DIAMETER
-from mbcdm_cad.configurations.miso_bevel.sizing.parts import COLLAR_SCREWS
+from mbcdm_cad.checks.design_variables import ALL_RADII
+from mbcdm_cad.configurations.common_freedoms import DRIVE, ENCODERS, INPUTS, SURFACE, first_radius
 from mbcdm_cad.design.freedom import Freedom
 
 # A setback is changed by adding, since it is often zero: a factor of 2 means this many mm more.
@@ -23,11 +23,6 @@ def _further_back(setback_mm: Any, factor: float) -> Any:
     return round(setback_mm + SETBACK_MM * (factor - 1.0), 2)
 
 
-def _first_radius(data: Mapping[str, Any]) -> dict[str, Any]:
-    radii = data["transmission"].get("drum_radii_mm")
-    return {"transmission.drum_radius_mm": radii[0]} if radii else {}
-
-
 def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
     ratios = data["transmission"].get("ratios") or {}
     first, second = ratios.get("input_to_guide"), ratios.get("guide_to_drum")
@@ -35,21 +30,13 @@ def _total_ratio(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 FREEDOMS: tuple[Freedom, ...] = (
-    Freedom("rope.type", kind="ropes", order="diameter_mm", mends=((ROPE_DIAMETER, 1),)),
-    Freedom("rope.preload_N", 0.5, 2.0),
-    Freedom("drive.motor", kind="motors", order="rated_torque_mNm"),
-    Freedom("drive.gearhead", kind="gearheads", order="max_torque_mNm"),
-    Freedom("drum.tensioner", kind="tensioners", order="stud_length_mm"),
-    Freedom("drum.bearing", kind="bearings", order="bore_mm"),
+    *DRIVE,
     Freedom("guide.bearing", kind="bearings", order="outer_diameter_mm"),
-    Freedom("input_pulleys.lower_bearing", kind="bearings", order="bore_mm"),
-    Freedom("input_pulleys.upper_bearing", kind="bearings", order="bore_mm"),
-    Freedom("input_pulleys.collar_screw", words=COLLAR_SCREWS),
-    Freedom("input_pulleys.surface", words=("smooth", "grooved")),
-    Freedom("drive.encoder", kind="encoders", order="bore_mm"),
-    Freedom("drive.drum_encoder", kind="encoders", order="bore_mm"),
+    *INPUTS,
+    SURFACE,
+    *ENCODERS,
     Freedom("transmission.centre_distance_mm", 0.7, 2.5),
-    Freedom("transmission.drum_radii_mm", 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=_first_radius),
+    Freedom("transmission.drum_radii_mm", 0.8, 2.5, _steps, mends=((ALL_RADII, 1),), instead=first_radius),
     Freedom(
         "transmission.ratios.guide_to_drum",
         0.4,

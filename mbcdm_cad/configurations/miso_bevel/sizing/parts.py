@@ -12,6 +12,7 @@ from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, clamp_force_N, grip
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
 from mbcdm_cad.checks.take_up import THREAD_OUT_PITCHES
 from mbcdm_cad.checks.terminals import STUD_SAFETY
+from mbcdm_cad.configurations.common_rules import COLLAR_SCREWS
 from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
@@ -38,7 +39,6 @@ GUIDE_TENSIONS = 1.85
 DRUM_TENSIONS = (1.62, 1.23)
 # Grip of a collar over the limit of its check: the input's torque is an estimate as long as the drum's steps are open.
 GRIP_SPARE = 1.03
-COLLAR_SCREWS = ("M1.6x6", "M2x8", "M2.5x10", "M3x12", "M4x16", "M5x20", "M6x25")
 # Take-up over the need of the longest cable, whose length is an estimate until the drum's width is known.
 TAKE_UP_SPARE = 1.04
 # Strength of the stud over the limit of its check, because the nut also bends it a little.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
-from mbcdm_cad.configurations.head_freedoms import PARTS
+from mbcdm_cad.configurations.common_freedoms import PARTS, SURFACE
 from mbcdm_cad.design.freedom import Freedom
 
 
@@ -15,7 +15,7 @@ def _whole(turns: Any, factor: float) -> Any:
 
 FREEDOMS: tuple[Freedom, ...] = (
     *PARTS,
-    Freedom("input_pulleys.surface", words=("smooth", "grooved")),
+    SURFACE,
     Freedom("transmission.turns", 0.7, 2.0, _whole),
     Freedom("transmission.drum_radius_mm", 0.7, 2.0, mends=((ALL_RADII, 1),)),
     Freedom("transmission.input_to_drum", 0.7, 1.5),

@@ -12,7 +12,7 @@ from mbcdm_cad.configurations.miso_bevel.cable_path import guide_landing_walk_mm
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.stack import END_PLAY_MM, SHOULDER_MM, band, outward_of, stack
-from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
+from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
 
 def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims: Layout) -> None:
@@ -67,8 +67,8 @@ def test_levels_are_in_order(dims: Layout) -> None:
 def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: BevelDrive, dims: Layout) -> None:
     for pulley in dims.inputs:
         low, high = sorted((c for c in drive.cables if c.input_name == pulley.name), key=lambda c: c.step)
-        assert pulley.land_bottom_z == band(drive, low, outward_of(drive, low)).low_mm - stop_land_mm(drive)
-        assert pulley.land_top_z == band(drive, high, outward_of(drive, high)).high_mm + stop_land_mm(drive)
+        assert pulley.land_bottom_z == band(drive, low, outward_of(drive, low)).low_mm - helix_stop_land_mm(drive)
+        assert pulley.land_top_z == band(drive, high, outward_of(drive, high)).high_mm + helix_stop_land_mm(drive)
         assert pulley.land_bottom_z < low.drum_radius_mm < pulley.wall_z < high.drum_radius_mm < pulley.land_top_z
 
 
