@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from itertools import combinations, product
+from itertools import product
 from math import acos, degrees, pi, radians, tan
 from typing import Any
 
 from mbcdm_cad.design.catalogue import package_entries
+from tests.support.reach_bound import smallest_impossible
 
 Entry = Mapping[str, Any]
 # Of files that name no limits of their own: least D/d of wire rope, factor on the breaking load.
@@ -186,14 +187,8 @@ def excluding(layout: str, found: Asked) -> tuple[tuple[str, ...], str]:
 
     Why: the conditions that no combination meets, where one alone is at fault, else all of the layout's.
     """
-    if _possible(layout, found):
-        return (), ""
-    given = [name for name in NAMES if getattr(found, name) is not None]
-    for count in range(1, len(given) + 1):
-        for names in combinations(given, count):
-            if not _possible(layout, found.only(names)):
-                return names, _why(layout, found.only(names))
-    raise AssertionError(f"{found} is impossible as a whole and possible in full")
+    names = smallest_impossible(NAMES, found, lambda asked: _possible(layout, asked))
+    return names, _why(layout, found.only(names)) if names else ""
 
 
 def _possible(layout: str, a: Asked) -> bool:

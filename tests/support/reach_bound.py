@@ -8,11 +8,11 @@ all that is asked.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import hypot, inf, pi, radians, tan
-from typing import Any
+from typing import Any, Protocol, Self, TypeVar
 
 from mbcdm_cad.checks.bending import ANCHOR_RATIO
 from mbcdm_cad.checks.input_pulley import SHOULDER_MM
@@ -31,6 +31,17 @@ WALL_MM = 0.5
 # What a requirement that is left out may be at best.
 LEAST_RATIO, MOST_RATIO, MOST_RADIUS_MM = 1.0, 40.0, 1000.0
 NAMES = ("ratio", "radius", "travel", "torque", "rope", "distance")
+
+
+class Requirements(Protocol):
+    """What a file asks, with the fields that it leaves open None."""
+
+    def only(self, names: tuple[str, ...]) -> Self:
+        """With all other requirements left out."""
+        ...
+
+
+T = TypeVar("T", bound=Requirements)
 
 
 @dataclass(frozen=True)
@@ -64,14 +75,16 @@ def asked(data: Mapping[str, Any]) -> Asked:
 
 def excluding(found: Asked) -> tuple[str, ...]:
     """The smallest set of requirements that no combination of the catalogue meets; empty where there is none."""
-    if _possible(found):
+    return smallest_impossible(NAMES, found, _possible)
+
+
+def smallest_impossible(names: Sequence[str], found: T, possible: Callable[[T], bool]) -> tuple[str, ...]:
+    """The smallest of the sets of stated fields ``names`` that are not ``possible`` alone; empty where all are."""
+    if possible(found):
         return ()
-    given = [name for name in NAMES if getattr(found, name) is not None]
-    for count in range(1, len(given) + 1):
-        for names in combinations(given, count):
-            if not _possible(found.only(names)):
-                return names
-    return ()
+    given = [name for name in names if getattr(found, name) is not None]
+    sets = (some for count in range(1, len(given) + 1) for some in combinations(given, count))
+    return next(some for some in sets if not possible(found.only(some)))
 
 
 def _possible(a: Asked) -> bool:

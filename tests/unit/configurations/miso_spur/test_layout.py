@@ -24,6 +24,7 @@ from mbcdm_cad.configurations.miso_spur.support.volume import VOLUMES
 from mbcdm_cad.configurations.siso_spur.support.stiffness import frame_compliance as compliance_of_one
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.volume import estimated_mm3
+from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
 Made = Callable[[int], RoundDrumDrive]
@@ -53,10 +54,7 @@ def test_cables_keep_their_length_and_join_without_a_kink(with_inputs: Made, cou
     for angle in np.radians([-35.0, 12.0, 35.0]):
         for path, length in zip(dims.cable_paths(float(angle)), centred, strict=True):
             assert path.length_mm == pytest.approx(length, abs=1e-9)
-            for (one, before), (two, after) in zip(path.pieces[:-1], path.pieces[1:], strict=True):
-                gap = np.abs(before.points(np.array([1.0])) - after.points(np.array([0.0]))).max()
-                kink = np.abs(before.tangent(1.0) - after.tangent(0.0)).max()
-                assert gap < 1e-9 and kink < 1e-9, f"{one} to {two}: {gap} mm, {kink}"
+            assert_joined(path)
 
 
 def test_anchored_cables_fail_no_check_and_end_in_their_stops(anchored: RoundDrumLayout) -> None:

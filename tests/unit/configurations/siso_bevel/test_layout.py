@@ -27,6 +27,7 @@ from mbcdm_cad.configurations.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.configurations.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
 
@@ -53,10 +54,7 @@ def test_paths_keep_their_length_and_join_without_a_kink(dims: DirectLayout) -> 
         paths = dims.cable_paths(float(angle))
         lengths.append([path.length_mm for path in paths])
         for path in paths:
-            for (one, before), (two, after) in zip(path.pieces[:-1], path.pieces[1:], strict=True):
-                gap = np.abs(before.points(np.array([1.0])) - after.points(np.array([0.0]))).max()
-                kink = np.abs(before.tangent(1.0) - after.tangent(0.0)).max()
-                assert gap < 1e-9 and kink < 1e-9, f"{path.cable.name}, {one} to {two}: {gap} mm, {kink}"
+            assert_joined(path)
     assert np.ptp(lengths, axis=0) == pytest.approx([0.0, 0.0], abs=1e-9)
 
 

@@ -25,6 +25,7 @@ from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection
+from tests.support.smooth_path import assert_joined
 
 ANGLES_DEG = (-35.0, 0.0, 20.0, 35.0)
 
@@ -62,10 +63,7 @@ def test_paths_keep_their_length_and_join_without_a_kink(
     anchors = {c.name: (changed.landing_rad + 1.0, 5.0) for c in cables}
     for centred, path in zip(*(cable_paths(changed, anchors, at) for at in (0.0, np.radians(angle))), strict=True):
         assert path.length_mm == pytest.approx(centred.length_mm, abs=1e-9)
-        for (one, before), (two, after) in zip(path.pieces[:-1], path.pieces[1:], strict=True):
-            gap = np.abs(before.points(np.array([1.0])) - after.points(np.array([0.0]))).max()
-            kink = np.abs(before.tangent(1.0) - after.tangent(0.0)).max()
-            assert gap < 1e-9 and kink < 1e-9, f"{path.cable.name}, {one} to {two}: {gap} mm, {kink}"
+        assert_joined(path)
 
 
 def test_each_groove_lies_under_its_cable_and_ends_in_the_slot_of_its_stop(lay: SpurLayout) -> None:

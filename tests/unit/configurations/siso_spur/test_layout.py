@@ -25,6 +25,7 @@ from mbcdm_cad.configurations.siso_spur.layout import SpurLayout, layout
 from mbcdm_cad.configurations.siso_spur.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
 
@@ -61,10 +62,7 @@ def test_path_keeps_its_length_and_joins_without_a_kink(
     anchors = {c.name: (changed.landing_rad + 1.0, 5.0) for c in cables}
     centred, path = (cable_path(changed, anchors, at) for at in (0.0, np.radians(angle)))
     assert path.length_mm == pytest.approx(centred.length_mm, abs=1e-9)
-    for (one, before), (two, after) in zip(path.pieces[:-1], path.pieces[1:], strict=True):
-        gap = np.abs(before.points(np.array([1.0])) - after.points(np.array([0.0]))).max()
-        kink = np.abs(before.tangent(1.0) - after.tangent(0.0)).max()
-        assert gap < 1e-9 and kink < 1e-9, f"{one} to {two}: {gap} mm, {kink}"
+    assert_joined(path)
 
 
 def test_spans_walk_one_lead_a_turn_and_leave_their_turns_apart(dims: SpurLayout) -> None:
