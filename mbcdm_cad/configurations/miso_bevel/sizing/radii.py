@@ -11,6 +11,7 @@ from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.cable_path import BLEND_DIAMETERS
 from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM, drum_sweep
+from mbcdm_cad.configurations.miso_bevel.design_file.rules import MOST_SETBACK
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.configurations.miso_bevel.sizing.known import (
     LATER,
@@ -161,11 +162,15 @@ def _centre_distance(given: BevelKnown) -> Found:
     ring, input_encoder = given.entry("encoders", "drive.drum_encoder"), given.entry("encoders", "drive.encoder")
     ears = ring["bolt_circle_mm"] / 2 + given.screw(ring["screw"]).thread_mm / 2 + EAR_WALL_MM
     column = max(drum_bearing["outer_diameter_mm"] / 2 + BEARING_WALL_MM, ears, ring["diameter_mm"] / 2)
+    apart = max(drive_radius_mm(given) + column, input_encoder["diameter_mm"] / 2) + running
+    setback = _expected_setback_mm(given)
     needs = {
         "fleet_angle": reach_mm(span, guide + pulley),
         "pulley_gap": guide + pulley + d + running,
         "centre_distance": hypot(guide + pulley, 2 * BLEND_DIAMETERS * d),
-        "drives_apart": max(drive_radius_mm(given) + column, input_encoder["diameter_mm"] / 2) + running,
+        # Drives stand apart along x alone, and the inputs' x is what the setback leaves of the centre distance.
+        "drives_apart": hypot(apart, setback),
+        "transmission.input_setback_mm": setback / MOST_SETBACK,
     }
     return largest(needs, STEP_MM)
 
@@ -199,18 +204,41 @@ def _shown_mm(length_mm: float) -> str:
 
 def _setback(given: BevelKnown) -> Found:
     """Zero if the drum passes drives and pulleys without setback; else the setback at which its terminals pass them."""
-    d, running = given.d_mm, given["clearances.running_mm"]
-    lowest = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm)
+    passing = {"drum_sweep": 0.0} if _drum_passes(given) else _passing_needs_mm(given)
+    return largest({**passing, "front_wall": _front_wall_mm(given)}, STEP_MM)
+
+
+def _expected_setback_mm(given: BevelKnown) -> float:
+    """That of the file, else the setback for a drum that only passes in front of the drives.
+
+    Whether it also passes them without one is known once the frame is.
+    """
+    if given.has("transmission.input_setback_mm"):
+        return number(given["transmission.input_setback_mm"])
+    needs = (*_passing_needs_mm(given).values(), _front_wall_mm(given))
+    return rounded_up(greatest(0.0, *needs), STEP_MM)
+
+
+def _lowest_mm(given: BevelKnown) -> float:
+    """y of what turns with the drum nearest to the frame: its inner face or a terminal's nut."""
+    return least(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm)
+
+
+def _front_wall_mm(given: BevelKnown) -> float:
+    """Setback at which the frame has a wall before the seats of the inputs' bearings and gearheads."""
     lower, upper = (given.entry("bearings", f"input_pulleys.{end}_bearing") for end in ("lower", "upper"))
     seat = max(lower["outer_diameter_mm"], upper["outer_diameter_mm"], given.gearhead.pilot_diameter_mm) / 2
-    needs = {"drum_sweep": 0.0, "front_wall": seat + given.wall_mm("support") - (lowest - running)}
-    if not _drum_passes(given):
-        needs |= {
-            "drum_sweep": drive_radius_mm(given) + running - lowest,
-            "collars": _collar_mm(given) + MOVING_GAP_MM - lowest,
-            "input pulleys": max(given.input_mm) + d / 2 + MOVING_GAP_MM - min(lowest, given.guide_mm[0] - d / 2),
-        }
-    return largest(needs, STEP_MM)
+    return number(seat + given.wall_mm("support") - (_lowest_mm(given) - given["clearances.running_mm"]))
+
+
+def _passing_needs_mm(given: BevelKnown) -> dict[str, float]:
+    """Setback at which drum and terminals pass in front of drives, collars and pulleys."""
+    d, lowest = given.d_mm, _lowest_mm(given)
+    return {
+        "drum_sweep": drive_radius_mm(given) + given["clearances.running_mm"] - lowest,
+        "collars": _collar_mm(given) + MOVING_GAP_MM - lowest,
+        "input pulleys": greatest(*given.input_mm) + d / 2 + MOVING_GAP_MM - least(lowest, given.guide_mm[0] - d / 2),
+    }
 
 
 def _drum_passes(given: BevelKnown) -> bool:

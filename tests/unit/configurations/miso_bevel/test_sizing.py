@@ -64,6 +64,22 @@ def test_a_short_file_gives_a_whole_drive() -> None:
     assert ratios == pytest.approx([9.0] * 4, rel=1e-6), ratios
 
 
+@pytest.mark.parametrize(("radius_mm", "ratio"), [(70.0, 4.5), (50.0, 5.0)])
+def test_wide_motors_that_are_set_back_stand_apart_too(radius_mm: float, ratio: float) -> None:
+    """Motors of 87 mm without gearhead pass behind the drum only if set back by half the usual centre distance."""
+    data = {
+        "configuration": "miso_bevel",
+        "travel": {"half_angle_deg": 35.0},
+        "transmission": {"ratio": ratio, "drum_radius_mm": radius_mm},
+        "loads": {"peak_torque_Nm": 3.0},
+        "drive": {"motor": "tmotor-u8-100kv", "gearhead": "none"},
+        **{part: {"material": "pla"} for part in ("drum", "guide", "support")},
+    }
+    loaded = load_text(yaml.safe_dump(data), "wide.yaml")
+    assert loaded.drive.input_setback_mm > 20.0, loaded.drive.input_setback_mm
+    assert {check.id: check.message for check in run_checks(loaded) if check.status == "fail"} == {}
+
+
 def test_a_complete_file_is_left_alone() -> None:
     loaded = load_text(yaml.safe_dump(REFERENCE))
     assert loaded.sized == ()
