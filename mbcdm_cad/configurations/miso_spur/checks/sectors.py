@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import atan2, hypot, pi, tan
 from typing import NamedTuple
 
@@ -37,7 +37,15 @@ def sectors_apart(s: RoundDrumUnderTest) -> Comparison:
     return at_least("a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm, "mm")
 
 
-def _zones(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
+def _shelf(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
+    """The encoder's shelf at an input, which begins just outside the rim whatever the centre distance is."""
+    f, v = s.layout.units[index].frame, s.levels_of(index)
+    name = f"encoder shelf of {s.drive.input_names[index]}"
+    yield Zone(name, v.top_plate_bottom_z, v.top_plate_top_z, f.shelf_bottom_z, f.shelf_half_width)
+
+
+def _on_axis(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
+    """What lies round the axis of an input."""
     unit, v, drive = s.layout.units[index], s.levels_of(index), s.drive
     pulley, f = unit.inputs[0], unit.frame
     axis, encoder = f.axis_z, drive.encoder.diameter_mm / 2
@@ -45,9 +53,6 @@ def _zones(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
     name = pulley.name
     yield Zone(f"neck of the {name} pulley", v.front_y, v.land_bottom_z, axis - pulley.lower_neck_radius, land)
     yield Zone(f"{name} pulley", v.land_bottom_z, v.land_top_z, axis - land, land)
-    yield Zone(
-        f"encoder shelf of {name}", v.top_plate_bottom_z, v.top_plate_top_z, f.shelf_bottom_z, f.shelf_half_width
-    )
     yield Zone(f"encoder of {name}", v.top_plate_top_z, v.encoder_top_z, axis - encoder, encoder)
 
 
@@ -75,11 +80,11 @@ def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -
     return found
 
 
-def sectors_clear_inputs(s: RoundDrumUnderTest) -> Comparison:
-    """Each sector turns past the other inputs."""
+def _gaps(s: RoundDrumUnderTest, zones: Callable[[RoundDrumUnderTest, int], Iterator[Zone]]) -> Comparison:
+    """Each sector against zones at the other inputs."""
     running, found = s.drive.clearances.running_mm, []
     for index in range(s.drive.n_inputs):
-        for zone in _zones(s, index):
+        for zone in zones(s, index):
             for sector in range(s.drive.n_inputs):
                 if sector == index:
                     continue
@@ -87,6 +92,16 @@ def sectors_clear_inputs(s: RoundDrumUnderTest) -> Comparison:
                     along = max(low - zone.high, zone.low - high)
                     found.append(at_least(f"{name} from {zone.name}", max(along, zone.inner - outer), running, "mm"))
     return worst(found)
+
+
+def sectors_clear_inputs(s: RoundDrumUnderTest) -> Comparison:
+    """Each sector turns past pulleys and encoders of the other inputs."""
+    return _gaps(s, _on_axis)
+
+
+def sectors_clear_shelves(s: RoundDrumUnderTest) -> Comparison:
+    """Each sector turns past the encoders' shelves of the other inputs."""
+    return _gaps(s, _shelf)
 
 
 def heads_apart(s: RoundDrumUnderTest) -> Comparison:
@@ -162,6 +177,13 @@ CHECKS = (
         "clearances.running_mm",
         sectors_clear_inputs,
         adjust=_OUT,
+    ),
+    Check(
+        "sectors_clear_shelves",
+        "Sectors turn past the other encoders' shelves",
+        "clearances.running_mm",
+        sectors_clear_shelves,
+        adjust=(up("drum.hub_face_y_mm"), *_OUT),
     ),
     Check("heads_apart", "Motor heads stand apart", "derived", heads_apart, adjust=_OUT),
     Check(

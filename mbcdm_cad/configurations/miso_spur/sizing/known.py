@@ -27,7 +27,7 @@ class RoundDrumKnown(SpurKnown):
         **SpurKnown.own_checks,
         "transmission.centre_distance_mm": ("sectors_clear_inputs", "heads_apart"),
         "drum.hub_diameter_mm": ("dowel_holes", "hub_dowels"),
-        "drum.hub_face_y_mm": ("sectors_apart", "dowel_holes"),
+        "drum.hub_face_y_mm": ("sectors_apart", "sectors_clear_shelves", "dowel_holes"),
     }
 
     def checks(self) -> Mapping[str, Check]:
