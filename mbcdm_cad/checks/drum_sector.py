@@ -7,11 +7,10 @@ from math import asin, degrees, radians
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS
 
 # Rim under a pocket's floor, in multiples of the thinnest wall: it carries the root of the lug (estimate).
 RIM_WALLS = 1.5
-# Web beside the stop's slot, in multiples of the thinnest wall (estimate).
-SLOT_WALLS = 2.0
 # Hub over the shaft's diameter (usual: 1 to 1.5).
 HUB_DIAMETERS = 1.0
 # Largest angle beyond the travel at which the stops may engage (the paper's stops are between 35.0 and 35.5 degrees).

@@ -24,19 +24,18 @@ def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]
     return sorted((n for n, e in entries.items() if wanted(n, e)), key=lambda n: (entries[n]["mass_g"], n))
 
 
+def _rings(given: TrialKnown, bearing: dict[str, Any]) -> list[str]:
+    """Ring encoders of a bearing's bore, whose screws are beside its seat; the lightest first."""
+
+    def fits(name: str, ring: dict[str, Any]) -> bool:
+        web = (ring["bolt_circle_mm"] - given.screw(ring["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
+        return _RING in name and ring["bore_mm"] == bearing["bore_mm"] and web >= HOLE_WEB_MM
+
+    return _by_mass(given, "encoders", fits)
+
+
 def _drum_bearing(given: TrialKnown) -> Found:
-    rings = [entry for name, entry in given.entries("encoders").items() if _RING in name]
-
-    def has_encoder(bearing: dict[str, Any]) -> bool:
-        """Whether a ring of its bore has its screws beside the bearing's seat."""
-        return any(
-            ring["bore_mm"] == bearing["bore_mm"]
-            and (ring["bolt_circle_mm"] - given.screw(ring["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
-            >= HOLE_WEB_MM
-            for ring in rings
-        )
-
-    names = _by_mass(given, "bearings", lambda _, entry: has_encoder(entry))
+    names = _by_mass(given, "bearings", lambda _, entry: bool(_rings(given, entry)))
     return given.first("drum.bearing", names, ("drum_bearings", "shaft_twist"))
 
 
@@ -59,8 +58,11 @@ def _encoder(given: TrialKnown) -> Found:
 
 
 def _drum_encoder(given: TrialKnown) -> Found:
-    bore = given.entry("bearings", "drum.bearing")["bore_mm"]
-    names = _by_mass(given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bore)
+    bearing = given.entry("bearings", "drum.bearing")
+    # A bearing that the file states may have none beside its seat: then the checks say what is missing.
+    names = _rings(given, bearing) or _by_mass(
+        given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"]
+    )
     return given.first("drive.drum_encoder", names, ("boss",))
 
 

@@ -46,6 +46,8 @@ OPEN_MM = 0.05
 MIN_GUARD_MM = 2.0
 BEYOND_MM = 30.0
 STOP_SLOT_PLAY_MM = 0.3
+# Web beside the stop's slot, in multiples of the thinnest wall (estimate).
+SLOT_WALLS = 2.0
 
 
 # Take-up of all terminals, and the part of it that a cable of nominal length uses, mm.

@@ -15,6 +15,7 @@ from mbcdm_cad.configurations.miso_spur.sizing import size
 from mbcdm_cad.configurations.siso_spur.sizing import size as size_of_one
 from mbcdm_cad.design.drive import Drive
 
+PRINTED = ("drum", "support")
 PARAMS = Path(__file__).parents[3] / "params"
 
 
@@ -54,14 +55,34 @@ def test_each_input_is_sized_for_its_share_of_the_torque() -> None:
     assert {name: three[name] for name in alike} == {name: one[name] for name in alike}
 
 
-def test_motors_alone_give_a_drum_with_room_for_boss_and_stop_slot() -> None:
-    """6 N m from two of 0.7 N m at 4.4 to 1: rope and shaft alone would take a drum of 35.5 mm."""
+@pytest.mark.parametrize(
+    "asked",
+    [
+        # Two inputs and +-62 degrees: the terminals of one sector come round to the other input's encoder and shelf.
+        {"half": 61.9, "radius": 42.7, "ratio": 11.96, "peak": 0.52, "inputs": 2},
+        # Four printed hubs of 98 mm for their dowels: the stop's slot lies outside them.
+        {"half": 35.0, "radius": 89.5, "ratio": 4.95, "peak": 8.0, "inputs": 4, "rope": "7x7-0.61", "material": "pla"},
+    ],
+    ids=("wide travel", "wide hub"),
+)
+def test_far_corners_of_the_space_pass_every_check(asked: dict[str, Any]) -> None:
+    data = short(asked["peak"], asked["inputs"])
+    data["travel"]["half_angle_deg"] = asked["half"]
+    data["transmission"] = {"input_to_drum": asked["ratio"], "drum_radius_mm": asked["radius"]}
+    if "rope" in asked:
+        data |= {"rope": {"type": asked["rope"]}, **{part: {"material": asked["material"]} for part in PRINTED}}
+    drive = load_text(yaml.safe_dump(data)).drive
+    assert not failed(drive), failed(drive)
+
+
+def test_motors_alone_give_the_smallest_drum_that_rope_and_shaft_allow() -> None:
+    """6 N m from two of 0.7 N m at 4.4 to 1: the stop pin stands where hub and rim leave its slot a web."""
     plastic = {"drum": {"material": "pla"}, "support": {"material": "pla"}}
     data = short(6.0, rope={"type": "uhmwpe-2"}, drive={"motor": "tmotor-u8-100kv"}, transmission={}, **plastic)
     drive = load_text(yaml.safe_dump(data | {"travel": {"half_angle_deg": 60.0}})).drive
     assert not failed(drive), failed(drive)
     radius = drive.cables[0].drum_radius_mm
-    assert 35.5 < radius < 42.0, f"{radius} mm"
+    assert radius == 35.5, f"{radius} mm"
 
 
 def test_what_is_given_stays_and_the_starting_file_passes() -> None:

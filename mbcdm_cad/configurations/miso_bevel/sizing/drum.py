@@ -8,7 +8,6 @@ from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.drum_sector import (
     HUB_DIAMETERS,
     RIM_WALLS,
-    SLOT_WALLS,
     SPIGOT_MM,
 )
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
@@ -27,6 +26,7 @@ from mbcdm_cad.parts.drum_sector.sizes import (
     PAYLOAD_DEPTH_MM,
     PAYLOAD_THREAD_MM,
     SECTOR_MARGIN_DEG,
+    SLOT_WALLS,
     STOP_SLOT_PLAY_MM,
     SWAGE_START_MM,
 )

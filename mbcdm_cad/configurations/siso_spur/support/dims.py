@@ -16,14 +16,14 @@ In section, y to the right (front), z up:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, tan
+from math import ceil, pi, tan
 
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, least_wall_z_mm
 from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.parts.boss.dims import BossDims, boss
-from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
+from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM, drum_shaft
 from mbcdm_cad.parts.motor_head.dims import (
     DOWEL_MM,
     Flange,
@@ -48,8 +48,9 @@ SCREW_WALL = 0.65
 OPENING_WEB_MM = 0.6
 # Between the heads of the flange's screws and the motor head's wall.
 HEAD_ROOM_MM = 0.15
-# The stop pin's middle over the boss, in pin diameters beyond the threads of the plate's lower mounts.
+# Radius of the stop pin's middle over the inner radius of the rim, where the hub leaves it room.
 STOP_SHARE = 0.62
+STOP_STEP_MM = 0.1
 CORNER_MM = 2.0
 
 
@@ -148,6 +149,13 @@ def flange(drive: SpurDrive) -> Flange:
     )
 
 
+def stop_pin_z_mm(drive: SpurDrive) -> float:
+    """Distance of the stop pin from the drum's axis: further out where a wide hub leaves its slot no web there."""
+    d = drive.drum
+    beside_hub = d.hub_diameter_mm / 2 + SLOT_WALLS * d.material.min_wall_mm + (d.stop_pin_mm + STOP_SLOT_PLAY_MM) / 2
+    return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside_hub / STOP_STEP_MM) * STOP_STEP_MM)
+
+
 def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
     """Dimensions of the frame."""
     s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
@@ -185,7 +193,7 @@ def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
         encoder_head_depth=s.encoder_shelf_mm - encoder_screw.length_mm + ENCODER_GRIP * encoder_screw.thread_mm,
         encoder_circle_radius=circle,
         stop_pin_radius=drive.drum.stop_pin_mm / 2,
-        stop_pin_z=STOP_SHARE * drive.drum.rim_inner_radius_mm,
+        stop_pin_z=stop_pin_z_mm(drive),
         flange_screw_radius=(insert.hole_mm if insert else screw.thread_mm) / 2,
         flange_insert=insert,
         flange_screws=tuple((x, z + y) for x, y in head.screws),
