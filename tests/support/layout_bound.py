@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
-from math import acos, degrees, pi, radians, tan
-from typing import Any
+from math import acos, degrees, inf, pi, radians, tan
+from typing import Any, NamedTuple
 
 from mbcdm_cad.design.catalogue import package_entries
 from tests.support.reach_bound import smallest_impossible
@@ -27,6 +27,8 @@ LEAST_RESERVE_DEG = 15.0
 # The column of siso_bevel from its pulley down to the drum's axis: land beside the cable, gap and play over the shelf,
 # room under the encoder, stop pin, head of a mounting screw with its room, wall round the drum's bearing.
 LAND_MM, OVER_SHELF_MM, UNDER_ENCODER_MM, STOP_PIN_MM, MOUNT_MM, BOSS_WALL_MM = 0.8, 0.7, 1.0, 3.0, 6.5, 3.0
+# Hole for the key of the screws next to the motor, round its corners; web from there to the seat of a bearing.
+KEY_PLAY_MM, HOLE_WEB_MM = 0.15, 0.5
 # What a requirement that is left out may be at best.
 LEAST_RATIO, MOST_RADIUS_MM = 1.0, 1000.0
 NAMES = ("ratio", "radius", "travel", "torque", "rope", "surface")
@@ -51,6 +53,14 @@ class Asked:
         return Asked(**{name: getattr(self, name) if name in names else None for name in NAMES}, wall_mm=self.wall_mm)
 
 
+class Face(NamedTuple):
+    """What is bolted to the motor shelf: its shaft's diameter, radius of its screws' circle and of their key's hole."""
+
+    shaft_mm: float
+    bolts_mm: float
+    key_mm: float
+
+
 @dataclass(frozen=True)
 class Trial:
     """A file with one rope, its end and one gearhead or motor face chosen."""
@@ -58,7 +68,7 @@ class Trial:
     asked: Asked
     rope: Entry
     end: Entry
-    shaft_mm: float
+    face: Face
 
     @property
     def d(self) -> float:
@@ -112,12 +122,19 @@ def _nut_corner_mm() -> float:
 
 def _seat_behind_drum(t: Trial) -> bool:
     """The frame ends behind the terminals' nuts, and still has a wall before the bearing next to the gearhead."""
+    return t.input_mm - _nut_corner_mm() - RUNNING_MM - t.asked.wall_mm >= _least_seat_mm(t.face)
+
+
+@cache
+def _least_seat_mm(face: Face) -> float:
+    """Seat of the smallest bearing round the shaft that lets a key pass to the screws, in its seat or beside it."""
     seats = [
         b["outer_diameter_mm"] / 2
         for b in package_entries("bearings").values()
-        if b["bore_mm"] >= t.shaft_mm + 2 * TURNED_WALL_MM - 1e-9
+        if b["bore_mm"] >= face.shaft_mm + 2 * TURNED_WALL_MM - 1e-9
     ]
-    return t.input_mm - _nut_corner_mm() - RUNNING_MM - t.asked.wall_mm >= min(seats)
+    low, high = face.bolts_mm - face.key_mm - HOLE_WEB_MM, face.bolts_mm + face.key_mm
+    return min((seat for seat in seats if seat <= low or seat >= high), default=inf)
 
 
 @cache
@@ -208,20 +225,28 @@ def _trials(a: Asked) -> Iterator[Trial]:
                 rope["construction"] in end["constructions"]
                 and end["smallest_mm"] <= rope["diameter_mm"] <= end["largest_mm"]
             ):
-                yield from (Trial(a, rope, end, shaft) for shaft in _shafts_mm((a.torque or 0.0) / (a.ratio or 40.0)))
+                yield from (Trial(a, rope, end, face) for face in _faces((a.torque or 0.0) / (a.ratio or 40.0)))
 
 
 @cache
-def _shafts_mm(input_Nm: float) -> tuple[float, ...]:
-    """Shafts of gearheads, with some motor, and of motors with a face that hold a torque at the input."""
+def _faces(input_Nm: float) -> tuple[Face, ...]:
+    """Faces of gearheads, with some motor, and of motors with a shaft of their own that hold a torque at the input."""
     motors, heads = package_entries("motors").values(), package_entries("gearheads").values()
-    faces = [
-        m["shaft_diameter_mm"] for m in motors if m.get("shaft_diameter_mm") and m["rated_torque_mNm"] >= input_Nm * 1e3
-    ]
-    geared = [
-        head["shaft_diameter_mm"]
+    strong = [m for m in motors if m.get("shaft_diameter_mm") and m["rated_torque_mNm"] >= input_Nm * 1e3]
+    strong += [
+        head
         for head in heads
         if head["max_torque_mNm"] >= input_Nm * 1e3
         and any(m["rated_torque_mNm"] * head["ratio"] >= input_Nm * 1e3 for m in motors)
     ]
-    return tuple(sorted({float(shaft) for shaft in (*faces, *geared)}))
+    screws = package_entries("screws")
+    return tuple(
+        sorted(
+            {
+                Face(
+                    e["shaft_diameter_mm"], e["bolt_circle_mm"] / 2, screws[e["screw"]]["key_mm"] / 3**0.5 + KEY_PLAY_MM
+                )
+                for e in strong
+            }
+        )
+    )

@@ -25,6 +25,8 @@ def test_a_reference_is_within_the_bound(layout: str) -> None:
         ("siso_bevel", {"ratio": 5.0}, ("ratio", "travel"), "360 degrees"),
         ("siso_bevel", {"radius": 30.0}, ("radius",), "higher than the drum's radius"),
         ("siso_bevel", {"rope": "uhmwpe-2"}, ("ratio", "radius", "rope"), "the rope's stop"),
+        # A 4 mm bearing would fit behind the drum, but no key passes it to the gearhead's screws.
+        ("siso_bevel", {"ratio": 5.6, "radius": 43.5, "travel": 20.0, "rope": None}, ("ratio", "radius"), "no bearing"),
         ("siso_spur", {"rope": "7x7-1.0", "ratio": 14.0}, ("ratio", "radius", "rope"), "too thin for the bend"),
         ("siso_spur", {"surface": "smooth", "ratio": 13.0}, ("ratio", "radius", "rope", "surface"), "slope too much"),
         ("siso_spur", {"rope": "uhmwpe-0.8", "torque": 20.0}, ("radius", "torque", "rope"), "too weak"),
