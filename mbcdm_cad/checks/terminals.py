@@ -16,7 +16,7 @@ from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
-from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.parts.terminal.dims import CHAMFER_MM, Tensioner
 
 # Gap between two terminals, and between terminal and cable (estimate: no tool between them, nothing moves).
 TERMINAL_GAP_MM = 0.1
@@ -32,7 +32,8 @@ _ALONE = noted("terminals beside another one", 0.0, "")
 def bodies_of(s: SectorUnderTest, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
     """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug.
 
-    ``moved``: the space that they need over the whole travel of the terminal, else their place at preload.
+    ``moved``: the space that they need over the whole travel of the terminal, as a polygon; else what bounds them at
+    preload, without the stud's chamfered edge.
     """
     start, end, tip = (t.slack_start, t.last_end, t.last_tip) if moved else (t.swage_start, t.swage_end, t.tip)
     spec, d = s.drive.tensioner, s.layout.drum
@@ -42,9 +43,14 @@ def bodies_of(s: SectorUnderTest, t: Tensioner, moved: bool = True) -> list[tupl
     def outline(start: float, end: float, low: float, high: float) -> Points:
         return np.array([t.at(start, low), t.at(end, low), t.at(end, high), t.at(start, high)])
 
+    def chamfered(start: float, end: float, half: float) -> Points:
+        c = CHAMFER_MM
+        return np.concatenate([outline(start, end - c, -half, half), outline(start, end, c - half, half - c)])
+
+    stud_outline = outline(end, tip, -stud, stud) if moved else chamfered(end, tip, stud)
     return [
         ("swage", outline(start, end, -swage, swage), t.y_mm - swage, t.y_mm + swage),
-        ("stud", outline(end, tip, -stud, stud), t.y_mm - stud, t.y_mm + stud),
+        ("stud", stud_outline, t.y_mm - stud, t.y_mm + stud),
         ("nuts", outline(t.lug_end, t.nuts_end, -nut, nut), t.y_mm - nut, t.y_mm + nut),
         ("lug", outline(t.lug_start, t.lug_end, -d.lug_root(t), lug), t.y_mm - lug, d.lands[-1].y_end),
     ]

@@ -11,7 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.configurations.check_design import run_checks
 from mbcdm_cad.configurations.loader import new_design_text
 from mbcdm_cad.configurations.siso_bevel.assembly_order import assembly_order
@@ -27,6 +29,7 @@ from mbcdm_cad.configurations.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.configurations.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.parts.make import make
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
@@ -46,6 +49,18 @@ def test_params_file_is_what_the_schema_writes() -> None:
 def test_reference_design_fails_no_check(drive: DirectDrive) -> None:
     failed = {result.id: result.message for result in run_checks(drive) if result.status == "fail"}
     assert not failed, failed
+
+
+def test_outlines_of_the_terminals_reach_as_far_as_their_solids(drive: DirectDrive, dims: DirectLayout) -> None:
+    """They bound the box that is foreseen: a stud's tip has a chamfered edge."""
+    own, design = bill(dims), DirectUnderTest(drive)
+    for t in dims.drum.tensioners:
+        (item,) = (item for item in own.items if item.name == f"terminal_{t.cable_name}")
+        spec = own.parts[item.part]
+        low, high = bounding_box(make(spec.maker, spec.args), item.location)
+        ends = {name: outline for name, outline, _, _ in bodies_of(design, t, moved=False)}["stud"]
+        foreseen, drawn = t.side * ends[:, 0], (high if t.side > 0 else low)[0] * t.side
+        assert foreseen.max() == pytest.approx(drawn, abs=0.01), f"{t.cable_name}: {foreseen.max()}, drawn {drawn}"
 
 
 def test_paths_keep_their_length_and_join_without_a_kink(dims: DirectLayout) -> None:
