@@ -44,8 +44,9 @@ gallery: setup
 	$(BIN)/python -m mbcdm_cad.report.gallery_page params/gallery docs
 
 benchmark: setup
-	$(BIN)/python benchmarks/speed.py
-	$(BIN)/python benchmarks/model.py
+	for layout in mbcdm siso_spur miso_spur siso_bevel; do \
+	  $(BIN)/python benchmarks/speed.py params/$$layout.yaml && $(BIN)/python benchmarks/model.py params/$$layout.yaml \
+	    || exit 1; done
 
 # The docs as a site that needs no network; a dead link or a page that nothing leads to fails.
 docs-site: setup

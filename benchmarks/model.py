@@ -1,8 +1,9 @@
 """How fast the analytic model is, on one core.
 
-    python benchmarks/model.py [--repeat N] [--json FILE]
+    python benchmarks/model.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
 
 Processor time of all threads, the least of N runs after a small one that compiles. Exit code 1 if a limit is exceeded.
+Many designs are sized at once for miso_bevel alone.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 import mbcdm_cad as mc
 from mbcdm_cad.configurations.loader import load_design, load_text
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many
 from mbcdm_cad.model.hysteresis import simulate
@@ -37,29 +39,34 @@ GRID_SAMPLES = 5_000
 GRID_CELL_RAD = 1e-3
 
 
-def brake_series(samples: int) -> tuple[Any, Any]:
-    """Input angles (2, n) of 32 cycles of +-50 mrad of the drum, and a brake of 0.91 N m against the motion."""
+def brake_series(drive: Drive, samples: int) -> tuple[Any, Any]:
+    """Input angles of 32 cycles of +-50 mrad of the drum, and a brake of the test torque against the motion."""
     phase = np.linspace(0.0, 64.0 * np.pi, samples)
-    return np.tile(0.45 * np.sin(phase), (2, 1)), 0.91 * np.where(np.cos(phase) >= 0.0, 1.0, -1.0)
+    angle = 0.05 * drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm * np.sin(phase)
+    return np.tile(angle, (len(drive.input_names), 1)), drive.loads.test_torque_Nm * np.where(
+        np.cos(phase) >= 0.0, 1.0, -1.0
+    )
 
 
-def noisy_series(samples: int) -> tuple[Any, Any]:
+def noisy_series(drive: Drive, samples: int) -> tuple[Any, Any]:
     """The same with sensor noise, so that nearly every sample is a turning point."""
     rng = np.random.default_rng(1)
-    angle, load = brake_series(samples)
+    angle, load = brake_series(drive, samples)
     return angle + rng.normal(0.0, 1e-4, angle.shape), load + rng.normal(0.0, 0.02, samples)
 
 
 def designs(d: DriveSI, n: int) -> DriveSI:
     """Random designs about ``d``."""
     rng = np.random.default_rng(0)
-    size = rng.uniform(0.8, 1.5, n)
+    size, each = rng.uniform(0.8, 1.5, n), (d.n_cables, n)
+    lengths = {name: np.multiply.outer(value, size) for name, value in d.parameters.items()}
+    lengths["input_radius_m"] *= rng.uniform(0.97, 1.03, each)
+    if "centre_distance_m" in lengths:
+        # Not less than it is: the pulleys of some layouts would meet.
+        lengths["centre_distance_m"] *= rng.uniform(1.0, 1.3, n)
     return d.with_(
-        input_radius_m=d.input_radius_m[:, None] * size * rng.uniform(0.97, 1.03, (4, n)),
-        guide_radius_m=d.value("guide_radius_m")[:, None] * size,
-        drum_radius_m=d.drum_radius_m[:, None] * size,
-        preload_N=rng.uniform(40, 120, (4, n)),
-        centre_distance_m=rng.uniform(30e-3, 48e-3, n),
+        **lengths,
+        preload_N=rng.uniform(40, 120, each),
         friction_coefficient=rng.uniform(0.05, 0.4, n),
         modulus_Pa=rng.uniform(30e9, 90e9, n),
     )
@@ -69,10 +76,10 @@ def measured(design: Path, repeat: int) -> list[Figure]:
     """All figures."""
     drive = load_design(design).drive
     d, need = to_si(drive), requirements(drive)
-    finite = d.with_(input_wrap_rad=np.full(4, 16.0), drum_wrap_rad=np.full(4, 3.0))
+    finite = d.with_(input_wrap_rad=np.full(d.n_cables, 16.0), drum_wrap_rad=np.full(d.n_cables, 3.0))
     found = []
     for label, series in (("sine under a brake", brake_series), ("the same with noise", noisy_series)):
-        angle, load = series(SAMPLES)
+        angle, load = series(drive, SAMPLES)
         for kind, model, winding, limit in (
             ("endless wraps", d, False, SERIES_LIMIT_S),
             ("finite wraps", finite, False, None),
@@ -80,8 +87,8 @@ def measured(design: Path, repeat: int) -> list[Figure]:
         ):
             simulate(model, angle[:, :10], load[:10], winding=winding)
             taken = least(partial(simulate, model, angle, load, winding=winding), repeat)
-            found.append(Figure(f"1e6 samples, 4 cables, {label}: {kind}", taken, "s", limit))
-    angle, load = brake_series(GRID_SAMPLES)
+            found.append(Figure(f"1e6 samples, {d.n_cables} cables, {label}: {kind}", taken, "s", limit))
+    angle, load = brake_series(drive, GRID_SAMPLES)
     simulate_on_grid(d, angle[:, :10], load[:10], True, GRID_CELL_RAD)
     cells = least(lambda: simulate_on_grid(d, angle, load, True, GRID_CELL_RAD), 1)
     knots = least(lambda: simulate(d, angle, load, winding=True), repeat)
@@ -90,7 +97,8 @@ def measured(design: Path, repeat: int) -> list[Figure]:
     analyse_many(designs(d, 1000), need)
     bulk = least(lambda: analyse_many(batch, need), repeat)
     found.append(Figure("analyse_many", DESIGNS / bulk, "designs/s", DESIGNS_PER_S_LIMIT, at_least=True))
-    found += _sized(design, repeat)
+    if drive.configuration == "miso_bevel":
+        found += _sized(design, repeat)
     one = least(lambda: [analyse(drive) for _ in range(SINGLES)], repeat) / SINGLES
     found.append(Figure("analyse, one design", one * 1e3, "ms"))
     return found
