@@ -19,7 +19,7 @@ from mbcdm_cad.solving.question import ASIDE, Fixed, Out, Point, Question
 from mbcdm_cad.solving.repair import repair, stuck
 from mbcdm_cad.solving.trials import Trials, messages
 
-# Shares of a requirement at which giving way is tried, either side.
+# Factors by which a requirement is relaxed, in both directions.
 SHARES = (1.05, 1.15, 1.4, 2.0, 4.0, 12.0)
 BISECTIONS = 4
 # Trials to make a design pass at one value of a requirement, and how many values of one requirement are repaired.
@@ -88,13 +88,13 @@ def _size(way: Give) -> tuple[float, str]:
 
 
 def _on(trials: Trials, name: str, value: Any) -> Trials:
-    """The same question with one requirement given way."""
+    """The same question with one requirement set to ``value``, or left out."""
     question = trials.question.relaxed({name: Out() if value is None else Fixed(value)})
     return Trials(question, trials.jobs, trials.told)
 
 
 def _requirements(question: Question) -> Iterator[str]:
-    """What the file asks: fields that may not be moved, and are not how the design is told."""
+    """The requirements of the file: fields that the search may not change, without those that only describe it."""
     for name, value in leaves(question.data):
         listed = isinstance(value, list) and not all(isinstance(item, int | float) for item in value)
         if (
@@ -116,9 +116,10 @@ Miss = tuple[float, str, Any, Point]
 
 
 def _given_way(trials: Trials, name: str, miss: Point, fixed: frozenset[str]) -> Give | Miss | None:
-    """How far a requirement must give for a passing design; where none is found, (violation, name, value, point).
+    """The change of one requirement with which a design passes; if none is found, (violation, name, value, point).
 
-    None where giving way changes nothing for the better, or leaves one of the ``fixed`` checks, which no move changes.
+    None if no value of the requirement lowers the violation, or if one of the ``fixed`` checks, which no move changes,
+    misses by the same amount.
     """
     starts: list[Point] = [{name: _setting(value)} for value in _values(trials.question, name)]
     before, outcomes = trials({}), trials.many(starts)
@@ -144,7 +145,7 @@ def _given_way(trials: Trials, name: str, miss: Point, fixed: frozenset[str]) ->
 
 
 def _values(question: Question, name: str) -> Iterator[Any]:
-    """Values at which giving way is tried: None for leaving it out."""
+    """Values of a requirement that are tried: None for leaving it out."""
     if name in question.ranges:
         found = question.ranges[name]
         yield from (round_to(found.low / share) for share in SHARES if found.low > 0.0)
@@ -174,7 +175,7 @@ def _setting(value: Any) -> Out | Fixed:
 
 
 def _as_little(trials: Trials, name: str, found: Point) -> Give:
-    """From a value at which the design passes back towards what is asked, as far as it still passes."""
+    """Move a passing value back towards the value that the file asks for, by bisection, as far as the design passes."""
     before = _shown(trials.question, name)
     setting = found[name]
     asked = dict(leaves(trials.question.data)).get(name)
@@ -210,7 +211,7 @@ def _rule_value(question: Question, name: str, found: Point) -> Out | Fixed:
 
 
 def _rest_is_idle(trials: Trials, exclude: tuple[str, ...], miss: Point) -> bool:
-    """Whether no design is found either with all other requirements dropped that have a rule."""
+    """Whether no design passes even when all other requirements that have a rule are dropped."""
     others = [name for name in _requirements(trials.question) if name not in exclude]
     dropped = {
         name: Out() for name in others if name not in trials.question.ranges and _has_rule(trials.question, name)

@@ -14,15 +14,15 @@ from mbcdm_cad.solving.question import Fixed, Point, Setting, Times
 from mbcdm_cad.solving.trials import Trials, choices, cost, setting_of
 
 SEED = 20
-# Members of a generation.
+# Trials in one generation.
 POPULATION = 24
-# The share of a variable's way in which it stays at what its rule gives: a design moves few fields.
+# Share of a variable's interval that means "keep the value of the rule", because few fields of a solution change.
 STILL = 0.5
 
 
 def evolve(trials: Trials, start: Point, most: int) -> Point:
-    """The best point found by at most about ``most`` trials; stops at the first generation with a passing one."""
-    from scipy.optimize import differential_evolution  # takes longer to import than a check takes
+    """The best point that at most about ``most`` trials find; stops after the first generation with a passing trial."""
+    from scipy.optimize import differential_evolution  # its import takes longer than all checks of a design
 
     held = dict(start)
     variables = [_variable(trials, f) for f in trials.question.open_fields(start) if f.is_choice or f.low < f.high]
@@ -68,7 +68,7 @@ Variable = tuple[str, Callable[[float], Setting | None]]
 
 
 def _variable(trials: Trials, freedom: Freedom) -> Variable:
-    """A field as a variable from 0 to 1: its rule's value in the first part, what it may be instead in the rest."""
+    """A field as a variable from 0 to 1: the value of its rule below ``STILL``, its other values above."""
     names = choices(trials.question, freedom) if freedom.is_choice else []
 
     def setting(u: float) -> Setting | None:

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def value_at(data: Any, field: str) -> Any:
-    """Value of a field, None where it is left out."""
+    """Value of a field, None if it is left out."""
     for part in field.split("."):
         if not isinstance(data, dict):
             return None
@@ -16,7 +16,7 @@ def value_at(data: Any, field: str) -> Any:
 
 
 def put(data: dict[str, Any], field: str, value: Any) -> None:
-    """Set a field; blocks on the way are made where they are missing."""
+    """Set a field; blocks above it that are missing are created."""
     *blocks, last = field.split(".")
     for block in blocks:
         if not isinstance(data.get(block), dict):
@@ -26,7 +26,7 @@ def put(data: dict[str, Any], field: str, value: Any) -> None:
 
 
 def take_out(data: dict[str, Any], field: str) -> None:
-    """Remove a field, and each block above it that holds nothing any more; nothing happens where it is left out."""
+    """Remove a field and each block above it that becomes empty; nothing happens if the field is left out."""
     *blocks, last = field.split(".")
     above: list[tuple[dict[str, Any], str]] = []
     for block in blocks:
@@ -41,7 +41,7 @@ def take_out(data: dict[str, Any], field: str) -> None:
 
 
 def leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Every field that is no block, with its value; an empty block counts as none."""
+    """Every field that is not a block, with its value; an empty block gives nothing."""
     for key, value in data.items():
         name = f"{above}{key}"
         if isinstance(value, dict):

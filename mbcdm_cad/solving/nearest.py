@@ -12,12 +12,12 @@ from mbcdm_cad.solving.trials import Trials, cost, setting_of
 
 BISECTIONS = 5
 AIM_STEPS = 7
-# Past what the rules alone reach: how far at once, as a share of what is left, the trials to make it pass, how often.
+# Beyond the value that the rules alone reach: step as a share of the rest, trials to repair it, number of steps.
 FURTHER, TRIALS_FOR_AN_AIM, AIM_REPAIRS = 0.05, 60, 4
 
 
 def written_out(trials: Trials, point: Point) -> Point:
-    """The point with the values of all moved numbers and ranges in place of factors, as a file will give them."""
+    """The point with numbers in place of factors and ranges, as the file will state them."""
     found = trials.question.as_written(point)
     moved = [field for field, setting in point.items() if isinstance(setting, Times)]
     moved += [field for field in trials.question.ranges if field not in point]
@@ -39,13 +39,13 @@ def taken_back(trials: Trials, point: Point) -> Point:
 
 
 def _released_less(trials: Trials, point: Point) -> Point:
-    """Fields that were taken out are put back: all of a kind, then halves of them, down to single ones."""
+    """Put removed fields back: all of one kind, else each half of them, down to single fields."""
     for kind in sorted({trials.question.releases.get(field, 0) for field in point}, reverse=True):
         fields = [
             f for f, s in sorted(point.items()) if isinstance(s, Out) and trials.question.releases.get(f, 0) == kind
         ]
         point = _put_back(trials, point, fields)
-        # Fields that go together, such as a modulus and its area, come back together or not at all.
+        # Fields that belong together, such as a modulus and its area, are put back together or not at all.
         for block in dict.fromkeys(field.partition(".")[0] for field in fields):
             left = [field for field in fields if field in point and field.startswith(f"{block}.")]
             point = _pairs_put_back(trials, point, left)
@@ -74,7 +74,7 @@ def _put_back(trials: Trials, point: Point, fields: list[str]) -> Point:
 
 
 def _halved(trials: Trials, point: Point, field: str) -> Point:
-    """A number moved back towards where it came from, by halves, as far as the design still passes."""
+    """Move a number back towards its value before the search, by bisection, as far as the design still passes."""
     setting = point[field]
     if not isinstance(setting, Fixed) or isinstance(setting.value, str | bool | tuple):
         return point
@@ -95,7 +95,10 @@ def _halved(trials: Trials, point: Point, field: str) -> Point:
 
 
 def _home(trials: Trials, point: Point, field: str) -> object:
-    """What a field has where it is not moved: its rule's value within its range, or the middle of that."""
+    """Value of a field that the search does not change: its rule's value within its range, or the range's middle.
+
+    None if it has none, or if the file states an aim for the range.
+    """
     if field in trials.question.unruled:
         return None if trials.question.ranges[field].aim else trials.question.middle(field)
     if field in trials.question.ranges and trials.question.ranges[field].aim:
@@ -113,7 +116,7 @@ def _sized(trials: Trials, point: Point, field: str) -> object:
 
 
 def towards_aims(trials: Trials, point: Point) -> Point:
-    """Move ranges towards their aim (min or max): by bisection, then a little further where that can be repaired."""
+    """Move ranges towards their aim (min or max): by bisection, then in small steps if a repair makes them pass."""
     for field, found in trials.question.ranges.items():
         if not found.aim:
             continue
@@ -130,7 +133,7 @@ def towards_aims(trials: Trials, point: Point) -> Point:
 
 
 def _bisected(trials: Trials, point: Point, field: str, end: float) -> Point:
-    """A passing point with a field as near to ``end`` as passes by the rules alone."""
+    """A passing point with a field as near to ``end`` as possible while no other field changes."""
     passing, failing = _number(point, field), end
     for _ in range(AIM_STEPS):
         middle = _between(passing, failing, 0.5)
@@ -151,6 +154,6 @@ def _number(point: Point, field: str) -> float:
 
 
 def _between(near: float, far: float, share: float) -> float:
-    """This share of the way from one value to the other, by their ratio where both are positive."""
+    """Value at this share of the interval between two values; on a logarithmic scale if both are positive."""
     by_ratio = near > 0.0 and far > 0.0
     return float(f"{near * (far / near) ** share if by_ratio else near + share * (far - near):.4g}")

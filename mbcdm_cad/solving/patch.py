@@ -1,4 +1,4 @@
-"""Write changed fields into the text of a YAML file; everything else, comments too, stays as it is."""
+"""Write changed fields into the text of a YAML file; all other text, comments too, stays the same."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ INDENT = 2
 
 
 def patched(text: str, path: str, wanted: Mapping[str, Any]) -> str:
-    """The text of the file whose content is ``wanted`` in place of what it is.
+    """The text of the file, changed so that its content is ``wanted``.
 
-    Raises ``MbcdmError`` where the text is written so that fields cannot be changed one at a time (aliases).
+    Raises ``MbcdmError`` if fields of the text cannot be changed one at a time (aliases).
     """
     now = parse(text, path).data
     before, after = dict(leaves(now)), dict(leaves(wanted))
@@ -40,13 +40,13 @@ def patched(text: str, path: str, wanted: Mapping[str, Any]) -> str:
 
 
 def difference(before: str, after: str, path: str) -> str:
-    """The change as a unified diff, which people read and the program ``patch`` applies."""
+    """The change as a unified diff, which the program ``patch`` can apply."""
     lines = difflib.unified_diff(before.splitlines(), after.splitlines(), path, path, lineterm="", n=1)
     return "\n".join(lines)
 
 
 def _with(text: str, path: list[str], value: Any) -> str:
-    """The text with a field set: its value replaced, or the field added to the innermost block that there is."""
+    """The text with a field set: its value replaced, or the field added to the innermost block that exists."""
     node = _root(text)
     for depth, name in enumerate(path):
         found = _item(node, name)
@@ -89,7 +89,10 @@ def _item(node: yaml.MappingNode, name: str) -> tuple[yaml.Node, yaml.Node] | No
 
 
 def _end(text: str, node: yaml.Node) -> int:
-    """Index behind a node; a block's end mark stands before whatever follows it, blanks and comments included."""
+    """Index of the first character after a node.
+
+    The end mark of a block includes the blanks and comments after it, so that its last item is used instead.
+    """
     if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
         last = node.value[-1]
         return _end(text, last[1] if isinstance(last, tuple) else last)
@@ -98,9 +101,9 @@ def _end(text: str, node: yaml.Node) -> int:
 
 def _replaced(text: str, node: yaml.Node, value: str) -> str:
     start, end = node.start_mark.index, _end(text, node)
-    if start == end:  # nothing stands there: behind the colon
+    if start == end:  # no value is written: insert after the colon
         return f"{text[:start].rstrip(' ')} {value}{text[start:]}"
-    if isinstance(node, yaml.CollectionNode) and not node.flow_style:  # a block becomes a value on its key's line
+    if isinstance(node, yaml.CollectionNode) and not node.flow_style:  # a block becomes a value on the line of its key
         start = text.rindex(":", 0, start) + 1
         value = f" {value}"
     return text[:start] + value + text[end:]
@@ -137,7 +140,7 @@ def _cut(text: str, node: yaml.MappingNode, key: yaml.Node, value: yaml.Node) ->
     if last < 0:
         return text[:first]
     column, rest = text[end:last].find("#"), text[last + 1 :].split("\n")
-    if column >= 0:  # a comment that goes on below goes too
+    if column >= 0:  # remove the further lines of its comment too
         mark = end + column - (text.rfind("\n", 0, end) + 1)
         while rest and rest[0][:mark].strip() == "" and rest[0][mark : mark + 1] == "#":
             rest.pop(0)

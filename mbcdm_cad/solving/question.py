@@ -20,13 +20,13 @@ from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.solving.fields import leaves, put, take_out, value_at
 
-# A number that a rule finds may be moved to these shares of it where the configuration says nothing else.
+# Factors within which a number that a rule gives may be changed, unless the configuration states others.
 DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0
 # Blocks whose fields describe or present a design and are no requirements: never changed, never named as a cause.
 ASIDE = ("schema_version", "name", "configuration", "inputs", "cables", "catalogue", "waivers", "as_built", "export")
 # Releases of a complete file, in the order in which they are tried.
 PIN, CHOICE, WISH, ASKED = 1, 2, 3, 4
-# A rope that is named stays, whichever it is.
+# A rope that the file names is never changed, even if it is the rope of the reference design.
 _KEPT = ("rope.type",)
 _WISHES, _ASKED = ("targets", "limits", "rope"), ("transmission",)
 
@@ -40,7 +40,7 @@ class Times:
 
 @dataclass(frozen=True)
 class Fixed:
-    """A value that replaces that of rule or file; a list is given as a tuple."""
+    """A value that replaces the value of the rule or of the file; a list is given as a tuple."""
 
     value: Any
 
@@ -56,10 +56,10 @@ Point = Mapping[str, Setting]
 
 @dataclass(frozen=True)
 class Question:
-    """One design file and what a search may do with it.
+    """One design file and the changes that a search may make to it.
 
-    ``data`` is the file's content without its ranges; ``releases`` the fields of the file that may be taken out, with
-    the place in the order of trying (:data:`PIN` to :data:`ASKED`). ``complete``: the file states all
+    ``data`` is the file's content without its ranges; ``releases`` the fields of the file that may be removed, with
+    their place in the order in which this is tried (:data:`PIN` to :data:`ASKED`). ``complete``: the file states all
     derived dimensions, as ``mbcdm init --reference`` writes them.
     """
 
@@ -74,14 +74,14 @@ class Question:
 
     @cached_property
     def freedoms(self) -> dict[str, Freedom]:
-        """What may be moved where the file leaves it to its rule: choices first, then derived dimensions."""
+        """Fields that may change if the file leaves them to their rules: choices first, then derived dimensions."""
         named = {freedom.field: freedom for freedom in self.file.freedoms()}
         derived = [field for field in self.file.derived() if field not in named]
         return {**named, **{field: Freedom(field, DERIVED_LOW, DERIVED_HIGH) for field in derived}}
 
     @cached_property
     def unruled(self) -> frozenset[str]:
-        """Fields given as a range that no rule fills: a trial needs a value for each."""
+        """Fields given as a range that have no sizing rule: a trial needs a value for each."""
         found = set()
         for field in self.ranges:
             others = {name: Fixed(self.middle(name)) for name in self.ranges if name != field}
@@ -95,14 +95,14 @@ class Question:
         return frozenset(found)
 
     def middle(self, field: str) -> float:
-        """The middle of a range, by its ratio where it spans more than one to four."""
+        """The middle of a range; the geometric mean of its ends if their ratio is above four."""
         found = self.ranges[field]
         if found.low > 0.0 and found.high > 4.0 * found.low:
             return float(f"{(found.low * found.high) ** 0.5:.4g}")
         return float(f"{0.5 * (found.low + found.high):.4g}")
 
     def open_fields(self, point: Point) -> Iterator[Freedom]:
-        """The freedoms whose field the file leaves out at this point, or gives as a range that a rule fills."""
+        """The freedoms whose field the file leaves out at this point, or gives as a range that has a rule."""
         for field, freedom in self.freedoms.items():
             stated = value_at(self.data, field) is not None
             if not stated or isinstance(point.get(field), Out) or self._below_out(field, point):
@@ -112,7 +112,11 @@ class Question:
         return any(isinstance(point.get(outer), Out) for outer in _outer(field))
 
     def trial(self, point: Point, *, open_ranges: bool = False) -> tuple[dict[str, Any], dict[str, Any]]:
-        """(data, what is made of the rules' values) of a point; ranges at what their rules give, within their ends."""
+        """(data, functions that change the values of rules, by field) of a point.
+
+        A range without a setting takes the value of its rule, limited to its ends, or its middle if it has no rule;
+        with ``open_ranges`` its rule is used in both cases.
+        """
         data, moved = copy.deepcopy(self.data), {}
         for field in [name for name, setting in point.items() if isinstance(setting, Out)]:
             instead = self.freedoms[field].instead(data) if field in self.freedoms else {}
@@ -138,11 +142,11 @@ class Question:
         return self.ranges[field].within(found) if field in self.ranges else found
 
     def resolve(self, data: dict[str, Any], moved: Mapping[str, Any]) -> Resolved:
-        """The drive that the data makes. Raises InputError where it makes none."""
+        """The drive of this data. Raises InputError if the data describe none."""
         return resolved(Tree(data, self.tree.lines), self.path, self.file, moved)
 
     def as_written(self, point: Point) -> dict[str, Any]:
-        """The data of a file in which every moved value is written out. Raises InputError as :meth:`resolve`."""
+        """The data of a file that states every changed value. Raises InputError as :meth:`resolve`."""
         data, moved = self.trial(point)
         if not moved:
             return data
@@ -153,7 +157,7 @@ class Question:
         return data
 
     def relaxed(self, point: Point) -> Question:
-        """The same question about the file in which the values of ``point`` are written."""
+        """The same question for the file with the values of ``point``."""
         data, _ = self.trial(point)
         ranges = {field: found for field, found in self.ranges.items() if field not in point}
         for field in ranges:
@@ -162,7 +166,7 @@ class Question:
 
 
 def read_question(path: str | Path) -> Question:
-    """The question that a design file asks. Raises ``InputError`` for what is wrong with the file itself."""
+    """The question of a design file. Raises ``InputError`` for mistakes that no search can correct."""
     path = Path(path)
     return question_of(read_text(path), path)
 
@@ -173,7 +177,7 @@ def question_of(text: str, path: str | Path = "<text>") -> Question:
     whole = parse(text, str(path))
     file = design_file_of(whole, str(path))
     if file.size is None:
-        raise MbcdmError(f"{path}: this configuration has no sizing rules yet, so that nothing follows and can move")
+        raise MbcdmError(f"{path}: this configuration has no sizing rules; solve changes only fields that have one")
     tree, ranges = split_ranges(whole, str(path), file.node_at)
     found = Question(path, text, whole, tree.data, file, {r.field: r for r in ranges}, {}, complete=False)
     pins = [field for field in file.derived() if value_at(tree.data, field) is not None]
@@ -187,7 +191,7 @@ def question_of(text: str, path: str | Path = "<text>") -> Question:
 
 
 def _of_the_template(question: Question) -> dict[str, int]:
-    """Fields of a complete file that still have the value of the reference design: proposed, not asked for."""
+    """Fields of a complete file with the value of the reference design: these may be unchanged defaults."""
     reference = reference_data(question.data["configuration"])
     same = [field for field, value in leaves(question.data) if value_at(reference, field) == value]
     found = {}
@@ -202,11 +206,11 @@ def _of_the_template(question: Question) -> dict[str, int]:
 
 
 def _refuse_what_is_wrong(question: Question) -> None:
-    """Raise InputError for what no search can mend: a wrong name, a value out of bounds, pins that contradict."""
+    """Raise InputError for what no search can correct: a wrong name, a value out of bounds, pins that conflict."""
     try:
         question.resolve(*question.trial({}))
     except InputError as error:
-        # What a rule or a layout cannot do with these figures is for the search; all else is wrong in the file.
+        # The search may change values for which a rule or a layout finds no drive; all else is a mistake in the file.
         if all(problem.may_move for problem in error.problems):
             return
         raise

@@ -11,10 +11,10 @@ from mbcdm_cad.solving.fields import value_at
 from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
 from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, setting_of
 
-# How far a number is moved at once, as shares of its value; of a range, of its width.
+# Size of one step of a number as a share of its value, and of a range as a share of its width.
 STEPS = (0.02, 0.08, 0.25, 0.7)
 RANGE_STEPS = (0.1, 0.3, 1.0)
-# Sizes of a choice tried around the one in force.
+# Places of a choice that are tried, counted from the present one in the order of sizes.
 SIZES = (-1, 1, 2, 4)
 # Failing checks whose remedies are tried, and the moves of one round at most.
 FIRST_CHECKS, MOST_MOVES = 6, 90
@@ -22,12 +22,12 @@ FIRST_CHECKS, MOST_MOVES = 6, 90
 TOGETHER = 4
 ROUNDS = 8
 GAIN = 1e-3
-# A check that misses by the same in this many trials is not moved by what moves.
+# If a check misses by the same amount in at least ENOUGH trials, no free field affects it. SAME: tolerance of the miss.
 ENOUGH, SAME = 20, 1e-6
 
 
 def repair(trials: Trials, start: Point, most: int) -> Point:
-    """The best point that some rounds of changes from ``start`` reach; at most about ``most`` trials."""
+    """The best point found by some rounds of changes from ``start``, with at most about ``most`` trials."""
     best, limit = dict(start), trials.count + most
     for _ in range(ROUNDS):
         now = trials(best)
@@ -61,7 +61,7 @@ def stuck(trials: Trials, point: Point) -> frozenset[str]:
 
 
 def _unmoved(now: TrialResult, outcomes: Sequence[TrialResult]) -> frozenset[str]:
-    """The checks that miss by as much in every trial: nothing that may move bears on them."""
+    """The checks that miss by the same amount in every trial: no free field affects them."""
     others = [dict(outcome.failing) for outcome in outcomes if not outcome.refused]
     if len(others) < ENOUGH:
         return frozenset()
@@ -73,7 +73,7 @@ def _unmoved(now: TrialResult, outcomes: Sequence[TrialResult]) -> frozenset[str
 
 
 class _Moves:
-    """Moves from one point: first what failing checks ask for, then choices, then any number that is free."""
+    """Moves from one point: removal of pins, remedies of failing checks, choices, ranges, all free numbers."""
 
     def __init__(self, trials: Trials, point: Point, now: TrialResult) -> None:
         self.trials, self.question, self.point, self.now = trials, trials.question, point, now
@@ -91,12 +91,12 @@ class _Moves:
                 yield move
 
     def _out(self) -> Iterator[tuple[str, Setting]]:
-        """Fields that the file holds by hand, one at a time; those of a complete file are released elsewhere."""
+        """Removal of one pin of the file; from a complete file :func:`solve` removes them all before."""
         if not self.question.complete:
             yield from ((field, Out()) for field in self.question.releases if field not in self.point)
 
     def _asked_for(self) -> Iterator[tuple[str, Setting]]:
-        """What the remedies of the checks that fail most would change, in their sense."""
+        """Changes that the remedies of the checks with the largest misses name, in their direction."""
         names = {field: (field, 1) for field in chain(self.freedoms, self.question.ranges)}
         for freedom in self.freedoms.values():
             names |= {alias: (freedom.field, sense) for alias, sense in freedom.mends}
@@ -115,7 +115,7 @@ class _Moves:
             return
         value = value_at(self.values, freedom.field)
         if isinstance(value, int | float) and value < 0:
-            sense = -sense  # a factor above one lowers it
+            sense = -sense  # a factor above one lowers a negative value
         yield from self._stretched(freedom, STEPS, (sense,))
 
     def _stretched(
@@ -131,7 +131,7 @@ class _Moves:
                 yield freedom.field, Times(float(f"{moved:.4g}"))
 
     def _sized(self, freedom: Freedom, sizes: Sequence[int]) -> Iterator[tuple[str, Setting]]:
-        """A choice by some places in the order of sizes."""
+        """A choice moved by some places in the order of sizes."""
         names, now = choices(self.question, freedom), value_at(self.values, freedom.field)
         for size in sizes:
             at = names.index(now) + size if now in names else -1
@@ -158,7 +158,7 @@ class _Moves:
             yield field, setting_of(found.within(value))
 
     def _free(self) -> Iterator[tuple[str, Setting]]:
-        """Numbers that are free, up and down, by the steps in the middle."""
+        """Free numbers up and down, by the two steps of medium size."""
         for freedom in self.freedoms.values():
             if not freedom.is_choice and freedom.low < freedom.high:
                 yield from self._stretched(freedom, STEPS[1:3], (1, -1))

@@ -14,11 +14,11 @@ from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Out, Point, Que
 from mbcdm_cad.solving.repair import repair, stuck
 from mbcdm_cad.solving.trials import Trials, outcome, setting_of
 
-# Trials of the guided search and of the evolution after it: counts, so that the answer never depends on speed.
+# Trials of the guided search and of the evolution after it: numbers, not times, so that the result is reproducible.
 DIRECTED, EVOLVED = 200, 168
-# Trials after which most searches have ended, conflicts included: the length of a progress bar.
+# Most searches, conflicts included, end before this number of trials: the full length of the progress bar.
 MOST_TRIALS = 600
-# Values tried of a range without a rule that has an aim, before the search.
+# Number of values tried before the search for a range that has an aim and no rule.
 GRID = 9
 
 
@@ -34,7 +34,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Solution:
-    """What a search found. ``data`` is the content of the passing file; None where there is a ``conflict`` instead."""
+    """Result of a search. ``data`` is the content of the passing file; None if there is a ``conflict`` instead."""
 
     question: Question = field(repr=False)
     data: Mapping[str, Any] | None
@@ -44,17 +44,17 @@ class Solution:
 
 
 def solve(question: Question, told: Callable[[str, int], None] | None = None, jobs: int | None = None) -> Solution:
-    """Search. ``told`` is called with the present stage and the number of trials so far."""
+    """Search for the nearest passing design. ``told`` is called with the present stage and the number of trials."""
     stage = ["searching"]
     hears = told or (lambda name, count: None)
     trials = Trials(question, jobs, lambda count: hears(stage[0], count))
     point = _found(trials)
     if trials(point).passes:
-        stage[0] = "taking moves back"
+        stage[0] = "reducing the changes"
         data = question.as_written(_nearest(trials, point))
         if passes_as_written(question, data):
             return Solution(question, data, tuple(_changes(question, data)), trials.count)
-    stage[0] = "looking for what excludes each other"
+    stage[0] = "looking for requirements that exclude each other"
     found = conflict(trials, point)
     return Solution(question, None, (), trials.count, found)
 
@@ -72,7 +72,7 @@ def _found(trials: Trials) -> Point:
 
 
 def _starts(question: Question) -> Iterator[Point]:
-    """The file as it is, then without pins (a complete one without choices and wishes too), then along its ranges."""
+    """The file itself, then without its pins (a complete one also without choices and wishes), then over its ranges."""
     yield {}
     if question.complete:
         for last in (PIN, CHOICE, WISH, ASKED):
@@ -92,21 +92,21 @@ def _starts(question: Question) -> Iterator[Point]:
 
 def _nearest(trials: Trials, point: Point) -> Point:
     fixed = written_out(trials, point)
-    if not trials(fixed).passes:  # a value that is given can change what a rule does that looks whether it is given
+    if not trials(fixed).passes:  # some rules use a stated value, so that stating it can change others
         fixed = repair(trials, fixed, DIRECTED // 4)
         fixed = written_out(trials, fixed) if trials(fixed).passes else point
     return taken_back(trials, towards_aims(trials, fixed))
 
 
 def _changes(question: Question, data: Mapping[str, Any]) -> Iterator[Change]:
-    """What differs between the file and the solution, field by field."""
+    """The differences between the file and the solution, field by field."""
     before, after = dict(leaves(question.data)), dict(leaves(data))
     for name in dict.fromkeys([*before, *after]):
         was, now = before.get(name), after.get(name)
         if name in question.ranges:
             found = question.ranges[name]
             yield Change(
-                name, found.words(), now, "a range" + (f", as near to {found.aim} as passes" if found.aim else "")
+                name, found.words(), now, "a range" + (f", as near to {found.aim} as possible" if found.aim else "")
             )
         elif was != now:
             kind = question.releases.get(name, WISH) if name in before else 0
@@ -114,11 +114,11 @@ def _changes(question: Question, data: Mapping[str, Any]) -> Iterator[Change]:
 
 
 _NOTES = {
-    0: "the file left it to its rule",
-    PIN: "a derived dimension held by hand",
-    CHOICE: "a choice as in the reference design",
-    WISH: "as in the reference design",
-    ASKED: "as in the reference design",
+    0: "was left to its rule",
+    PIN: "was a pin",
+    CHOICE: "was the choice of the reference design",
+    WISH: "was the value of the reference design",
+    ASKED: "was the value of the reference design",
 }
 
 

@@ -22,30 +22,30 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Times
 from mbcdm_cad.storage.parallel import fork_map
 
-# Checks that take as long as all others together: asked only where all others hold.
+# Checks that take as long as all others together: run only if all others pass.
 SLOW = frozenset({"cables_apart", "spans_clear", "terminals_apart", "no_slack"})
-# A failed check counts one, and by how much it misses: up to this much more, the faster the nearer it is.
+# A failed check adds 1 and a part that grows with its miss towards this value, steepest near the limit.
 MOST = 3.0
-# One without a figure, and a trial that makes no drive at all.
+# What a check without a figure adds, and the violation of a trial that gives no drive.
 NO_FIGURE, NO_DRIVE = 4.0, 100.0
-# Where the limit is nothing, a miss of one unit counts as much as one of the whole limit elsewhere.
+# The miss is taken relative to the limit, or to this if the limit is zero.
 UNIT = 1.0
-# What a move costs: a choice changed, a field of the file taken out; a factor costs its logarithm over this one's.
+# Cost of a change: another choice, a field removed from the file; a factor costs log(factor) / log(FACTOR).
 CHOICE_COST, OUT_COST, FACTOR = 0.5, 1.0, 1.5
-# Fewer trials than this are not worth a process each.
+# Fewer trials than this run in this process: starting others would take longer.
 FEW_TRIALS = 4
 
 
 @dataclass(frozen=True)
 class TrialResult:
-    """What the checks say of a trial: their ids with what each adds to ``violation``; ``refused`` where it is none."""
+    """Result of a trial: ids of failed checks with what each adds to ``violation``; ``refused``: why it is no drive."""
 
     failing: tuple[tuple[str, float], ...]
     refused: str = ""
 
     @property
     def violation(self) -> float:
-        """Nought for a design that passes; grows with the number of failed checks and with their misses."""
+        """Zero for a design that passes; grows with the number of failed checks and with their misses."""
         return NO_DRIVE if self.refused else sum(miss for _, miss in self.failing)
 
     @property
@@ -65,7 +65,7 @@ class Trials:
 
     @property
     def count(self) -> int:
-        """Trials judged so far."""
+        """Number of trials evaluated so far."""
         return len(self._known)
 
     @cached_property
@@ -81,7 +81,7 @@ class Trials:
         return self.many([point])[0]
 
     def many(self, points: Sequence[Point]) -> list[TrialResult]:
-        """Several trials, side by side on all cores."""
+        """Several trials, in parallel on all cores."""
         keys = [frozenset(point.items()) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True) if key not in self._known}
         if new:
@@ -92,7 +92,7 @@ class Trials:
         return [self._known[key] for key in keys]
 
     def best(self, points: Iterable[Point]) -> Point:
-        """The point that misses least; of equals the one that moves least, then the first."""
+        """The point with the smallest violation; of equal ones the one with the smallest cost, then the first."""
         listed = list(points)
         outcomes = self.many(listed)
         order = [
@@ -103,7 +103,7 @@ class Trials:
 
 
 def outcome(question: Question, point: Point) -> TrialResult:
-    """Size and check one trial; checks that only warn are not asked, and waived ones count as passed."""
+    """Size and check one trial; checks that only warn do not run, and waived ones count as passed."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
@@ -161,14 +161,14 @@ def cost(question: Question, point: Point) -> float:
 
 
 def _from_aim(question: Question, field: str, value: float) -> float:
-    """Distance within a range from the end that is wished, or from its middle, as a share of its width."""
+    """Distance within a range from the end that is its aim, or from its middle, as a share of its width."""
     found = question.ranges[field]
     aim = {"min": found.low, "max": found.high}.get(found.aim, question.middle(field))
     return abs(value - aim) / ((found.high - found.low) or 1.0)
 
 
 def choices(question: Question, freedom: Freedom) -> list[str]:
-    """The names that a choice has, small before large."""
+    """The names of which a choice takes one, small before large."""
     if freedom.words:
         return list(freedom.words)
     from mbcdm_cad.design.catalogue import package_entries
@@ -179,5 +179,5 @@ def choices(question: Question, freedom: Freedom) -> list[str]:
 
 
 def setting_of(value: object) -> Fixed:
-    """A value as a setting, lists as tuples so that it can be looked up."""
+    """A value as a setting; a list becomes a tuple, which is hashable."""
     return Fixed(tuple(value)) if isinstance(value, list) else Fixed(value)
