@@ -1,6 +1,6 @@
-"""The configuration of Fig. 1 (a): one input beside the drum, one cable round it, crossed over to the drum.
+"""The configuration of Fig. 1 (a): one input beside the drum, and one cable round it with crossed spans to the drum.
 
-Imports stand inside the methods, since each command needs only some of these modules and ``check`` must start fast.
+Imports are inside the methods, because each command needs only some of these modules and ``check`` must start fast.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class SisoSpur:
     title = "one input beside the drum, one cable round it, axes parallel (Fig. 1 a)"
 
     def design_file(self) -> DesignFile:
-        """Schema, reference values and rules of its design files, and how a drive is made of one."""
+        """Schema, reference values and rules of its design files, and the function that makes a drive from one."""
         from mbcdm_cad.configurations.siso_spur.design_file import DESIGN_FILE
 
         return DESIGN_FILE
@@ -56,13 +56,13 @@ class SisoSpur:
         return layout(spur(drive))
 
     def check_families(self) -> tuple[ModuleType, ...]:
-        """The checks' modules in order."""
+        """The modules of the checks in order."""
         from mbcdm_cad.configurations.siso_spur.checks import FAMILIES
 
         return FAMILIES
 
     def design_under_test(self, drive: Drive, layout: SpurLayout | None = None) -> SpurUnderTest:
-        """The drive as the checks see it."""
+        """The drive with everything that the checks read."""
         from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 
         return SpurUnderTest(spur(drive), layout)
@@ -80,25 +80,25 @@ class SisoSpur:
         return moving_bodies(layout)
 
     def assembly_order(self, layout: SpurLayout) -> tuple[AssemblyStep, ...]:
-        """Steps in which the parts go together."""
+        """The steps of assembly."""
         from mbcdm_cad.configurations.siso_spur.assembly_order import assembly_order
 
         return assembly_order(layout)
 
     def frame_study(self, layout: SpurLayout) -> FrameStudy:
-        """How far the frame's deflection turns the drum."""
+        """Rotation of the drum due to the deflection of the frame."""
         from mbcdm_cad.configurations.siso_spur.support.stiffness import frame_study
 
         return frame_study(layout)
 
     def path_figures(self, layout: SpurLayout) -> SpurFigures:
-        """Figures of the cables' true paths over the travel."""
+        """Figures of the cables' paths over the travel."""
         from mbcdm_cad.configurations.siso_spur.path_figures import path_figures
 
         return path_figures(layout)
 
     def path_lines(self, cable: dict[str, Any]) -> Iterator[str]:
-        """One cable's path figures for the terminal."""
+        """Path figures of one cable as text."""
         from mbcdm_cad.configurations.siso_spur.path_figures import path_lines
 
         return path_lines(cable)
@@ -114,13 +114,13 @@ class SisoSpur:
     )
 
     def tensioning(self, layout: SpurLayout) -> TensioningPlan:
-        """How the preloads are set."""
+        """How the terminals are drawn in to set the preloads."""
         from mbcdm_cad.configurations.siso_spur.tensioning import plan
 
         return plan(layout)
 
     def tolerance_stacks(self, layout: SpurLayout) -> tuple[StackUp, ...]:
-        """What the tolerances of the parts do to each gap and ratio."""
+        """Effect of the tolerances of the parts on each gap and ratio."""
         from mbcdm_cad.configurations.siso_spur.checks.tolerances import stacks
 
         return tuple(stacks(self.design_under_test(layout.drive, layout)))

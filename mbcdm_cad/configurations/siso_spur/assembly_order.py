@@ -1,4 +1,4 @@
-"""The order of assembly: the parts that are added at each step, the tool, and how it reaches its place."""
+"""The order of assembly: the parts that each step adds, the tool, and the direction from which it works."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
 def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
-    """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
+    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
     return (*_frame(layout), *input_steps(layout), _base(layout), *_drum(layout))
 
 
 def key(layout: SpurLayout, screw: str) -> str:
-    """The key that a screw takes."""
+    """The key that fits a screw."""
     return f"{layout.drive.screw(screw).key_mm:g} mm key"
 
 
@@ -44,7 +44,7 @@ def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
 
 
 def ends_words(drive: SpurDrive) -> str:
-    """How the ends of anchored cables are made."""
+    """Instruction to make the ends of anchored cables."""
     rope = drive.cable
     return (
         f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
@@ -64,7 +64,7 @@ def _cut_words(layout: SpurLayout) -> str:
 
 
 def boss_step(layout: SpurLayout, heads: int, inserts: tuple[str, ...]) -> AssemblyStep:
-    """Bearings, shaft and encoder of the drum in the frame, which carries so many motor heads."""
+    """Bearings, shaft and encoder of the drum in a frame with ``heads`` motor heads."""
     drive, spring, f = layout.drive, layout.preload_spring, layout.frame
     ring, flange, mount = drive.drum_encoder, f.flange_insert, f.mount_insert
     for_heads = "the motor head" if heads == 1 else "the motor heads"
@@ -85,7 +85,7 @@ def boss_step(layout: SpurLayout, heads: int, inserts: tuple[str, ...]) -> Assem
 
 
 def encoder_step(layout: SpurLayout) -> AssemblyStep:
-    """Encoder and far bearing of the input on its shelf."""
+    """Encoder and front bearing of the input on the encoder shelf."""
     drive, encoder, name = layout.drive, layout.drive.encoder, layout.drive.input_names[0]
     return AssemblyStep(
         f"Hold the encoder before its shelf and screw it on from behind, through the opening of the plate "
@@ -125,7 +125,7 @@ def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
 
 
 def _pulley_step(drive: SpurDrive) -> AssemblyStep:
-    """The pulley into its far bearing, with the stops of anchored cables, which no hand reaches later."""
+    """The pulley into its front bearing, with the stops of anchored cables, which cannot be reached later."""
     name = drive.input_names[0]
     hook = "Hook the stops of both cables into the slots in the end faces of the input pulley. " * drive.anchored
     led = ", their free ends before it," if drive.anchored else ""

@@ -1,4 +1,4 @@
-"""What the assembly is made of: every part with the function that draws it, every instance with its place."""
+"""Bill of the assembly: every part with the function that draws it, every instance with its placement."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from mbcdm_cad.parts.motor_head.items import (
 from mbcdm_cad.parts.placement import Placement
 
 _X, _Y, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
-# Parts about the drum's axis, and those of the input, are drawn along Z with the gearhead below.
+# Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
 ALONG_Y = Placement.about(_X, -90.0)
 _TO_BACK = Placement.about(_X, 90.0)
 _SUPPORT = "mbcdm_cad.configurations.siso_spur.support"
@@ -43,7 +43,7 @@ def _at(x: float, y: float, z: float) -> Placement:
 
 
 def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
-    """The frame as it is drilled: at the tap drills of its threads."""
+    """The frame with the tap drill diameters of its threads."""
     return replace(
         frame,
         flange_screw_radius=(
@@ -76,17 +76,17 @@ def add_drum_bearings(b: BillBuilder, lay: SpurLayout) -> None:
 
 
 def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
-    """What stands at the one input of ``lay``, turned about the drum's axis, but for what turns there.
+    """Add the fixed items at the one input of ``lay``, turned by ``turn`` about the drum's axis.
 
-    ``mark`` tells its items from those of other inputs.
+    ``mark`` distinguishes its items from those of other inputs.
     """
     drive, f = lay.drive, lay.frame
     if f.mount_insert is not None:
         for n, (x, z) in enumerate(f.mounts, 1):
-            # Set from behind, where the screws come from.
+            # The insert is set from behind, the side from which the screw is driven.
             place = turn @ _at(x, lay.levels.plate_back_y, z) @ _TO_BACK
             b.insert(f"mount_insert{mark}_{n}", f.mount_insert, drive.material("brass"), place)
-    # The motor head's own Z leads away from the pulley, to the back.
+    # Z of the motor head points away from the pulley, to the back.
     stand = turn @ _at(0.0, 0.0, f.axis_z) @ _TO_BACK
     shelf = EncoderShelf(f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth)
     add_motor_head(b, drive, lay.head, stand, mark)

@@ -1,9 +1,9 @@
-"""The true centre line of each cable at a given drum angle: of one from terminal to terminal, of two from their stops.
+"""Centre line of each cable at a given drum angle: of one from terminal to terminal, of two from their stops.
 
-One helix angle all the way: the turns walk along the input by one lead a turn, each span leaves in line with them, and
-on the drum the cable lies on a helix of the same slope. So nothing bends sideways at any angle of the drum, and the
-landing points walk with the input. Past the last point that ever leaves the drum it goes over into the plane of its
-terminal.
+Input, span and drum have the same helix angle: the turns move along the input by one lead a turn, each span leaves in
+line with them, and on the drum the cable lies on a helix of the same slope. The cable therefore bends in no other
+direction at any angle of the drum, and the landing points move along the drum together with the turns on the input.
+Beyond the last point that ever leaves the drum, the cable changes into the plane of its terminal.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ _SIDE = ("span", "drum", "lay", "dead", "tail")
 
 
 def input_wrap_rad(drive: SpurDrive, cable: SpurRun, drum_angle_rad: float) -> float:
-    """Wrap of one side on the input, from the cable's middle or stop; one that runs to +x leaves it as the drum turns.
+    """Wrap of one side on the input, from the cable's middle or stop, at a drum angle.
 
-    Below zero where that has left the input.
+    It decreases with the drum angle for a side that runs to +x. Negative if the middle has left the input.
     """
     return drive.wound_rad - cable.drum_side * drive.total_ratio * drum_angle_rad
 
 
 def walked_mm(drive: SpurDrive, drum_angle_rad: float) -> float:
-    """How far the turns, the spans and the landing points have walked along y from the centred drum."""
+    """Movement of turns, spans and landing points along y since the centred drum."""
     return drive.input_radius_mm * drive.slope * drive.total_ratio * drum_angle_rad
 
 
@@ -42,10 +42,10 @@ def _t(v: Vector) -> Triple:
 
 
 def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float, angle_rad: float) -> list[Piece]:
-    """Pieces of one side at a drum angle, from where it leaves the input to its terminal.
+    """Pieces of one side at a drum angle, from the point where it leaves the input to its terminal.
 
-    ``anchor_rad``: angle on the drum, from +Z towards the cable's side, where the cable leaves its land with the drum
-    centred; ``tail_mm``: straight length from there into the terminal.
+    ``anchor_rad``: angle on the drum, from +Z towards the cable's side, at which the cable leaves its land with the
+    drum centred; ``tail_mm``: straight length from there into the terminal.
     """
     side, r_i, r_o = cable.drum_side, cable.input_radius_mm, cable.drum_radius_mm
     middle = drive.level_mm + walked_mm(drive, angle_rad)
@@ -60,7 +60,7 @@ def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: fl
     start = landing + radians(drive.half_travel_deg) + CHANGE_RAD + moved
     last, end = start + CHANGE_RAD, start + 2 * CHANGE_RAD
     plane = cable.terminal_y_mm
-    # On towards the plane as the helix runs there: away from the middle, or of two anchored cables past it.
+    # Direction along y in which the helix continues: away from the middle, or for two anchored cables across it.
     onward = -cable.outward if drive.anchored else cable.outward
     start_y = plane - onward * r_o * drive.slope * tan(CHANGE_RAD)
     anchor = anchor_rad + moved
@@ -85,7 +85,7 @@ def cable_paths(
 
 
 def stop_of(drive: SpurDrive, cable: SpurRun) -> StopGeometry:
-    """End of an anchored cable in the input pulley, its angle as in the pulley's own frame."""
+    """End of an anchored cable in the input pulley; its angle is in the frame of the pulley."""
     end = contact_rad(drive, cable.drum_side) - pi / 2 + cable.drum_side * drive.wound_rad
     return stop_geometry(drive, cable.input_radius_mm, end, cable.drum_side)
 
@@ -109,7 +109,7 @@ def anchored_path(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: 
 
 
 def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], angle_rad: float) -> CablePath:
-    """Centre line of the one cable, named as the input that it goes round; arguments as of :func:`cable_paths`."""
+    """Centre line of the one cable, which has the name of its input; arguments as of :func:`cable_paths`."""
     first, second = drive.cables
     ends = [side_pieces(drive, c, *anchors[c.name], angle_rad) for c in (first, second)]
     at = contact_rad(drive, first.drum_side)
@@ -155,7 +155,7 @@ def stop_length_mm(stop: StopGeometry, radius_mm: float) -> float:
 
 
 def longest_mm(drive: SpurDrive, anchor_rad: float) -> float:
-    """Length of a side that leaves its land at ``anchor_rad``, a little more than the drawn path."""
+    """Upper estimate of the length of a side that leaves its land at ``anchor_rad``."""
     wound = drive.input_radius_mm * drive.wound_rad + drive.free_span_mm
     if drive.anchored:
         first = drive.cables[0]

@@ -1,4 +1,4 @@
-"""A design of this configuration under test, with what is worked out from it once and read by many checks."""
+"""A design of this configuration under test, with results that are computed once and read by many checks."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _SUPPORT = (
 
 
 def _with_lands(variable: DesignVariable) -> DesignVariable:
-    """The planes of the terminals follow from what is varied."""
+    """The design variable; a drive with a new value gets new planes of its terminals."""
     return variable._replace(put=lambda drive, value: laid(spur(variable.put(drive, value))))
 
 
@@ -117,7 +117,7 @@ class SpurUnderTest(HeadUnderTest):
 
     @cached_property
     def layout(self) -> SpurLayout:
-        """All dimensions: those given, else worked out."""
+        """All dimensions: the layout that was given, else computed."""
         return self.given_or(lambda: layout(self.drive))
 
     def anchor_rad(self, cable: SectorRun) -> float:
@@ -125,7 +125,7 @@ class SpurUnderTest(HeadUnderTest):
         return super().anchor_rad(cable) - self.drive.landing_rad
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
-        """Each terminal takes up half of the one cable, or a cable of its own."""
+        """Length that each terminal tensions: half of the one cable, or its own cable."""
         anchors = self.layout.anchors
         return [side_length_mm(self.drive, c, *anchors[c.name]) for c in self.drive.cables]
 

@@ -1,4 +1,4 @@
-"""What a siso_spur drive has beyond what all drives with a drum sector have: the winding of its input, its frame."""
+"""A siso_spur drive: the shared values of drives with a drum sector, the winding of its input and its frame."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from mbcdm_cad.parts.input_pulley.dims import GROOVE_DEPTH, GROOVE_RADIUS
 from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
 _Spur = TypeVar("_Spur", bound="SpurDrive")
-# Just past the last point that ever leaves the drum the cable changes from its helix to the plane of its terminal, over
-# twice this angle.
+# Angle of half the transition from the cable's helix to the plane of its terminal, which follows the last point that
+# ever leaves the drum.
 CHANGE_RAD = 0.01
-# Land of the input between what two anchored cables take of it, walk included (estimate: a crest that can be turned).
+# Land of the input between two anchored cables, their walk included (estimate: a crest that can be turned).
 BETWEEN_MM = 0.3
 
 
@@ -32,12 +32,12 @@ class SpurRun(SectorRun):
 
     @property
     def land_y_mm(self) -> float:
-        """Plane of the terminal, outside all that winds on and off."""
+        """Plane of the terminal, outside the part of the drum on which the cable winds."""
         return self.terminal_y_mm
 
     @property
     def outward(self) -> int:
-        """Sense along y in which this side leaves the input, from its middle."""
+        """Sense along y from the middle of the winding to the point where this side leaves the input."""
         return 1 if self.step == 2 else -1
 
 
@@ -50,7 +50,7 @@ class SpurBearings:
     input_upper: Bearing  # next to the encoder
 
     def all(self) -> tuple[Bearing, ...]:
-        """The three roles in the order drum, gearhead's end, encoder's end (types may repeat)."""
+        """Bearings of the drum, of the input at the gearhead and at the encoder, in this order (types may repeat)."""
         return (self.drum, self.input_lower, self.input_upper)
 
 
@@ -71,14 +71,14 @@ class YokeSpec:
 
 @dataclass(frozen=True)
 class SpurLimitValues(Limits):
-    """Adds what friction on the input must hold over the peak torque."""
+    """Adds the margin of slip: torque that friction on the input must hold, over the peak torque."""
 
     slip_margin_min: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpurSigmas(Sigmas):
-    """Standard deviations of this configuration's own lengths too."""
+    """Adds the standard deviations of the lengths of this configuration."""
 
     input_radius_mm: tuple[float, ...]
     drum_radius_mm: tuple[float, ...]
@@ -87,12 +87,12 @@ class SpurSigmas(Sigmas):
 
 @dataclass(frozen=True)
 class SpurDrive(HeadedDrive):
-    """A drive whose one cable goes round an input beside the drum, both ends on the drum; or two that end on both.
+    """A drive with an input beside the drum: one cable round the input, both ends on the drum, or two anchored cables.
 
-    ``turns``: how often the one cable comes round to the line of centres, or each of two ``anchored`` ones at the end
-    of the travel that winds it up. ``level_mm``: where along y the middle of the winding lies; the input's pulley and
-    its far shelf lie that much further from the frame's plate. ``frame_angle_rad``: angle round the drum's axis that
-    this input's part of the frame has to itself.
+    ``turns``: number of times that the one cable passes the line of centres on the input, or that each of two
+    ``anchored`` cables does at the end of the travel where it is wound up. ``level_mm``: position of the middle of the
+    winding along y; input pulley and encoder shelf are that much further from the frame's plate. ``frame_angle_rad``:
+    angle round the drum's axis in which this input's part of the frame lies.
     """
 
     cables: tuple[SpurRun, ...]
@@ -133,42 +133,42 @@ class SpurDrive(HeadedDrive):
 
     @property
     def free_span_mm(self) -> float:
-        """L_free = sqrt(L^2 - (r_o + r_i)^2) of each side; 0 where there is none."""
+        """L_free = sqrt(L^2 - (r_o + r_i)^2) of each side; 0 if the pulleys overlap."""
         reach = self.drum_radius_mm + self.input_radius_mm
         return sqrt(max(0.0, self.centre_distance_mm**2 - reach**2))
 
     @property
     def wrap_rad(self) -> float:
-        """Wrap over the input, from one span to the other, the same at every angle of the drum: 2 pi N - 2 landing."""
+        """Wrap on the input from one span to the other, constant over the travel: 2 pi N - 2 landing."""
         return tau * self.turns - 2 * self.landing_rad
 
     @property
     def wound_rad(self) -> float:
-        """Wrap of each side with the drum centred: to the middle of the one cable, or to the end of its winding."""
+        """Wrap of each side with the drum centred: to the middle of the one cable, or to the end of an anchored one."""
         if self.anchored:
             return tau * self.turns - self.input_travel_rad / 2
         return self.wrap_rad / 2
 
     @property
     def input_travel_rad(self) -> float:
-        """How far the input turns from one end of the travel to the other."""
+        """Angle through which the input turns over the whole travel."""
         return 2 * radians(self.half_travel_deg) * self.total_ratio
 
     @property
     def walk_mm(self) -> float:
-        """How far both spans walk along the axes over the travel: lead x ratio x travel / 360 degrees."""
+        """Walk of both spans along the axes over the travel: lead x ratio x travel / 360 degrees."""
         return self.helix_lead_mm * self.input_travel_rad / tau
 
     @property
     def slope(self) -> float:
-        """Rise of the cable along the axes per length, the same on input, span and drum: lead / (2 pi r_i)."""
+        """Slope of the cable, the same on input, span and drum: rise along the axes per length, lead / (2 pi r_i)."""
         return self.helix_lead_mm / (tau * self.input_radius_mm)
 
     @property
     def leave_mm(self) -> float:
-        """Distance along y from the middle of the input to where each span leaves it, drum centred.
+        """Distance along y from the middle of the input to the point where each span leaves it, drum centred.
 
-        Two anchored cables are wound outwards from there, and their grooves keep apart over the whole walk.
+        Two anchored cables are wound outwards from there; it leaves a crest between their grooves over the whole walk.
         """
         if self.anchored:
             return self.walk_mm / 2 + run_out_mm(self) + BETWEEN_MM / 2
@@ -176,44 +176,44 @@ class SpurDrive(HeadedDrive):
 
     @property
     def dead_end_mm(self) -> float:
-        """The same to the end of an anchored cable's winding."""
+        """Distance along y from the middle of the input to the end of an anchored cable's winding."""
         return self.leave_mm + self.helix_lead_mm * self.wound_rad / tau
 
     @property
     def _away(self) -> float:
-        """Rise of the cable away from the middle per length from the input to the terminal: spans of two converge."""
+        """Slope away from the middle, from the input to the terminal; negative for two anchored cables."""
         return -self.slope if self.anchored else self.slope
 
     @property
     def land_mm(self) -> float:
-        """The same to where each span lands on the drum."""
+        """Distance along y from the middle to the point where each span lands on the drum, drum centred."""
         return self.leave_mm + self.free_span_mm * self._away
 
     @cached_property
     def terminal_mm(self) -> float:
-        """The same to the planes of the terminals, past what winds on and off the drum's helix.
+        """Distance along y from the middle to the planes of the terminals, past the helix on which the cable winds.
 
-        Negative where a cable has come past the middle.
+        Negative if a cable has crossed the middle.
         """
         turned = radians(self.half_travel_deg) + CHANGE_RAD + tan(CHANGE_RAD)
         return self.land_mm + self.drum_radius_mm * self._away * turned
 
     @property
     def on_drum_mm(self) -> float:
-        """The same to the outermost that a cable ever lies on the drum."""
+        """Largest distance along y from the middle at which a cable lies on the drum over the travel."""
         return max(self.land_mm + self.walk_mm / 2, abs(self.terminal_mm))
 
     @property
     def stretched(self) -> float:
-        """Length of a turn of the helix over that of its circle."""
+        """Ratio of the length of a turn of the helix to that of its circle."""
         return hypot(1.0, self.slope)
 
 
 def laid(drive: _Spur) -> _Spur:
-    """The drive with the planes of its terminals where the winding asks for them, and the turns that stay on."""
+    """The drive with the planes of its terminals and its dead turns, both computed from the winding."""
     y = drive.terminal_mm
     cables = tuple(replace(c, terminal_y_mm=drive.level_mm + c.outward * y) for c in drive.cables)
-    # No end of the one cable lies on an input.
+    # A continuous cable has no end on an input.
     reserve = drive.turns - drive.input_travel_rad / tau if drive.anchored else 0.0
     return replace(drive, cables=cables, dead_turns=reserve)
 
@@ -241,7 +241,7 @@ def contact_rad(drive: SpurDrive, side: int) -> float:
 
 
 def groove_depth_mm(drive: SpurDrive) -> float:
-    """How far the crests of the input's grooves stand over the surface that the cable lies on; 0 if smooth."""
+    """Height of the crests of the input's grooves above the surface under the cable; 0 if smooth."""
     return GROOVE_DEPTH * drive.cable.diameter_mm if drive.input_pulleys.grooved else 0.0
 
 
@@ -252,7 +252,7 @@ def groove_run_out_rad(drive: SpurDrive) -> float:
 
 
 def run_out_mm(drive: SpurDrive) -> float:
-    """What cable or groove take of the input's length beyond the cable's last contact."""
+    """Length of the input that cable or groove use beyond the cable's last contact."""
     flank = drive.cable.diameter_mm / 2
     if not drive.input_pulleys.grooved:
         return flank

@@ -1,4 +1,4 @@
-"""Moments of inertia of pulley and drum, from the radii and materials of the design file alone.
+"""Moments of inertia of pulley and drum, from radii and materials of the design file.
 
 Plain bodies of revolution (:mod:`mbcdm_cad.model.inertia`); studs and sleeves of the terminals count as m R^2. Small
 features are left out: windows in the web, lugs, shafts, the collar, bearing rings, encoder hubs, grooves.

@@ -1,4 +1,4 @@
-"""All derived dimensions of a design in one object: what the checks test and the parts draw."""
+"""All derived dimensions of a design in one object, which the checks and the parts read."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from mbcdm_cad.routes.cable_path import CablePath
 
 @dataclass(frozen=True)
 class SpurLayout:
-    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along +Y.
+    """Dimensions of every part of one design, mm, drum centred; heights of pulley and collar are along +Y.
 
-    The drum is that of a cable at level 0, wherever the drive's lies.
+    The drum is that of a cable at level 0, for any ``level_mm`` of the drive.
     """
 
     drive: SpurDrive
@@ -38,16 +38,16 @@ class SpurLayout:
 
     @property
     def anchors(self) -> dict[str, tuple[float, float]]:
-        """Of each side by its name: angle where it leaves its land, drum centred, and straight length from there."""
+        """Angle at which each side leaves its land, drum centred, and straight length from there, by its name."""
         return {t.cable_name: (t.anchor_rad, t.cable_end) for t in self.drum.tensioners}
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
-        """Centre line of each cable at a drum angle, to the bottoms of the bores of its swages."""
+        """Centre line of each cable at a drum angle, to the bottom of the bore of each swage."""
         return cable_paths(self.drive, self.anchors, drum_angle_rad)
 
 
 def layout(drive: SpurDrive) -> SpurLayout:
-    """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
+    """Compute all dimensions. Raises ValueError only if no geometry exists (pulleys that overlap)."""
     if drive.free_span_mm <= 0.0:
         reach = drive.drum_radius_mm + drive.input_radius_mm
         raise ValueError(

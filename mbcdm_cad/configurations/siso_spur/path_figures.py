@@ -1,4 +1,4 @@
-"""Figures of the cable's true path over the travel: wraps, lengths, walk, what is never carried off the input."""
+"""Figures of the cable's path over the travel: wraps, lengths, walk, usable travel."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ STATIONS = 9
 class SideFigures:
     """One side of the cable, from its middle to its terminal, or one of two anchored cables, from the end of its stop.
 
-    Tuples over the angles of :class:`SpurFigures`. ``length_um`` is the change of the whole cable's length from the
-    centred drum: 0 but for rounding, since what leaves the drum lands on it on the other side, or on the input.
+    The tuples are over the angles of :class:`SpurFigures`. ``length_um`` is the change of the whole cable's length
+    since the centred drum: 0 except for rounding, because the length that leaves the drum on one side is wound on its
+    other side, or on the input.
     """
 
     name: str
@@ -33,10 +34,10 @@ class SideFigures:
 
 @dataclass(frozen=True)
 class SpurFigures:
-    """Both sides over the travel. ``limits`` holds each direction's, the nearest first; it is the usable travel.
+    """Both sides over the travel.
 
-    ``wrap_deg`` is the wrap of one cable over the input, None of two anchored there; ``walk_mm`` is how far the spans
-    walk along the axis at each angle.
+    The limits of each direction are sorted, the nearest first; it ends the usable travel. ``wrap_deg`` is the wrap of a
+    continuous cable on the input, None for anchored cables; ``walk_mm`` is the walk of the spans at each angle.
     """
 
     drum_angle_deg: tuple[float, ...]
@@ -48,7 +49,7 @@ class SpurFigures:
 
     @property
     def usable_deg(self) -> tuple[float, float]:
-        """(lowest, highest) drum angle that nothing forbids."""
+        """(lowest, highest) drum angle between the nearest limits."""
         return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
 
 
@@ -58,7 +59,7 @@ def path_figures(layout: SpurLayout) -> SpurFigures:
     angles = np.linspace(-drive.half_travel_deg, drive.half_travel_deg, STATIONS)
     posed = [layout.cable_paths(float(angle)) for angle in np.radians(angles)]
     centred = layout.cable_paths(0.0)
-    # The one cable is the path of both its sides.
+    # Both sides of a continuous cable share one path.
     at = [min(k, len(centred) - 1) for k in range(len(drive.cables))]
     share = len(centred) / len(drive.cables)
     cables = tuple(
@@ -97,17 +98,17 @@ def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
             return EndOfTravel(off * degrees(angle_rad), cause)
 
         yield end(terminal.anchor_rad - drive.landing_rad, f"wrap of {run.name} on the drum ends")
-        # Beyond this the cable would lift off where it goes over into the plane of its terminal.
+        # Beyond this angle the cable would lift off where it changes into the plane of its terminal.
         yield end(half + 0.01, f"{run.name} reaches the plane of its terminal")
         round_rad = tau - drive.landing_rad - terminal.anchor_rad - atan2(terminal.last_tip, terminal.radius_mm)
         yield end(-min(round_rad, pi), f"terminal of {run.name} comes round to the input")
         if drive.anchored:
-            # The sense that winds it off the drum winds it on to the input.
+            # The sense that unwinds it from the drum winds it on the input.
             yield end(-half - tau * drive.dead_turns / drive.total_ratio, f"{run.name} is all off the input")
 
 
 def path_lines(c: dict[str, Any]) -> Iterator[str]:
-    """One side's figures for a terminal."""
+    """Figures of one side as text."""
     middle = len(c["drum_wrap_deg"]) // 2
     wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
     yield (

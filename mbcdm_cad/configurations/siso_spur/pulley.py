@@ -1,10 +1,10 @@
-"""Dimensions of the input pulley, heights along +Y from the gearhead to the encoder, and angles as seen that way.
+"""Dimensions of the input pulley. Heights count along +Y from the gearhead to the encoder; angles seen in +Y direction.
 
     gearhead's shaft in a slit journal |neck|  land with its groove  |neck|journal| encoder
 
-Of two anchored cables each has a groove of its own, and a slot for its stop in the end face next to its winding's end.
+Each of two anchored cables has its own groove, and a slot for its stop in the end face next to the end of its winding.
 
-Turned about X by a quarter it stands in the assembly: (x, y, z) of the part are (x, z, -y) there.
+In the assembly the part is turned about X by a quarter turn: (x, y, z) of the part are (x, z, -y) there.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from mbcdm_cad.parts.input_pulley.stop import anchored_groove, neck_radius_mm, s
 
 
 def _through_groove(drive: SpurDrive) -> Groove:
-    """Of the one cable: the turns, the walk at both ends of the travel, and where a span has risen out of it."""
+    """Groove of a continuous cable: its turns, the walk in both directions, and the run-out at both spans."""
     beyond = drive.input_travel_rad / 2 + groove_run_out_rad(drive)
     start = contact_rad(drive, 1) - pi / 2
     per_rad = drive.input_radius_mm * drive.slope
@@ -45,7 +45,7 @@ def _through_groove(drive: SpurDrive) -> Groove:
 
 
 def _slots(drive: SpurDrive, levels: SpurStack) -> tuple[StopSlot, ...]:
-    """Of both anchored cables, the lower first."""
+    """Stop slots of both anchored cables, the lower first."""
     return tuple(
         stop_slot(
             drive,

@@ -1,10 +1,10 @@
-"""How the cables run: each on its input, crossed over to the drum, where it ends (Fig. 1 a and b).
+"""Routes of the cables: from the input on crossed spans to the drum (Fig. 1 a and b).
 
-Origin on the drum's axis (Y), in the middle of what is wound on the first input; the axis of the first input
-stands at z = L, those of others turned about Y and further along it, all parallel. A cable goes N times round its
-input, is anchored nowhere on it, and crosses to the drum as an internal tangent on both sides. As long as a part of it
-sticks on the input, each side acts as a cable of its own. Two anchored cables take the place of its sides: they are
-wound outwards from where their spans leave, so that these converge along Y.
+The origin is on the drum's axis (Y), in the middle of the winding on the first input. The axis of the first input is at
+z = L; the axes of other inputs are turned about Y and moved along it; all are parallel. A continuous cable goes N times
+round its input, is anchored nowhere on it, and runs to the drum as an internal tangent on both sides. As long as a part
+of it sticks on the input, each side acts as a separate cable. Two anchored cables replace these sides: they are wound
+outwards from the points where their spans leave, so that the spans converge along Y.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
 
 @dataclass(frozen=True)
 class SpurGeometry:
-    """Crossed spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) as of the runs.
+    """Crossed spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) are those of the runs.
 
-    ``angle_rad`` and ``level_m`` (n_inputs,): where each input stands, about Y from +Z towards +X, and along Y.
-    ``apart_m``: half the distance along Y at which two anchored cables leave an input, None where one goes round it.
+    ``angle_rad`` and ``level_m`` (n_inputs,): position of each input, about Y from +Z towards +X, and along Y.
+    ``apart_m``: half the distance along Y at which two anchored cables leave an input; None for a continuous cable.
     """
 
     cable_names: tuple[str, ...]
@@ -56,7 +56,7 @@ class SpurGeometry:
 
     @property
     def passed_radii(self) -> dict[str, str]:
-        """The cable passes no other body."""
+        """None: the cable passes no other body."""
         return {}
 
     def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
@@ -68,7 +68,7 @@ class SpurGeometry:
         return ()
 
     def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
-        """N turns less the angles from the line of centres to both landings; (n_inputs, *batch). None: anchored."""
+        """N turns less the angles from the line of centres to both landings; (n_inputs, *batch). None if anchored."""
         if self.apart_m is not None:
             return None
         reach = (parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS]) / parameters[DISTANCE]
@@ -79,7 +79,7 @@ class SpurGeometry:
         return np.array(left)
 
     def fault(self, parameters: Mapping[str, Floats]) -> str:
-        """The pulleys overlap."""
+        """Message if the pulleys overlap, else empty."""
         reach = parameters[DRUM_RADIUS] + parameters[INPUT_RADIUS]
         return (
             f"free span: centre distance {np.min(parameters[DISTANCE]):.6g} m does not exceed r_o + r_i = "
@@ -93,7 +93,7 @@ class SpurGeometry:
         for i, (name, angle) in enumerate(zip(self.input_names, self.angle_rad, strict=True)):
             out = (sin(angle), 0.0, cos(angle))
             turns = float(np.mean(ratio[np.array(self.input_of) == i]))
-            # Crossed, it turns against the drum, in one sense with it about -Y.
+            # With crossed spans the input turns against the drum: about -Y its angle has the sign of the drum's.
             bodies.append(
                 Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), _BACK, out, turns)
             )
@@ -130,12 +130,12 @@ class SpurGeometry:
 
 
 def routed(drive: SpurDrive) -> RoutedDrive:
-    """How the winding of ``drive`` runs, and the lengths that follow from its file."""
+    """The routes of ``drive``, and the lengths that follow from its file."""
     return routed_round(drive, (0.0,), (drive.level_mm,))
 
 
 def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple[float, ...]) -> RoutedDrive:
-    """The same with several inputs round the drum: where each stands, as in :class:`SpurGeometry`."""
+    """The routes with several inputs round the drum, at the positions of :class:`SpurGeometry`."""
     geometry = SpurGeometry(
         cable_names=tuple(run.name for run in drive.cables),
         input_names=tuple(drive.input_names),

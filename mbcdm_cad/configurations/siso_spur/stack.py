@@ -1,11 +1,11 @@
 """Levels along the axes, all parallel to Y, that all parts share; mm.
 
-From behind to the front, y = 0 in the middle of what the winding takes of the input when the drum is centred:
+From the back to the front; y = 0 is the middle of the winding on the input with the drum centred:
 
     motor | gearhead | motor shelf | coupling space | flange | plate | pulley | encoder shelf | encoder
                                         drum encoder | bearings in the boss | hub and sector
 
-Along the input's axis y counts as height, from the gearhead on (names in ``_z``), since its parts are drawn standing.
+Along the input's axis y counts as height from the gearhead (names in ``_z``), because its parts are drawn upright.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, run_out_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
-# Land beyond the cable at both ends of its walk.
+# Land beyond the cable at each end of its walk.
 BAND_MARGIN_MM = 0.5
 # Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
 SHOULDER_MM = 0.6
@@ -26,7 +26,7 @@ END_PLAY_MM = 0.1
 
 @dataclass(frozen=True)
 class SpurStack:
-    """Levels along Y, mm; those in ``_z`` say what lies just behind or before them."""
+    """Levels along Y, mm; those in ``_z`` are named after the part next to them."""
 
     motor_bottom_z: float
     gearhead_bottom_z: float
@@ -49,14 +49,14 @@ class SpurStack:
 
 
 def reach_mm(drive: SpurDrive) -> float:
-    """Half the length of the input that cables, grooves and walk take."""
+    """Half the length of the input that cables, grooves and walk use."""
     if drive.anchored:
         return drive.dead_end_mm + drive.cable.diameter_mm / 2
     return drive.leave_mm + drive.walk_mm / 2 + run_out_mm(drive)
 
 
 def spur_stack(drive: SpurDrive) -> SpurStack:
-    """Solve the levels for a design. Pure arithmetic: a design whose levels make no sense is caught by the checks."""
+    """Compute the levels of a design, without validation: the checks find levels that are impossible."""
     flank, running, s = drive.cable.diameter_mm / 2, drive.clearances.running_mm, drive.support
     land = reach_mm(drive) + (helix_stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
     plane = abs(drive.terminal_mm)
@@ -91,5 +91,5 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
 
 
 def least_wall_z_mm(drive: SpurDrive) -> float:
-    """Distance from the drum's axis beyond which the encoder's shelf may begin: past the rim with its cables."""
+    """Least distance of the encoder shelf from the drum's axis: it must clear the rim with its cables."""
     return drive.drum_radius_mm + drive.cable.diameter_mm / 2 + drive.clearances.running_mm

@@ -1,4 +1,4 @@
-"""How the preload is set: one cable, drawn in at both ends, of which each terminal stretches its half; or two."""
+"""Setting of the preload: the terminals at both ends of one cable stretch a half each, or each its own cable."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def plan(layout: SpurLayout) -> TensioningPlan:
 
 
 def tensioned_sides(layout: SpurLayout) -> list[TensionedCable]:
-    """Both sides of the cable, in the order of the drive; lengths are those of each half, or of each of two."""
+    """Both sides of the cable in the order of the drive, with the length of a half each, or of one of two cables."""
     drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
     stops = {slot.cable_name: slot.stop_start - slot.stop_end for pulley in layout.inputs for slot in pulley.slots}

@@ -1,4 +1,4 @@
-"""Input pulley, the stops of two cables anchored on it, and its coupling: walls, bores and room round it."""
+"""Input pulley, the stops of two cables anchored on it, and its coupling: walls, bores and space round it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Radii: surfaces that can be cut, bends that the rope bears."""
+"""Radii: surfaces that can be machined, bend ratios that the rope allows."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 
 
 def frame_front(s: SpurUnderTest) -> Comparison:
-    """Gap from everything that turns with the drum to plate and boss behind it."""
+    """Gap from all parts that turn with the drum to plate and boss behind them."""
     v, running, found = s.levels, s.drive.clearances.running_mm, []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":
@@ -33,7 +33,7 @@ def frame_front(s: SpurUnderTest) -> Comparison:
 
 
 def drum_and_input(s: SpurUnderTest) -> Comparison:
-    """Rim and pulley, cables on, turn beside each other."""
+    """Gap between rim and pulley with their cables."""
     drive, pulley = s.drive, s.layout.inputs[0]
     rim = drive.drum_radius_mm + s.flank_mm
     own = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
@@ -46,7 +46,7 @@ def drum_and_input(s: SpurUnderTest) -> Comparison:
 
 
 def bodies_behind(s: SpurUnderTest) -> Comparison:
-    """Motor and gearhead stand clear of what the drum has behind the plate: boss and encoder."""
+    """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
     drive, boss = s.drive, s.layout.frame.boss
     beside = max(boss.radius, boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
     gap = drive.centre_distance_mm - body_radius_mm(drive) - beside
@@ -74,7 +74,7 @@ def outline(s: SpurUnderTest, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
 
 
 def box_mm(s: SpurUnderTest) -> tuple[float, float, float]:
-    """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
+    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     v = s.levels
     cloud = outline(s, s.layout.frame, s.layout.drum)
     wide, high = cloud.max(axis=0) - cloud.min(axis=0)
@@ -95,14 +95,14 @@ ROOM = (
     ),
     Check(
         "drum_and_input",
-        "Drum and input turn beside each other",
+        "Drum and input clear each other",
         "clearances.running_mm",
         drum_and_input,
         adjust=_Z[1:],
     ),
     Check(
         "bodies_behind",
-        "Motor stands clear of the drum's boss and encoder",
+        "Motor clears the drum's boss and encoder",
         "clearances.running_mm",
         bodies_behind,
         adjust=(up("transmission.centre_distance_mm"), up("support.coupling_space_mm")),

@@ -1,4 +1,4 @@
-"""Frame: walls thick enough to be made, metal round its holes, room for pulley, drum and screws."""
+"""Frame: walls thick enough to be made, metal round its holes, space for pulley, drum and screws."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
-# Room over the pulley to lead the cable round it (estimate).
+# Space above the pulley that is needed to lead the cable round it (estimate).
 WINDING_ROOM_MM = 2.0
 # Depth of a mounting screw's thread over its diameter (usual rule).
 MOUNT_DIAMETERS = 1.0
@@ -29,7 +29,7 @@ def walls(s: SpurUnderTest) -> Comparison:
 
 
 def bearing_seats(s: SpurUnderTest) -> Comparison:
-    """Shelves leave a shoulder behind their bearings."""
+    """Shoulders of the shelves behind their bearings."""
     support, bearings, limit = s.drive.support, s.drive.bearings, s.drive.support.material.min_wall_mm
     return worst(
         at_least(f"shoulder of the bearing next to the {end}", shelf - bearing.width_mm, limit, "mm")
@@ -41,7 +41,7 @@ def bearing_seats(s: SpurUnderTest) -> Comparison:
 
 
 def input_room(s: SpurUnderTest) -> Comparison:
-    """Pulley and far bearing pass through the plate; the drum passes under the shelf; fingers lead the cable round."""
+    """Pulley and front bearing fit through the plate, the drum clears the shelf, fingers reach round the pulley."""
     drive, f = s.drive, s.layout.frame
     pulley, running = s.layout.inputs[0], drive.clearances.running_mm
     rim = drive.drum_radius_mm + s.flank_mm
@@ -62,12 +62,12 @@ def input_room(s: SpurUnderTest) -> Comparison:
 
 
 def _wall(insert: InsertSpec | None) -> float:
-    """What must stay beside a thread, or beside an insert."""
+    """Least wall beside a thread, or beside an insert."""
     return insert.wall_mm if insert else HOLE_WEB_MM
 
 
 def flange(s: SpurUnderTest) -> Comparison:
-    """The motor head's screws and dowels engage over their diameter in the plate, and leave metal round them."""
+    """Screws and dowels of the motor head engage by their diameter in the plate, with enough metal round them."""
     f, drive, head = s.layout.frame, s.drive, s.layout.head
     screw, shelf, plate = flange_screw(drive), drive.support.bearing_shelf_mm, drive.support.plate_mm
     v = s.levels
@@ -102,7 +102,7 @@ def flange(s: SpurUnderTest) -> Comparison:
 
 
 def mounts(s: SpurUnderTest) -> Comparison:
-    """Mounting threads are deep enough, and stand clear of boss, motor head, stop pin and the plate's edge."""
+    """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
     f, plate = s.layout.frame, s.drive.support.plate_mm
     flange_low = f.axis_z + s.layout.head.flange.back_y
     rooms = [("depth over the diameter", plate - MOUNT_DIAMETERS * 2 * f.mount_radius, 0.0)]
@@ -116,7 +116,7 @@ def mounts(s: SpurUnderTest) -> Comparison:
 
 
 def boss(s: SpurUnderTest) -> Comparison:
-    """Boss of the drum's bearings within the plate's foot, its walls, its ears."""
+    """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
     f, limit = s.layout.frame, s.drive.support.material.min_wall_mm
     around = at_least("plate round the boss", f.half_width - f.boss.seat_radius, limit, "mm")
     behind = at_least(
@@ -160,7 +160,7 @@ CHECKS = (
     ),
     Check(
         "mounts",
-        "Mounting threads find metal",
+        "Mounting threads have metal round them",
         "usual rule: one diameter",
         mounts,
         adjust=(up("support.plate_mm"), up("transmission.centre_distance_mm")),

@@ -1,4 +1,4 @@
-"""Gaps of the winding against the sum of the tolerances of the parts, and the transmission error."""
+"""Gaps of the winding compared with the tolerances of the parts, and the transmission error."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def turn_gap(s: SpurUnderTest) -> list[StackUp]:
             "span from the turn beside it, mm",
             gap,
             (
-                # Each half of the gap's sides belongs to one of two neighbouring turns.
+                # Half a rope on each side of the gap: together one diameter.
                 Contribution("rope's diameter", rope_band_mm(drive)),
                 Contribution("lead of the groove over a turn", drive.making.position_mm),
             ),
@@ -49,7 +49,7 @@ def rim_edge(s: SpurUnderTest) -> list[StackUp]:
 
 
 def stacks(s: SpurUnderTest) -> Iterator[StackUp]:
-    """The tightest stack of each gap, and that of the ratio."""
+    """The stack of each gap and of the ratio; of several, the one with the least reserve."""
     for of in (turn_gap, rim_edge):
         yield tightest(of(s))
     r_o, r_i = s.drive.drum_radius_mm, s.drive.input_radius_mm

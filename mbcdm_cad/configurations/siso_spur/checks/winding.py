@@ -1,9 +1,9 @@
-"""Cables on the input: what friction holds of one that goes round it, what stays there, how turns walk along.
+"""Cables on the input: load that friction holds, wrap that stays on the input, axial walk of the turns.
 
-Friction holds T_h / T_l <= e^(mu theta) over the whole wrap theta; with equal linear sides that is a difference of
-2 T_pre tanh(mu theta / 2) (derived). Beyond it the cable slips through. Long before, each end of the wrap creeps over
-the slip angle of its side; as long as a part in the middle sticks and stays on the input all over the travel, nothing
-of that adds up. Where the travel carries it off, the cable moves on a little every cycle.
+Friction holds T_h / T_l <= e^(mu theta) over the whole wrap theta; if both sides are linear and equal, this is a
+difference of 2 T_pre tanh(mu theta / 2) (derived). Above it the cable slips through. Below it each end of the wrap
+creeps over the slip angle of its side. If a part in the middle sticks and stays on the input over the whole travel,
+this creep does not accumulate. If the travel unwinds that part, the cable moves on a little in every cycle.
 """
 
 from __future__ import annotations
@@ -24,25 +24,26 @@ from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 
-# Largest fleet angle on a smooth pulley (rope makers); in a groove the cable leaves in line with it.
+# Largest fleet angle on a smooth pulley (rope makers); from a groove the cable leaves in line with it.
 SMOOTH_FLEET_DEG = 1.5
-# Crest between two grooves, in rope diameters: thinner it would be a burr that cuts the rope (estimate).
+# Least crest between two grooves, in rope diameters: a thinner one would be a burr that cuts the rope (estimate).
 GROOVE_CREST = 0.05
-# Land beyond the cable's flank, at the ends of its walk (estimate).
+# Least land beyond the cable's flank at the ends of its walk (estimate).
 LAND_EDGE_MM = 0.3
 
 
 def free_span(s: SpurUnderTest) -> Comparison:
-    """Centre distance over the sum of the pitch radii."""
+    """Centre distance compared with the sum of the pitch radii."""
     drive = s.drive
     reach = drive.drum_radius_mm + drive.input_radius_mm
     return at_least("centre distance over r_o + r_i", drive.centre_distance_mm - reach, CABLE_GAP_MM, "mm")
 
 
 def slip(s: SpurUnderTest) -> Comparison:
-    """Drum torque at which the cable slips on the input over the peak torque: the worse direction and end of travel.
+    """Drum torque at which the cable slips on the input over the peak torque: lowest of all directions and ends.
 
-    A short wrap on the drum stretches less, so that the slack side sheds more: the wraps of each pose count.
+    It depends on the wraps of the pose: a short wrap on the drum stretches less, so that the slackened side loses more
+    tension.
     """
     drive, si, holds = s.drive, s.loads.si, np.inf
     try:
@@ -62,7 +63,7 @@ def slip(s: SpurUnderTest) -> Comparison:
 
 
 def _slip_angles_deg(s: SpurUnderTest) -> float:
-    """Slip angles of both ends of a wrap at peak torque together, the worse direction and input."""
+    """Sum of the slip angles at both ends of a wrap at peak torque, for the worst direction and input."""
     preload, most = np.array([c.preload_N for c in s.drive.cables]), 0.0
     for tension in (s.loads.peak_forward, s.loads.peak_back):
         ratio = np.abs(np.log(np.maximum(tension, 1e-9) / preload))
@@ -72,24 +73,24 @@ def _slip_angles_deg(s: SpurUnderTest) -> float:
 
 
 def stays_on(s: SpurUnderTest) -> Comparison:
-    """What of the wrap neither creeps at peak torque nor leaves the input over the travel."""
+    """Part of the wrap that neither creeps at peak torque nor leaves the input over the travel."""
     drive, creeping = s.drive, _slip_angles_deg(s)
     wrap, travel = degrees(drive.wrap_rad), degrees(drive.input_travel_rad)
-    note = f"wrap {wrap:.0f}, less {travel:.0f} that the travel carries off and {creeping:.0f} that creeps at peak"
-    return at_least("wrap that sticks on the input all over the travel", wrap - travel - creeping, 0.0, "deg", note)
+    note = f"wrap {wrap:.0f}, less {travel:.0f} that the travel unwinds and {creeping:.0f} that creeps at peak torque"
+    return at_least("wrap that sticks on the input over the whole travel", wrap - travel - creeping, 0.0, "deg", note)
 
 
 def _turns_that_hold(s: SpurUnderTest) -> str:
-    """Turns at which both margins are there."""
+    """Remedy: the number of turns with which both checks of the wrap pass."""
     try:
         short = max(0.0, -stays_on(s).margin)
         tension = max(float(np.max(t)) / max(float(np.min(t)), 1e-9) for t in (s.loads.peak_forward, s.loads.peak_back))
     except NoFigureError:
         return ""
-    # The tensions at the margin, by linear sides.
+    # Tensions at the slip margin, for linear sides.
     share = (tension - 1.0) / (tension + 1.0) * s.drive.limits.slip_margin_min
     if share >= 1.0:
-        return "raise rope.preload_N: at this margin one side would carry nothing, however often the cable goes round"
+        return "raise rope.preload_N: at this margin one side would be slack for any number of turns"
     wrap = log((1.0 + share) / (1.0 - share)) / s.drive.friction_coefficient
     more = max(short / 360.0, (wrap - s.drive.wrap_rad) / tau)
     return f"raise transmission.turns to {s.drive.turns + max(1, ceil(more))}"
@@ -125,7 +126,7 @@ def on_land(s: SpurUnderTest) -> Comparison:
 
 
 def land_spacing(s: SpurUnderTest) -> Comparison:
-    """What both sides take of the drum over the travel lies apart."""
+    """Gap along y between the parts of the drum that both sides use over the travel."""
     gap = 2 * (s.drive.land_mm - s.drive.walk_mm / 2) - s.drive.cable.diameter_mm
     return at_least("gap of the two sides on the drum, walk included", gap, CABLE_GAP_MM, "mm")
 
@@ -152,7 +153,7 @@ def fleet_angle(s: SpurUnderTest) -> Comparison:
         for span, end in beyond[1:] if s.drive.anchored else beyond:
             along = span.tangent(0.5)
             off = acos(min(1.0, abs(float(along @ path.piece(ON_INPUT[0]).tangent(end)))))
-            # On a smooth land nothing but friction keeps the turns on their slope.
+            # On a smooth land only friction holds the turns at their helix angle.
             turned = off if s.drive.input_pulleys.grooved else float(np.arcsin(abs(along[1])))
             found.append(
                 at_most(
@@ -163,17 +164,17 @@ def fleet_angle(s: SpurUnderTest) -> Comparison:
 
 
 def turn_distance_mm(radius_mm: float, lead_mm: float) -> float:
-    """Least distance between the span, which goes on in line with its helix, and the turn wound before it, mm."""
+    """Least distance between the span, straight in line with its helix, and the turn wound before it, mm."""
     slope = lead_mm / (tau * radius_mm)
     angle = np.linspace(-0.5, 0.5, 2001)
-    # The span starts at the contact, (0, 0, 0), along y; the turn before it lies a lead back along the axis.
+    # The span starts at the contact, (0, 0, 0), along y; the turn before it lies one lead back along the axis.
     x, y, z = radius_mm * (1 - np.cos(angle)), radius_mm * np.sin(angle), -lead_mm + slope * radius_mm * angle
     along = np.maximum((y + slope * z) / (1 + slope**2), 0.0)
     return float(np.sqrt(x**2 + (along - y) ** 2 + (slope * along - z) ** 2).min())
 
 
 def self_clearance(s: SpurUnderTest) -> Comparison:
-    """Each span against the turn beside it on the input."""
+    """Gap between each span and the turn beside it on the input."""
     gap = turn_distance_mm(s.drive.input_radius_mm, s.drive.helix_lead_mm) - s.drive.cable.diameter_mm
     return at_least("span from the turn beside it", gap, 0.0, "mm")
 
@@ -200,7 +201,7 @@ CHECKS = (
     Check(
         "input_sticks",
         "Part of the cable never leaves the input",
-        "derived: else a net creep every cycle",
+        "derived: otherwise the cable creeps on in every cycle",
         stays_on,
         "warn",
         adjust=(down("travel.half_angle_deg"), *_LESS),
@@ -208,7 +209,7 @@ CHECKS = (
         applies=is_continuous,
     ),
     Check("helix_lead", "Turns lie side by side", "rope makers' tables for grooves", lead, adjust=_LEAD),
-    Check("groove_crest", "Crests between grooves stand", "0.05 d: estimate", crest, adjust=_LEAD),
+    Check("groove_crest", "Crests between the grooves", "0.05 d: estimate", crest, adjust=_LEAD),
     Check("self_clearance", "Spans clear the turns beside them", "derived", self_clearance, adjust=_LEAD),
     Check(
         "input_walk",
@@ -227,7 +228,7 @@ CHECKS = (
     ),
     Check(
         "land_spacing",
-        "Both sides lie apart on the drum",
+        "Gap between both sides on the drum",
         "derived: N leads and the spans' slope; 0.1 mm: estimate",
         land_spacing,
         adjust=(up("transmission.turns"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),

@@ -1,7 +1,7 @@
-"""Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, against the slip zones.
+"""Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, compared with the slip zones.
 
-Both ends of the cable are held on the drum, so a wrap shorter than the slip zone is legal; only Eq. (5) and (6) stop
-holding.
+Both ends of the cable are fixed to the drum. A wrap shorter than the slip zone is therefore legal, but Eq. (5) and (6)
+are no longer valid.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 
 
 def terminal_clears_input(s: SpurUnderTest) -> Comparison:
-    """Terminals pass beside the input and the yoke over it at the end of travel that brings them nearest."""
+    """Gap of the terminals to the input and its yoke at the end of travel where they come nearest."""
     drive, f = s.drive, s.layout.frame
     reach = max(s.layout.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
     found = []

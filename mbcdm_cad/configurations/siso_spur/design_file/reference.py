@@ -1,4 +1,4 @@
-"""The reference design of siso_spur: on motor, gearhead, rope, preload, mean drum radius and travel of miso_bevel's.
+"""The reference design of siso_spur, with motor, gearhead, rope, preload, mean drum radius and travel of miso_bevel.
 
 "Table", "section" and "Fig." are those of the paper that describes the mechanism.
 """
@@ -34,7 +34,7 @@ SHARED = {
     "drive.encoder": Given("encoder-17", "section 5"),
     "drive.drum_encoder": Given("encoder-24-ring", "section 4.1"),
     "drum.material": Given("aluminium-7075", ESTIMATE),
-    "drum.sector_half_angle_deg": Given(100.0, "wrap left over the slip angle of the test at the ends of the travel"),
+    "drum.sector_half_angle_deg": Given(100.0, "wrap left at the ends of travel above the slip angle at test torque"),
     "drum.rim_inner_radius_mm": Given(51.0, ESTIMATE),
     "drum.outer_face_y_mm": Given(5.2, "nuts of the terminals stay behind it"),
     "drum.web_thickness_mm": Given(2.0, ESTIMATE),
@@ -47,8 +47,8 @@ SHARED = {
     "input_pulleys.material": Given("steel", ESTIMATE),
     "input_pulleys.lower_bearing": Given("618/5", ESTIMATE),
     "input_pulleys.upper_bearing": Given("618/4", ESTIMATE),
-    "loads.test_torque_Nm": Given(0.62, "the share of peak torque that miso_bevel's has, 0.29"),
-    "loads.peak_torque_Nm": Given(2.15, "the motor through its gearhead holds 2.18"),
+    "loads.test_torque_Nm": Given(0.62, "0.29 of the peak torque, as in miso_bevel"),
+    "loads.peak_torque_Nm": Given(2.15, "motor with gearhead: 2.18"),
     "limits.bend_ratio_min": Given(14.8, "section 2.2"),
     "limits.tension_safety_factor": Given(5.0, "rope makers: 5 to 10"),
     "limits.preload_share_max": Given(0.5, "rope makers: under half"),

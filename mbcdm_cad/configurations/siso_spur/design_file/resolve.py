@@ -1,4 +1,4 @@
-"""From a validated siso_spur design to its drive: radii known for both sides, names made objects."""
+"""Make the drive of a validated siso_spur design: radii of both sides, catalogue entries in place of names."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from mbcdm_cad.parts.drum_sector.design import Clearances, WoundPulleySpec
 from mbcdm_cad.parts.drum_sector.resolve import sector_values
 
 _SIGN = {"-x": -1, "+x": 1}
-# By what ``transmission.cables`` says. The side that runs to +x lies at the smaller y, of two anchored cables at the
-# larger: then the grooves are right-handed, as lathes are set to cut.
+# Step of a side, by the value of ``transmission.cables``. The side that runs to +x has the smaller y, of two anchored
+# cables the larger one: the grooves are then right-handed, as usual on a lathe.
 _STEP = {"continuous": {"+x": 1, "-x": 2}, "two_anchored": {"+x": 2, "-x": 1}}
 
 
 def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.SpurDrive:
-    """The drive of a design that breaks no rule; its sides are in the order of y."""
+    """The drive of a valid design; its sides are in the order of y."""
     return d.laid(d.SpurDrive(**spur_values(design, catalogue, sigmas)))
 
 
 def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> dict[str, Any]:
-    """The fields of :class:`~mbcdm_cad.configurations.siso_spur.drive.SpurDrive`, planes of terminals not yet laid.
+    """The fields of :class:`~mbcdm_cad.configurations.siso_spur.drive.SpurDrive`, still without planes of terminals.
 
     Sides are in the order of the inputs, then of y.
     """
@@ -50,7 +50,7 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
                 catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
             ),
             "helix_lead_mm": design.rope.helix_lead_mm,
-            # As ``laid`` finds them.
+            # ``laid`` sets it.
             "dead_turns": 0.0,
             "cables": tuple(
                 d.SpurRun(
@@ -86,7 +86,7 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
 
 
 def input_radius_mm(transmission: SpurTransmission) -> float:
-    """Input pitch radius, from the ratio or as given; that from the ratio is rounded to 1e-9 mm."""
+    """Input pitch radius, as given or from the ratio, then rounded to 1e-9 mm."""
     if transmission.input_to_drum is None:
         return transmission.input_radius_mm or 0.0
     return round(transmission.drum_radius_mm / transmission.input_to_drum, 9)

@@ -13,7 +13,7 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from broken_radius(design.transmission)
     for name, found, wanted, remedy in (
-        ("inputs", len(design.inputs), 1, "give the one input"),
+        ("inputs", len(design.inputs), 1, "give exactly one input"),
         ("cables", len(design.cables), 2, "give the two sides of the cable, one for each sense of the drum"),
     ):
         if found != wanted:
@@ -24,12 +24,12 @@ def broken_rules(design: SpurDesign) -> Iterator[Broken]:
             "both sides run to one side",
             design.cables[1].drum_side,
             "opposite sides",
-            "let one run to -x and one to +x, or the input pulls one way only",
+            "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
         )
 
 
 def broken_radius(block: SpurTransmission) -> Iterator[Broken]:
-    """The input's radius is given once, as it is or by the ratio."""
+    """The input's radius is given once, explicitly or by the ratio."""
     if block.input_to_drum is not None and block.input_radius_mm is not None:
         where, remedy = ("transmission", "input_radius_mm"), "remove input_to_drum, or remove input_radius_mm"
         yield Broken(where, "given beside input_to_drum", "", "input_to_drum or an explicit radius", remedy)
@@ -39,6 +39,6 @@ def broken_radius(block: SpurTransmission) -> Iterator[Broken]:
 
 
 def named_entries(design: SpurBlocks) -> Iterator[NamedEntry]:
-    """Entries of the catalogue that this configuration's blocks name."""
+    """Entries of the catalogue that the blocks of this configuration name."""
     yield from sector_entries(design)
     yield NamedEntry(("support", "material"), "materials", design.support.material)

@@ -1,7 +1,7 @@
-"""Sizing rules of siso_spur, in the order of the drive, and all but names for several inputs round one drum too.
+"""Sizing rules of siso_spur, in the order of the power flow; miso_spur uses all of them except those of names.
 
-Many rules ask checks on a trial drive, whose open fields hold the values of the pass before. Passes are repeated until
-no field changes; the first begins with those of a drive of middle size.
+Many rules evaluate checks on a trial drive, whose open fields have the values of the pass before. Passes are repeated
+until no field changes; the first one starts with the values of a drive of medium size.
 """
 
 from __future__ import annotations
@@ -57,15 +57,15 @@ RULES: tuple[Rule, ...] = (
 
 
 def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
-    """The data with its gaps filled, values that rules find as ``moved`` makes them.
+    """The data with all open fields filled; ``moved`` changes the values that rules give.
 
-    Raises ``SizingError`` where a requirement is missing.
+    Raises ``SizingError`` if a requirement is missing.
     """
     return sized(data, SpurKnown, NAMES, moved)
 
 
 def sized(data: dict[str, Any], known: type[SpurKnown], names: Sequence[Rule], moved: Moved | None) -> Sizing:
-    """The same with the configuration's own ``known`` and rules of its inputs' and cables' ``names``."""
+    """As :func:`size`, with the ``known`` of the configuration and its rules for the ``names`` of inputs and cables."""
     missing = list(_missing(SpurKnown(data, {})))
     if missing:
         raise SizingError(*missing)
@@ -73,7 +73,7 @@ def sized(data: dict[str, Any], known: type[SpurKnown], names: Sequence[Rule], m
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
-    """Figures of a drive of middle size, for what the first pass does not know yet."""
+    """Values of a drive of medium size, for fields that the first pass does not know yet."""
     given = SpurKnown(data, {})
     radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
     return {

@@ -1,4 +1,4 @@
-"""What the sizing rules of siso_spur read: fields, catalogue, and checks asked on a trial drive."""
+"""What the sizing rules of siso_spur read: fields, catalogue, and results of checks on a trial drive."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check 
 
 
 class SpurKnown(TrialKnown):
-    """Adds the figures of one cable over an input beside the drum."""
+    """Adds the values of an input beside the drum."""
 
     schema: type[Design] = SpurDesign
     asked: tuple[str, ...] = (
@@ -32,7 +32,7 @@ class SpurKnown(TrialKnown):
         "drive.gearhead",
     )
 
-    # The stops of anchored cables leave less of a neck than the bearings' own shoulders.
+    # The neck between the stop slots of anchored cables can be too small for the shoulder of a bearing that fits it.
     own_checks: Mapping[str, tuple[str, ...]] = {
         "input_pulleys.lower_bearing": ("bearing_shoulders",),
         "input_pulleys.upper_bearing": ("bearing_shoulders",),
@@ -52,7 +52,7 @@ class SpurKnown(TrialKnown):
 
     @property
     def has_ratio(self) -> bool:
-        """See the base class; else it follows from the motor."""
+        """See the base class; if False, the ratio follows from the motor."""
         return self.has("transmission.input_to_drum") or self.has("transmission.input_radius_mm")
 
     @property

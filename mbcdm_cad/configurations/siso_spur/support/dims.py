@@ -1,4 +1,4 @@
-"""Dimensions of the frame: a plate with the drum's boss, and a yoke over the input that carries its far bearing.
+"""Dimensions of the frame: a plate with the drum's boss, and a yoke over the input that carries its front bearing.
 
 In section, y to the right (front), z up:
 
@@ -36,17 +36,17 @@ from mbcdm_cad.parts.motor_head.dims import (
 
 # Thread of the encoder's screws in its housing, in diameters.
 ENCODER_GRIP = 1.25
-# Beyond the encoder, to the sides of its shelf.
+# Width of the shelf beyond the encoder, on each side.
 SHELF_MARGIN_MM = 0.5
-# Room over the pulley for the fingers that lead the cable round it.
+# Space above the pulley for the fingers that lead the cable round it.
 WINDING_ROOM_MM = 3.0
-# The frame's own fixing: threads for screws from behind (ISO 4762).
+# Screws that fix the frame to its base, from behind (ISO 4762).
 MOUNT_SCREW = "M3x8"
 # Wall beside a flange screw's thread, in its diameters.
 SCREW_WALL = 0.65
-# Between that opening and the nearest of the flange's holes.
+# Metal between the opening of the plate and the nearest hole of the flange.
 OPENING_WEB_MM = 0.6
-# Between the heads of the flange's screws and the motor head's wall.
+# Gap between the heads of the flange's screws and the wall of the motor head.
 HEAD_ROOM_MM = 0.15
 # Radius of the stop pin's middle over the inner radius of the rim, where the hub leaves it room.
 STOP_SHARE = 0.62
@@ -56,7 +56,7 @@ CORNER_MM = 2.0
 
 @dataclass(frozen=True)
 class YokeDims:
-    """The frame (mm), as it stands."""
+    """Dimensions of the frame in mm, in the position that it has in the assembly."""
 
     levels: SpurStack
     boss: BossDims
@@ -94,12 +94,12 @@ class YokeDims:
 
     @property
     def encoder_shelf_bottom_z(self) -> float:
-        """Far face of the encoder's shelf, counted against the height along the input's axis."""
+        """Face of the encoder shelf away from the pulley, as a coordinate along -Y."""
         return -self.levels.top_plate_top_z
 
     @property
     def encoder_shelf_top_z(self) -> float:
-        """Face of the encoder's shelf towards the pulley, counted as above."""
+        """Face of the encoder shelf towards the pulley, as a coordinate along -Y."""
         return -self.levels.top_plate_bottom_z
 
     @property
@@ -109,16 +109,13 @@ class YokeDims:
 
 
 def _round_thread_mm(drive: SpurDrive, screw: Screw, cut_mm: float) -> float:
-    """From the axis of a screw's thread to the next edge: ``cut_mm`` where it is cut, what its insert asks for else."""
+    """Distance from a screw's axis to the next edge: ``cut_mm``, or more if the wall of an insert needs it."""
     insert = drive.insert(drive.support.material, screw.thread_mm)
     return cut_mm if insert is None else max(cut_mm, insert.hole_mm / 2 + insert.wall_mm)
 
 
 def opening_radius_mm(drive: SpurDrive) -> float:
-    """Opening of the plate: pulley, bearing and the keys for the encoder's screws pass through.
-
-    Beside the pulley pass the cables that are anchored on it.
-    """
+    """Radius of the plate's opening for the pulley with anchored cables, the bearing and the encoder's screws."""
     encoder, screw = drive.encoder, drive.screw(drive.encoder.screw)
     land = drive.input_radius_mm + max(groove_depth_mm(drive) - drive.cable.diameter_mm / 2, 0.0)
     heads = encoder.bolt_circle_mm / 2 + screw.head_diameter_mm / 2 + 0.1
@@ -127,15 +124,15 @@ def opening_radius_mm(drive: SpurDrive) -> float:
 
 
 def flange(drive: SpurDrive) -> Flange:
-    """The motor head's flange on the back of the plate; its y is away from the drum."""
+    """Flange of the motor head on the back of the plate; its y points away from the drum."""
     inner = inner_half_width_mm(drive)
     outer = inner + drive.support.side_wall_mm / 2
     screw = flange_screw(drive)
     wall = _round_thread_mm(drive, screw, (SCREW_WALL + 0.5) * screw.thread_mm)
-    # The screws go in from behind, past the motor.
+    # The screws are driven from behind, beside the motor.
     beside = body_radius_mm(drive) + drive.clearances.running_mm
     x = max(outer, beside) + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
-    # Screws and dowels stand round the opening that the pulley passes through.
+    # Screws and dowels lie outside the opening for the pulley.
     x = max(x, opening_radius_mm(drive) + OPENING_WEB_MM + max(screw.thread_mm, DOWEL_MM) / 2)
     front = max(inner, face_reach_mm(drive))
     back = -outer
@@ -172,7 +169,7 @@ def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
     thread = (mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2
     lowest, highest = round_boss.radius + edge, z + head.back_y - edge
     if drive.frame_angle_rad < pi:
-        # Beside the threads of the next arm.
+        # Clear of the threads of the next arm.
         lowest = max(lowest, (beside + thread + HOLE_WEB_MM) / tan(drive.frame_angle_rad / 2))
     return YokeDims(
         levels=levels,

@@ -1,4 +1,4 @@
-"""Frame: plate with boss and yoke, milled from one block, bored from behind for drum and input."""
+"""Frame: plate with boss and yoke, milled from one block, with bores from behind for drum and input."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mbcdm_cad.parts.shapes import block, cut, cylinder_y, fuse
 
 
 def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
-    """Plate from the drum's axis to beyond the input, and the yoke on it."""
+    """Plate from the drum's axis past the input, and the yoke on it."""
     v, x, shelf = d.levels, d.half_width, d.shelf_half_width
     plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.top_z))
     plate = cq.Workplane(obj=plate).edges("|Y and >Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
@@ -21,7 +21,7 @@ def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
 
 
 def centre_bodies(d: YokeDims) -> list[cq.Shape]:
-    """The plate ends round about the drum's axis; the boss."""
+    """Rounded end of the plate about the drum's axis, and the boss."""
     return [cylinder_y(d.half_width, 0.0, 0.0, d.levels.plate_back_y, d.levels.front_y), *boss_bodies(d.boss)]
 
 
@@ -41,7 +41,7 @@ def _input_holes(d: YokeDims) -> list[cq.Shape]:
 
 
 def yoke_tools(d: YokeDims) -> list[cq.Shape]:
-    """Bores for the input, and the holes of what is screwed on."""
+    """Bores for the input, and holes of the parts that are screwed on."""
     back, front = d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0
     tools = _input_holes(d)
     tools += [cylinder_y(d.flange_screw_radius, x, z, back, front) for x, z in d.flange_screws]
@@ -57,7 +57,7 @@ def centre_tools(d: YokeDims) -> list[cq.Shape]:
 
 
 def create_yoke(dims: YokeDims) -> cq.Solid:
-    """Frame where it stands in the assembly."""
+    """Frame in its position in the assembly."""
     return cut(
         fuse([*yoke_bodies(dims), *centre_bodies(dims)], "frame"), [*centre_tools(dims), *yoke_tools(dims)], "frame"
     )

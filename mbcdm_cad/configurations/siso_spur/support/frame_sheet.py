@@ -1,4 +1,4 @@
-"""Sheet of the frame: from behind, a middle section, from the front; all holes as tables."""
+"""Sheet of the frame: rear view, middle section, front view; all holes in tables."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from mbcdm_cad.parts.sheets.words import mm
 
 
 def _thread(insert: InsertSpec | None) -> dict[str, Any]:
-    """What a hole gets: a thread, or an insert."""
+    """Arguments of a hole for a thread, or for an insert."""
     return {"threaded": insert is None, "insert": insert}
 
 
 def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
-    """Along Y: the first five in the plate, from behind; then those of the shelf, and those of the drum's encoder."""
+    """Holes along Y: first those of the plate, from behind, then those of the shelf and of the drum's encoder."""
     v, b, z = d.levels, d.boss, d.axis_z
     back, near, floor = v.plate_back_y, v.top_plate_bottom_z, b.encoder_pocket_floor_y
     pressed = FITS["pin_press"].code
@@ -138,9 +138,9 @@ def yoke_sheet(part: str, d: YokeDims) -> Sheet:
             *(line for group in holes for line in group.fit_lines()),
         ),
         notes=(
-            "Milled from one block. X to the right seen from behind, Y to the front, Z up from the drum's axis.",
+            "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis.",
             "F parallel to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
-            f"Outer corners of plate and yoke R{mm(r)}; the plate ends round about the drum's axis.",
+            f"Outer corners of plate and yoke R{mm(r)}; lower end of the plate rounded about the drum's axis.",
             f"Ears {mm(2 * b.ear_half_height)} high. Seats Ra 0.8, elsewhere Ra 3.2.",
         ),
     )

@@ -1,12 +1,12 @@
-"""How far the elastic frame lets the drum turn: plate and yoke as folded plates on the mounting screws.
+"""Rotation of the drum due to the elastic frame: plate and yoke as folded plates on the mounting screws.
 
-By reciprocity the drum turns, for each N m of load, by f . u: f are the forces that the change of tensions by that load
-puts on the seats, u the displacements they cause (:mod:`mbcdm_cad.model.plate_mesh`). One side pulls more, the other
-less, so that their pulls along the line of centres cancel and those across it add up: the input is pushed to one side,
-the drum to the other, and the gearhead holds the cable's lever about the input's axis. Assumptions as in
-docs/decisions/0005; besides, the motor head's flange stands for the plate's opening that it closes, the boss is rigid,
-and the small couple of both spans, which leave a few leads apart, is left out. Two such arms in line, one above the
-drum and one below, are one mesh as well.
+By reciprocity the drum turns by f . u for each N m of load: f are the forces on the seats due to the change of tensions
+by that load, u the displacements due to these forces (:mod:`mbcdm_cad.model.plate_mesh`). The tension of one side
+rises, that of the other falls. Their components along the line of centres cancel and those across it add up: the input
+is pushed to one side, the drum to the other, and the gearhead holds the torque about the input's axis. Assumptions as
+in docs/decisions/0005. In addition, the plate has no opening where the flange of the motor head closes it, the boss is
+rigid, and the small couple of both spans, which are a few leads apart, is left out. Two such arms in line, one above
+the drum and one below, form one mesh.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
 from mbcdm_cad.routes import Floats
 
-# A force on a seat spreads over this many of its radii.
+# Radius over which the force on a seat is spread, over the radius of the seat.
 _SPREAD = 1.5
 
 
 @dataclass(frozen=True)
 class Arm:
-    """One input's part of a frame: ``way`` is +1 where it stands above the drum, -1 below, turned by half a turn."""
+    """One input's part of a frame: ``way`` is +1 above the drum, -1 below it (turned by half a turn)."""
 
     layout: SpurLayout
     way: int = 1
 
     def of(self, panel: str) -> str:
-        """Name of this arm's panel; the plate is one for all."""
+        """Name of a panel of this arm; all arms share the plate."""
         return panel if self.way > 0 or panel == "plate" else f"{panel} below"
 
 
@@ -71,20 +71,20 @@ def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
 
 
 def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
-    """(panel, point in mm, force along x in N, couple about y in N mm) on the frame's seats by the tensions."""
+    """(panel, point in mm, force along x in N, couple about y in N mm) on the frame's seats due to the tensions."""
     d, v, shaft, z = to_si(layout.drive), layout.levels, layout.drum_shaft, layout.frame.axis_z
     loads = bearing_loads(d, tension_N)
     bearings, pulley = layout.drive.bearings, loads.inputs[0]
     lower = v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2
     upper = v.top_plate_bottom_z + bearings.input_upper.width_mm / 2
-    # Heights of the routes count along the input's own axis, which points back.
+    # Heights of the routes count along the axis of the input, which points to the back.
     axis = d.routes.inputs[0].axis
     pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, -lower * MM, -upper * MM, axis)
     rear, front = (y + bearings.drum.width_mm / 2 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
-    # Moments about the drum's axis aside, its bearings take force and couple along x by their distances.
+    # The drum's bearings share force and couple along x by their distances; the moment about its axis is not theirs.
     on_drum = float(loads.drum.force_N[0])
     on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
-    # What the gearhead holds against: the tensions' lever about the input's axis, -Y, passed on to the plate.
+    # The gearhead holds the torque of the tensions about the input's axis, -Y, and loads the plate with it.
     torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
     return [
         ("plate", (0.0, lower, z), -float(pair[0, 0]), torque / MM),
@@ -95,7 +95,7 @@ def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[
 
 
 def frame_compliance(layout: SpurLayout) -> FrameCompliance:
-    """Windup of the drum by the frame per N m of external torque, with the share of each part.
+    """Windup of the drum due to the frame per N m of external torque, with the share of each part.
 
     Raises ``ValueError`` if the dimensions leave no frame to compute.
     """
@@ -103,7 +103,7 @@ def frame_compliance(layout: SpurLayout) -> FrameCompliance:
 
 
 def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
-    """The same of a frame with one arm or two, each of which takes this share of the torque. Raises as it does."""
+    """As :func:`frame_compliance`, for a frame with one arm or two, each with this share of the torque."""
     first = arms[0].layout
     f, v, screw = first.frame, first.levels, first.drive.screw(MOUNT_SCREW)
     places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
@@ -114,7 +114,7 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
     for arm in arms:
         tension = share * unit_tensions_N(to_si(arm.layout.drive))
         for panel, (x, y, z), force_x, couple_y in seat_forces(arm.layout, tension):
-            # The drum's bearings load the boss, those of the input what surrounds their seats.
+            # The bearings of the drum load the boss, those of the input the metal round their seats.
             reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, first.head.seat_radius)
             point = (arm.way * x, y, arm.way * z)
             nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
@@ -125,12 +125,12 @@ def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
 
 
 def frame_study(layout: SpurLayout) -> FrameStudy:
-    """The compliance as a study for the cache; infinite where the frame has no metal to carry a load."""
+    """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
     return frame_study_of(__name__, [layout], lambda: frame_compliance(layout))
 
 
 def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Callable[[], FrameCompliance]) -> FrameStudy:
-    """The study that ``module`` works out of the layouts of all inputs."""
+    """The study that ``module`` computes from the layouts of all inputs."""
 
     def found() -> FrameCompliance:
         try:
@@ -138,7 +138,7 @@ def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Calla
         except (ValueError, ArithmeticError):
             return FrameCompliance(float("inf"), {})
 
-    # Of the drum's shaft only the positions of its bearings: other changes on it must not start the study again.
+    # Of the drum's shaft only the positions of its bearings: other changes of it must not make the study run again.
     inputs = tuple(
         (
             layout.frame,

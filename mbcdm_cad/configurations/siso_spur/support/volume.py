@@ -15,14 +15,14 @@ def yoke_mm3(d: YokeDims) -> float:
 
 
 def arm_mm3(d: YokeDims) -> float:
-    """Plate from the drum's axis on, and the yoke on it, less their bores and holes."""
+    """Plate from the drum's axis upwards, and the yoke on it, less their bores and holes."""
     v = d.levels
     plate = (2 * d.half_width * d.top_z - 2 * CORNER * d.corner_radius**2) * (v.front_y - v.plate_back_y)
     return plate + _yoke_mm3(d) - _holes_mm3(d)
 
 
 def _yoke_mm3(d: YokeDims) -> float:
-    """In front of the plate: the bridge, and the shelf under it."""
+    """Volume in front of the plate: the bridge, and the shelf under it."""
     v, wide = d.levels, 2 * d.shelf_half_width
     rounded = 2 * CORNER * d.corner_radius**2
     bridge = (wide * (d.top_z - d.bridge_bottom_z) - rounded) * (v.top_plate_top_z - v.front_y)
@@ -31,7 +31,7 @@ def _yoke_mm3(d: YokeDims) -> float:
 
 
 def boss_mm3(d: YokeDims) -> float:
-    """Outside the plate, bores of both and the stop pin's hole taken out."""
+    """Boss outside the plate, less the bores of both and the hole of the stop pin."""
     v, b = d.levels, d.boss
     disc = pi * b.radius**2
     behind, before = v.plate_back_y - b.encoder_pocket_floor_y, b.front_y - v.front_y
