@@ -53,24 +53,26 @@ SCHEMA_VERSION = constant("schema_version", 1, "the version of the file's layout
 STOP_CLEARANCE = constant(
     "travel.stop_clearance_deg",
     STOP_WINDOW_DEG / 2,
-    "the stops engage half way in their window behind the travel",
+    "middle of the range beyond the travel in which the stops must engage",
     "stop_within_half_degree",
 )
-TEST_TORQUE = Rule(
-    "loads.test_torque_Nm", "three tenths of the peak torque, where no test is named", "loads", _test_torque
+TEST_TORQUE = Rule("loads.test_torque_Nm", "0.3 of the peak torque", "loads", _test_torque)
+BEND_RATIO = Rule("limits.bend_ratio_min", "least D/d for which the rope's maker states a life", "life", _bend_ratio)
+TENSION_SAFETY = constant("limits.tension_safety_factor", 5.0, "usual factor; rope makers state 5 to 10", "tension")
+PRELOAD_SHARE = constant("limits.preload_share_max", 0.5, "rope makers' limit: less than half", "preload_share")
+MESH_TOLERANCE = constant("export.mesh_tolerance_mm", 0.01, "finer than the tolerances of usual workshops", "export")
+RUNNING = constant(
+    "clearances.running_mm", 0.25, "gap for the tolerances and the run-out of moving parts", "frame_front"
 )
-BEND_RATIO = Rule("limits.bend_ratio_min", "least D/d at which the rope has a life at all", "life", _bend_ratio)
-TENSION_SAFETY = constant("limits.tension_safety_factor", 5.0, "rope makers: 5 to 10", "tension")
-PRELOAD_SHARE = constant("limits.preload_share_max", 0.5, "rope makers: under half", "preload_share")
-MESH_TOLERANCE = constant("export.mesh_tolerance_mm", 0.01, "meshes finer than a workshop's tolerances", "export")
-RUNNING = constant("clearances.running_mm", 0.25, "room beside moving parts: tolerances and run-out", "frame_front")
-FRICTION = Rule("rope.friction_coefficient", "dry wire rope, or smooth fibre, on metal", "rope", _friction)
+FRICTION = Rule(
+    "rope.friction_coefficient", "usual value of dry wire rope, or of smooth fibre, on metal", "rope", _friction
+)
 TRANSFER_GAP = Rule(
     "clearances.transfer_gap_mm",
-    "half a rope less the land's edge and a broken edge",
+    "half the rope's diameter less the edge margin of the land and a broken edge",
     "transfer_gap",
     _transfer_gap,
 )
-DRUM_MATERIAL = constant("drum.material", "aluminium-7075", "light and strong, milled", "process")
-SHAFT_MATERIAL = constant("drum.shaft_material", "steel", "ground bar", "process")
-SUPPORT_MATERIAL = constant("support.material", "aluminium-7075", "light and stiff, milled", "process")
+DRUM_MATERIAL = constant("drum.material", "aluminium-7075", "light and strong; the part is milled", "process")
+SHAFT_MATERIAL = constant("drum.shaft_material", "steel", "made from ground bar", "process")
+SUPPORT_MATERIAL = constant("support.material", "aluminium-7075", "light and stiff; the part is milled", "process")

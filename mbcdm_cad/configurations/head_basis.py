@@ -25,7 +25,7 @@ from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 # Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
 END_SHARE = 0.8
 CONSTRUCTION = "7x7"
-# Preload over what keeps a cable taut at peak torque, where friction on an input need not hold it.
+# Preload over the least that keeps a cable taut at peak torque, if friction on an input need not hold the cable.
 PRELOAD_FACTOR = 2.0
 # Required rated torque of the motor over its torque at the peak torque.
 TORQUE_SPARE = 1.02
@@ -37,7 +37,7 @@ def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
 
 
 def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> Found:
-    """The same where the tension depends on the rope's diameter in mm, because a radius follows from it."""
+    """As :func:`thinnest_rope`, for a tension that depends on the rope's diameter in mm."""
     needed = given["limits.tension_safety_factor"] / END_SHARE
     ropes = sorted(
         (entry["diameter_mm"], name, entry["breaking_load_N"])
@@ -54,12 +54,12 @@ def taut_rope(given: TrialKnown) -> Found:
 
 
 def taut_preload(given: TrialKnown) -> Found:
-    """That preload, or the highest that the rope may have."""
+    """The preload that keeps every cable taut at peak torque, or the highest that the rope may have."""
     return preload(given, PRELOAD_FACTOR * given.half_torque_N, "no_slack")
 
 
 def preload(given: TrialKnown, wanted_N: float, driver: str) -> Found:
-    """A preload that ``driver`` asks for, as far as the rope allows it."""
+    """The preload that ``driver`` needs, or the highest that the rope may have."""
     most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
     return Found(float(f"{min(wanted_N, most):.2g}"), driver if wanted_N <= most else "preload_share", "two digits")
 
@@ -91,7 +91,7 @@ def _gearhead(given: TrialKnown) -> Found:
     if _has_face(given):
         given["drive.motor"]
         return Found(NO_GEARHEAD, "the motor's own shaft")
-    # Where the ratio follows from motor and gearhead, these hold the torque whichever they are.
+    # If the ratio follows from motor and gearhead, any of them holds the torque.
     needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio if given.has_ratio else 0.0
     motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
     pairs = [
@@ -123,7 +123,7 @@ def _motor(given: TrialKnown) -> Found:
     }
     if not fitting:
         strongest = max(rated, key=lambda name: rated[name]["rated_torque_mNm"])
-        return Found(strongest, "motor_torque_forward", "nothing in the catalogue does: the strongest")
+        return Found(strongest, "motor_torque_forward", "no motor of the catalogue does: the strongest")
     return Found(min(fitting, key=lambda name: (fitting[name]["mass_g"], name)), "motor_torque_forward", "the lightest")
 
 
@@ -131,13 +131,13 @@ LIMITS = (STOP_CLEARANCE, TEST_TORQUE, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLER
 METALS = (
     DRUM_MATERIAL,
     SHAFT_MATERIAL,
-    constant("input_pulleys.material", "steel", "thin walls round the motor's shaft", "bore_wall"),
+    constant("input_pulleys.material", "steel", "allows thin walls round the motor's shaft", "bore_wall"),
     SUPPORT_MATERIAL,
 )
 TRAIN = (
     Rule(
         "drive.gearhead",
-        "none with a motor that has a shaft of its own, else that of the lightest pair that holds the torque",
+        "none for a motor with its own shaft, else that of the lightest motor and gearhead that hold the torque",
         "motor_torque_forward",
         _gearhead,
     ),

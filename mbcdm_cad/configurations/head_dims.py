@@ -1,22 +1,22 @@
-"""Sizing rules that drives with a motor head share: shelves of the head, and the drum but for width and angle."""
+"""Sizing rules that drives with a motor head share: shelves of the head, and the drum without its width."""
 
 from __future__ import annotations
 
 from mbcdm_cad.configurations.trial_sizing import TrialKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
-# Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
+# Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
 # Engaged thread of a face's screws, in diameters.
 ENGAGED = 1.25
-# Bore of the drum's shaft over its bearings'.
+# Bore of the drum's shaft over the bore of its bearings.
 SHAFT_BORE_SHARE = 0.5
 # Angle of the sector beyond the travel, before the limits of the wraps are known.
 SECTOR_SPARE_DEG = 15.0
 
 
 def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
-    """One value for milled parts, the other for printed ones."""
+    """The first value for a milled part, the second for a printed one."""
     return values[1] if given.printed(part) else values[0]
 
 
@@ -48,7 +48,7 @@ def _encoder_shelf(given: TrialKnown) -> Found:
 
 
 def _coupling_space(given: TrialKnown) -> Found:
-    """Between the shelves of motor and bearing."""
+    """Space between the shelves of motor and bearing."""
     return given.moved("support.coupling_space_mm", 5.0, 0.1, ("coupling_height", "collar_space"))
 
 
@@ -96,23 +96,43 @@ def _sector(given: TrialKnown) -> Found:
     return given.moved("drum.sector_half_angle_deg", start, 1.0, ("wrap_left", "terminal_clears_input", "stop_slot"))
 
 
-MOTOR_SHELF = Rule("support.motor_shelf_mm", "as thick as the face's screws leave it", "engagement", _motor_shelf)
+MOTOR_SHELF = Rule(
+    "support.motor_shelf_mm",
+    "thickness that leaves enough engagement for the screws of motor or gearhead",
+    "engagement",
+    _motor_shelf,
+)
 BEARING_SHELF = Rule(
-    "support.bearing_shelf_mm", "the bearing next to the motor and a shoulder", "bearing_seats", _bearing_shelf
+    "support.bearing_shelf_mm",
+    "least height for the bearing next to the motor and a shoulder",
+    "bearing_seats",
+    _bearing_shelf,
 )
 ENCODER_SHELF = Rule(
-    "support.encoder_shelf_mm", "bearing, shoulder and sunk screw heads", "encoder_shelf", _encoder_shelf
+    "support.encoder_shelf_mm",
+    "least height for bearing, shoulder and sunk screw heads",
+    "encoder_shelf",
+    _encoder_shelf,
 )
 COUPLING_SPACE = Rule(
     "support.coupling_space_mm",
-    "room for the collar on its way in, for the face's screws and their key",
+    "least space to insert the collar, the screws of the motor or gearhead and their key",
     "coupling_height",
     _coupling_space,
 )
-WEB = Rule("drum.web_thickness_mm", "stiff enough for its material", "web_in_rim", _web)
-SHAFT_BORE = Rule("drum.shaft_bore_mm", "half the bearings' bore, as far as the wall allows", "shaft_wall", _shaft_bore)
-HUB = Rule("drum.hub_diameter_mm", "walls round shaft, set screws and payload threads", "hub_walls", _hub)
-SECTOR = Rule("drum.sector_half_angle_deg", "the travel and the wrap that must stay", "wrap_left", _sector)
+WEB = Rule("drum.web_thickness_mm", "usual thickness for its material", "web_in_rim", _web)
+SHAFT_BORE = Rule(
+    "drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall", _shaft_bore
+)
+HUB = Rule(
+    "drum.hub_diameter_mm",
+    "least diameter for the walls round shaft, set screws and payload threads",
+    "hub_walls",
+    _hub,
+)
+SECTOR = Rule(
+    "drum.sector_half_angle_deg", "least angle for the travel and the wrap that must remain", "wrap_left", _sector
+)
 STOP_PIN = Rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin", _stop_pin)
-RIM = Rule("drum.rim_inner_radius_mm", "as thin a rim as the terminals' pockets allow", "rim_height", _rim)
-HUB_FACE = Rule("drum.hub_face_y_mm", "set screws and payload threads before the web", "hub_length", _hub_face)
+RIM = Rule("drum.rim_inner_radius_mm", "the thinnest rim that the terminals' pockets allow", "rim_height", _rim)
+HUB_FACE = Rule("drum.hub_face_y_mm", "least length for set screws and payload threads", "hub_length", _hub_face)

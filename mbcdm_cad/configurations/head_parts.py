@@ -14,7 +14,7 @@ _RING = "ring"
 
 
 def _bores(given: TrialKnown) -> set[float]:
-    """Bores that encoders on a shaft's end are made with."""
+    """Bores of the encoders that sit on the end of a shaft."""
     return {entry["bore_mm"] for name, entry in given.entries("encoders").items() if _RING not in name}
 
 
@@ -79,19 +79,19 @@ def _collar_screw(given: TrialKnown) -> Found:
 PARTS = (
     Rule(
         "drum.bearing",
-        "the lightest with a ring encoder that carries the drum and whose shaft is not twisted off",
+        "the lightest with a ring encoder that carries the drum and has a strong enough shaft",
         "drum_bearings",
         _drum_bearing,
     ),
     Rule(
         "input_pulleys.lower_bearing",
-        "the lightest that takes journal and shaft, lets a key reach the screws and carries the pull",
+        "the lightest that fits journal and shaft, carries the cables' load and leaves access to the screws",
         "input_bearings",
         _lower,
     ),
     Rule(
         "input_pulleys.upper_bearing",
-        "the lightest that carries the pull and fits an encoder",
+        "the lightest that carries the cables' load and fits an encoder",
         "input_bearings",
         _upper,
     ),
@@ -102,7 +102,7 @@ PARTS = (
     Rule("drive.drum_encoder", "the lightest ring that fits the drum's shaft", "encoder_fit", _drum_encoder),
     Rule(
         "drum.tensioner",
-        "the shortest whose sleeve takes the rope, whose stud holds it and takes up its stretch",
+        "the shortest whose sleeve fits the rope and whose stud is strong and long enough",
         "take_up",
         _tensioner,
     ),

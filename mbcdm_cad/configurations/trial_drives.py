@@ -1,7 +1,7 @@
-"""Drives of trial data under test, each worked out once: sizing asks many checks on drives that differ in one field.
+"""Drives of trial data under test, each computed once: sizing runs many checks on drives that differ in one field.
 
-Successive trials have most blocks in common, which are validated once, and many are the same drive: once the values of
-a pass are those of the pass before, each field's last trial is the whole drive again.
+Successive trials share most blocks, which are validated once. Many trials are the same drive: in the last pass, where
+no value changes, the last trial of each field is the whole drive again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NO_MARGIN: Margin = (-inf, "")
 
 
 class Way(NamedTuple):
-    """How the value of a field is looked for: start, step and its sense, checks that it must hold."""
+    """How a value of a field is searched: start, step with its sign, checks that it must pass."""
 
     field: str
     start: float
@@ -32,23 +32,23 @@ class Way(NamedTuple):
 
 
 class At(NamedTuple):
-    """A trial on it, with the next step where no length says how far to go."""
+    """A trial of this search, with the next step in case no missing margin is a length."""
 
     value: float
     pace: float
 
 
 class End(NamedTuple):
-    """How a search ended: the checks that the value holds, and the last trial at which it did not, if there was one."""
+    """How a search ended: the checks that the value passes, and the last trial that failed, if there was one."""
 
     checks: tuple[str, ...]
     failing: At | None
 
 
 class TrialDrives:
-    """Makes drives under test from whole files' data, and keeps them with the margins of the checks asked of them.
+    """Makes drives under test from the data of whole files, and keeps them with the margins of their checks.
 
-    ``schema``: that of the configuration's files; ``of_design`` puts a design of it under test.
+    ``schema``: schema of the configuration's files; ``of_design`` makes the design under test.
     """
 
     def __init__(self, schema: type[Design], of_design: Callable[[Any], DesignUnderTest]) -> None:
@@ -59,9 +59,9 @@ class TrialDrives:
         self._loaded: DesignUnderTest | None = None
 
     def margins(self, data: dict[str, Any], checks: Iterable[str], known: Mapping[str, Check]) -> dict[str, Margin]:
-        """Margin by check; minus infinity where a check has no figure there, or the data makes no drive.
+        """Margin by check; minus infinity if a check has no figure there, or if the data describe no drive.
 
-        Raises ``SizingError`` where the file breaks a rule.
+        Raises ``SizingError`` if the file breaks a rule.
         """
         try:
             under_test, margins = self._looked_up(data)
@@ -77,7 +77,7 @@ class TrialDrives:
     def under_test(self, data: dict[str, Any]) -> DesignUnderTest:
         """The drive of a file's whole data, under test.
 
-        Raises ``NoFigureError`` where that is no drive, ``SizingError`` where the file breaks a rule.
+        Raises ``NoFigureError`` if the data describe no drive, ``SizingError`` if the file breaks a rule.
         """
         return self._looked_up(data)[0]
 
@@ -87,7 +87,7 @@ class TrialDrives:
             self._kept[key] = self._made(data), {}
         under_test, margins = self._kept[key]
         if under_test is None:
-            raise NoFigureError("what is known so far makes no drive")
+            raise NoFigureError("the values known so far describe no drive")
         return under_test, margins
 
     def _made(self, data: dict[str, Any]) -> DesignUnderTest | None:
@@ -99,7 +99,7 @@ class TrialDrives:
         return found
 
     def _design(self, data: dict[str, Any]) -> Design:
-        """The design of a file's data, blocks that have not changed taken from the one before."""
+        """The design of a file's data; unchanged blocks are those of the design before."""
         changed = None if self._last is None else self._changed(self._last[0], data)
         if self._last is None or changed is None:
             design = self._schema.model_validate(data)
@@ -109,7 +109,7 @@ class TrialDrives:
         return design
 
     def _changed(self, before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Block] | None:
-        """The blocks that differ, validated; None where more than blocks differs."""
+        """The blocks that differ, validated; None if other content differs too."""
         if before.keys() != now.keys():
             return None
         found = {}

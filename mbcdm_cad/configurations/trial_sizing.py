@@ -25,14 +25,14 @@ from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
 from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
-# The schema's own.
+# Diameter of the printer's nozzle, as in the schema.
 NOZZLE_MM = 0.4
 # Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
 _MOST_TRIALS = 40
-# After so many in a row that miss the same by the same the field has no bearing on it.
+# If so many trials in a row miss the same check by the same amount, the field does not affect it.
 _MOST_IDLE = 8
 _MOST_PASSES = 4
-# Fields that a length says nothing of.
+# Fields that are no lengths: a missing margin in mm does not give their next step.
 _RATIOS = ("transmission.input_to_drum",)
 _ON_STEP = 1e-9
 # A value tried, and margin with its unit by check.
@@ -71,7 +71,7 @@ class TrialKnown(RopeKnown):
     own_checks: Mapping[str, tuple[str, ...]] = {}
 
     def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
-        """``drives``: those of the pass before, which need not be worked out again."""
+        """``drives``: those of the pass before, which are not computed again."""
         super().__init__(data)
         self.guesses = guesses
         self.drives = drives or TrialDrives(self.schema, self.of_design)
@@ -82,7 +82,7 @@ class TrialKnown(RopeKnown):
 
     @property
     def axial_stiffness_N(self) -> float:
-        """EA of the rope: by the design's own modulus, else the catalogue's."""
+        """EA of the rope, with the modulus of the design, else of the catalogue."""
         modulus = float(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
         nominal = self.get("rope.modulus_area", self.rope["modulus_area"]) == "nominal"
         return modulus * 1e3 * (pi / 4 * self.d_mm**2 if nominal else float(self.rope["metallic_area_mm2"]))
@@ -118,7 +118,7 @@ class TrialKnown(RopeKnown):
 
     @property
     def has_ratio(self) -> bool:
-        """Whether it is known yet."""
+        """Whether the ratio is known yet."""
         return True
 
     @property
@@ -137,10 +137,10 @@ class TrialKnown(RopeKnown):
 
     @abstractmethod
     def of_design(self, design: Any) -> DesignUnderTest:
-        """A design of the configuration's schema, under test. Raises ``SizingError`` where it breaks a rule."""
+        """A design of the configuration's schema, under test. Raises ``SizingError`` if it breaks a rule."""
 
     def trial(self, field: str, value: Any) -> DesignUnderTest:
-        """The drive with ``field`` at ``value``, known fields as they are and guesses for the open ones, under test.
+        """The drive under test with ``field`` at ``value``, all known fields, and guesses for the open ones.
 
         Raises ``NoFigureError`` if the data give no drive, ``SizingError`` if the file breaks a rule.
         """
@@ -187,7 +187,7 @@ class TrialKnown(RopeKnown):
     ) -> tuple[Found | None, list[Trial], At | None]:
         """The value at which the checks hold, if any does; all values tried; and the last at which one did not.
 
-        The search begins at the start of the way, or at ``begin`` as one did before.
+        The search begins at the start of ``way``, or at ``begin``, the trial of an earlier search.
         """
         step = way.step
         value, pace = begin or At(way.start, abs(step))
@@ -211,27 +211,27 @@ class TrialKnown(RopeKnown):
     def first(self, field: str, candidates: Iterable[Any], checks: tuple[str, ...]) -> Found:
         """The first candidate with which all the checks hold.
 
-        Where there is none, the first with which those hold that hold with any candidate at all, else the one that
-        misses least. Raises ``ValueError`` where there is no candidate.
+        If there is none, checks that hold with no candidate are left out; if still none fits, the one that misses
+        least. Raises ``ValueError`` if there is no candidate.
         """
         driver, tried, checks = "", [], (*checks, *self.own_checks.get(field, ()))
         for value in candidates:
             margins = self.margins(field, value, checks)
             tried.append((value, margins))
             if len(tried) == _MOST_IDLE and all(_worst_margin(trial) == _best_margin(trial) == -inf for trial in tried):
-                break  # none has a figure for any check: something else is missing
+                break  # no candidate gives a figure for any check: another field is missing
             worst = min(margins, key=lambda check: margins[check][0])
             if margins[worst][0] >= 0.0:
                 return Found(value, driver, "first that does")
             driver = worst
         if not tried:
-            raise ValueError("the catalogue has nothing that could fit")
+            raise ValueError("the catalogue has no entry that fits")
         within = _within_reach(checks, tried)
         for value, margins in tried if within else ():
             if all(margins[name][0] >= 0.0 for name in within):
-                return Found(value, driver, "first that does; nothing meets " + _others(checks, within))
+                return Found(value, driver, "first that does; no candidate meets " + _others(checks, within))
         nearest, margins = max(tried, key=_worst_margin)
-        return Found(nearest, min(margins, key=lambda name: margins[name][0]), "nothing does: the nearest")
+        return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no candidate does: the nearest")
 
 
 def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, ...]:
@@ -240,7 +240,7 @@ def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, .
 
 
 def _without(found: Found, checks: Sequence[str], within: Sequence[str]) -> Found:
-    """Says which of the checks are left out."""
+    """The result with a note of the checks that were left out."""
     if len(within) == len(checks):
         return found
     return replace(found, rounding=f"{found.rounding}; no value meets {_others(checks, within)}")

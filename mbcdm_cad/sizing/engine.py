@@ -25,7 +25,9 @@ def fill(given: KnownFields, rules: Iterable[Rule], moved: Moved | None = None) 
             found = rule.value(given)
         except (ValueError, ArithmeticError, IndexError) as error:
             path, why = tuple(rule.field.split(".")), f"no rule can fill it here ({error})"
-            raise SizingError(Broken(path, why, "", "", f"give it: {rule.text}", may_move=True)) from None
+            raise SizingError(
+                Broken(path, why, "", "", f"state it in the file; its rule gives: {rule.text}", may_move=True)
+            ) from None
         if not isinstance(found, Found):
             found = Found(found)
         if rule.field in moved:

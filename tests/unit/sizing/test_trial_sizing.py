@@ -36,7 +36,7 @@ def test_moved(checks: tuple[str, ...], value: float, words: str) -> None:
     ("checks", "value", "words"),
     [
         (("near", "far"), 6.0, "first that does"),
-        (("near", "never"), 4.0, "nothing meets never"),
+        (("near", "never"), 4.0, "no candidate meets never"),
         (("never",), 1.0, "nothing does"),
     ],
 )
@@ -46,5 +46,5 @@ def test_first(checks: tuple[str, ...], value: float, words: str) -> None:
 
 
 def test_first_of_nothing_is_told() -> None:
-    with pytest.raises(ValueError, match="nothing that could fit"):
+    with pytest.raises(ValueError, match="no entry that fits"):
         Margins({}, {}).first("drum.bearing", (), ("near",))

@@ -40,34 +40,37 @@ def _guide_is_known(given: BevelKnown) -> bool:
 
 NAMES = (
     SCHEMA_VERSION,
-    constant("inputs", INPUTS, "one input on each side of the guide", "the configuration"),
+    constant("inputs", INPUTS, "one on each side of the guide", "the configuration"),
     constant(
-        "cables", CABLES, "two cables of each input, on neighbouring steps and to both sides", "the configuration"
+        "cables",
+        CABLES,
+        "two for each input, on neighbouring steps, one for each sense of the drum",
+        "the configuration",
     ),
 )
 LIMITS = (
     STOP_CLEARANCE,
     TEST_TORQUE,
     BEND_RATIO,
-    constant("limits.fleet_angle_max_deg", 1.5, "usual limit for smooth drums", "fleet_angle"),
+    constant("limits.fleet_angle_max_deg", 1.5, "usual limit for smooth pulleys", "fleet_angle"),
     TENSION_SAFETY,
     PRELOAD_SHARE,
     MESH_TOLERANCE,
-    constant("rope.dead_turns", 1.0, "one turn holds the stop by friction and never unwinds", "dead_turns"),
+    constant("rope.dead_turns", 1.0, "one turn that never unwinds; its friction relieves the stop", "dead_turns"),
     RUNNING,
 )
 METALS = (
     DRUM_MATERIAL,
     SHAFT_MATERIAL,
-    constant("guide.material", "aluminium-7075", "light, turned", "process"),
-    constant("guide.axle_material", "steel", "ground bar", "process"),
-    constant("input_pulleys.material", "steel", "thin walls round stops and bore", "stop_pocket_wall"),
+    constant("guide.material", "aluminium-7075", "light; the part is turned", "process"),
+    constant("guide.axle_material", "steel", "made from ground bar", "process"),
+    constant("input_pulleys.material", "steel", "allows thin walls round stops and bore", "stop_pocket_wall"),
     SUPPORT_MATERIAL,
 )
 CLEARANCES = (
     Rule(
         "clearances.land_edge_mm",
-        "a broken edge and the run-out beyond it, as far as the rise from step to step leaves it",
+        "a broken edge and the run-out of the cutter, or less if the steps of the radii leave less",
         "land_edge",
         _land_edge,
     ),

@@ -201,22 +201,37 @@ def _travels(given: BevelKnown, angle_deg: float) -> bool:
 
 
 WEB = (
-    Rule("drum.web_thickness_mm", "a few thinnest walls, more for a larger drum", "web_in_rim", _web),
+    Rule(
+        "drum.web_thickness_mm",
+        "a multiple of the least wall of the material, larger for a larger drum",
+        "web_in_rim",
+        _web,
+    ),
     Rule(
         "drum.outer_face_y_mm",
-        "beyond the last cable's flank, the nuts and what a lug needs",
+        "least distance that covers the last cable's flank, the nuts and the lugs",
         "outer_face",
         _outer_face,
     ),
 )
 # The stop pin of the drum is in a slot between hub and rim.
 DRUM = (
-    Rule("drum.rim_inner_radius_mm", "a rim's height under the deepest pocket", "rim_height", _rim_inner),
-    Rule("drum.hub_diameter_mm", "the shaft, its set screws and the payload's threads", "hub_walls", _hub_diameter),
-    Rule("drum.shaft_bore_mm", "half of the shaft's diameter: light, and nearly as stiff", "shaft_wall", _shaft_bore),
+    Rule("drum.rim_inner_radius_mm", "least height of the rim under the deepest pocket", "rim_height", _rim_inner),
+    Rule(
+        "drum.hub_diameter_mm",
+        "least diameter for the shaft, its set screws and the payload's threads",
+        "hub_walls",
+        _hub_diameter,
+    ),
+    Rule(
+        "drum.shaft_bore_mm",
+        "half of the shaft's diameter: lighter, and nearly as stiff as a solid shaft",
+        "shaft_wall",
+        _shaft_bore,
+    ),
     Rule(
         "drum.sector_half_angle_deg",
-        "wide enough for the travel with wrap left and for the terminals behind it; as wide as an asked box",
+        "least angle for the travel, the wrap left and the terminals; larger if a box is stated",
         "wrap_left",
         _sector,
     ),
@@ -225,7 +240,7 @@ DRUM = (
 HUB_FACE = (
     Rule(
         "drum.hub_face_y_mm",
-        "long enough for shaft, set screws and the payload's threads; as far out as the box where one is asked",
+        "least length for shaft, set screws and payload's threads; the front of the box if one is stated",
         "hub_length",
         _hub_face,
     ),

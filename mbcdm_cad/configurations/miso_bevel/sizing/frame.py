@@ -172,36 +172,46 @@ def _windup(given: BevelKnown) -> float:
 
 
 FRAME = (
-    Rule("support.motor_shelf_mm", "as thick as the gearhead's screws and shaft leave it", "engagement", _motor_shelf),
-    Rule("support.bearing_shelf_mm", "a shoulder under the lower bearings", "bearing_shelf", _bearing_shelf),
-    Rule("support.top_plate_mm", "a shoulder over the upper bearings", "top_plate", _top_plate),
+    Rule(
+        "support.motor_shelf_mm",
+        "thickness that leaves enough engagement for the gearhead's screws and shaft",
+        "engagement",
+        _motor_shelf,
+    ),
+    Rule("support.bearing_shelf_mm", "the lower bearings and a shoulder", "bearing_shelf", _bearing_shelf),
+    Rule("support.top_plate_mm", "the upper bearings and a shoulder", "top_plate", _top_plate),
     Rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall", _side_wall),
     Rule(
         "support.coupling_space_mm",
-        "room for the collar on its way in, for the gearhead's screws and their key",
+        "space to insert the collar, the gearhead's screws and their key",
         "coupling_height",
         _coupling_space,
     ),
     Rule(
         "support.back_plate_mm",
-        "a share of the drum's radius: stiff against the cables' pull",
+        "a share of the drum's radius, for the stiffness of the frame",
         "frame_windup",
         _back_plate,
     ),
     Rule(
         "support.rib_mm",
-        "a share of the drum's radius, as far as the mounting screw's head leaves it",
+        "a share of the drum's radius, or less for the heads of the mounting screws",
         "frame_windup",
         _rib,
     ),
 )
-STOP_PIN = (Rule("drum.stop_pin_mm", "the thinnest pin that holds both motors stalled", "stop_pin", _stop_pin),)
+STOP_PIN = (Rule("drum.stop_pin_mm", "the thinnest pin that holds both stalled motors", "stop_pin", _stop_pin),)
 # After the inputs' setback, on which it depends.
 BACK = (
-    Rule("support.back_y_mm", "behind drum bearings, encoder, pulleys, collars and stop pin", "collar_space", _back),
+    Rule(
+        "support.back_y_mm",
+        "nearest plane behind drum bearings, encoder, pulleys, collars and stop pin",
+        "collar_space",
+        _back,
+    ),
     Rule(
         "limits.frame_windup_max_mrad",
-        "the frame yields no more than the cables' free spans at the test torque",
+        "windup of the cables' free spans at the test torque",
         "frame_windup",
         _windup,
     ),

@@ -220,7 +220,7 @@ class BevelKnown(RopeKnown):
         try:
             design = BevelDesign.model_validate(data)
         except ValidationError as error:
-            raise NoFigureError(f"what is known so far makes no drive: {error.errors()[0]['msg']}") from None
+            raise NoFigureError(f"the values known so far describe no drive: {error.errors()[0]['msg']}") from None
         catalogue = Catalogue(design)
         broken = next(every_broken_rule(design, catalogue, broken_rules(design), named_entries(design)), None)
         if broken is not None:

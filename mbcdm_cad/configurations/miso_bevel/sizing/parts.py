@@ -324,7 +324,7 @@ def _guide_bearing(given: BevelKnown) -> Found:
 
 
 TENSIONER = (
-    Rule("drum.tensioner", "the shortest that holds the largest tension and takes the rope", "stud_stress", _tensioner),
+    Rule("drum.tensioner", "the shortest that holds the largest tension and fits the rope", "stud_stress", _tensioner),
 )
 DRIVES = (
     Rule(
@@ -338,14 +338,14 @@ DRIVES = (
 PARTS = (
     Rule(
         "input_pulleys.lower_bearing",
-        "the lightest that takes journal and gearhead's shaft, lets a key reach the gearhead's screws and carries "
-        "the cables' pull",
+        "the lightest that fits journal and gearhead's shaft, carries the cables' load and leaves access to the "
+        "gearhead's screws",
         "bore_wall",
         _lower,
     ),
     Rule(
         "input_pulleys.upper_bearing",
-        "the lightest that fits an encoder and carries the cables' pull",
+        "the lightest that fits an encoder and carries the cables' load",
         "input_bearings",
         _upper,
     ),
@@ -358,12 +358,15 @@ PARTS = (
     Rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit", _encoder),
     Rule(
         "drum.bearing",
-        "the lightest of a bore that suits the drum, fits an encoder and carries the cables' pull",
+        "the lightest with a bore for the drum's shaft and an encoder that carries the cables' load",
         "drum_bearings",
         _drum_bearing,
     ),
     Rule("drive.drum_encoder", "the lightest that fits the drum's shaft", "encoder_fit", _drum_encoder),
     Rule(
-        "guide.bearing", "the lightest that carries the cables' pull inside the guide", "guide_bearings", _guide_bearing
+        "guide.bearing",
+        "the lightest that fits into the guide and carries the cables' load",
+        "guide_bearings",
+        _guide_bearing,
     ),
 )

@@ -273,7 +273,7 @@ def take_up_mm(given: BevelKnown) -> float:
 RADII = (
     Rule(
         "transmission.drum_radii_mm",
-        "equal steps that leave room for the walk on the inputs, for the terminals and for the lands",
+        "equal steps, large enough for the walk on the inputs, for the terminals and for the lands",
         "input_walk",
         _drum_radii,
     ),
@@ -281,7 +281,7 @@ RADII = (
 RATIOS = (
     Rule(
         "transmission.ratios.guide_to_drum",
-        "the smallest guide that holds its bearing, lets the frame's front carry the input bearings and keeps the "
+        "the smallest guide with space for its bearing, for the front walls beside the input bearings and for the "
         "inputs behind the drum",
         "guide_wall",
         _guide_to_drum,
@@ -289,7 +289,7 @@ RATIOS = (
     ),
     Rule(
         "transmission.ratios.input_to_guide",
-        "the total ratio over that of guide to drum",
+        "the total ratio over the ratio of guide to drum",
         "transmission.ratio",
         _input_to_guide,
         applies=_wide_enough,
@@ -298,7 +298,7 @@ RATIOS = (
 DISTANCE = (
     Rule(
         "transmission.centre_distance_mm",
-        "the shortest free span that keeps the fleet angle, with room for pulleys, drives and encoders",
+        "the shortest free span within the limit of the fleet angle, with space for pulleys, drives and encoders",
         "fleet_angle",
         _centre_distance,
     ),
@@ -306,7 +306,7 @@ DISTANCE = (
 SURFACE = (
     Rule(
         "input_pulleys.surface",
-        "smooth, unless the centre distance asked for leaves a fleet angle that only grooves allow",
+        "smooth, or grooved if the stated centre distance gives a fleet angle that only grooves allow",
         "fleet_angle",
         _surface,
     ),
@@ -314,7 +314,7 @@ SURFACE = (
 SETBACK = (
     Rule(
         "transmission.input_setback_mm",
-        "none where drum and terminals pass the drives as they stand; else until they pass in front of them",
+        "the least with which drum and terminals clear the drives",
         "drum_sweep",
         _setback,
     ),

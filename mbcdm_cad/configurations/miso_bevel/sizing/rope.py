@@ -103,7 +103,9 @@ ROPE = (
         applies=lambda given: not given.has("rope.inline"),
     ),
 )
-PRELOAD = (Rule("rope.preload_N", "twice what keeps every cable taut at peak torque", "no_slack", _preload),)
+PRELOAD = (
+    Rule("rope.preload_N", "twice the preload that keeps every cable taut at peak torque", "no_slack", _preload),
+)
 LEAD = (
     Rule(
         "rope.helix_lead_mm",

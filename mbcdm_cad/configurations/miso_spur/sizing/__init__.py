@@ -1,4 +1,4 @@
-"""Sizing rules of miso_spur: those of siso_spur with what each input holds, and names for inputs and cables."""
+"""Sizing rules of miso_spur: those of siso_spur, for the share of one input, and names of inputs and cables."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ __all__ = ["DERIVED", "size"]
 
 
 def _cables(given: RoundDrumKnown) -> list[dict[str, str]]:
-    """Both sides of a cable for each input."""
+    """The two sides of one cable for each input."""
     return sides(str(item["name"]) for item in given["inputs"])
 
 
 NAMES = (
-    constant("inputs", INPUTS, "two inputs, one above and one below the drum", "the fewest of the configuration"),
-    Rule("cables", "both sides of a cable for each input", "the configuration", _cables),
+    constant("inputs", INPUTS, "two, one above and one below the drum", "least number of the configuration"),
+    Rule("cables", "the two sides of one cable for each input", "the configuration", _cables),
 )
 
 
 def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
-    """The data with its gaps filled, values that rules find as ``moved`` makes them.
+    """The data with all open fields filled; ``moved`` changes the values that rules give.
 
-    Raises ``SizingError`` where a requirement is missing.
+    Raises ``SizingError`` if a requirement is missing.
     """
     return sized(data, RoundDrumKnown, NAMES, moved)

@@ -1,4 +1,4 @@
-"""What the sizing rules of miso_spur read: that of siso_spur, with checks asked on a drive with all its inputs."""
+"""What the sizing rules of miso_spur read: as for siso_spur, with results of checks on a drive with all its inputs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check 
 
 
 class RoundDrumKnown(SpurKnown):
-    """Adds what sectors beside each other and inputs round the drum ask for."""
+    """Adds the checks of several sectors on one shaft and of inputs round the drum."""
 
     schema = RoundDrumDesign
     asked = (*SpurKnown.asked, "inputs")

@@ -1,4 +1,4 @@
-"""Sizing rules of siso_bevel, in the order of the drive; many ask checks on a trial drive (trial_sizing)."""
+"""Sizing rules of siso_bevel, in the order of the power flow; many evaluate checks on a trial drive (trial_sizing)."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, *BACK) if not 
 
 
 def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
-    """The data with its gaps filled, values that rules find as ``moved`` makes them.
+    """The data with all open fields filled; ``moved`` changes the values that rules give.
 
-    Raises ``SizingError`` where a requirement is missing.
+    Raises ``SizingError`` if a requirement is missing.
     """
     given = DirectKnown(data, {})
     missing = list(_missing(given))
@@ -57,7 +57,7 @@ def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
 
 
 def _first_guesses(radius_mm: float) -> dict[str, Any]:
-    """Figures of a drive of middle size, for what the first pass does not know yet."""
+    """Values of a drive of medium size, for fields that the first pass does not know yet."""
     return {
         **MIDDLE_SIZE,
         "transmission.drum_radii_mm": [radius_mm, 1.06 * radius_mm],
@@ -86,4 +86,4 @@ def _missing(given: DirectKnown) -> Iterator[Broken]:
     if not any(given.has(f"transmission.{name}") for name in ("drum_radii_mm", "drum_radius_mm")):
         yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 58.0 (drum pitch radius of step 1)")
     elif given.has("transmission.input_radii_mm") and not given.has("transmission.drum_radii_mm"):
-        yield needed("transmission.drum_radii_mm", "add the drum's radii, as the input's are given")
+        yield needed("transmission.drum_radii_mm", "add the drum's radii, because those of the input are given")

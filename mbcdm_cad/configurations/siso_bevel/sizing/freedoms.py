@@ -8,6 +8,6 @@ from mbcdm_cad.design.freedom import Freedom
 FREEDOMS: tuple[Freedom, ...] = (
     *PARTS,
     Freedom("transmission.input_to_drum", 0.5, 1.0),
-    # The second radius is moved: the first is asked for.
+    # Only the second radius changes: the first is a requirement.
     Freedom("transmission.drum_radii_mm", 0.5, 3.0, instead=first_radius),
 )

@@ -1,4 +1,4 @@
-"""What the sizing rules of siso_bevel read: fields, catalogue, and checks asked on a trial drive."""
+"""What the sizing rules of siso_bevel read: fields, catalogue, and results of checks on a trial drive."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check 
 
 
 class DirectKnown(TrialKnown):
-    """Adds the figures of an input that stands at the drum."""
+    """Adds the values of an input at the drum."""
 
     schema = DirectDesign
     asked = (

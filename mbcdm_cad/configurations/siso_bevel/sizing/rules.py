@@ -1,4 +1,4 @@
-"""Rules of siso_bevel that other drives with a motor head do not have: ratio, steps, transfer, frame."""
+"""Sizing rules of siso_bevel that other drives with a motor head do not have: ratio, steps, transfer, frame."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from mbcdm_cad.configurations.siso_bevel.design_file.reference import CABLES, IN
 from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
 from mbcdm_cad.sizing.rule import Found, Rule, constant
 
-# Wrap that stays on the input, and what the stop's slot takes before it is known, deg.
+# Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.
 RESERVE_DEG, SLOT_DEG = 18.0, 8.0
-# Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
+# Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 BACK_MM, RIB_MM = (3.0, 6.0), (5.0, 8.0)
 _STEPS_TRIED = 24
-# Reserves tried where a ratio that the file states leaves no more of the turn.
+# Reserves that are tried, the usual one first: a ratio that the file states may leave less of the turn.
 RESERVES_DEG = (RESERVE_DEG, 17.0, 16.0, LEAST_RESERVE_DEG)
 
 
@@ -43,7 +43,7 @@ def _ratio(given: DirectKnown) -> Found:
     field, reserve = "transmission.input_to_drum", given.get("transmission.reserve_deg", RESERVE_DEG)
     most = (360.0 - reserve - SLOT_DEG) / (2 * given["travel.half_angle_deg"])
     with suppress(ValueError, NoFigureError):
-        # A thick rope may find no stop in a pulley of so high a ratio: then only the checks say how high it may be.
+        # The pulley of so high a ratio may be too small for the stop of a thick rope: then the checks alone limit it.
         most = highest_ratio(given.trial_drive(field, 1.0))
     return given.moved(field, most, -0.05, ("input_under_turn", "drum_sweep", "bearing_seats", "bend_ratio"))
 
@@ -58,7 +58,7 @@ def _land_edge(given: DirectKnown) -> Found:
 
 
 def _drum_radii(given: DirectKnown) -> Found:
-    """Step 2 as little above step 1 as the lands at the transfer allow."""
+    """The smallest radius of step 2 that the lands at the transfer allow."""
     first, rise = given["transmission.drum_radius_mm"], 0.1 * given.d_mm * given.ratio
     pairs = [[first, round(first + (4 + k) * rise, 2)] for k in range(_STEPS_TRIED)]
     checks = ("radii_rise", "land_width", "land_edge", "bodies_clear", "transfer_gap", "stop_pocket_floor")
@@ -74,7 +74,7 @@ def _back_plate(given: DirectKnown) -> float:
 
 
 def _rib(given: DirectKnown) -> Found:
-    """As stiff as usual, thinner where a small drum leaves its pockets no height."""
+    """The usual thickness, or less if the pockets of a small drum else have no height."""
     least = given.wall_mm("support")
     usual = max(either(given, "support", RIB_MM), least)
     tried = [round(usual - 0.5 * k, 2) for k in range(ceil((usual - least) / 0.5))]
@@ -101,38 +101,40 @@ def _outer_face(given: DirectKnown) -> Found:
 
 
 def _windup(given: DirectKnown) -> float:
-    """Both cables stretch over their wraps alone: a figure of the size of the reference's, by load and drum."""
+    """A value scaled from the reference design by load and drum, because both cables stretch only over their wraps."""
     turn = 0.1 * given["loads.test_torque_Nm"] * (60.0 / given.drum_mm) ** 2
     return float(f"{turn * (20.0 if given.printed('support') else 1.0):.3g}")
 
 
 NAMES = (
     SCHEMA_VERSION,
-    constant("inputs", INPUTS, "the one input", "the configuration"),
+    constant("inputs", INPUTS, "one", "the configuration"),
     constant("cables", CABLES, "one cable for each sense of the drum", "the configuration"),
 )
 RATIO = (
     Rule(
         "transmission.input_to_drum",
-        "the most that travel and reserve leave on one turn of the input",
+        "the highest with which travel and reserve fit on one turn of the input",
         "input_under_turn",
         _ratio,
         applies=lambda given: not given.has("transmission.input_radii_mm"),
     ),
 )
 ROPE = (rope(taut_rope),)
-PRELOAD = (Rule("rope.preload_N", "twice what keeps both cables taut at peak torque", "no_slack", taut_preload),)
+PRELOAD = (
+    Rule("rope.preload_N", "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
+)
 TRANSFER = (
     Rule(
         "clearances.land_edge_mm",
-        "a broken edge and the run-out, as far as the rope leaves it",
+        "a broken edge and the run-out, or less for a thin rope",
         "land_edge",
         _land_edge,
     ),
     TRANSFER_GAP,
     Rule(
         "transmission.drum_radii_mm",
-        "step 1 as asked, step 2 as little above it as the lands allow",
+        "step 1 as stated; step 2 the smallest that the lands allow",
         "land_width",
         _drum_radii,
     ),
@@ -140,19 +142,24 @@ TRANSFER = (
 RESERVE = (
     Rule(
         "transmission.reserve_deg",
-        "wrap that never unwinds, less where a turn of the input leaves less",
+        "usual wrap that never unwinds, or less if one turn of the input leaves less",
         "input_reserve",
         _reserve,
     ),
 )
 FRAME = (
     MOTOR_SHELF,
-    Rule("support.back_plate_mm", "stiff, and thick enough for its material", "walls", _back_plate),
-    Rule("support.rib_mm", "stiff, as far as the height for its pockets allows", "walls", _rib),
+    Rule(
+        "support.back_plate_mm",
+        "usual thickness for the stiffness and for making it in its material",
+        "walls",
+        _back_plate,
+    ),
+    Rule("support.rib_mm", "usual thickness for the stiffness, or less for the height of its pockets", "walls", _rib),
     BEARING_SHELF,
     ENCODER_SHELF,
     COUPLING_SPACE,
-    Rule("support.side_wall_mm", "walls round the motor head's screws", "flange", _side_wall),
+    Rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws", "flange", _side_wall),
 )
 DRUM = (
     WEB,
@@ -161,14 +168,19 @@ DRUM = (
     SECTOR,
     STOP_PIN,
     RIM,
-    Rule("drum.outer_face_y_mm", "as narrow as lands and terminals allow", "outer_face", _outer_face),
+    Rule("drum.outer_face_y_mm", "least width for lands and terminals", "outer_face", _outer_face),
     HUB_FACE,
 )
 BACK = (
-    Rule("support.back_y_mm", "room for the pulley, and the drum's bearings apart", "drum_bearing_spacing", _back),
+    Rule(
+        "support.back_y_mm",
+        "nearest plane with space for the pulley and between the drum's bearings",
+        "drum_bearing_spacing",
+        _back,
+    ),
     Rule(
         "limits.frame_windup_max_mrad",
-        "about ten times the cables' own turn at the test torque, for a printed frame twenty times as much",
+        "about ten times the drum's rotation due to its cables at test torque; twenty times that if printed",
         "frame_windup",
         _windup,
     ),

@@ -1,4 +1,4 @@
-"""Rules of what comes first: names, limits, materials, the train, radii, rope, preload and turns."""
+"""The first rules: names, limits, materials, motor and gearhead, radii, rope, preload and turns."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from mbcdm_cad.configurations.trial_sizing import whole_turns
 from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
 from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
 
-# Preload over what the slip margin asks of an endless wrap: the wrap is not endless.
+# Preload over the preload that an infinite wrap would need for the slip margin.
 PRELOAD_SPARE = 1.35
 SLIP_MARGIN = 2.0
-# Preloads tried, over the usual one: below the last the slip margin is lost on any number of turns.
+# Preloads that are tried, over the usual one: below the last one no number of turns gives the slip margin.
 PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8)
-# Least wall of an input pulley round the motor's shaft and its neck, as a radius beyond the shaft's (estimate).
+# Least radius of an input pulley beyond the radius of the motor's shaft, for the walls of bore and neck (estimate).
 NECK_MM = 2.5
-# Turning of a printed frame over what the cable's spans yield (estimate).
+# Windup of a printed frame over the windup of the cable's spans (estimate).
 PLASTIC_WINDUP = 20.0
-# Angle that both landings take of the wrap, before the centre distance is known, and what should stick besides.
+# Angle of both landings, before the centre distance is known, and wrap that should stick in addition.
 LANDINGS_DEG, STICKING_DEG = 50.0, 20.0
-# In which the smallest input that takes the stops of anchored cables is looked for, mm.
+# Step of the search for the smallest input that takes the stops of anchored cables, mm.
 _RADIUS_STEP_MM = 0.05
 
 
 def _windup(given: SpurKnown) -> Found:
-    """What the cable's spans yield at the test torque; a plastic frame is some twenty times as soft as one of metal."""
+    """Windup of the cable's spans at the test torque; for a printed frame ``PLASTIC_WINDUP`` times as much."""
     reach = given["transmission.drum_radius_mm"] + given.input_mm
     span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - reach**2, 1.0))
     stiffness = len(given["cables"]) * given.axial_stiffness_N / span * given["transmission.drum_radius_mm"] ** 2
@@ -40,7 +40,7 @@ def _windup(given: SpurKnown) -> Found:
 
 
 def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[str, float]:
-    """Least radii of the input: it bends the rope no sharper than its limit, and leaves a neck round the shaft."""
+    """Least radii of the input, for the limit of the bend ratio and for a neck round the shaft."""
     return {
         "bend_ratio": bend_ratio * d_mm / 2,
         "bearing_shoulders": given.gearhead.shaft_diameter_mm / 2 + NECK_MM + d_mm / 2,
@@ -48,10 +48,10 @@ def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[st
 
 
 def _drum_radius(given: SpurKnown) -> Found:
-    """By the smallest input that bends the rope no sharper than its limit and leaves a neck round the shaft.
+    """The ratio times the smallest input that keeps the limit of the bend ratio and leaves a neck round the shaft.
 
-    With anchored cables also one that takes their stops. No smaller than the stop slot asks for between hub and rim,
-    whose sizes are those of the pass before.
+    With anchored cables the input must also take their stops. The drum is at least as large as the stop slot needs
+    between hub and rim, whose sizes are those of the pass before.
     """
     field = "transmission.drum_radius_mm"
     on_input = _input_needs_mm(given, given.d_mm, given["limits.bend_ratio_min"])
@@ -67,7 +67,7 @@ def _drum_radius(given: SpurKnown) -> Found:
 
 
 def _stops_mm(given: SpurKnown) -> float:
-    """The smallest input on which cables bend as wide as a stop asks, beside necks over the journals."""
+    """The smallest input with the bend radius of a stop and necks larger than the journals."""
     d, end, wall = given.d_mm, given.termination, given.wall_mm("input_pulleys")
     bearings, journals = given.entries("bearings"), []
     for field in ("input_pulleys.lower_bearing", "input_pulleys.upper_bearing"):
@@ -90,7 +90,7 @@ def _wanted_preload_N(given: SpurKnown, half_torque_N: float) -> float:
 
 
 def _rope(given: SpurKnown) -> Found:
-    """Where the drum's radius is open, each rope is asked on the drum that it leads to."""
+    """The thinnest rope; if the drum's radius is open, each rope is checked on the drum that follows from it."""
 
     def tension_N(d_mm: float) -> float:
         if given.has("transmission.drum_radius_mm"):
@@ -104,7 +104,7 @@ def _rope(given: SpurKnown) -> Found:
 
 
 def _preload(given: SpurKnown) -> Found:
-    """Less where friction holds with less and the ends of a rope that the file states would not bear the usual one."""
+    """The usual preload, or less if the ends of a stated rope cannot carry it and friction still holds the cable."""
     driver = "no_slack" if given.anchored else "input_slip"
     usual = preload(given, _wanted_preload_N(given, given.half_torque_N), driver)
     if given.anchored:
@@ -115,9 +115,9 @@ def _preload(given: SpurKnown) -> Found:
 
 
 def _turns(given: SpurKnown) -> Found:
-    """Wrap for the travel, for what creeps at both ends at peak torque, and for what should stick besides.
+    """Turns for the travel, for the creep at both ends at peak torque and for a part that sticks.
 
-    Of two anchored cables, for the travel and for what protects the stop.
+    For two anchored cables, turns for the travel and for the dead turns.
     """
     if given.anchored:
         start = whole_turns(2 * given["travel.half_angle_deg"] * given.ratio)
@@ -136,15 +136,15 @@ def _lead(given: SpurKnown) -> Found:
     return given.moved("rope.helix_lead_mm", 1.02 * given.d_mm, step, checks)
 
 
-LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out beyond it", "rim_width"),)
+LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
 NAMES = (
-    constant("inputs", INPUTS, "the one input", "the configuration"),
-    constant("cables", CABLES, "the two sides of the one cable", "the configuration"),
+    constant("inputs", INPUTS, "one", "the configuration"),
+    constant("cables", CABLES, "two sides of one cable", "the configuration"),
 )
 RATIO = (
     Rule(
         "transmission.input_to_drum",
-        "as much as the motor's continuous torque needs for the peak torque",
+        "the least with which the motor's continuous torque gives the peak torque",
         "motor_torque_forward",
         needed_ratio,
         applies=lambda given: not given.has("transmission.input_radius_mm"),
@@ -154,7 +154,7 @@ ROPE = (rope(_rope),)
 RADIUS = (
     Rule(
         "transmission.drum_radius_mm",
-        "the ratio times the smallest input that the rope and the shaft allow, with room for the stop slot",
+        "the ratio times the smallest input for rope and shaft, or more for the stop slot",
         "bend_ratio",
         _drum_radius,
     ),
@@ -162,16 +162,18 @@ RADIUS = (
 PRELOAD = (
     Rule(
         "rope.preload_N",
-        "what friction needs to hold the slip margin over the peak torque; twice what keeps anchored cables taut",
+        "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
         "input_slip",
         _preload,
     ),
 )
 WINDING = (
-    Rule("rope.helix_lead_mm", "the least lead at which turns and grooves clear each other", "helix_lead", _lead),
+    Rule(
+        "rope.helix_lead_mm", "the least lead with gaps between turns and crests between grooves", "helix_lead", _lead
+    ),
     Rule(
         "transmission.turns",
-        "as many as the travel asks for, with the creep at both ends and the slip margin, or what protects a stop",
+        "least number for the travel, the creep at both ends and the slip margin; anchored: for travel and stop",
         "input_slip",
         _turns,
     ),
@@ -179,7 +181,7 @@ WINDING = (
 WINDUP = (
     Rule(
         "limits.frame_windup_max_mrad",
-        "what the cable's spans yield at the test torque, for a printed frame twenty times as much",
+        "windup of the cable's spans at the test torque; twenty times that for a printed frame",
         "frame_windup",
         _windup,
     ),

@@ -1,4 +1,4 @@
-"""Rules of dimensions: frame and drum, each as small as the checks that it serves allow."""
+"""Rules of dimensions: frame and drum; each value is the smallest with which its checks pass."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mbcdm_cad.configurations.head_dims import (
 from mbcdm_cad.configurations.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
-# Walls of a milled part and of a printed one, mm (estimate: filament is some twenty times as soft).
+# Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
 PLATE_MM, BRIDGE_MM = (5.0, 8.0), (4.0, 7.0)
 
 
@@ -58,17 +58,22 @@ def _outer_face(given: SpurKnown) -> Found:
 
 FRAME = (
     MOTOR_SHELF,
-    Rule("support.side_wall_mm", "stiff, and wide enough for its material", "walls", side_wall),
-    Rule("support.bridge_mm", "stiff, and thick enough for its material", "walls", _bridge),
+    Rule(
+        "support.side_wall_mm",
+        "usual thickness for the stiffness and for making it in its material",
+        "walls",
+        side_wall,
+    ),
+    Rule("support.bridge_mm", "usual thickness for the stiffness and for making it in its material", "walls", _bridge),
     BEARING_SHELF,
     ENCODER_SHELF,
     COUPLING_SPACE,
-    Rule("support.plate_mm", "stiff, and thick enough for the motor head's screws", "flange", _plate),
+    Rule("support.plate_mm", "usual thickness, or more for the motor head's screws", "flange", _plate),
 )
 DISTANCE = (
     Rule(
         "transmission.centre_distance_mm",
-        "as short as span, bearings, screws and motor allow",
+        "the shortest that span, bearings, screws and motor allow",
         "input_room",
         _centre_distance,
     ),
@@ -80,7 +85,14 @@ DRUM = (
     SECTOR,
     STOP_PIN,
     RIM,
-    Rule("drum.outer_face_y_mm", "as narrow as cable and terminals allow", "outer_face", _outer_face),
+    Rule("drum.outer_face_y_mm", "least width for cable and terminals", "outer_face", _outer_face),
     HUB_FACE,
 )
-BACK = (Rule("support.back_y_mm", "the drum's bearings stand apart", "drum_bearing_spacing", _back),)
+BACK = (
+    Rule(
+        "support.back_y_mm",
+        "nearest plane with enough distance between the drum's bearings",
+        "drum_bearing_spacing",
+        _back,
+    ),
+)
