@@ -1,1 +1,1 @@
-"""The paper that defines the mechanism: its figures beside the model's, its experiments on the dynamic rig."""
+"""The paper that defines the mechanism: its figures compared with the model's, its experiments on the dynamic rig."""

@@ -20,8 +20,8 @@ def experiment_command(drive: Drive, experiment: Experiment | DynamicExperiment,
 
 
 def paper_command(drive: Drive, experiment: DynamicExperiment, folder: Path) -> str:
-    """Run the experiment of the paper that ``experiment`` names and write its results beside the paper's figures."""
-    # The dynamic rig's loops take long to load; a run of the quasi-static rig needs none of them.
+    """Run the experiment of the paper that ``experiment`` names and write its results with the paper's figures."""
+    # The kernel of the dynamic rig takes long to load, and a run of the quasi-static rig does not need it.
     from mbcdm_cad.paper.experiments import EXPERIMENTS
     from mbcdm_cad.paper.experiments_files import result_files, result_text
     from mbcdm_cad.rig.dynamic.simulate import as_logged
@@ -30,8 +30,8 @@ def paper_command(drive: Drive, experiment: DynamicExperiment, folder: Path) -> 
         result = EXPERIMENTS[str(experiment.paper)](drive, experiment.seed)
     except ValueError as error:
         raise RigError(
-            f"{experiment.name}: {drive.name} does not get through the paper's experiment: {error}; "
-            "look at the torque of motor and gearhead, and at the wraps"
+            f"{experiment.name}: {drive.name} cannot complete the paper's experiment: {error}; "
+            "check the torque of motor and gearhead, and the wraps"
         ) from None
     files = result_files(result, drive)
     if len(result.runs) == 1:

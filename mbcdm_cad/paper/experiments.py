@@ -1,11 +1,11 @@
-"""The paper's three experiments on the dynamic rig: what was run, what came out, and the paper's figure beside it.
+"""The paper's three experiments on the dynamic rig, with the rig's figures and the paper's.
 
-driving capability  Fig. 7: the loops hold the drum, a torque motor ramps up until they fail   3.3 N m
+driving capability  Fig. 7: the controllers hold the drum, a torque motor ramps up to failure   3.3 N m
 positioning         Fig. 8: 0.05 Hz, 100 mrad, spectrum of the error over the drum's angle     24.67 urad at 694.3 /rad
 backlash            Fig. 9: 0.1 Hz, 50 mrad against a powder brake of 0.91 N m, preload 70 N   0.33 mrad
 
-What the paper does not print is chosen here and named in the result: slope of the ramp, bandwidth of the loops,
-inertia of the plate, ripple of the motor. Nothing is fitted to the paper's figures.
+Values that the paper does not state are chosen here and listed in the result: slope of the ramp, bandwidth of the
+controllers, inertia of the plate, ripple of the motor. Nothing is fitted to the paper's figures.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ FINE_LOG_HZ = 1000.0
 
 @dataclass(frozen=True)
 class Compared:
-    """One figure of the rig; ``paper`` is None where the paper prints none."""
+    """One figure of the rig; ``paper`` is None if the paper states none."""
 
     quantity: str
     unit: str
@@ -50,7 +50,7 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class PaperResult:
-    """An experiment: its figures, the runs behind them by name, and what was chosen."""
+    """An experiment: its figures, its runs by name, and the values that were chosen."""
 
     name: str
     figure: str
@@ -60,7 +60,7 @@ class PaperResult:
 
 
 def driving_capability(drive: Drive, seed: int = 0) -> PaperResult:
-    """Ramp the torque on the drum both ways, with the gearhead lossless (as the paper reckons) and as designed."""
+    """Ramp the torque on the drum in both directions, with a lossless gearhead (as in the paper) and with losses."""
     compared, runs = [], {}
     for ideal, word in ((True, "lossless"), (False, f"efficiency {drive.gearhead.efficiency:g}")):
         rig = rig_of(drive, ideal_gearhead=ideal)
@@ -73,14 +73,14 @@ def driving_capability(drive: Drive, seed: int = 0) -> PaperResult:
             compared += [
                 Compared(f"first input at its limit: {word}, {way}", "N m", first_saturated_Nm(run, limits), 3.3),
                 Compared(f"an input is off by 1 mrad: {word}, {way}", "N m", left_angle_Nm(run, drive), 3.3),
-                Compared(f"drum gives way: {word}, {way}", "N m", given_way_Nm(run), 3.3),
+                Compared(f"drum is off by 20 mrad: {word}, {way}", "N m", given_way_Nm(run), 3.3),
             ]
     chosen: dict[str, float | str] = {"ramp_Nm_s": RAMP_Nm_s, "bandwidth_Hz": 5.0}
     return PaperResult("driving-capability", "Fig. 7", tuple(compared), runs, chosen)
 
 
 def ramp(rig: DynamicRig, sign: float, seed: int = 0) -> DynamicRun:
-    """Hold the drum while the torque motor's torque grows from zero."""
+    """Hold the drum while the torque of the torque motor increases from zero."""
     rate = rig.loops[0].rate_Hz
     reference = standstill(RAMP_TO_Nm / RAMP_Nm_s, rate)
     torque = sign * RAMP_Nm_s / rate * np.arange(reference.shape[0], dtype=float)
@@ -88,10 +88,10 @@ def ramp(rig: DynamicRig, sign: float, seed: int = 0) -> DynamicRun:
 
 
 def positioning(drive: Drive, seed: int = 0) -> PaperResult:
-    """Sine of 100 mrad at 0.05 Hz with an inertia plate; the motors have a ripple once a turn."""
+    """Sine of 100 mrad at 0.05 Hz with an inertia plate; the motors have a torque ripple once a turn."""
     rig = rig_of(drive, LoadSpec(inertia_kg_m2=PLATE_kg_m2))
     ripple = RIPPLE_SHARE * drive.motor.rated_torque_mNm * 1e-3
-    # Unlike phases: two motors are not mounted in step.
+    # Different phases, because the motors are not aligned when they are mounted.
     motors = tuple(replace(m, cogging_Nm=ripple, cogging_phase_rad=2.0 * i) for i, m in enumerate(rig.motors))
     rig = replace(rig, motors=motors)
     run = run_dynamic(rig, sine(0.1, 0.05, 3, rig.loops[0].rate_Hz), seed=seed, log_rate_Hz=FINE_LOG_HZ)
@@ -116,7 +116,7 @@ def positioning(drive: Drive, seed: int = 0) -> PaperResult:
             "urad",
             peak * 1e6,
             24.67,
-            f"follows the ripple chosen, {ripple * 1e3:.3f} mN m at the motor",
+            f"proportional to the chosen ripple, {ripple * 1e3:.3f} mN m at the motor",
         ),
         Compared("ripple that would give the paper's peak", "mN m", ripple * 1e3 * 24.67e-6 / peak),
     )
@@ -129,7 +129,7 @@ def positioning(drive: Drive, seed: int = 0) -> PaperResult:
 
 
 def backlash(drive: Drive, seed: int = 0) -> PaperResult:
-    """Sine of 50 mrad at 0.1 Hz against the brake; the swing of output less input/9 at each reversal."""
+    """Sine of 50 mrad at 0.1 Hz against the brake; the swing of the output minus input/9 at each reversal."""
     rig = rig_of(drive, LoadSpec())
     run = run_dynamic(rig, sine(0.05, 0.1, 4, rig.loops[0].rate_Hz), brake_Nm=BRAKE_NM, seed=seed)
     swings = reversal_swings_rad(run, drive)[1:]

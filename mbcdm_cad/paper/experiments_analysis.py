@@ -12,12 +12,12 @@ from mbcdm_cad.rig.dynamic.rig import input_turns
 from mbcdm_cad.rig.dynamic.run import DynamicRun
 from mbcdm_cad.routes import Floats
 
-# An input counts as saturated when its torque stays within 0.2 % of the limit, on the average of a fifth of a second.
+# An input is saturated if its torque, averaged over a fifth of a second, is within 0.2 % of the limit.
 SATURATED_SHARE = 0.998
 AVERAGED_S = 0.2
-# An input has left its angle when it is off by five counts of its encoder, on the same average.
+# An input has left its angle if it is off by this much (five counts of its encoder), on the same average.
 LEFT_RAD = 1e-3
-# The drum has given way when it is this far off: far more than elasticity accounts for.
+# The drum has given way if it is off by this much, which is far more than its elastic deflection.
 GIVEN_WAY_RAD = 0.02
 LOWEST_ORDER = 20.0
 
@@ -34,7 +34,7 @@ def left_angle_Nm(run: DynamicRun, drive: Drive) -> float:
 
 
 def _load_where(run: DynamicRun, series: Floats, level: float) -> float:
-    """Load at which the first row of ``series`` reaches ``level``, both as running means."""
+    """Load at which the first row of ``series`` reaches ``level``, for running means of both."""
     window = np.full(max(int(AVERAGED_S / (run.time_s[1] - run.time_s[0])), 1), 1.0)
     load = np.convolve(np.abs(run.torque_Nm), window / window.size, mode="valid")
     reached = [np.flatnonzero(np.convolve(row, window / window.size, mode="valid") >= level) for row in series]
@@ -43,28 +43,29 @@ def _load_where(run: DynamicRun, series: Floats, level: float) -> float:
 
 
 def given_way_index(run: DynamicRun) -> int:
-    """First sample at which the drum is off by :data:`GIVEN_WAY_RAD`; the run's length if it never is."""
+    """First sample at which the drum is off by :data:`GIVEN_WAY_RAD`; the length of the run if there is none."""
     over = np.flatnonzero(np.abs(run.reference_rad - run.drum_rad) > GIVEN_WAY_RAD)
     return int(over[0]) if over.size else int(run.time_s.size)
 
 
 def given_way_Nm(run: DynamicRun) -> float:
-    """Load torque at which the drum gave way, N m; NaN if it never did."""
+    """Load torque at which the drum is off by :data:`GIVEN_WAY_RAD`, N m; NaN if it never is."""
     at = given_way_index(run)
     return float(abs(run.torque_Nm[at])) if at < run.time_s.size else float("nan")
 
 
 def transmission_error_rad(run: DynamicRun, drive: Drive) -> Floats:
-    """Measured output less the mean of the measured inputs over the ratio, Eq. (2)."""
+    """Measured output minus the mean of the measured inputs over the ratio, Eq. (2)."""
     turns = np.array(input_turns(drive))
     output: Floats = run.measured_drum_rad - (run.measured_input_rad / turns[:, None]).mean(axis=0)
     return output
 
 
 def reversal_swings_rad(run: DynamicRun, drive: Drive, settle_s: float = 0.05, averaged_s: float = 0.1) -> Floats:
-    """How far the transmission error swings while the load turns over: means before and after each change of sign.
+    """Change of the transmission error at each reversal of the load: difference of the means after and before it.
 
-    The flank runs from where the torque leaves 95 % of its level to where it reaches 95 % of the other.
+    A reversal lasts from the last sample above 95 % of the torque level to the first one above 95 % of the opposite
+    level; ``settle_s`` before and after it is left out.
     """
     error, torque = transmission_error_rad(run, drive), run.torque_Nm
     level = np.abs(torque).max()
@@ -84,7 +85,8 @@ def reversal_swings_rad(run: DynamicRun, drive: Drive, settle_s: float = 0.05, a
 def angle_spectrum(angle_rad: Floats, error_rad: Floats, share: float = 0.8) -> tuple[Floats, Floats]:
     """Orders (cycles per rad) and amplitudes (rad) of the error over the angle, root mean square over the sweeps.
 
-    Each sweep's middle ``share`` is put on an even grid of angles, freed of its line, and seen through a Hann window.
+    The middle ``share`` of each sweep is interpolated on an even grid of angles, its linear trend is removed, and a
+    Hann window is applied.
     """
     half = share * np.abs(angle_rad).max()
     turns = np.flatnonzero(np.diff(np.sign(np.diff(angle_rad))) != 0) + 1
@@ -102,14 +104,15 @@ def angle_spectrum(angle_rad: Floats, error_rad: Floats, share: float = 0.8) -> 
         even -= np.polyval(np.polyfit(grid, even, 1), grid)
         powers.append((2.0 / window.sum() * np.abs(np.fft.rfft(even * window))) ** 2)
     if not powers:
-        raise ValueError("no whole sweep in the run: give it more cycles")
+        raise ValueError("the run contains no whole sweep; run more cycles")
     return np.fft.rfftfreq(count, grid[1] - grid[0]), np.sqrt(np.mean(powers, axis=0))
 
 
 def highest_peak(order: Floats, amplitude: Floats, lowest: float = LOWEST_ORDER) -> tuple[float, float]:
-    """Where and how high the highest line above ``lowest`` cycles per rad is: top of a parabola through the logarithms.
+    """(order, amplitude) of the highest line above ``lowest`` cycles per rad: vertex of a parabola through logarithms.
 
-    The spectrum's bins are one over the length of a sweep apart, and a Hann window is nearly a parabola there.
+    The distance of two bins of the spectrum is one over the length of a sweep; near its maximum the logarithm of a Hann
+    window's spectrum is nearly a parabola.
     """
     k = int(np.argmax(np.where(order >= lowest, amplitude, 0.0)))
     if not 0 < k < order.size - 1 or not amplitude[k - 1 : k + 2].min() > 0.0:

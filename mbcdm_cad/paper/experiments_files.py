@@ -10,7 +10,7 @@ from mbcdm_cad.paper.experiments import Compared, PaperResult
 
 
 def result_json(result: PaperResult, drive: Drive) -> bytes:
-    """All figures of the experiment; a figure that did not come about is null."""
+    """All figures of the experiment; a figure that the run did not reach is null."""
     content = {
         "experiment": result.name,
         "figure": result.figure,
@@ -32,7 +32,7 @@ def result_json(result: PaperResult, drive: Drive) -> bytes:
 
 
 def result_text(result: PaperResult) -> str:
-    """A table of the rig's figures beside the paper's, and what was chosen for want of a word in the paper."""
+    """A table of the rig's figures with the paper's, and the chosen values that the paper does not state."""
     width = max(len(c.quantity) for c in result.compared)
     lines = [f"{result.figure} of the paper: {result.name.replace('-', ' ')}", ""]
     lines.append(f"{'':<{width}}  {'rig':>9}  {'paper':>9}")

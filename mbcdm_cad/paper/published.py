@@ -1,7 +1,7 @@
 """Compare published figures with the declared model: predicted, measured, possible causes of the difference.
 
-A scalar has no held-out data, so nothing is ever named outright here: the verdict is ``not_testable``, and what could
-be the cause stands in ``one_of``, with what each candidate would have to be and the experiment that separates them.
+A scalar has no held-out data, so that no cause is ever confirmed: the verdict is ``not_testable``, and ``one_of``
+contains the possible causes, each with the size that it would need and the experiment that distinguishes them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from mbcdm_cad.measurement.schema import Published
 from mbcdm_cad.measurement.units import Unit, unit_of
 from mbcdm_cad.model.si import DriveSI, to_si
 
-# Ending of a name from which `readable` reads the unit.
+# Ending of a name from which `readable` takes the unit.
 ENDINGS = {"rad": "_rad", "N m": "_Nm"}
 
 
@@ -28,9 +28,8 @@ ENDINGS = {"rad": "_rad", "N m": "_Nm"}
 class Candidate:
     """One possible cause. ``effect`` is its name in the vocabulary, None for a cause that is no effect of a run.
 
-    ``needed`` says what it would have to be to close the gap by itself, ``predicted`` what the model gives with the
-    candidate as it stands (SI; None where it has a free size), ``plausible`` whether that lies within what such a part
-    does.
+    ``needed``: the size with which it alone explains the difference; ``predicted``: the model's figure with this cause
+    (SI; None if its size is free); ``plausible``: whether the needed size, or the figure, is usual for such a part.
     """
 
     cause: str
@@ -42,7 +41,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Judged:
-    """One published figure, SI. ``predicted`` is None where the declared model says nothing of it."""
+    """One published figure, SI. ``predicted`` is None if the declared model does not contain it."""
 
     quantity: str
     where: str
@@ -56,13 +55,13 @@ class Judged:
 
     @property
     def residual(self) -> float | None:
-        """Measured less predicted."""
+        """Measured minus predicted."""
         return None if self.predicted is None else self.measured - self.predicted
 
 
 @dataclass(frozen=True)
 class PublishedResult:
-    """All figures of one file, and what they say together."""
+    """All figures of one file, and the conclusions from several of them."""
 
     source: str
     figures: tuple[Judged, ...]
@@ -82,10 +81,10 @@ class PublishedResult:
         }
 
     def text(self) -> str:
-        """For the terminal."""
+        """The result as text."""
         lines = [
-            f"{self.source}: {len(self.figures)} published figures. A scalar cannot be tested on held-out data: below "
-            "is what could be the cause, not what is.",
+            f"{self.source}: {len(self.figures)} published figures. A scalar cannot be tested on held-out data: the "
+            "causes below are possible, not confirmed.",
         ]
         for figure in self.figures:
             lines += ["", *_lines(figure)]
@@ -96,12 +95,12 @@ Judge = Callable[[Drive, DriveSI, Published, float], Judged]
 
 
 def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
-    """Hold the model of ``drive`` against the published figures. Raises InputError for a file of another kind."""
+    """Compare the model of ``drive`` with the published figures. Raises InputError for a file of another kind."""
     from mbcdm_cad.paper.published_causes import JUDGES, together  # the causes use the classes of this file
 
     if file.content.published is None:
-        remedy = "give a file with published figures"
-        raise InputError([file.problem(("data",), "a run where published figures were asked for", remedy=remedy)])
+        remedy = "use a file with published figures"
+        raise InputError([file.problem(("data",), "contains a run, not published figures", remedy=remedy)])
     figures = []
     for item in file.content.published:
         d = to_si(drive)
@@ -113,12 +112,12 @@ def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
 
 
 def _once(named: list[dict[str, str]]) -> list[dict[str, str]]:
-    """The same name of several forms given once."""
+    """The names, each once."""
     return list({item["name"]: item for item in named}.values())
 
 
 def shown(figure: Judged, value: float | None) -> str:
-    """A value in the unit that suits it; empty for none."""
+    """A value in a readable unit; empty for None."""
     if value is None:
         return ""
     if figure.unit in ENDINGS:
@@ -127,13 +126,13 @@ def shown(figure: Judged, value: float | None) -> str:
 
 
 def _lines(figure: Judged) -> list[str]:
-    predicted = shown(figure, figure.predicted) or "says nothing"
+    predicted = shown(figure, figure.predicted) or "gives no figure"
     residual = shown(figure, figure.residual)
     stated = shown(figure, figure.stated_theory)
     lines = [
         f"{figure.quantity} ({figure.where}): measured {shown(figure, figure.measured)}, model {predicted}"
         + (f", residual {residual}" if residual else "")
-        + (f", authors' own expectation {stated}" if stated else "")
+        + (f", the authors' theory {stated}" if stated else "")
     ]
     lines += [f"  {figure.remark}"] if figure.remark else []
     for candidate in figure.candidates:
@@ -141,4 +140,4 @@ def _lines(figure: Judged) -> list[str]:
         sign = "+" if candidate.plausible else "-"
         name = f" [{candidate.effect}]" if candidate.effect else ""
         lines.append(f"  {sign} {candidate.cause}{name}: {gives}{candidate.needed}")
-    return [*lines, f"  told apart by: {figure.told_apart_by}"]
+    return [*lines, f"  experiment that distinguishes them: {figure.told_apart_by}"]

@@ -1,6 +1,6 @@
 """Possible causes of the difference for each published figure, each computed with the model.
 
-``+`` candidates stay within what such parts do (bounds below, estimates); a single figure cannot choose among them.
+Candidates marked ``+`` are plausible (within the bounds below, estimates); a single figure cannot decide between them.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.paper.published import Candidate, Judge, Judged
 
-# By how much preload, modulus and friction may plausibly differ from what is declared (estimates).
+# Plausible relative deviation of preload, modulus and friction from the declared values (estimates).
 PRELOAD_SHARE, MODULUS_SHARE, FRICTION_SHARE = 0.3, 0.15, 0.5
-# Share of the load that the busier of two inputs may plausibly carry.
+# Plausible share of the load on the input that carries more of it.
 MOST_SHARE = 0.65
-# Multiples of a shaft's turn that are looked at: beyond, some multiple is near any order.
+# Highest multiple of a shaft's turn that is compared: above it, some multiple is near any order.
 MOST_TIMES = 8
 SEARCHED = (0.3, 3.0)
 WINDING_SAMPLES = 400
 
 
 def _peak_torque(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
-    """First input at its motor's limit, the weaker way round."""
+    """Load torque at which the first input reaches its motor's limit, in the weaker direction."""
     lossless, lossy = (input_ratings_Nm(drive)[name] for name in (MOTOR, MOTOR_LOSSY))
 
     def limit(d: DriveSI, rating: float) -> float:
@@ -49,19 +49,19 @@ def _peak_torque(drive: Drive, d: DriveSI, item: Published, measured: float) -> 
     shared = bool(1.0 / d.n_inputs < busiest < MOST_SHARE)
     candidates = (
         Candidate("bias of the preload on the inputs", "preload_error", needed, weaker, plausible),
-        Candidate("uneven sharing by the cables alone, bias tuned away", None, "no free size", even, False),
+        Candidate("uneven sharing by the cables alone, without bias", None, "no free size", even, False),
         Candidate(
             "losses in the gearheads on top of the bias",
             None,
-            f"efficiency {lossy / lossless * measured / limit(d, lossy):.2f} where the data sheet has "
+            f"efficiency {lossy / lossless * measured / limit(d, lossy):.2f}; the data sheet states "
             f"{lossy / lossless:.2f}",
             limit(d, lossy),
             bool(measured <= limit(d, lossy) * 1.15),
         ),
         Candidate(
-            "the two motors' loops sharing unevenly",
+            "uneven sharing by the controllers of the two motors",
             None,
-            f"the busier input carries {busiest:.0%} of the load",
+            f"one input carries {busiest:.0%} of the load",
             None,
             shared,
         ),
@@ -74,9 +74,9 @@ def _peak_torque(drive: Drive, d: DriveSI, item: Published, measured: float) -> 
         weaker,
         _stated(item),
         candidates,
-        f"the ramp run both ways (bias: {weaker:.2f} and {stronger:.2f} N m; losses and loops: alike), the currents of "
-        "both motors, and a run with preloads T ~ 1/r",
-        f"sum of both motors without losses or bias {ideal:.3f} N m, which is the authors' expectation",
+        f"the ramp in both directions (bias: {weaker:.2f} and {stronger:.2f} N m; losses and controllers: equal), the "
+        "currents of both motors, and a run with preloads T ~ 1/r",
+        f"sum of both motors without losses or bias {ideal:.3f} N m, which is the authors' theory",
     )
 
 
@@ -113,7 +113,7 @@ def _backlash(drive: Drive, d: DriveSI, item: Published, measured: float) -> Jud
         Candidate(
             "the figure meant as one-sided turn",
             None,
-            f"E = {single / measured * modulus / 1e9:.1f} GPa, softer than such a rope is",
+            f"E = {single / measured * modulus / 1e9:.1f} GPa, lower than that of such a rope",
             single,
             abs(single / measured - 1.0) < MODULUS_SHARE,
         ),
@@ -132,15 +132,15 @@ def _backlash(drive: Drive, d: DriveSI, item: Published, measured: float) -> Jud
         swing,
         _stated(item),
         tuple(candidates),
-        "a run with its torque: the shape of the loop tells E (scales all) from preload and friction (slip part only); "
-        "two travels tell winding history (grows with travel); preload and friction stay a set until the tension of "
-        "a cable is measured",
-        "read as the swing at a reversal; a modulus calibrated on this very figure would prove nothing",
+        "a run with its torque: the shape of the loop separates E (scales all) from preload and friction (slip part "
+        "only); two travels separate winding history (grows with travel); preload and friction cannot be separated "
+        "until the tension of a cable is measured",
+        "read as the swing at a reversal; a modulus that was calibrated on this figure confirms nothing",
     )
 
 
 def _ripple_amplitude(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
-    """The declared model has no ripple at all."""
+    """Ripple of the transmission error; the declared model has none."""
     step = drive.encoder.resolution_urad * 1e-6 / _ratio(d)
     stages = f"{measured * _ratio(d) * 1e6:.0f} urad on the input shafts"
     candidates = (
@@ -161,13 +161,13 @@ def _ripple_amplitude(drive: Drive, d: DriveSI, item: Published, measured: float
         0.0,
         _stated(item),
         candidates,
-        "its order: see ripple_order; another input encoder, or the same one turned by a part of a line",
+        "its order: see ripple_order; another input encoder, or the same one turned by a fraction of a line",
         "",
     )
 
 
 def _ripple_order(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
-    """Where the line stands, read as printed and as if the axis were a turn."""
+    """Order of the ripple, with the axis as printed (per rad) and as if it were per turn."""
     motor = _ratio(d) * drive.gearhead.ratio
     shafts = {
         "drum": 1.0,
@@ -197,12 +197,12 @@ def _ripple_order(drive: Drive, d: DriveSI, item: Published, measured: float) ->
         tuple(candidates),
         "a run over a longer travel, whose bins are narrower, with the motors' angle logged; the ripple's amplitude at "
         "two speeds",
-        f"as printed {per_motor:.3f} a turn of the motor, which no stage has",
+        f"as printed {per_motor:.3f} per turn of the motor, which no stage has",
     )
 
 
 def _mass(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
-    """Nothing that a run could show: the build reckons it from its parts."""
+    """Mass of the drive; the build computes it from the parts, a run cannot measure it."""
     return Judged(
         "mass",
         item.where,
@@ -211,8 +211,8 @@ def _mass(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:
         None,
         _stated(item),
         (),
-        "weighing the parts against the bill of materials of 'mbcdm build'",
-        "the loop's model has no mass",
+        "weigh the parts and compare with the bill of materials of 'mbcdm build'",
+        "the model of the loop has no mass",
     )
 
 
@@ -226,7 +226,7 @@ JUDGES: dict[str, Judge] = {
 
 
 def together(figures: tuple[Judged, ...]) -> tuple[str, ...]:
-    """What the figures say jointly that none says alone."""
+    """Conclusions from several figures that none of them gives alone."""
     by_name = {figure.quantity: figure for figure in figures}
     lines = []
     if {"peak_torque", "backlash"} <= by_name.keys():
@@ -235,7 +235,7 @@ def together(figures: tuple[Judged, ...]) -> tuple[str, ...]:
             for name in ("peak_torque", "backlash")
         }
         lines.append(
-            f"preload alone would have to be two things at once: {words['peak_torque']} for the torque, "
+            f"preload alone does not explain both: it needs {words['peak_torque']} for the torque, but "
             f"{words['backlash']} for the backlash"
         )
     if {"peak_torque", "mass"} <= by_name.keys():
@@ -245,7 +245,7 @@ def together(figures: tuple[Judged, ...]) -> tuple[str, ...]:
 
 
 def _winding_factor(d: DriveSI, load: float, travel: float) -> float:
-    """By how much winding history widens the swing at the end of the second sweep, brake against the motion."""
+    """Factor by which winding history increases the swing at the end of the second sweep, brake against the motion."""
     phase = np.linspace(0.0, 5.0 * np.pi, 5 * WINDING_SAMPLES // 2)
     angle = np.tile(_ratio(d) * travel * np.sin(phase), (d.n_inputs, 1))
     torque = load * np.tanh(np.cos(phase) / 0.02)
@@ -269,7 +269,7 @@ def _stated(item: Published) -> float | None:
 
 
 def _root(of: Callable[[float], float]) -> float | None:
-    """Where a function of a share is zero, within SEARCHED; None if nowhere."""
+    """The share within SEARCHED at which a function is zero; None if there is none."""
     low, high = SEARCHED
     grid = np.geomspace(low, high, 13)
     values = [of(float(share)) for share in grid]
@@ -282,7 +282,7 @@ def _root(of: Callable[[float], float]) -> float | None:
 def _share_words(name: str, declared: float, share: float | None, unit: str) -> str:
     suffix = f" {unit}" if unit else ""
     if share is None:
-        return f"no {name} from {SEARCHED[0]:g} to {SEARCHED[1]:g} times the declared one closes the gap"
+        return f"no {name} from {SEARCHED[0]:g} to {SEARCHED[1]:g} times the declared one explains the difference"
     return f"{name} = {share * declared:.3g}{suffix} instead of {declared:.3g}{suffix}"
 
 

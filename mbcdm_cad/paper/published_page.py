@@ -1,4 +1,4 @@
-"""Published figures beside the model as one HTML page, without pictures or any other file."""
+"""Published figures compared with the model as one HTML page, without pictures or other files."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The paper's numbers beside those of the model for a design, each with a tolerance or marked unexplained.
+"""The paper's figures compared with those of the model for a design, each with a tolerance or marked unexplained.
 
-A figure with a tolerance is held to it: ``mbcdm reproduce`` fails if one leaves it. One without is shown only, and says
-why: the model cannot give it, or the paper does not say what was measured.
+``mbcdm reproduce`` fails if a figure is outside its tolerance. A figure without a tolerance is only shown, with the
+reason: the model cannot give it, or the paper does not state what was measured.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ENCODER_B_LINES, ENCODER_B_SUBDIVISION = 18000, 256
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """One number of the paper and the model's. ``tolerance`` is relative; None: shown, not judged."""
+    """One figure of the paper and of the model. ``tolerance`` is relative; None: shown, not judged."""
 
     name: str
     where: str
@@ -43,17 +43,17 @@ class PaperFigure:
 
     @property
     def difference(self) -> float:
-        """(computed - paper)/paper, or computed where the paper's figure is zero."""
+        """(computed - paper)/paper, or computed if the paper's figure is zero."""
         return (self.computed - self.paper) / self.paper if self.paper else self.computed
 
     @property
     def within(self) -> bool:
-        """True where there is no tolerance or it is kept."""
+        """Whether the figure is within its tolerance, or has none."""
         return self.tolerance is None or abs(self.difference) <= self.tolerance
 
 
 def reproduce(drive: Drive) -> tuple[PaperFigure, ...]:
-    """Every number of the paper that the model can speak to, for ``drive`` with the paper's even preload."""
+    """Every figure of the paper that the model can compute, for ``drive`` with the paper's equal preloads."""
     d = to_si(drive)
     d = d.with_(preload_N=np.full(d.n_cables, measured.BACKLASH_PRELOAD_N))
     return (*_geometry(drive, d), *_torque(drive, d), *_backlash(d), *_sensing(drive, d))
@@ -259,7 +259,7 @@ def as_markdown(figures: tuple[PaperFigure, ...], name: str) -> str:
     for figure in figures:
         known = math.isfinite(figure.computed)
         difference = f"{figure.difference:+.2%}" if known and figure.paper else "-"
-        # A figure that should vanish is noise below this; its digits differ from one machine to the next.
+        # A figure that should be zero is rounding noise below this; its digits differ between machines.
         computed = "-" if not known else "0" if abs(figure.computed) < 1e-12 else f"{figure.computed:.5g}"
         if figure.tolerance is None:
             tolerance = "-"

@@ -52,8 +52,8 @@ def test_driving_capability_both_ways_and_with_a_lossy_gearhead() -> None:
     assert found["first input at its limit: lossless, +, N m"] == pytest.approx(3.747, rel=0.01)
     assert found["first input at its limit: lossless, -, N m"] == pytest.approx(3.194, rel=0.01)
     for way in "+-":
-        lossless = found[f"drum gives way: lossless, {way}, N m"]
-        lossy = found[f"drum gives way: efficiency 0.68, {way}, N m"]
+        lossless = found[f"drum is off by 20 mrad: lossless, {way}, N m"]
+        lossy = found[f"drum is off by 20 mrad: efficiency 0.68, {way}, N m"]
         # Driven backward the motor holds only 2 - 1/efficiency of the load, and its brushes and lag add some percent.
         assert lossy == pytest.approx(lossless / (2.0 - 1.0 / 0.68), rel=0.06), f"{lossless} and {lossy} N m"
     checked_files(result)
