@@ -1,4 +1,4 @@
-"""The public face of the package: ``import mbcdm_cad as mc``. Every name in ``__all__`` is stable; others may change.
+"""The public interface of the package, ``import mbcdm_cad as mc``. Names in ``__all__`` are stable, others may change.
 
     import mbcdm_cad as mc
 
@@ -9,10 +9,10 @@
     wider.part("drum")                      # a cadquery solid
     wider.build("out")
 
-Each call does what the command of the same name does, by the same functions. Results print themselves, show as tables
-in notebooks, and turn into plain data (``to_dict``) or pandas frames (``to_pandas``, if pandas is installed).
+Each call does the same as the command of the same name, with the same functions. Results print themselves, are shown
+as tables in notebooks, and convert to plain data (``to_dict``) or, if pandas is installed, to frames (``to_pandas``).
 
-Importing this is cheap: the model, CAD and the loop are imported when they are first asked for.
+The import is fast: the model, CAD and the loop are imported when they are first used.
 """
 
 from __future__ import annotations
@@ -55,28 +55,28 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class DriveDesign:
-    """One design of a cable drive: what its file says, and everything that follows from it. Never changes.
+    """One design of a cable drive: the content of its file and all values that follow from it. Immutable.
 
-    ``loaded`` is the file as read; ``drive`` the resolved values that the rest of the package works with.
+    ``loaded`` is the file as read; ``drive`` contains the resolved values that the rest of the package uses.
     """
 
     loaded: LoadedDesign
 
     @property
     def name(self) -> str:
-        """Name of the design, after which its output folder is called."""
+        """Name of the design and of its output folder."""
         return self.loaded.drive.name
 
     @property
     def drive(self) -> Drive:
-        """All values, with catalogue entries looked up and radii known for every cable."""
+        """All values, with the catalogue entries and the radii of every cable."""
         return self.loaded.drive
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> DriveDesign:
         """A design with some fields changed: ``with_(transmission__centre_distance_mm=36.0)``, or a nested mapping.
 
         An item of a list is named by its index from 0: ``cables__0__preload_N=65.0``. Raises ``InputError`` with the
-        messages that the edited file would get.
+        same messages as for the edited file.
         """
         from mbcdm_cad.configurations.changes import with_changes
 
@@ -101,13 +101,13 @@ class DriveDesign:
         return part_names(self.drive)
 
     def part(self, name: str) -> cadquery.Solid:
-        """One part as a cadquery solid, in its own frame, mm. ``MbcdmError`` for a name that no part has."""
+        """One part as a cadquery solid, in its own frame, mm. Raises ``MbcdmError`` for a name that no part has."""
         from mbcdm_cad.build.solids import part_solid
 
         return part_solid(self.drive, name)
 
     def assembly(self, angle_deg: float = 0.0) -> cadquery.Assembly:
-        """All parts in their places with the drum at ``angle_deg``. ``MbcdmError`` for an angle beyond the travel."""
+        """All parts in place with the drum at ``angle_deg``. Raises ``MbcdmError`` for an angle beyond the travel."""
         from mbcdm_cad.build.solids import assembled
 
         return assembled(self.drive, angle_deg)
@@ -117,8 +117,8 @@ class DriveDesign:
     ) -> BuildReport:
         """Write parts, assembly and report into ``out/NAME``, as ``mbcdm build``.
 
-        A design that fails a check is not built unless ``force``: the report's ``folder`` is then None. Raises
-        ``MbcdmError`` for an angle beyond the travel and where the system refuses to write.
+        A design that fails a check is built only with ``force``; otherwise the report's ``folder`` is None. Raises
+        ``MbcdmError`` for an angle beyond the travel, or if the files cannot be written.
         """
         from mbcdm_cad.build.run import build
         from mbcdm_cad.report.build_report import build_report
@@ -129,7 +129,7 @@ class DriveDesign:
         return build_report(self.loaded, outcome)
 
     def save(self, path: str | Path) -> None:
-        """Write the design file. After ``with_`` it has no comments. Raises OSError where it cannot be written."""
+        """Write the design file; after ``with_`` it has no comments. Raises ``OSError`` if it cannot be written."""
         from mbcdm_cad.storage.files import write_whole
 
         write_whole({Path(path): self.loaded.text.encode("utf-8")})
@@ -141,7 +141,7 @@ class DriveDesign:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
-    """One measured run, read from its measurement file: ``run`` in SI, ``notes`` what reading it gave rise to."""
+    """One measured run, read from its measurement file: ``run`` in SI units, and ``notes`` of the reader."""
 
     file: MeasurementFile
     reading: Reading
@@ -153,15 +153,15 @@ class MeasuredRun:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on what was met while reading."""
+        """Sentences about peculiarities of the file that the reader found."""
         return self.reading.notes
 
     def to_dict(self) -> dict[str, Any]:
-        """Columns as lists: time, each input, output, and load and temperature where they were logged."""
+        """Columns as lists: time, each input, output, and load and temperature if they were logged."""
         return {name: column.tolist() for name, column in self._columns().items()}
 
     def to_pandas(self) -> pandas.DataFrame:
-        """One row a sample. ``MbcdmError`` without pandas."""
+        """One row for each sample. Raises ``MbcdmError`` without pandas."""
         from mbcdm_cad.report.table import data_frame
 
         return data_frame(self._columns())
@@ -182,7 +182,7 @@ class MeasuredRun:
 
 
 def load(path: str | Path) -> DriveDesign:
-    """Read a design file. Raises ``InputError`` with file, line, value, limit and remedy of all that is wrong."""
+    """Read a design file. Raises ``InputError`` with file, line, value, limit and remedy of all mistakes."""
     from mbcdm_cad.configurations.loader import load_design
 
     return DriveDesign(load_design(path))
@@ -196,11 +196,11 @@ def reference_design(name: str = "mbcdm") -> DriveDesign:
 
 
 def analyse_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> Sweep:
-    """Analyse many designs at once: for each field an array of values, one a design.
+    """Analyse many designs at once: ``ranges`` has an array for each field, with one value for each design.
 
     ``analyse_many(design, {"transmission.centre_distance_mm": np.linspace(34.6, 60.0, 1000)})["reversal_swing_mrad"]``
-    is an array of 1000 backlashes. With ``grid`` all combinations of the values are made. Errors: ``InputError`` for a
-    value that the file could not hold, ``MbcdmError`` for arrays of different lengths.
+    is an array of 1000 backlashes. With ``grid`` all combinations of the values are analysed. Raises ``InputError`` for
+    a value that is not valid in a design file, ``MbcdmError`` for arrays of different lengths.
     """
     from mbcdm_cad.report.sweep import sweep
 
@@ -208,11 +208,11 @@ def analyse_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool =
 
 
 def size_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:
-    """Size many designs at once from a file of requirements, as far as no frame is needed: ten thousand in a second.
+    """Size many designs at once from a file of requirements, without the frame: ten thousand in a second.
 
     ``size_many(design, {"loads.peak_torque_Nm": np.geomspace(0.5, 20.0, 1000)})["rope.type"]`` is an array of 1000
     ropes. Columns are rope, motor, gearhead, bearings, radii, ratios, lead, centre distance, preload, and the figures
-    of the cables as in :func:`analyse_many`; the checks are not asked. Only for miso_bevel. Errors: as there.
+    of the cables as in :func:`analyse_many`; no checks run. Only for miso_bevel. Raises as :func:`analyse_many`.
     """
     from mbcdm_cad.report.sized_designs import size_designs
 
@@ -228,9 +228,9 @@ def load_run(path: str | Path) -> MeasuredRun:
 
 
 def close_loop(design: DriveDesign, runs: MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path]) -> LoopReport:
-    """Find in measured runs what the model of ``design`` lacks, as ``mbcdm loop``: all runs are judged together.
+    """Find effects that the model of ``design`` lacks, from all measured runs together, as ``mbcdm loop``.
 
-    ``runs`` are read runs or paths of measurement files. Raises ``InputError`` with all that is wrong with them.
+    ``runs``: runs or paths of measurement files. Raises ``InputError`` with all mistakes in them.
     """
     from mbcdm_cad.identification.judge import judge
     from mbcdm_cad.measurement.reading import load_file

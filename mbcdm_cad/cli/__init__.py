@@ -1,6 +1,6 @@
-"""The command line: parses, calls, and turns errors into a message and an exit code.
+"""The command line: parses arguments, runs a command, and turns errors into a message and an exit code.
 
-Exit codes: 0 done, 1 a check failed, 2 bad input or a fault that you can correct, 130 interrupted, 141 reader gone.
+Exit codes: 0 done, 1 a check failed, 2 bad input or a fault that you can correct, 130 interrupted, 141 output closed.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from mbcdm_cad.cli.commands import mbcdm
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.storage.parallel import allow_processes
 
-# Set by the lines that a shell is given for completion; see docs/command-line.md.
+# Variable that the start file of a shell sets for completion; see docs/command-line.md.
 COMPLETE_VARIABLE = "_MBCDM_COMPLETE"
 
 
 def main() -> None:
     """Entry point of the ``mbcdm`` command."""
-    # A start makes some 100 000 objects that all stay; looking for garbage among them, as they are made and once more
-    # at the end, took a seventh of a check.
+    # The imports make about 100 000 objects that are never freed. Searching them for garbage, during the imports and at
+    # the end, took a seventh of the time of a check.
     gc.set_threshold(100_000)
     allow_processes()
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for plugins costs a tenth of a start
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # the search for plugins takes a tenth of the start
     if COMPLETE_VARIABLE in os.environ:
-        mbcdm.main(prog_name="mbcdm")  # the shell asks for completions, which click answers here and exits
+        mbcdm.main(prog_name="mbcdm")  # a request of the shell for completions, which click answers, then exits
     code = run(sys.argv[1:])
     gc.freeze()
     sys.exit(code)
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run one command line and return its exit code; every foreseeable error ends as text on stderr."""
+    """Run one command line and return its exit code; every expected error becomes a text on stderr."""
     try:
         with mbcdm.make_context("mbcdm", list(arguments)) as context:
             code = mbcdm.invoke(context)
@@ -49,7 +49,7 @@ def run(arguments: Sequence[str]) -> int:
         click.echo(str(error), err=True)
         return 2
     except BrokenPipeError:
-        # the reader of our output has gone (as in "| head"); keep Python from complaining again when it flushes at exit
+        # The reader of the output has ended (as in "| head"); without this Python reports the error again at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except OSError as error:

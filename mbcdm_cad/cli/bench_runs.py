@@ -1,4 +1,4 @@
-"""Runs that a bench can make, drawn from a short list within its limits, and what it would log of them."""
+"""Runs that a bench can make, from a short list and within its limits, and their predicted data."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WIDEST_MRAD = 1200.0
 
 
 def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
-    """Runs within the limits: long travel first, then slow ones, then in the order of what the load needs."""
+    """Runs within the limits, sorted: long travel first, then slow motion first, then the simplest load first."""
     travel = TRAVEL_SHARE * radians(drive.half_travel_deg)
     if limits.half_travel_deg is not None:
         travel = radians(limits.half_travel_deg)
@@ -36,7 +36,7 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
         for sweeps, speeds in ((SLOW_SWEEPS, "slow"), (FAST_SWEEPS, "fast")):
             period = round(2.0 * limits.duration_s / sweeps, 3)
             if limits.drum_speed_max_deg_s is not None:
-                # Of a sine; slower runs than asked for are no loss.
+                # The period of a sine whose largest speed is within the limit; a slower run is allowed.
                 period = max(period, round(2.0 * pi * amplitude / radians(limits.drum_speed_max_deg_s), 3))
             motion = {"amplitude_mrad": round(min(1e3 * amplitude, WIDEST_MRAD), 2), "period_s": period}
             for name, load in _loads(limits):
@@ -58,7 +58,7 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
 
 
 def _loads(limits: BenchLimits) -> Iterator[tuple[str, dict[str, Any]]]:
-    """(in words, load of the experiment file), what needs least first."""
+    """(description, load of the experiment file), the simplest equipment first."""
     most = limits.torque_Nm
     if most is None:
         yield "no load", {"kind": "none"}
@@ -74,9 +74,9 @@ def _loads(limits: BenchLimits) -> Iterator[tuple[str, dict[str, Any]]]:
         yield "a weight alone", {"kind": "none", "bias_Nm": levels[-1]}
     if "torque_motor" in kinds:
         period = limits.duration_s / 13.7
-        yield "a torque motor, sine of a period of its own", {**motor, "wave": "sine", "wave_period_s": period}
+        yield "a torque motor, sine with its own period", {**motor, "wave": "sine", "wave_period_s": period}
         period = limits.duration_s / 8.3
-        yield "a torque motor that steps up and down", {**motor, "wave": "square", "wave_period_s": period}
+        yield "a torque motor, square wave", {**motor, "wave": "square", "wave_period_s": period}
 
 
 def experiment_text(experiment: Experiment, about: str) -> str:
@@ -86,7 +86,7 @@ def experiment_text(experiment: Experiment, about: str) -> str:
 
 
 def run_of(drive: Drive, wanted: Experiment) -> Run:
-    """The run as the bench would log it if the drive were as declared. Raises ``RigError`` where the rig stops."""
+    """The run as the bench would log it for the declared drive. Raises ``RigError`` if the rig stops."""
     plain = wanted.physics.model_copy(update={"cable_transport": False})
     run = simulate(drive, wanted.model_copy(update={"effects": (), "physics": plain}))
     s = wanted.sensors

@@ -1,4 +1,4 @@
-"""``mbcdm plan --within``: find the best of the runs that a bench can make."""
+"""``mbcdm plan --within``: find the best run that a bench can make."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError
 
-# So many of the runs that were compared are listed.
+# Number of compared runs that are listed.
 LISTED = 6
 
 
 @dataclass(frozen=True)
 class BestRun:
-    """The runs compared, best first, and the plan of the best at the bench's own rate."""
+    """The compared runs, best first, and the plan of the best one at the sample rate of the bench."""
 
     runs: tuple[tuple[Experiment, Rated], ...]
     plan: RunPlan
@@ -33,10 +33,10 @@ class BestRun:
         return self.runs[0][0]
 
     def text(self) -> str:
-        """For the terminal."""
+        """The comparison and the plan as text."""
         lines = [
-            f"{len(self.runs)} runs compared. 'size': the size from which an effect is named and separated, divided by",
-            "that of the run that shows this effect best, mean of all effects. 'cannot': effects that the run",
+            f"{len(self.runs)} runs compared. 'size': smallest size of an effect that is named and separated, divided",
+            "by that of the best run for this effect; mean of all effects. 'cannot': number of effects that the run",
             "does not show or cannot separate.",
             "",
             f"{'size':>6}  {'cannot':>6}  run",
@@ -52,7 +52,7 @@ def best_run(
     own: Sequence[Experiment] = (),
     progress: Callable[[str], None] = lambda name: None,
 ) -> BestRun:
-    """The best of the runs within ``limits`` and of ``own``. Raises ``MbcdmError`` where none of them can be made."""
+    """The best of the runs within ``limits`` and of ``own``. Raises ``MbcdmError`` if none of them can be made."""
     found = []
     for experiment in (*own, *candidates(drive, limits)):
         progress(f"plan of {experiment.about or experiment.name}")

@@ -1,6 +1,6 @@
-"""The commands that draw, ``build``, ``picture`` and ``drawings``: what they print, and the exit code they end with.
+"""The commands that draw, such as ``build``, ``picture`` and ``drawings``: their output and exit codes.
 
-What draws pictures and drawings is imported inside: a build that finds nothing changed needs no CAD.
+Modules that draw pictures and drawings are imported inside: a build without changes needs no CAD.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
 
 def build_command(path: Path, *, angle_deg: float, force: bool, out: Path, use_cache: bool, jobs: int | None) -> int:
-    """Build and say what came of it. 0 built, 1 refused or forced against a failing check."""
+    """Build and print the result. 0 built, 1 refused, or forced although a check fails."""
     loaded = load_design(path)
 
     cache = Cache(cache_folder() if use_cache else None)
@@ -35,7 +35,7 @@ def build_command(path: Path, *, angle_deg: float, force: bool, out: Path, use_c
     for check in report.checks.failed:
         click.echo(f"fail: {check.id}: {check.message}; {check.remedy}", err=True)
     if report.folder is None:
-        words = f"{path}: not built, {len(report.checks.failed)} check(s) fail; --force builds all the same"
+        words = f"{path}: not built, {len(report.checks.failed)} check(s) fail; --force builds it anyway"
         click.echo(words, err=True)
     else:
         click.echo(report.text())
@@ -91,7 +91,7 @@ def moving_picture_command(path: Path, gif: Path, *, view: str, use_cache: bool)
 
 
 def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool, jobs: int | None) -> int:
-    """Write the workshop drawings into a folder of their own."""
+    """Write the workshop drawings into their own folder."""
     loaded = load_design(path)
     from mbcdm_cad.build.drawings import drawings_folder, drawings_of
 
@@ -106,7 +106,7 @@ def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool
 
 
 def pictures_command(path: Path, out: Path, *, use_cache: bool) -> int:
-    """Write the builder's pictures into a folder of their own."""
+    """Write the pictures for the assembly into their own folder."""
     loaded = load_design(path)
     from mbcdm_cad.build.pictures import pictures_of
 
@@ -119,7 +119,7 @@ def pictures_command(path: Path, out: Path, *, use_cache: bool) -> int:
 
 
 def prints_command(path: Path, out: Path, *, use_cache: bool) -> int:
-    """Write the made parts for a 3D printer into a folder of their own."""
+    """Write the made parts for a 3D printer into their own folder."""
     loaded = load_design(path)
     from mbcdm_cad.build.prints import prints_of
 

@@ -1,4 +1,4 @@
-"""The command ``catalogue``: the package's bought-out parts and materials, for a terminal and for docs/catalogue.md."""
+"""The command ``catalogue``: the ropes, bought parts and materials of the package, as text and as docs/catalogue.md."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def catalogue_command(kind: str | None, *, markdown: bool) -> int:
 
 
 def catalogue_page(kinds: tuple[str, ...]) -> str:
-    """Markdown: of each kind what its fields mean, the entries as a table, and where their figures come from."""
+    """Markdown: for each kind the meaning of its fields, a table of the entries, and the sources of their values."""
     lines = [_HEAD] if len(kinds) == len(KINDS) else []
     for kind in kinds:
         lines += [f"## {kind.capitalize()}", "", _about(kind), ""]
@@ -44,7 +44,7 @@ def catalogue_page(kinds: tuple[str, ...]) -> str:
 
 
 def _kind_lines(kind: str, width: int | None) -> list[str]:
-    """The entries below each other, a field a row: as many side by side as the width takes."""
+    """Tables with one row for each field and as many entries side by side as the width allows."""
     entries = package_entries(kind)
     names = list(entries)
     label_width = max(len(field) for field, _, _ in _fields(kind))
@@ -69,7 +69,7 @@ def _about(kind: str) -> str:
 
 
 def _fields(kind: str) -> tuple[tuple[str, str, str], ...]:
-    """(name, unit, meaning) of every field but the source."""
+    """(name, unit, meaning) of every field except the source."""
     schema = KINDS[kind].model_json_schema()["properties"]
     return tuple((name, node["unit"], node["description"]) for name, node in schema.items() if name != "source")
 
@@ -83,7 +83,7 @@ def _values(kind: str) -> ReportTable:
 
 
 def _exact(value: object) -> str:
-    """A value as the catalogue has it, not rounded to what a table of results shows."""
+    """A value as in the catalogue, without the rounding of result tables."""
     if value is None:
         return "-"
     if isinstance(value, list | tuple):

@@ -17,7 +17,7 @@ from mbcdm_cad.report.check_report import CheckReport, Shown, check_design
 
 
 def check_command(paths: Sequence[Path], *, as_json: bool, show: Shown) -> int:
-    """Check all designs. 2 if one cannot be read (the others are checked all the same), else 1 if one fails, else 0."""
+    """Check all designs. 2 if one cannot be read (the others are still checked), else 1 if one fails, else 0."""
     reports: list[tuple[Path, CheckReport]] = []
     unread: list[str] = []
     for path in paths:
@@ -43,16 +43,16 @@ def check_command(paths: Sequence[Path], *, as_json: bool, show: Shown) -> int:
 
 
 def _hint(path: Path, loaded: LoadedDesign) -> None:
-    """Of a file that states every value, as all files once had to: for who sits before it, not for what reads on."""
+    """Print a hint on stderr for a file that states every value; only on a terminal."""
     if not sys.stderr.isatty():
         return
     if not loaded.sized and design_file(loaded.drive.configuration).size is not None:
-        hint = "states every value; what is left out of a file follows from its requirements by a rule"
+        hint = "states every value; sizing rules compute the fields that a file leaves out"
         click.echo(f"{path}: {hint} (mbcdm explain)", err=True)
 
 
 def _summary(count: int, failing: Sequence[str], unread: Sequence[str]) -> str:
-    """One line on all designs: how many there are, which fail."""
+    """One line about all designs: their number, and those that fail."""
     words = [f"{len(failing)} fail: {', '.join(failing)}"] if failing else []
     words += [f"{len(unread)} cannot be read: {', '.join(unread)}"] if unread else []
     return f"{count} designs: " + ("; ".join(words) or "all pass")

@@ -1,4 +1,4 @@
-"""All commands. Each imports what it needs when it runs, so that none pays for another's libraries."""
+"""All commands. Each imports its modules when it runs, so that no command waits for the libraries of another."""
 
 from __future__ import annotations
 

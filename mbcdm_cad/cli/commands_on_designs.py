@@ -9,7 +9,7 @@ import click
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.cli.options import DESIGN, FILE, examples
 
-# Of mbcdm_cad.design.entries.KINDS, which takes long to import; a test compares them.
+# Copy of mbcdm_cad.design.entries.KINDS, which takes long to import; a test compares them.
 CATALOGUE_KINDS = (
     "ropes",
     "terminations",
@@ -24,7 +24,7 @@ CATALOGUE_KINDS = (
 )
 
 _CONFIGURATION = click.option(
-    "--configuration", metavar="NAME", help="Layout of the drive; that of the reference design by default."
+    "--configuration", metavar="NAME", help="Layout of the drive; by default that of the reference design."
 )
 
 
@@ -92,13 +92,13 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
 @mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --full"))
 @click.argument("new", type=FILE)
 @_CONFIGURATION
-@click.option("--full", is_flag=True, help="Every value that follows from the requirements too, as a comment.")
-@click.option("--reference", is_flag=True, help="The reference design instead, all its values written out.")
+@click.option("--full", is_flag=True, help="Add all derived values as comments.")
+@click.option("--reference", is_flag=True, help="Write the reference design with all its values instead.")
 def init(new: Path, configuration: str | None, full: bool, reference: bool) -> int:
-    """Write a new design file: what the drive must do.
+    """Write a new design file with the requirements.
 
-    All else follows by rules; a layout that has none gets its reference design with all values. Each value has its
-    unit and meaning beside it. Never overwrites a file.
+    Sizing rules compute all other values. For a layout without sizing rules: the reference design with all values.
+    Comments state the unit and meaning of each value. Never overwrites a file.
     """
     from mbcdm_cad.cli.files import init_command
 
@@ -139,7 +139,7 @@ def catalogue(kind: str | None, markdown: bool) -> int:
 def doctor(as_json: bool) -> int:
     """Check which programs and libraries this machine has.
 
-    Exit code 1 if something is missing that is needed to build designs.
+    Exit code 1 if something required is missing.
     """
     from mbcdm_cad.cli.doctor import doctor_command
 

@@ -37,9 +37,9 @@ def sensitivity(design: Path, out: Path) -> int:
 @mbcdm.command(epilog=examples("mbcdm reproduce", "mbcdm reproduce my_drive.yaml"))
 @click.argument("design", type=FILE, required=False)
 def reproduce(design: Path | None) -> int:
-    """Compare the paper's numbers with the model's.
+    """Compare the paper's figures with the model's.
 
-    For DESIGN, or for the reference design. Exit code 1 if a number is outside its tolerance.
+    For DESIGN, or for the reference design. Exit code 1 if a figure is outside its tolerance.
     """
     from mbcdm_cad.cli.studies import reproduce_command
 
@@ -91,7 +91,7 @@ def loop(
     """
     from mbcdm_cad.configurations.loader import load_design
 
-    loaded = load_design(design)  # before the rest is imported, so that bad input is reported at once
+    loaded = load_design(design)  # before the other imports, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
     return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction, next_path))
@@ -120,8 +120,8 @@ def plan(
 ) -> int:
     """Compute what a run could find, before it is made.
 
-    For each effect: the smallest size that the loop would name, and the effects with which it could be confused below
-    which size.
+    For each effect: the smallest size that the loop would name, and each effect with which it could be confused, with
+    the size up to which this happens.
     """
     from mbcdm_cad.configurations.loader import load_design
 
@@ -155,7 +155,10 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 @click.argument("data", type=FILE)
 @DESIGN
 @click.option(
-    "--out", type=FILE, metavar="FILE", help="Measurement file; by default beside the data, with the same name."
+    "--out",
+    type=FILE,
+    metavar="FILE",
+    help="Measurement file; by default with the name of the data.",
 )
 def measurement_init(data: Path, design: Path, out: Path | None) -> int:
     """Draft the measurement file of a logger's CSV.

@@ -9,7 +9,7 @@ import click
 from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.cli.options import ANGLE, DESIGN, FILE, NO_CACHE, examples, out_folder
 
-# The names of VIEWS in mbcdm_cad.build.export.picture, which needs the drawing library; a test compares them.
+# Copy of the names of VIEWS in mbcdm_cad.build.export.picture, which needs the drawing library; a test compares them.
 VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "top", "bottom")
 
 
@@ -44,7 +44,7 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 )
 @click.option("--markdown", is_flag=True, help="Print the table as Markdown.")
 @click.option("--page", type=FILE, metavar="FILE", help="Write a page with pictures, figures and plots to this file.")
-@out_folder("Folder that the designs are built into where they are not yet.")
+@out_folder("Folder of the builds; designs that are not in it yet are built.")
 @NO_CACHE
 @click.option(
     "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."

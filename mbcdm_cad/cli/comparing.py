@@ -1,4 +1,4 @@
-"""The command ``compare``: designs side by side, each built where that is not done yet."""
+"""The command ``compare``: designs side by side; those that are not built yet are built first."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def compare_command(
 ) -> int:
     """Print the comparison, and write it as ``page``.
 
-    Raises ``MbcdmError`` for a design that fails a check: it could not be built as it is.
+    Raises ``MbcdmError`` for a design that fails a check.
     """
     if page is not None:
         refuse_missing_folder(page)
@@ -45,7 +45,7 @@ def compare_command(
             outcome = build(design, out, angle_deg=0.0, force=False, cache=cache, jobs=jobs, progress=note)
         if outcome.folder is None or outcome.data is None:
             failed = ", ".join(check.id for check in outcome.failed)
-            raise MbcdmError(f"{path}: not compared, since it fails {failed}; see mbcdm check {path}")
+            raise MbcdmError(f"{path}: not compared, because it fails {failed}; see mbcdm check {path}")
         found.append(compared(design.drive, outcome.data, load))
     if page is not None:
         _write_page(page, [design.drive for design in designs], found, cache)
@@ -59,7 +59,7 @@ def compare_command(
 
 
 def _write_page(page: Path, drives: Sequence[Drive], found: Sequence[ComparedDesign], cache: Cache) -> None:
-    # These draw, and load the libraries for it; the table does without.
+    # Imported here because they load the drawing libraries, which the table does not need.
     from mbcdm_cad.build.export.picture import picture_png
     from mbcdm_cad.report.page.compared import comparison_page
 

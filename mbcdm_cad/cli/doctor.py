@@ -21,7 +21,7 @@ from mbcdm_cad.cli.screen import screen_width
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, cache_folder
 
-# Imported in a process of its own: a library that cannot be loaded must not end the doctor.
+# Imported in another process: a library that fails to load must not end this one.
 _IMPORT_TIMEOUT_S = 120.0
 _LIBGL_REMEDY = "Debian, Ubuntu: apt-get install libgl1"
 _FREECAD = ("freecadcmd", "FreeCADCmd", "freecad", "FreeCAD")
@@ -39,7 +39,7 @@ _BROWSERS = (
 
 @dataclass(frozen=True)
 class Dependency:
-    """One thing looked for: ``found`` says what is there, ``remedy`` what to do where it is missing."""
+    """One dependency: ``found`` states version or place, ``remedy`` what to do if it is missing."""
 
     name: str
     there: bool
@@ -61,7 +61,7 @@ def doctor_command(*, as_json: bool) -> int:
     for item in items:
         if not item.there and item.remedy:
             click.echo(f"{item.name}: {item.remedy}")
-    click.echo(f"missing: {', '.join(item.name for item in missing)}" if missing else "all that is required is there")
+    click.echo(f"missing: {', '.join(item.name for item in missing)}" if missing else "nothing required is missing")
     return int(bool(missing))
 
 
@@ -70,7 +70,7 @@ def _word(item: Dependency) -> str:
 
 
 def examined() -> Iterator[Dependency]:
-    """Everything that the program can use, required things first."""
+    """All dependencies of the program, required ones first."""
     yield Dependency("mbcdm_cad", True, True, f"{__version__}, Python {platform.python_version()}", "everything")
     for name, use in (
         ("numpy", "the model"),
@@ -85,7 +85,7 @@ def examined() -> Iterator[Dependency]:
     yield _imported("CAD kernel", "OCP.gp", "cadquery", "build, picture, parts in Python")
     yield _imported("drawing library", "vtkmodules.vtkRenderingOpenGL2", "vtk", "picture, meshes")
     yield _cache()
-    yield _program("FreeCAD", _FREECAD, "opening the STEP files and the tests that do so; not needed to make them")
+    yield _program("FreeCAD", _FREECAD, "opening the STEP files, and the tests that do so; not needed to write them")
     yield _program("browser", _BROWSERS, "the pages that 'page', 'watch', 'loop --report' and 'compare --page' write")
     pandas = _version("pandas")
     remedy = "pip install pandas"
@@ -102,7 +102,7 @@ def _version(package: str) -> str:
 
 
 def _imported(name: str, module: str, package: str, use: str) -> Dependency:
-    """Whether a compiled library loads; that it is installed is not enough, since it needs libraries of the system."""
+    """Whether a compiled library loads, which also needs libraries of the system."""
     version = f"{package} {_version(package) or 'not installed'}"
     try:
         done = subprocess.run(
@@ -122,19 +122,19 @@ def _imported(name: str, module: str, package: str, use: str) -> Dependency:
 
 
 def _libgl() -> Dependency:
-    """The system library that a Python package cannot bring along; other systems than Linux have it."""
+    """The system library that no Python package contains; systems other than Linux always have it."""
     found = ctypes.util.find_library("GL")
     there = bool(found) or platform.system() != "Linux"
     return Dependency("libGL", there, True, found or "not found", "CAD kernel and drawing library", _LIBGL_REMEDY)
 
 
 def _cache() -> Dependency:
-    """The cache folder: how much is in it, and whether it can be written."""
+    """The cache folder: its size, and whether it can be written."""
     folder = cache_folder()
-    use = "building quickly what was built before; without it everything is drawn each time"
+    use = "building unchanged parts quickly; without it all parts are drawn each time"
     there = next((path for path in (folder, *folder.parents) if path.exists()), Path())
     if not os.access(there, os.W_OK | os.X_OK):
-        remedy = f"give rights to {there}, or set {ENVIRONMENT_VARIABLE} to another folder"
+        remedy = f"allow writing to {there}, or set {ENVIRONMENT_VARIABLE} to another folder"
         return Dependency("cache", False, False, f"{folder} cannot be written", use, remedy)
     files = [path for path in folder.glob("*/*") if path.is_file()]
     size_MB = sum(path.stat().st_size for path in files) / 1e6
@@ -143,4 +143,4 @@ def _cache() -> Dependency:
 
 def _program(name: str, commands: tuple[str, ...], use: str) -> Dependency:
     path = next((path for path in map(shutil.which, commands) if path), None)
-    return Dependency(name, path is not None, False, path or "none on the PATH", use)
+    return Dependency(name, path is not None, False, path or "not on the PATH", use)

@@ -17,7 +17,7 @@ from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 def explain_command(design: Path, field: str | None, *, as_json: bool, graph: Path | None) -> int:
     """Print the table of all fields with a rule, or the chain of one; or write the graph of all.
 
-    Raises ``MbcdmError`` for an unknown field, ``InputError`` for a graph that is no SVG.
+    Raises ``MbcdmError`` for an unknown field, ``InputError`` for a graph file that is not an SVG.
     """
     loaded = load_design(design)
     if graph is not None:
@@ -34,7 +34,7 @@ def explain_command(design: Path, field: str | None, *, as_json: bool, graph: Pa
 
 
 def _write_graph(loaded: LoadedDesign, svg: Path) -> None:
-    # Its layout loads a library that the rest of the command does without.
+    # Imported here because the layout of the graph loads a library that the other output does not need.
     from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
 
     if svg.suffix.lower() != ".svg":
@@ -42,8 +42,8 @@ def _write_graph(loaded: LoadedDesign, svg: Path) -> None:
         raise InputError([Problem(str(svg), 1, "", "graphs are SVG files", svg.suffix, ".svg", remedy)])
     found = dependency_graph(fields_data(loaded)["fields"])
     if not found.nodes:
-        raise MbcdmError(f"{loaded.path}: no graph, since {loaded.drive.configuration} has no sizing rules")
+        raise MbcdmError(f"{loaded.path}: no graph, because {loaded.drive.configuration} has no sizing rules")
     refuse_missing_folder(svg)
-    title = f"{loaded.drive.name}: what follows from what"
+    title = f"{loaded.drive.name}: dependencies of all values"
     write_whole({svg: dependency_svg(found, title).encode()})
     click.echo(f"{svg}: {len(found.nodes)} fields, {len(found.lines)} lines")

@@ -1,6 +1,6 @@
-"""The commands ``init`` and ``schema``: new design files, and what an editor needs to complete them.
+"""The commands ``init``, ``schema`` and ``measurement-init``: new files, and the schema for editors.
 
-Measurement files are imported inside: they need numpy, a new design file does not.
+Modules of measurement files are imported inside: they need numpy, a new design file does not.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from mbcdm_cad.storage.files import refuse_missing_folder
 
 
 def init_command(new: Path, configuration: str | None, form: str = "short") -> int:
-    """Write the new design file: ``short``, ``full``, which adds what follows as comments, or the ``reference`` design.
+    """Write the new design file: ``short``, ``full`` (with derived values as comments), or the ``reference`` design.
 
-    The last where the configuration has no sizing rules, too. Raises ``InputError`` where there is a file already or
-    none can be written.
+    A configuration without sizing rules always gets its reference design. Raises ``InputError`` if the file exists or
+    cannot be written.
     """
     refuse_missing_folder(new)
 
@@ -70,7 +70,7 @@ def measurement_init_command(data: Path, design: Path, out: Path | None) -> int:
     refuse_missing_folder(path)
     text = draft_text(data, load_design(design).drive)
     if path.parent.resolve() != data.parent.resolve():
-        remedy = "write it beside the data, since the path in it is relative to it"
+        remedy = "write it into the folder of the data, because it names the data relative to itself"
         raise InputError([Problem(str(path), 1, "", "in another folder than the data", remedy=remedy)])
     try:
         with open(path, "x", encoding="utf-8", newline="\n") as file:
@@ -80,5 +80,5 @@ def measurement_init_command(data: Path, design: Path, out: Path | None) -> int:
         raise InputError([problem]) from None
     click.echo(text, nl=False)
     where = f"{shlex.quote(str(design))} {shlex.quote(str(path))}"
-    click.echo(f"{path} written; look over what is guessed, then: mbcdm loop {where}")
+    click.echo(f"{path} written; check the guesses in it, then: mbcdm loop {where}")
     return 0

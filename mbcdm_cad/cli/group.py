@@ -11,7 +11,7 @@ from mbcdm_cad.cli.options import examples
 @click.group(
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=examples(
-        "mbcdm init my_drive.yaml     a short file: what the drive must do",
+        "mbcdm init my_drive.yaml     a short file with the requirements",
         "mbcdm check my_drive.yaml    a fraction of a second, no CAD",
         "mbcdm build my_drive.yaml    STEP, STL, GLB, report into out/my_drive",
     ),

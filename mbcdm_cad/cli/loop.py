@@ -1,6 +1,6 @@
-"""The command ``mbcdm loop``: reads, vets, closes the loop, prints and writes.
+"""The command ``mbcdm loop``: reads and vets the runs, closes the loop, prints and writes the result.
 
-Pages and published figures are imported inside: most runs want neither, and their templates take time to load.
+Pages and published figures are imported inside: most runs need neither, and their templates take time to load.
 """
 
 from __future__ import annotations
@@ -26,9 +26,7 @@ CORRECTION_FILES = ("correction.csv", "correction.json", "correction.h")
 
 @dataclass(frozen=True)
 class Outputs:
-    """Files to write: result as JSON, design as built, folders of report page and correction table, the next run's
-    experiment; None for none.
-    """
+    """Files and folders to write, None for none: JSON result, design as built, report, correction table, next run."""
 
     json: Path | None = None
     as_built: Path | None = None
@@ -38,7 +36,7 @@ class Outputs:
 
 
 def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
-    """Judge the runs together. 0 when they could be judged; bad input raises InputError with all that is wrong."""
+    """Judge the runs together. 0 if they could be judged; raises InputError with all mistakes of bad input."""
     files = [load_file(path) for path in measurements]
     _refuse_outputs(loaded, files, wanted)
     if any(file.content.published is not None for file in files):
@@ -83,11 +81,11 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
 
 
 def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
-    """Figures of a paper: no search, what could explain them."""
+    """Judge the figures of a paper: possible causes, without a fit."""
     from mbcdm_cad.paper.published import judge_published
 
     if len(files) > 1 or any(one is not None for one in (wanted.as_built, wanted.correction, wanted.next)):
-        remedy = "give it alone, without --apply, --correction and --next"
+        remedy = "use it alone, without --apply, --correction and --next"
         wrong = next(file for file in files if file.content.published is not None)
         raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
     result = judge_published(loaded.drive, files[0])
@@ -106,7 +104,7 @@ def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: O
 
 
 def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> None:
-    """An output must not take the place of an input or of another output, and needs a folder to be in."""
+    """Raise InputError if an output would replace an input or another output, or if its folder does not exist."""
     taken = [("design file", loaded.path), *(("measurement file", file.path) for file in files)]
     data = [(file.path, file.content.data) for file in files if file.content.data]
     taken += [("data of " + path.name, path.parent / name) for path, name in data]
@@ -129,7 +127,7 @@ def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], want
                 what = f"would overwrite the {word}, {path}"
                 problems.append(Problem(*where, what, remedy="nothing was done; give another name"))
         if output.is_dir():
-            problems.append(Problem(*where, "a folder, and a file is to be written", remedy="give another name"))
+            problems.append(Problem(*where, "is a folder, but a file is to be written", remedy="give another name"))
         there = next((folder for folder in output.parents if folder.exists()), Path())
         if not there.is_dir() or (option not in ("--report", "--correction") and there != output.parent):
             what = f"there is no folder {output.parent}" if there.is_dir() else f"{there} is no folder"
@@ -142,8 +140,8 @@ def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], want
 
 
 def _same_file(one: Path, other: Path) -> bool:
-    """Whether two paths lead to one file, however they are spelt and linked, and whether or not it is there yet."""
+    """Whether two paths are the same file, which need not exist, for any spelling and links."""
     try:
         return one.resolve() == other.resolve() or (one.exists() and other.exists() and one.samefile(other))
-    except (OSError, ValueError, RuntimeError):  # a path that leads nowhere, or round in a circle
+    except (OSError, ValueError, RuntimeError):  # an invalid path, or links in a circle
         return False

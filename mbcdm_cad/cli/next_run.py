@@ -1,6 +1,6 @@
-"""After a loop that ended in a set: the run that separates its members best, as an experiment file.
+"""After a loop that ended with a set of possible effects: the run that separates them best, as an experiment file.
 
-Travel and load stay within what the design and the runs so far had; motion and load are drawn from a short list.
+Travel and load stay within those of the design and of the runs so far; motion and load come from a short list.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError
 
-# Below this probability of a wrong choice the first run of the list will do, which is the one that needs least.
+# Below this probability of a wrong choice the first run of the list, which is the simplest, is good enough.
 SURE = 1e-3
 
 
 @dataclass(frozen=True)
 class NextRun:
-    """The best experiment, and the probability to name the wrong member of the set: so far, and with it."""
+    """The best experiment, and the probability of naming the wrong effect of the set: so far, and with it."""
 
     experiment: Experiment
     members: tuple[Named, ...]
@@ -37,7 +37,7 @@ class NextRun:
     wrong_after: float
 
     def words(self) -> str:
-        """For the terminal."""
+        """The result as one sentence."""
         names = " from ".join(named.words for named in self.members)
         how = f"{self.experiment.about}: expected odds {odds(self.wrong_after)}, {odds(self.wrong_before)} so far"
         return f"to tell {names}: {how}"
@@ -48,12 +48,12 @@ class NextRun:
 
 
 def odds(wrong: float) -> str:
-    """Odds to name the right one, for people."""
+    """Odds of naming the right effect, as text."""
     return "even" if wrong > 0.49 else f"{min((1.0 - wrong) / max(wrong, 1e-9), 9999.0):.0f} to 1"
 
 
 def next_run(drive: Drive, runs: Sequence[Run], result: LoopResult) -> NextRun | None:
-    """The run that separates the first set of ``result`` best; None where there is no set."""
+    """The run that separates the first set of ``result`` best; None if there is no set."""
     if not result.one_of or result.noise is None:
         return None
     members, noise = result.one_of[0], result.noise
@@ -68,7 +68,7 @@ def next_run(drive: Drive, runs: Sequence[Run], result: LoopResult) -> NextRun |
 
 
 def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:
-    """What the bench of these runs has shown that it can do."""
+    """Limits of the bench, taken from what these runs reached."""
     seen = max(0.5 * float(np.ptp(run.output_rad)) for run in runs)
     torques = [float(np.abs(run.load_Nm).max()) for run in runs if run.load_Nm is not None]
     most = max(max(torques), drive.loads.test_torque_Nm) if torques else None
@@ -85,7 +85,7 @@ def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:
 
 
 def _sensors(sensors: Sensors, torque: bool) -> dict[str, Any]:
-    """The sensors of the bench, as the experiment file has them; the rig's own where the measurement file is silent."""
+    """Sensors of the bench for the experiment file; those of the rig if the measurement file does not state them."""
     fields = {
         "input_resolution_rad": sensors.input_resolution_rad,
         "output_resolution_rad": sensors.output_resolution_rad,

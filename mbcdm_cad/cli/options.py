@@ -14,7 +14,7 @@ DESIGN = click.argument("design", type=FILE)
 
 
 def examples(*lines: str) -> str:
-    """Lines for the end of a help page; the mark keeps click from filling them into a paragraph."""
+    """Lines for the end of a help page; the mark prevents click from joining them to a paragraph."""
     return "\b\n" + "\n".join(["Examples:" if len(lines) > 1 else "Example:", *(f"  {line}" for line in lines)])
 
 

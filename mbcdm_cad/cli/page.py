@@ -1,4 +1,4 @@
-"""The command ``page``: builds the design where that has not been done, and writes its page beside the other files."""
+"""The command ``page``: builds the design if this is not done yet, and writes its page into the folder of the build."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from mbcdm_cad.storage.files import write_whole
 
 
 def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
-    """Write ``out/<name>/report.html``. 0 written, 1 refused or forced against a failing check."""
+    """Write ``out/<name>/report.html``. 0 written, 1 refused, or forced although a check fails."""
     loaded = load_design(path)
     cache = Cache(cache_folder() if use_cache else None)
     with progress() as tell:
@@ -25,7 +25,7 @@ def page_command(path: Path, *, out: Path, force: bool, use_cache: bool) -> int:
         for check in outcome.failed:
             click.echo(f"fail: {check.id}: {check.message}; {check.remedy}", err=True)
         if outcome.folder is None or outcome.data is None:
-            text = f"{loaded.path}: no page, {len(outcome.failed)} check(s) fail; --force makes it all the same"
+            text = f"{loaded.path}: no page, {len(outcome.failed)} check(s) fail; --force writes it anyway"
             click.echo(text, err=True)
             return 1
         _, parts = drawn(loaded.drive, 0.0, cache, tell)

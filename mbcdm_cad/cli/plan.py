@@ -1,4 +1,4 @@
-"""The command ``mbcdm plan``: predict what a run can find, before it is made."""
+"""The command ``mbcdm plan``: compute what a run could find, before it is made."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def plan_command(
     written: Path | None,
     as_json: Path | None,
 ) -> int:
-    """Print what the run of ``experiment`` could say of ``drive``, or which run within a bench's limits says most."""
+    """Print what the run of ``experiment`` could find, or the best run within the limits of a bench."""
     if experiment is None and within is None:
         raise MbcdmError(
             "plan: give an experiment file, --within BENCH.yaml, or both; docs/measure-your-drive.md shows them"
         )
     if written is not None and within is None:
-        raise MbcdmError("--write: there is a best run only with --within BENCH.yaml")
+        raise MbcdmError("--write: needs --within BENCH.yaml, which finds the best run")
     files = {}
     try:
         noise = None if pilot is None else noise_from(drive, load_measurement(pilot))
@@ -66,6 +66,6 @@ def planned(path: Path) -> Experiment:
     """An experiment of the quasi-static rig."""
     wanted = read_experiment(path)
     if not isinstance(wanted, Experiment):
-        remedy = "give one of the quasi-static rig; motion, load and sensors are planned the same"
+        remedy = "use one of the quasi-static rig; motion, load and sensors are the same for the plan"
         raise InputError([Problem(str(path), 1, "format", "an experiment of the dynamic rig", remedy=remedy)])
     return wanted

@@ -8,12 +8,12 @@ import sys
 
 
 def screen_width() -> int | None:
-    """Columns to wrap text at; None where the output goes to a file or a pipe and COLUMNS is not set."""
+    """Columns to wrap text at; None if the output goes to a file or a pipe and COLUMNS is not set."""
     if sys.stdout.isatty() or os.environ.get("COLUMNS", "").isdigit():
         return shutil.get_terminal_size().columns
     return None
 
 
 def coloured() -> bool:
-    """Whether to colour: on a terminal, unless NO_COLOR is set (see no-color.org)."""
+    """Whether to use colours: on a terminal, unless NO_COLOR is set (see no-color.org)."""
     return sys.stdout.isatty() and "NO_COLOR" not in os.environ

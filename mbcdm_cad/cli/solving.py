@@ -23,7 +23,7 @@ from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
 
 def solve_command(design: Path, *, apply: Path | None, as_json: bool) -> int:
-    """Search, print, and write where asked. 0 where a passing design was found, else 1."""
+    """Search, print the result, and write it to ``apply``. 0 if a passing design was found, else 1."""
     if apply is not None:
         _refuse_other_file(design, apply)
     question = read_question(design)
@@ -43,11 +43,11 @@ def solve_command(design: Path, *, apply: Path | None, as_json: bool) -> int:
 
 @contextmanager
 def _progress() -> Iterator[Callable[[str, int], None] | None]:
-    """A bar of trials on a terminal; nothing where the output is piped."""
+    """A progress bar of trials on a terminal; nothing if the output is piped."""
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console  # only where a terminal shows it
+    from rich.console import Console  # only needed on a terminal
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (
@@ -152,7 +152,7 @@ def _give_json(way: Give) -> dict[str, Any]:
 
 
 def _refuse_other_file(design: Path, apply: Path) -> None:
-    """Raise ``InputError`` where the result would replace a file that is not the design itself."""
+    """Raise ``InputError`` if the result would replace a file other than the design itself."""
     refuse_missing_folder(apply)
     if apply.exists() and apply.resolve() != design.resolve():
         problem = Problem(str(apply), 1, "", "exists already", remedy="choose another name, or remove it first")

@@ -1,6 +1,6 @@
-"""The commands ``analyse``, ``sensitivity`` and ``reproduce``: what they print, and the exit code they end with.
+"""The commands ``analyse``, ``sensitivity`` and ``reproduce``: their output and exit codes.
 
-Each imports its study inside: ``analyse`` must start fast and needs neither scipy nor plots, nor what writes a folder.
+Each imports its study inside: ``analyse`` must start fast and needs neither scipy nor plots, and writes no folder.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from mbcdm_cad.report.table import ReportTable
 
 
 def analyse_command(path: Path, *, as_json: bool) -> int:
-    """Print the model's figures for one design."""
+    """Print the figures of the model for one design."""
     loaded = load_design(path)
     from mbcdm_cad.report.analysis_report import analyse_design
 
@@ -29,7 +29,7 @@ def analyse_command(path: Path, *, as_json: bool) -> int:
 
 
 def sensitivity_command(path: Path, *, out: Path) -> int:
-    """Write the sensitivity study into a folder of its own."""
+    """Write the sensitivity study into its own folder."""
     loaded = load_design(path)
     from mbcdm_cad.model.study import write_study
     from mbcdm_cad.storage.folders import output_folder
@@ -55,7 +55,7 @@ def sensitivity_command(path: Path, *, out: Path) -> int:
 
 
 def reproduce_command(path: Path | None) -> int:
-    """Print the paper table; 1 if a figure leaves its tolerance."""
+    """Print the table of the paper's figures; 1 if a figure is outside its tolerance."""
     from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 
     loaded = load_text(new_design_text("mbcdm")) if path is None else load_design(path)

@@ -25,7 +25,7 @@ def watch_command(path: Path, *, out: Path, port: int, use_cache: bool) -> int:
 
 
 async def _until_told(following: Coroutine[Any, Any, None]) -> None:
-    """Until Ctrl-C or SIGTERM, so that no process of ours outlives this one, however it is ended."""
+    """Run until Ctrl-C or SIGTERM, so that the processes that were started always end with this one."""
     task = asyncio.ensure_future(following)
     loop = asyncio.get_running_loop()
     for told in (signal.SIGINT, signal.SIGTERM):

@@ -65,4 +65,4 @@ def report_page(report: Mapping[str, Any], view: Scene, figures: Mapping[str, An
 def fields_graph(design: str, fields: Sequence[Mapping[str, Any]]) -> str:
     """The graph of the report's ``fields`` as SVG; empty where no field has a rule."""
     graph = dependency_graph(fields)
-    return dependency_svg(graph, f"{design}: what follows from what") if graph.nodes else ""
+    return dependency_svg(graph, f"{design}: dependencies of all values") if graph.nodes else ""

@@ -102,7 +102,7 @@ CLASHES = {
     "two outputs": (["--json", "new.yaml", "--apply", "page/../new.yaml"], "would overwrite the output of --json, "),
     "json of the report": (["--json", "page/report.html", "--report", "page"], "the output of --json, "),
     "no folder": (["--json", "none/x.json"], "there is no folder "),
-    "a folder": (["--json", "page"], "a folder, and a file is to be written; "),
+    "a folder": (["--json", "page"], "is a folder, but a file is to be written; "),
     "report below a file": (["--report", "run.csv/page"], "run.csv is no folder; "),
 }
 

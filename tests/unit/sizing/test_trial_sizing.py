@@ -37,7 +37,7 @@ def test_moved(checks: tuple[str, ...], value: float, words: str) -> None:
     [
         (("near", "far"), 6.0, "first that does"),
         (("near", "never"), 4.0, "no candidate meets never"),
-        (("never",), 1.0, "nothing does"),
+        (("never",), 1.0, "no candidate does"),
     ],
 )
 def test_first(checks: tuple[str, ...], value: float, words: str) -> None:
