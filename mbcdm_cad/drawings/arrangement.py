@@ -28,9 +28,9 @@ TITLE_BLOCK = (170.0, 36.0)
 SCALES = (20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1)
 _BETWEEN_MM = 7.0
 _LABEL_ROOM_MM = 5.0
-# From the arc to the end of a radius's text, but for the text itself.
+# Length of a radius's leader beyond the arc, without its text.
 _RADIUS_LEADER_MM = 9.0
-# How far the letter at the end of a cutting line reaches.
+# Space for the letter at the end of a cutting line.
 _CUTTING_END_MM = 8.0
 Box = tuple[float, float, float, float]
 
@@ -54,7 +54,7 @@ def value_text(value: float, decimals: int) -> str:
 
 @dataclass(frozen=True)
 class PlacedDimension:
-    """A linear dimension on paper: its ends, the coordinate of its line, and its text's place."""
+    """A linear dimension on paper: its ends, the coordinate of its line, and the position of its text."""
 
     dimension: Linear
     start: tuple[float, float]
@@ -73,7 +73,7 @@ class PlacedView:
     scale: float
     box: Box
     dimensions: tuple[PlacedDimension, ...]
-    room_above: float  # taken above the box, title included
+    room_above: float  # space used above the box, title included
 
     def paper(self, u: float, v: float) -> tuple[float, float]:
         """Paper coordinates of a point of the view."""
@@ -82,7 +82,7 @@ class PlacedView:
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Paper, scale and the views with their dimensions."""
+    """Paper size, scale, and the views with their dimensions."""
 
     paper: str
     scale: float
@@ -95,7 +95,7 @@ class Arrangement:
 
 
 def view_box(picture: Picture, view: View) -> Box:
-    """Box of what a view shows, mm on the part about the view's origin; a detail's is its window."""
+    """Box of the content of a view, mm on the part about the view's origin; for a detail its window."""
     if view.window is not None:
         centre, half_width, half_height = view.window
         u, v = view.project(centre)
@@ -104,7 +104,7 @@ def view_box(picture: Picture, view: View) -> Box:
 
 
 def _with_axes(drawn: Box, view: View, scale: float, cutting: tuple[CuttingLine, ...]) -> Box:
-    """The box of a view with its centre lines, which reach out of it."""
+    """The box of a view with its centre lines, which extend beyond its outline."""
     left, bottom, right, top = drawn
     over = AXIS_OVERHANG_MM / scale
     for start, end in view.axes:
@@ -141,7 +141,7 @@ class _Margins:
 
 
 def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[PlacedDimension], _Margins]:
-    """Dimensions of a view about its origin at ``scale`` (paper mm), and the room they take on its four sides."""
+    """Dimensions of a view about its origin at ``scale`` (paper mm), and the space they use on its four sides."""
     shown: list[PlacedDimension] = []
     room = dict.fromkeys(("left", "below", "right", "above"), _LABEL_ROOM_MM)
     edge = {"left": around[0], "below": around[1], "right": around[2], "above": around[3]}
@@ -164,13 +164,13 @@ def _packed(sheet: Sheet, view: View, around: Box, scale: float) -> tuple[list[P
             shown.append(PlacedDimension(d, *pair, line, place, span.text_mm))
         if places:
             room[side] = FIRST_LEVEL_MM + LEVEL_MM * max(p.level for p in places) + TEXT_MM + 2.5
-            # A text beside its line may reach over the view's corner.
+            # A text beside its dimension line can extend past the corner of the view.
             for span, place in zip(spans, places, strict=True):
                 low, high = place.text_at - span.text_mm / 2, place.text_at + span.text_mm / 2
                 room[first] = max(room[first], edge[first] * scale - low + 1.0)
                 room[last] = max(room[last], high - edge[last] * scale + 1.0)
     for r in (d for d in sheet.dimensions if isinstance(d, Radius) and d.view == view.name):
-        # Its text stands beyond the arc, to the left or the right.
+        # The text of a radius is outside the arc, to the left or the right.
         at, centre = view.project(r.at)[0] * scale, view.project(r.centre)[0] * scale
         width = text_width_mm(f"{r.prefix}R{value_text(r.value, 2)}{r.suffix}") + _RADIUS_LEADER_MM
         if at < centre:
@@ -189,17 +189,18 @@ def _shown_text(d: Linear) -> str:
 def _agree(sheet: Sheet, d: Linear, drawn: float) -> None:
     if abs(drawn - d.value) > 1e-6:
         raise ValueError(
-            f"sheet {sheet.part}: dimension {dimension_text(d)} in view {d.view} says {d.value:.6g} mm, but its points "
-            f"stand {drawn:.6g} mm apart there"
+            f"sheet {sheet.part}: dimension {dimension_text(d)} in view {d.view} is {d.value:.6g} mm, but its points "
+            f"are {drawn:.6g} mm apart there"
         )
     if d.fit:
         limits(d.value, d.fit)
 
 
 def arranged(sheet: Sheet, pictures: dict[str, Picture], table_mm: tuple[float, float], notes_mm: float) -> Arrangement:
-    """The largest scale at which all views fit beside tables (width, height) and above the title block.
+    """The arrangement at the largest scale at which all views fit beside the tables and above the title block.
 
-    The sheet's own paper is tried first, then the next larger. Raises ``ValueError`` if nothing fits on A1.
+    ``table_mm``: width and height of all tables. The paper of the sheet is tried first, then larger ones. Raises
+    ``ValueError`` if the views do not fit on A1.
     """
     papers = list(PAPERS)
     for paper in papers[papers.index(sheet.paper) :]:
@@ -208,7 +209,7 @@ def arranged(sheet: Sheet, pictures: dict[str, Picture], table_mm: tuple[float, 
         bottom = FRAME_MM + max(TITLE_BLOCK[1], notes_mm) + 2.0
         if table_mm[1] > top - bottom:
             continue
-        # Views stand beside the tables or below them, whichever lets them be larger.
+        # The views are placed beside the tables or below them, whichever allows the larger scale.
         beside = (left, bottom, right - (table_mm[0] + 4.0 if table_mm[0] else 0.0), top)
         below = (left, bottom, right, top - table_mm[1])
         for scale in SCALES:
@@ -228,7 +229,7 @@ def _in_grid(sheet: Sheet, pictures: dict[str, Picture], scale: float, free: Box
         drawn = view_box(pictures[view.name], view)
         around = _with_axes(drawn, view, own, tuple(c for c in sheet.cutting_lines if c.view == view.name))
         shown, margins = _packed(sheet, view, around, own)
-        # Details stand by themselves: centred in their cell instead of lined up.
+        # Details are centred in their cell and not aligned with other views.
         shift = (0.0, 0.0)
         if view.magnify != 1.0:
             shift = (own * (drawn[0] + drawn[2]) / 2, own * (drawn[1] + drawn[3]) / 2)
@@ -243,7 +244,7 @@ def _in_grid(sheet: Sheet, pictures: dict[str, Picture], scale: float, free: Box
     high = sum(map(sum, heights.values())) + _BETWEEN_MM * (len(heights) - 1)
     if wide > free[2] - free[0] or high > free[3] - free[1]:
         return None
-    # What is left over goes between the columns and rows alike.
+    # The remaining space is divided equally between the columns and between the rows.
     gap_x = (free[2] - free[0] - wide) / (len(widths) + 1)
     gap_y = (free[3] - free[1] - high) / (len(heights) + 1)
     x_of: dict[int, float] = {}
@@ -264,7 +265,7 @@ def _in_grid(sheet: Sheet, pictures: dict[str, Picture], scale: float, free: Box
 
 
 def table_size_mm(columns: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> tuple[list[float], float]:
-    """Widths of the columns and height of a table with its title and heads."""
+    """Widths of the columns and height of a table, with its title and column heads."""
     widths = [
         max(text_width_mm(cell) for cell in (head, *(row[i] for row in rows))) + 2.4 for i, head in enumerate(columns)
     ]

@@ -26,14 +26,14 @@ from mbcdm_cad.drawings.style import (
 
 DIMENSION_STYLE = "MBCDM"
 TEXT_STYLE = "MBCDM"
-# Names the view that a dimension belongs to, in its extended data.
+# Application name of the extended data, which contain the view of a dimension.
 APPLICATION = "MBCDM_CAD"
 _MILLIMETRES = 4
 
 
 @contextmanager
 def fixed_meta_data() -> Iterator[None]:
-    """No times, no random identifiers in documents made and written within."""
+    """Documents made and written in this context contain no times and no random identifiers."""
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:
@@ -86,7 +86,7 @@ def new_document(scale: float) -> Drawing:
 
 
 def document_bytes(doc: Drawing) -> bytes:
-    """The DXF file, audited. Raises ``ValueError`` if the document has errors that a reader would stumble over."""
+    """The DXF file, audited. Raises ``ValueError`` if the document has errors."""
     for name in sorted(_required_classes(doc)):
         doc.classes.add_class(name)
     problems = doc.audit()

@@ -1,4 +1,4 @@
-"""Draw a sheet that is arranged: views, hatches, centre lines, dimensions, labels, cutting lines."""
+"""Draw an arranged sheet: views, hatches, centre lines, dimensions, labels, cutting lines."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _VIEW_LAYERS = ("VISIBLE", "HIDDEN")
 
 
 def draw_views(doc: Drawing, sheet: Sheet, arrangement: Arrangement, pictures: dict[str, Picture], room: Room) -> None:
-    """All views with what belongs to them. ``room`` learns what is taken."""
+    """Draw all views with their dimensions and labels; the space that they use is added to ``room``."""
     paper = doc.modelspace()
     for placed in arrangement.views:
         picture = pictures[placed.view.name]
@@ -68,7 +68,7 @@ def _of(arrangement: Arrangement, name: str) -> PlacedView:
 
 
 def _picture(doc: Drawing, placed: PlacedView, picture: Picture) -> None:
-    """The view's lines and hatches as a block of its own, so that it can be moved as one."""
+    """Lines and hatches of a view as one block, which can be moved as a whole."""
     name = "VIEW_" + placed.view.name.upper().replace(" ", "_").replace("-", "_")
     block = doc.blocks.new(name)
     for layer, strokes in zip(_VIEW_LAYERS, (picture.visible, picture.hidden), strict=True):
@@ -150,7 +150,7 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, sheet
     start, end = (shown.start[0] + ox, shown.start[1] + oy), (shown.end[0] + ox, shown.end[1] + oy)
     line = shown.line_at + (oy if across else ox)
     text_at = shown.place.text_at + (ox if across else oy)
-    # Text stands above its line as it is read: to the left of a line that runs upwards.
+    # The text is above its line in the direction of reading: to the left of a vertical line.
     lift = GAP_MM + TEXT_MM / 2
     middle = (text_at, line + lift) if across else (line - lift, text_at)
     override = {"dimdec": d.decimals, "dimlfac": 1.0 / placed.scale}
@@ -174,7 +174,7 @@ def _linear(paper: Modelspace, placed: PlacedView, shown: PlacedDimension, sheet
     low, high = sorted((start[0 if across else 1], end[0 if across else 1]))
     ends = [low, high]
     if not shown.place.inside:
-        # The line runs on under its text.
+        # The dimension line continues under its text.
         near, far = (high, text_at + shown.text_mm / 2) if text_at > high else (low, text_at - shown.text_mm / 2)
         first, last = ((near, line), (far, line)) if across else ((line, near), (line, far))
         block.add_line(first, last, dxfattribs={"layer": "DIMENSION"})
@@ -193,10 +193,10 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, sheet_scale: float
     centre, at = placed.paper(*placed.view.project(d.centre)), placed.paper(*placed.view.project(d.at))
     drawn = hypot(at[0] - centre[0], at[1] - centre[1]) / placed.scale
     if abs(drawn - d.value) > 1e-6:
-        raise ValueError(f"radius {d.value:.6g} mm in view {d.view}: its points stand {drawn:.6g} mm apart")
+        raise ValueError(f"radius {d.value:.6g} mm in view {d.view}: its points are {drawn:.6g} mm apart")
     text = f"{d.prefix}<>{d.suffix}"
     shown = text.replace("<>", f"R{value_text(d.value, 2)}")
-    # The leader ends in a level leg as long as an arrow, behind which the library sets the text, itself a bit wider.
+    # The leader ends in a horizontal leg as long as an arrow; after it the library sets the text, slightly wider.
     width = text_width_mm(shown) + 2 * ARROW_MM
     x, y = room.place(at, width, TEXT_MM, 3.0, beside=True)
     leg = (x + (width / 2 if x < at[0] else -width / 2), y)
@@ -208,7 +208,7 @@ def _radius(paper: Modelspace, placed: PlacedView, d: Radius, sheet_scale: float
         override={"dimlfac": 1.0 / placed.scale, "dimtoh": 1, "dimtih": 1, "dimtad": 0, "dimtmove": 1},
         dxfattribs={"layer": "DIMENSION"},
     )
-    # Given at once, the text's place would decide the arrow's: the library puts the arrow's tip towards it.
+    # Set only now: if the text's position is known earlier, the library turns the arrow towards it.
     made.user_location_override(leg)
     made.render()
     made.dimension.set_xdata(APPLICATION, [(1000, d.view)])
@@ -220,7 +220,7 @@ def _angle(paper: Modelspace, placed: PlacedView, d: Angle, room: Room) -> None:
     last = degrees(atan2(end[1] - vertex[1], end[0] - vertex[0]))
     drawn = (last - first) % 360.0
     if abs(drawn - d.value) > 1e-6:
-        raise ValueError(f"angle {d.value:.6g} deg in view {d.view}: its points stand {drawn:.6g} deg apart")
+        raise ValueError(f"angle {d.value:.6g} deg in view {d.view}: its points are {drawn:.6g} deg apart")
     reach = d.reach * placed.scale
     middle = radians(first + drawn / 2)
     made = paper.add_angular_dim_3p(

@@ -40,7 +40,7 @@ _NOTES_LEFT_OVER_MM = 8.0
 
 @dataclass(frozen=True)
 class PartFacts:
-    """What the drawing needs beside the sheet. ``position_mm``: place of a hole with a fit, plus or minus."""
+    """Values of a part for its drawing. ``position_mm``: tolerance of the position of a hole with a fit (+-)."""
 
     design: str
     material: str
@@ -52,7 +52,8 @@ class PartFacts:
 def draw_sheet(sheet: Sheet, solid: Any, facts: PartFacts) -> dict[str, bytes]:
     """The sheet's files by extension: ``dxf``, ``svg``, ``pdf``.
 
-    Raises ``ValueError`` naming the part where a dimension does not agree with its points or nothing fits on paper.
+    Raises ``ValueError`` with the part's name if a dimension does not agree with its points, or if no paper is large
+    enough.
     """
     shape = cq.Shape.cast(getattr(solid, "wrapped", solid))
     pictures = {view.name: picture(shape, view) for view in sheet.views}

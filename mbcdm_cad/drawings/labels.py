@@ -1,4 +1,4 @@
-"""Find room for short texts in a view: the nearest place where a text covers no line and no other text."""
+"""Place short texts in a view: at the nearest position where a text covers no line and no other text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Box = tuple[float, float, float, float]
 
 
 class Room:
-    """What is on the paper already, as segments and boxes; grows as texts are placed."""
+    """The space that is used on the paper, as segments and boxes; each placed text is added."""
 
     def __init__(self, within: Box) -> None:
         self._within = within
@@ -26,22 +26,22 @@ class Room:
         self._faces: list[list[NDArray[np.float64]]] = []
 
     def add_strokes(self, strokes: Iterable[Stroke], origin: Point, scale: float) -> None:
-        """Lines of a view that texts keep off."""
+        """Add lines of a view, which texts must not cover."""
         for stroke in strokes:
             points = np.array(points_of(stroke)) * scale + np.array(origin)
             self.add_line(points)
 
     def add_line(self, points: NDArray[np.float64]) -> None:
-        """A polyline on paper, (n, 2)."""
+        """Add a polyline on paper, (n, 2)."""
         self._segments.append(np.concatenate([points[:-1], points[1:]], axis=1))
         self._together = None
 
     def add_face(self, loops: Iterable[tuple[Point, ...]], origin: Point, scale: float) -> None:
-        """A hatched face of a view."""
+        """Add a hatched face of a view."""
         self._faces.append([np.array(loop) * scale + np.array(origin) for loop in loops])
 
     def add_box(self, taken: Box) -> None:
-        """A text or table on paper."""
+        """Add a text or table on paper."""
         self._boxes.append(taken)
 
     def is_free(self, wanted: Box) -> bool:
@@ -58,9 +58,9 @@ class Room:
         return not _crossed(self._together, wanted)
 
     def place(self, at: Point, width: float, height: float, clear: float, beside: bool = False) -> Point:
-        """Middle of a text near ``at``, at least ``clear`` away from it; that place is taken from then on.
+        """Middle of a text near ``at``, at least ``clear`` away from it; its box is added to the used space.
 
-        ``beside``: wholly to the left or to the right of ``at``.
+        ``beside``: the whole text is to the left or to the right of ``at``.
         """
         best: Point | None = None
         for step in range(26):
@@ -81,7 +81,7 @@ class Room:
                     best = (x, y)
                     self.add_box(wanted)
                     return best
-        # A sheet this full is found by its test; the text still belongs somewhere.
+        # No free place: a test of the sheet finds the overlap, the text is drawn anyway.
         return at[0] + clear + width, at[1] + clear + height
 
 
@@ -101,7 +101,7 @@ def _crossed(segments: NDArray[np.float64], wanted: Box) -> bool:
 
 
 def _inside(point: Point, loops: list[NDArray[np.float64]]) -> bool:
-    """Whether a point lies in a face with holes: an odd number of edges to its right."""
+    """Whether a point lies in a face with holes, by an odd number of edges to its right."""
     odd = False
     for loop in loops:
         (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T

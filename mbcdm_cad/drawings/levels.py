@@ -1,4 +1,4 @@
-"""Positions of dimensions beside a view: on which level, and where along it their text stands."""
+"""Positions of dimensions beside a view: their level, and the position of their text along it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mbcdm_cad.drawings.style import ARROW_MM, GAP_MM
 
-# Room that an arrow from outside and its tail need.
+# Space for an arrow from outside with its tail.
 _OUTSIDE_MM = 2 * ARROW_MM
 _APART_MM = 1.5
 _LEVELS = 40
@@ -15,7 +15,7 @@ _LEVELS = 40
 
 @dataclass(frozen=True)
 class DimensionSpan:
-    """A dimension along one side of a view, paper mm: its two ends and how long its text is."""
+    """A dimension along one side of a view, paper mm: its two ends and the length of its text."""
 
     low: float
     high: float
@@ -23,7 +23,7 @@ class DimensionSpan:
 
     @property
     def arrows_outside(self) -> bool:
-        """Whether the arrows point inwards from outside, as between ends too close for both."""
+        """Whether the arrows point inwards from outside, because the ends are too close for both."""
         return self.high - self.low < 2 * ARROW_MM + GAP_MM + 0.2
 
     @property
@@ -42,7 +42,7 @@ class Place:
 
 
 def _candidates(span: DimensionSpan, ends: list[float]) -> list[tuple[float, float, float]]:
-    """(middle of the text, low end, high end) of what the dimension takes up, the best first."""
+    """(middle of the text, low end, high end) of the possible positions of a dimension, the best first."""
     out = _OUTSIDE_MM if span.arrows_outside else 0.0
     middle = (span.low + span.high) / 2
     if span.text_inside:
@@ -53,7 +53,7 @@ def _candidates(span: DimensionSpan, ends: list[float]) -> list[tuple[float, flo
         (span.high + beyond, span.low - out, span.high + tail),
         (span.low - beyond, span.low - tail, span.high + out),
     ]
-    # Past all extension lines of the other dimensions.
+    # Outside the extension lines of all other dimensions.
     top, bottom = max([span.high + out, *ends]) + _APART_MM, min([span.low - out, *ends]) - _APART_MM
     far = [
         (top + span.text_mm / 2, span.low - out, top + span.text_mm),
@@ -63,9 +63,9 @@ def _candidates(span: DimensionSpan, ends: list[float]) -> list[tuple[float, flo
 
 
 def placed(spans: Sequence[DimensionSpan], within: tuple[float, float]) -> list[Place]:
-    """A place for each span: shorter ones nearer the view, none over another, no text on an extension line.
+    """A place for each span: shorter ones nearer to the view, without overlap, no text on an extension line.
 
-    ``within``: the ends of the view on this side; texts stay between them where they can, off the next side's.
+    ``within``: the ends of the view on this side; texts stay between them if possible, clear of the adjacent sides.
     """
     order = sorted(range(len(spans)), key=lambda i: (spans[i].high - spans[i].low, spans[i].low, i))
     places: dict[int, Place] = {}
@@ -102,4 +102,4 @@ def _first_free(
                 text = (min(low, middle - half), max(high, middle + half))
                 taken[level].append((text[0], text[1] + (0.0 if span.text_inside else _APART_MM)))
                 return Place(level, middle, span.text_inside)
-    raise ValueError(f"{len(ends) // 2 + 1} dimensions on one side of a view: no room for them all")
+    raise ValueError(f"{len(ends) // 2 + 1} dimensions on one side of a view: no place for all of them")

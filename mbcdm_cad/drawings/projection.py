@@ -23,14 +23,14 @@ from OCP.TopoDS import TopoDS
 from mbcdm_cad.drawings.strokes import Point, Stroke, cleaned, fitted
 from mbcdm_cad.parts.sheets.description import Vector, View
 
-# Greatest distance of a polyline from the curve it stands for, mm on the part.
+# Largest distance of a polyline from the curve that it approximates, mm on the part.
 _DEFLECTION_MM = 0.005
 _HALF_SPACE_MM = 2000.0
 
 
 @dataclass(frozen=True)
 class Picture:
-    """What a view shows: strokes seen, strokes hidden, and the loops of cut material (outer first) face by face."""
+    """Content of a view: visible strokes, hidden strokes, and the loops of each cut face (outer loop first)."""
 
     visible: tuple[Stroke, ...]
     hidden: tuple[Stroke, ...]
@@ -38,7 +38,7 @@ class Picture:
 
 
 def picture(solid: cq.Shape, view: View) -> Picture:
-    """Project ``solid``; a section's faces come with it."""
+    """Project ``solid``; for a section with its cut faces."""
     shape = solid
     faces: tuple[tuple[tuple[Point, ...], ...], ...] = ()
     if view.cut is not None:
@@ -57,7 +57,7 @@ def picture(solid: cq.Shape, view: View) -> Picture:
 
 
 def _half_space(view: View, at: Vector) -> cq.Solid:
-    """All that lies between the section plane and the reader."""
+    """The half space between the section plane and the reader."""
     half = _HALF_SPACE_MM / 2
     corner = [a - half * r - half * u for a, r, u in zip(at, view.right, view.up, strict=True)]
     axes = gp_Ax2(gp_Pnt(*corner), gp_Dir(*view.toward), gp_Dir(*view.right))

@@ -1,6 +1,6 @@
-"""A DXF drawing as SVG and PDF: both are written from what the DXF library's front end draws of the document itself.
+"""A DXF drawing as SVG and PDF, both written from the paths that the DXF library's front end draws.
 
-All text is drawn as outlines, so that a sheet looks alike everywhere. Paths are in millimetres on paper.
+Text is drawn as outlines, so that a sheet looks the same on every machine. Paths are in millimetres on paper.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class DrawnPath:
 
 
 class Shapes(BackendInterface):
-    """Collects what the front end draws."""
+    """Collects the paths that the front end draws."""
 
     def __init__(self) -> None:
         self.shapes: list[DrawnPath] = []
@@ -47,7 +47,7 @@ class Shapes(BackendInterface):
             self.shapes.append(DrawnPath(weight, curves))
 
     def draw_point(self, pos: Any, properties: Any) -> None:
-        """Points mark definition points of dimensions and are not printed."""
+        """Not drawn: points are the definition points of dimensions."""
 
     def draw_line(self, start: Any, end: Any, properties: Any) -> None:
         self._stroke(properties, [("M", (start.x, start.y)), ("L", (end.x, end.y))])
@@ -70,25 +70,25 @@ class Shapes(BackendInterface):
             self.shapes.append(DrawnPath(0.0, [("M", corners[0]), *(("L", p) for p in corners[1:]), ("Z", ())]))
 
     def draw_image(self, image_data: Any, properties: Any) -> None:
-        raise NotImplementedError("drawings hold no images")
+        raise NotImplementedError("drawings contain no images")
 
     def configure(self, config: Any) -> None:
         """Nothing to configure."""
 
     def enter_entity(self, entity: Any, properties: Any) -> None:
-        """Entities are not told apart."""
+        """Entities are not distinguished."""
 
     def exit_entity(self, entity: Any) -> None:
-        """Entities are not told apart."""
+        """Entities are not distinguished."""
 
     def set_background(self, color: Any) -> None:
-        """The background is the paper."""
+        """Ignored: the background is the paper."""
 
     def clear(self) -> None:
         self.shapes.clear()
 
     def finalize(self) -> None:
-        """Nothing is left to do."""
+        """Nothing to do."""
 
 
 def _curves(path: Any) -> list[Curve]:
@@ -111,7 +111,7 @@ def _curves(path: Any) -> list[Curve]:
 
 
 def shapes_of(doc: Drawing) -> list[DrawnPath]:
-    """All that the drawing shows, in the order it is drawn."""
+    """All paths of the drawing, in the order in which they are drawn."""
     backend = Shapes()
     config = Configuration(
         background_policy=BackgroundPolicy.WHITE,
@@ -119,7 +119,7 @@ def shapes_of(doc: Drawing) -> list[DrawnPath]:
         line_policy=LinePolicy.ACCURATE,
         min_lineweight=_LIGHTEST_MM / 25.4 * 300,
     )
-    # Hatch lines are jiggled by the library's random numbers.
+    # The library shifts hatch lines by random numbers; a fixed seed gives the same file each time.
     state = random.getstate()
     random.seed(0)
     try:
@@ -135,7 +135,7 @@ def _number(value: float) -> str:
 
 
 def svg_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float) -> bytes:
-    """The sheet as SVG of its true size."""
+    """The sheet as SVG in its true size."""
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width_mm:g}mm" height="{height_mm:g}mm" '
         f'viewBox="0 0 {width_mm:g} {height_mm:g}">',
@@ -152,7 +152,7 @@ def svg_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float) -> byt
 
 
 def pdf_bytes(shapes: list[DrawnPath], width_mm: float, height_mm: float, title: str) -> bytes:
-    """The sheet as a PDF of one page in its true size; no times in it."""
+    """The sheet as a PDF of one page in its true size, without times."""
     operators = {"M": "m", "L": "l", "C": "c", "Z": "h"}
     lines = [f"{_POINTS_PER_MM:.9f} 0 0 {_POINTS_PER_MM:.9f} 0 0 cm", "1 J 1 j 0 G 0 g"]
     for shape in shapes:

@@ -1,4 +1,4 @@
-"""Lines, arcs and polylines in a plane, and their cleaning: doubles joined, hidden ones under visible ones removed."""
+"""Lines, arcs and polylines in a plane, and their cleaning: join duplicates, remove hidden ones under visible ones."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SHORT = 1e-3
 
 @dataclass(frozen=True)
 class LineStroke:
-    """Straight from ``start`` to ``end``."""
+    """A straight line from ``start`` to ``end``."""
 
     start: Point
     end: Point
@@ -23,7 +23,7 @@ class LineStroke:
 
 @dataclass(frozen=True)
 class ArcStroke:
-    """Anticlockwise about ``centre`` from ``start_deg`` to ``end_deg`` (end > start; 360 apart is a circle)."""
+    """An arc anticlockwise about ``centre`` from ``start_deg`` to ``end_deg`` (end > start; 360 apart is a circle)."""
 
     centre: Point
     radius: float
@@ -33,7 +33,7 @@ class ArcStroke:
 
 @dataclass(frozen=True)
 class PolyStroke:
-    """Through ``points``."""
+    """A polyline through ``points``."""
 
     points: tuple[Point, ...]
 
@@ -42,7 +42,7 @@ Stroke = LineStroke | ArcStroke | PolyStroke
 
 
 def points_of(stroke: Stroke) -> tuple[Point, ...]:
-    """Points on the stroke close enough together for its box and for tests of overlap."""
+    """Points on the stroke, close enough together for its box and for tests of overlap."""
     if isinstance(stroke, LineStroke):
         return (stroke.start, stroke.end)
     if isinstance(stroke, PolyStroke):
@@ -53,7 +53,7 @@ def points_of(stroke: Stroke) -> tuple[Point, ...]:
 
 
 def on_circle(centre: Point, radius: float, deg: float) -> Point:
-    """Point of a circle at an angle from the paper's right."""
+    """Point of a circle at an angle from the right."""
     return centre[0] + radius * cos(radians(deg)), centre[1] + radius * sin(radians(deg))
 
 
@@ -135,7 +135,7 @@ Key = tuple[int, ...]
 
 
 def _carrier(stroke: LineStroke) -> tuple[Key, Interval]:
-    """The infinite line a stroke lies on (direction, offset), and the stroke's interval along it."""
+    """The infinite line of a stroke (direction, offset), and the interval of the stroke along it."""
     (ax, ay), (bx, by) = stroke.start, stroke.end
     length = hypot(bx - ax, by - ay)
     ux, uy = (bx - ax) / length, (by - ay) / length
@@ -147,7 +147,7 @@ def _carrier(stroke: LineStroke) -> tuple[Key, Interval]:
 
 
 def cleaned(visible: Iterable[Stroke], hidden: Iterable[Stroke]) -> tuple[list[Stroke], list[Stroke]]:
-    """Strokes with doubles joined, in a fixed order; of the hidden ones only what no visible one covers."""
+    """Strokes with duplicates joined, in a fixed order; hidden ones only where no visible one covers them."""
     lines: tuple[dict[Key, list[Interval]], ...] = (defaultdict(list), defaultdict(list))
     arcs: tuple[dict[Key, list[Interval]], ...] = (defaultdict(list), defaultdict(list))
     exact: dict[Key, tuple[Point, float]] = {}

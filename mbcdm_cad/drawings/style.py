@@ -1,6 +1,6 @@
-"""How drawings look: sizes on paper (mm), layers, and the one font that measures and draws all text.
+"""Style of drawings: sizes on paper (mm), layers, and the font that measures and draws all text.
 
-The font is DejaVu Sans as it comes with matplotlib, so that every machine sets the same text.
+The font is DejaVu Sans from matplotlib, so that the text is the same on every machine.
 """
 
 from __future__ import annotations
@@ -53,13 +53,13 @@ def _font(height_mm: float) -> Any:
 
 @cache
 def use_own_font() -> None:
-    """Let the DXF library know this font and no other, whatever the machine has."""
+    """Make the DXF library use only this font, whatever fonts the machine has."""
     fonts.font_manager.clear()
     fonts.font_manager.build([str(Path(matplotlib.get_data_path()) / "fonts" / "ttf")], support_dirs=False)
 
 
 def plain(text: str) -> str:
-    """The text as it is read: DXF's codes for diameter, degree and plus-minus replaced by their signs."""
+    """The text with DXF's codes for diameter, degree and plus-minus replaced by their signs."""
     for code, sign in (("%%c", "Ø"), ("%%d", "°"), ("%%p", "±")):
         text = text.replace(code, sign)
     return text

@@ -20,7 +20,7 @@ GENERAL_TOLERANCE = "ISO 2768-mK"
 
 @dataclass(frozen=True)
 class TitleFields:
-    """What the title block says."""
+    """Content of the title block."""
 
     title: str
     part: str
@@ -83,7 +83,7 @@ def draw_title_block(doc: Drawing, fields: TitleFields, width: float) -> None:
 
 
 def _projection_symbol(paper: Modelspace, x: float, y: float) -> None:
-    """First angle (ISO 5456-2): the cone from the side at the left, its view from the left at the right."""
+    """Symbol of first angle projection (ISO 5456-2): side view of the cone, and to the right its view from the left."""
     attributes = {"layer": "TITLE"}
     small, large, length = 1.1, 2.2, 5.0
     corners = [(x, y - small), (x + length, y - large), (x + length, y + large), (x, y + small)]
@@ -102,7 +102,7 @@ def _put(paper: Modelspace | BlockLayout, text: str, at: tuple[float, float], he
 
 
 def fits_table(fits: tuple[FitLine, ...]) -> Table | None:
-    """Limits of every toleranced size, each once."""
+    """Table of the limits of all toleranced sizes, each once."""
     if not fits:
         return None
     rows: dict[tuple[float, str], list[str]] = {}
@@ -127,7 +127,7 @@ def fits_table(fits: tuple[FitLine, ...]) -> Table | None:
 
 
 def tables_size_mm(tables: tuple[Table, ...]) -> tuple[float, float]:
-    """Width and height of all tables one above the other."""
+    """Width and height of all tables in one column."""
     width, height = 0.0, 0.0
     for table in tables:
         widths, tall = table_size_mm(table.columns, table.rows)
@@ -137,7 +137,7 @@ def tables_size_mm(tables: tuple[Table, ...]) -> tuple[float, float]:
 
 
 def draw_tables(doc: Drawing, tables: tuple[Table, ...], right: float, top: float) -> None:
-    """Tables down the right edge; each is a block whose texts stand in rows and columns."""
+    """Tables along the right edge; each is a block with its texts in rows and columns."""
     y = top
     for table in tables:
         widths, tall = table_size_mm(table.columns, table.rows)
@@ -170,7 +170,7 @@ def _table(block: BlockLayout, table: Table, widths: list[float]) -> None:
 
 
 def wrapped(notes: tuple[str, ...], width_mm: float) -> list[str]:
-    """Notes broken into lines that fit ``width_mm``, numbered."""
+    """Numbered notes, broken into lines of at most ``width_mm``."""
     lines: list[str] = []
     for n, note in enumerate(notes, 1):
         line = f"{n}."
@@ -185,7 +185,7 @@ def wrapped(notes: tuple[str, ...], width_mm: float) -> list[str]:
 
 
 def notes_height_mm(lines: list[str]) -> float:
-    """Height of the notes with their head."""
+    """Height of the notes with their heading."""
     return (len(lines) + 1) * 4.0 + 2.0 if lines else 0.0
 
 

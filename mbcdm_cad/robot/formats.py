@@ -17,12 +17,12 @@ from mbcdm_cad.robot.mechanism import MM, Link, Mechanism
 
 FORMATS = ("urdf", "mjcf")
 BASE_LINK = "base"
-# URDF asks for a speed limit; the catalogue holds none for the motors, so this is a round figure well above use.
+# URDF needs a speed limit, but the catalogue has none for the motors: a round value well above the usual speeds.
 DRUM_SPEED_RAD_S = 10.0
-# The ratio is held as a stiff constraint: default settings let it drift by 58 mrad at 20 mN m, these by 6 urad.
+# Settings that make the ratio a stiff constraint: at 20 mN m it drifts by 6 urad, with default settings by 58 mrad.
 _STIFF = {"solref": "0.001 1", "solimp": "0.9999 0.9999 0.001"}
 _TIMESTEP_S = 0.0005
-# Cables as springs: their modes lie near a kilohertz, so steps are shorter; damping is a choice, 2 % of critical.
+# Cables as springs: their modes are near 1 kHz, so that the time step is shorter; damping is a choice, 2 % of critical.
 _ELASTIC_TIMESTEP_S = 0.00005
 _DAMPING_RATIO = 0.02
 
@@ -30,7 +30,7 @@ _DAMPING_RATIO = 0.02
 def robot_files(mechanism: Mechanism, form: str, elastic: bool = False) -> dict[str, bytes]:
     """All files by their path in the output folder: the description and ``meshes/<link>.stl``.
 
-    ``elastic`` (MJCF only) lets the cables be springs between inputs and drum instead of a rigid ratio.
+    ``elastic`` (MJCF only): the cables are springs between inputs and drum instead of a rigid ratio.
     Raises ``ValueError`` for an unknown ``form`` or an elastic URDF.
     """
     if form not in FORMATS or (elastic and form != "mjcf"):
@@ -149,7 +149,7 @@ def _mjcf_body(body: ET.Element, link: Link) -> None:
     t = _triangle(link.inertia)
     full = (t["ixx"], t["iyy"], t["izz"], t["ixy"], t["ixz"], t["iyz"])
     ET.SubElement(body, "inertial", pos=_numbers(link.cog), mass=_numbers([link.mass]), fullinertia=_numbers(full))
-    # For the eye only: the parts of a drive touch each other where they are meant to.
+    # Only shown, without collisions: the parts of a drive touch each other as intended.
     ET.SubElement(
         body,
         "geom",
@@ -164,7 +164,7 @@ def _mjcf_body(body: ET.Element, link: Link) -> None:
 
 
 def _tendons(root: ET.Element, m: Mechanism) -> None:
-    """Each cable as a spring whose rest length lies below nought by its preload; with nothing moved it pulls that."""
+    """Each cable as a spring with a negative rest length, so that its tension at zero angles is the preload."""
     total = sum(cable.stiffness_N_m * cable.drum_lever**2 for cable in m.cables)
     drum = m.link(m.drum)
     axis = np.array(next(joint.axis for joint in m.joints if joint.link == m.drum))

@@ -1,4 +1,4 @@
-"""Links, joints and cables of a design in SI, from its bill and its model: what both robot formats are written from."""
+"""Links, joints and cables of a design in SI, from its bill and its model; both robot formats are written from them."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ MM = 1e-3
 G = 1e-3
 G_MM2 = 1e-9
 G_CM2 = 1e-7
-# More than any known reader of meshes refuses (MuJoCo).
+# A mesh with this many faces or more is refused, as MuJoCo does.
 LARGEST_FACES = 200_000
 
 
 @dataclass(frozen=True)
 class Link:
-    """One body. Lengths in m, kg, kg m^2, in the link's frame: on the joint's axis, directions of the mechanism.
+    """One body in m, kg, kg m^2, in its own frame: origin on the joint's axis, directions of the mechanism's frame.
 
-    ``inertia`` is the tensor about the centre of gravity. ``origin`` is the frame's place in the mechanism's frame.
+    ``inertia`` is the tensor about the centre of gravity. ``origin`` is the origin of its frame in the mechanism's.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """How a link turns on the base: about ``axis`` by ``ratio`` times the drum; ``armature``: inertia of its rotor."""
+    """Joint of a link on the base: turns about ``axis`` by ``ratio`` times the drum; ``armature``: rotor inertia."""
 
     link: str
     axis: Vector
@@ -69,7 +69,7 @@ class CableSpring:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """The whole drive. ``base`` stands still and carries the cables' mass; ``drum`` is the joint that leads."""
+    """The whole drive. ``base`` is fixed and includes the mass of the cables; ``drum`` is the joint that leads."""
 
     name: str
     base: Link
@@ -80,12 +80,12 @@ class Mechanism:
     peak_torque_Nm: float
 
     def link(self, name: str) -> Link:
-        """The moving link called ``name``."""
+        """The moving link with this name."""
         return next(link for link in self.links if link.name == name)
 
 
 def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
-    """The drive as links and joints; ``parts`` by name. Raises ``MbcdmError`` where a body has too fine a mesh."""
+    """The drive as links and joints; ``parts`` by name. Raises ``MbcdmError`` if the mesh of a body is too fine."""
     kind = configuration(drive.configuration)
     dims = kind.layout(drive)
     centred = kind.bill(dims)
@@ -109,7 +109,7 @@ def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
 def _link(
     body: MovingGroup, shown: list[Item], parts: Mapping[str, PartFiles], drive: Drive, extra: Sequence[Item] = ()
 ) -> Link:
-    """``extra`` adds its mass but is not drawn."""
+    """A link of the body; items of ``extra`` add their mass but are not drawn."""
     whole = combined(item_mass(item, parts[item.part].shape) for item in [*shown, *extra])
     origin = np.array(body.point_mm)
     heaviest = max(shown, key=lambda item: item_mass(item, parts[item.part].shape).mass_g)
@@ -156,7 +156,7 @@ def _cables(drive: Drive, inputs: Sequence[MovingGroup]) -> tuple[CableSpring, .
 
 
 def _joined(pieces: list[tuple[Item, TriangleMesh]]) -> TriangleMesh:
-    """One mesh of many, each at its place."""
+    """One mesh of several, each at its placement."""
     points, normals, triangles, count = [], [], [], 0
     for item, mesh in pieces:
         points.append(item.location.apply(mesh.points_mm))
