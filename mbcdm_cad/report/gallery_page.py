@@ -40,13 +40,13 @@ _COLUMNS = (
 )
 _HEAD = """# Gallery
 
-Drives made from short files in `params/gallery/`: a file states what the drive must do and what it holds fixed, and
-every other value follows by a rule (`mbcdm explain`). All of them pass every check. `make gallery` draws the pictures
-and writes this page; `mbcdm page params/gallery/wrist.yaml` makes the page with the wrist in 3D. How far such files
-reach is measured in [how far a short file reaches](reach.md).
+Drives from short files in `params/gallery/`: a file states the requirements and the fixed values, and sizing rules
+compute all others (`mbcdm explain`). All drives pass every check. `make gallery` draws the pictures and writes this
+page; `mbcdm page params/gallery/wrist.yaml` writes the page with the wrist in 3D. A study shows
+[which short files give a drive](reach.md).
 
-Torque is the lesser of both ways, gearhead lossless; the swing is that at a reversal of the test torque; the lowest
-mode is with the inputs held.
+Torque: in the weaker direction, with a lossless gearhead. Swing: at a reversal of the test torque. Lowest mode: with
+the inputs held.
 """
 # The end of a file's first line that is the same in all files.
 _HINT = re.compile(r"\.\s+(Everything else|mbcdm explain).*")
