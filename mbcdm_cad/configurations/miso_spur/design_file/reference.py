@@ -23,11 +23,11 @@ CABLES = sides(item["name"] for item in INPUTS)
 
 SHARED = OF_ONE_INPUT | {
     "name": Given("miso_spur"),
-    "support.plate_mm": Given(6.5, "the far yoke stands a sector further from it than siso_spur's"),
+    "support.plate_mm": Given(6.5, "the second yoke is one sector further from it than that of siso_spur"),
     "support.bridge_mm": Given(7.0, "as the plate"),
-    "loads.test_torque_Nm": Given(1.24, "the share of peak torque that miso_bevel's has, 0.29"),
-    "loads.peak_torque_Nm": Given(4.3, "two motors through their gearheads hold 4.36"),
-    "limits.frame_windup_max_mrad": Given(0.03, "a choice: a seventh of the cables' own turn there"),
+    "loads.test_torque_Nm": Given(1.24, "0.29 of the peak torque, as in miso_bevel"),
+    "loads.peak_torque_Nm": Given(4.3, "two motors with gearheads: 4.36"),
+    "limits.frame_windup_max_mrad": Given(0.03, "a choice: a seventh of the windup of the cables"),
     "targets.mass_g": Given(395.0, "as drawn"),
     "targets.envelope_mm": Given([124.0, 172.8, 107.1], "as drawn"),
 }

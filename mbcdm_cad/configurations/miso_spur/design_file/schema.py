@@ -13,7 +13,7 @@ from mbcdm_cad.design.fields import choice
 class RoundDrumSide(SpurSide):
     """One side of a cable, from its input to the drum."""
 
-    drum_side: Literal["-x", "+x"] = choice("where it runs on the drum, seen with its input above the drum")
+    drum_side: Literal["-x", "+x"] = choice("side of the drum, seen with its input above the drum")
 
 
 class RoundDrumDesign(SpurBlocks):
@@ -30,7 +30,7 @@ class RoundDrumDesign(SpurBlocks):
         max_length=8,
     )
     cables: tuple[RoundDrumSide, ...] = choice(
-        "the two sides of each input's cable, or its two anchored ones; preload_N may be given for each",
+        "the two sides of each input's cable, or its two anchored cables; each may have a preload_N",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,

@@ -8,7 +8,7 @@ from __future__ import annotations
 from mbcdm_cad.design.design_file import Given
 
 ESTIMATE = "estimate"
-CHOSEN = "held by limits.frame_windup_max_mrad"
+CHOSEN = "for limits.frame_windup_max_mrad"
 LIKE_D = "as the reference of miso_bevel"
 
 INPUTS = [{"name": "main"}]
@@ -38,10 +38,10 @@ SHARED = {
     "drum.material": Given("aluminium-7075", ESTIMATE),
     "drum.sector_half_angle_deg": Given(82.5, "terminals clear the input at the ends of the travel"),
     "drum.rim_inner_radius_mm": Given(51.0, ESTIMATE),
-    "drum.outer_face_y_mm": Given(15.7, "nuts of the terminals stay behind it"),
+    "drum.outer_face_y_mm": Given(15.7, "behind it are the nuts of the terminals"),
     "drum.web_thickness_mm": Given(2.0, ESTIMATE),
     "drum.hub_diameter_mm": Given(20.0, ESTIMATE),
-    "drum.hub_face_y_mm": Given(24.7, "set screws and payload threads before the web"),
+    "drum.hub_face_y_mm": Given(24.7, "space for set screws and payload threads before the web"),
     "drum.bearing": Given("618/8", ESTIMATE),
     "drum.shaft_bore_mm": Given(4.0, ESTIMATE),
     "drum.shaft_material": Given("steel", ESTIMATE),
@@ -49,12 +49,12 @@ SHARED = {
     "input_pulleys.material": Given("steel", ESTIMATE),
     "input_pulleys.lower_bearing": Given("618/5", ESTIMATE),
     "input_pulleys.upper_bearing": Given("618/4", ESTIMATE),
-    "loads.test_torque_Nm": Given(0.28, "the share of peak torque that miso_bevel's has, 0.29"),
-    "loads.peak_torque_Nm": Given(0.98, "the motor through its gearhead holds 0.992"),
+    "loads.test_torque_Nm": Given(0.28, "0.29 of the peak torque, as in miso_bevel"),
+    "loads.peak_torque_Nm": Given(0.98, "motor with gearhead: 0.992"),
     "limits.bend_ratio_min": Given(28.0, "the rope's own minimum"),
     "limits.tension_safety_factor": Given(5.0, "rope makers: 5 to 10"),
     "limits.preload_share_max": Given(0.5, "rope makers: under half"),
-    "limits.frame_windup_max_mrad": Given(0.0095, "a choice: under the cables' own turn there, 0.012 to 0.045 mrad"),
+    "limits.frame_windup_max_mrad": Given(0.0095, "a choice: below the windup of the cables, 0.012 to 0.045 mrad"),
     "making.rope_diameter_share": Given(0.03, LIKE_D),
     "making.run_out_mm": Given(0.02, LIKE_D),
     "making.bearing_play_mm": Given(0.008, LIKE_D),

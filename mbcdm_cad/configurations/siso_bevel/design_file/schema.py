@@ -17,7 +17,7 @@ class DirectTransmission(Block):
     """Pitch radii (to the cable's centre line) of steps 1 and 2, and the wrap that stays on the input."""
 
     drum_radius_mm: Number | None = quantity(
-        "drum pitch radius of step 1; sizing adds step 2 where drum_radii_mm is left out",
+        "drum pitch radius of step 1; sizing adds step 2 if drum_radii_mm is left out",
         unit="mm",
         source="the paper's Table 2",
         default=None,
@@ -34,9 +34,9 @@ class DirectTransmission(Block):
         max_length=2,
     )
     input_to_drum: Number | None = quantity(
-        "drum radius over input radius, the same for both steps; leave out when the input radii are explicit",
+        "drum radius over input radius, the same for both steps; leave it out if the input radii are explicit",
         unit="-",
-        source="the most that travel, reserve and the stop's slot leave on one turn of the input",
+        source="highest ratio with which travel, reserve and stop slot fit on one turn of the input",
         reference=4.5,
         default=None,
         ge=0.5,
@@ -117,8 +117,8 @@ class DirectCable(Cable):
 
     ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N")
 
-    step: Integer = choice("step of input and drum it runs on, 1 the smaller", ge=1, le=2)
-    drum_side: Literal["-x", "+x"] = choice("side to which it runs on the drum from the transfer point")
+    step: Integer = choice("step of input and drum, 1 the smaller", ge=1, le=2)
+    drum_side: Literal["-x", "+x"] = choice("side of the drum, from the transfer point")
 
 
 class DirectDesign(Design):
@@ -157,7 +157,7 @@ class DirectDesign(Design):
         "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
     )
     cables: tuple[DirectCable, ...] = choice(
-        "cables: the step each runs on and which way round the drum; preload_N may be given for each",
+        "cables, each with its step and its side of the drum; each may have a preload_N",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,

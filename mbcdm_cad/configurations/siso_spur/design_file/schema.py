@@ -24,9 +24,9 @@ class SpurTransmission(Block):
         reference=59.4,
     )
     input_to_drum: Number | None = quantity(
-        "drum radius over input radius; leave out when the input radius is explicit",
+        "drum radius over input radius; leave it out if the input radius is explicit",
         unit="-",
-        source="the smallest bend of miso_bevel's reference, 6 mm",
+        source="input radius 6 mm, the smallest of miso_bevel's reference",
         reference=9.9,
         default=None,
         ge=0.5,
@@ -43,21 +43,21 @@ class SpurTransmission(Block):
         "drum axis to input axis",
         unit="mm",
         uncertain=True,
-        source="estimate: room between rim and pulley to lead the cable in",
+        source="estimate: space between rim and pulley to insert the cable",
         reference=70.0,
     )
     cables: Literal["continuous", "two_anchored"] = choice(
-        "continuous: one cable for both senses, held on the input by friction; two_anchored: one for each, its stop in "
-        "the input",
+        "continuous: one cable for both senses, held on the input by friction; two_anchored: one for each sense, with "
+        "a stop in the input",
         source="Fig. 1",
         reference="continuous",
         default="continuous",
     )
     turns: Integer = quantity(
-        "how often the cable comes round the input to the line of centres; of two anchored ones, how often each does "
-        "where the travel winds it up",
+        "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "
+        "travel that winds each up",
         unit="-",
-        source="some of the cable stays on the input all over the travel",
+        source="a part of the cable stays on the input over the whole travel",
         reference=3,
         ge=1,
         le=40,
@@ -80,7 +80,7 @@ class SpurRope(Rope):
     )
 
     helix_lead_mm: Number = quantity(
-        "axial advance per turn on the input, above the rope's diameter",
+        "axial lead of the turns on the input; larger than the rope's diameter",
         unit="mm",
         source="rope makers' tables for grooves, rounded up",
         reference=0.9,
@@ -111,7 +111,7 @@ class SpurPulleys(SteppedPulleys):
 
     surface: Literal["smooth", "grooved"] = choice(
         "a smooth land, or a helical groove that leads each cable",
-        source="drives that people build: a helical pattern",
+        source="usual in built capstan drives",
         reference="grooved",
         default="grooved",
     )
@@ -124,7 +124,7 @@ class YokeSupport(Block):
     back_y_mm: Number = quantity(
         "end of the drum's encoder behind the frame",
         unit="mm",
-        source="the drum's bearings stand apart",
+        source="distance between the drum's bearings",
         reference=-25.5,
         ge=-300.0,
         le=-1.0,
@@ -197,7 +197,7 @@ class SpurSide(Cable):
 
     ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "drum_side", "preload_N")
 
-    drum_side: Literal["-x", "+x"] = choice("where it runs on the drum from the line of centres")
+    drum_side: Literal["-x", "+x"] = choice("side of the drum, from the line of centres")
 
 
 class SpurBlocks(Design):
@@ -248,8 +248,8 @@ class SpurDesign(SpurBlocks):
         "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
     )
     cables: tuple[SpurSide, ...] = choice(
-        "the two sides of the one cable, or two anchored ones, which way round the drum each runs; preload_N may be "
-        "given for each",
+        "the two sides of the cable, or two anchored cables, and the side of the drum of each; each may have a "
+        "preload_N",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,

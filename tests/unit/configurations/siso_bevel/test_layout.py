@@ -42,7 +42,7 @@ def with_ratio(drive: DirectDrive, ratio: float) -> DirectDrive:
 
 def test_params_file_is_what_the_schema_writes() -> None:
     """After a change of schema or reference:
-    ``rm params/siso_bevel.yaml && mbcdm init params/siso_bevel.yaml --configuration siso_bevel``."""
+    ``rm params/siso_bevel.yaml && mbcdm init params/siso_bevel.yaml --reference --configuration siso_bevel``."""
     assert (ROOT / "params/siso_bevel.yaml").read_text("utf-8") == new_design_text("siso_bevel", "siso_bevel")
 
 

@@ -32,7 +32,7 @@ ROOT = Path(__file__).parents[4]
 
 def test_params_file_is_what_the_schema_writes() -> None:
     """After a change of schema or reference:
-    ``rm params/siso_spur.yaml && mbcdm init params/siso_spur.yaml --configuration siso_spur``."""
+    ``rm params/siso_spur.yaml && mbcdm init params/siso_spur.yaml --reference --configuration siso_spur``."""
     assert (ROOT / "params/siso_spur.yaml").read_text("utf-8") == new_design_text("siso_spur", "siso_spur")
 
 
