@@ -39,6 +39,8 @@ ORDERS = (20.0, 200.0)
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.
 MOST_RIVALS = 4
 ANY_SIZE = 1e3
+# An effect that would have to be so many times its typical size, or beyond its bound, is never seen in the run.
+NEVER = 1e4
 
 
 @dataclass(frozen=True)
@@ -120,6 +122,10 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
             foreseen.append(Foreseen(label, effect.parameters[0].name, None, ()))
             continue
         size = strength * noise.total_rad / unit
+        parameter = next(p for p in effect.parameters if p.role == "size")
+        if size > min(parameter.high, NEVER * parameter.size):
+            foreseen.append(Foreseen(label, parameter.name, None, ()))
+            continue
         rivals = []
         for other in tried:
             if other[0].key == effect.key or least[id(other)][1] <= 0.0:

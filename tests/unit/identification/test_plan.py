@@ -69,3 +69,11 @@ def test_without_torque_what_hangs_on_load_is_not_offered() -> None:
     plan = plan_of(DRIVE, replace(bench(), load_Nm=None))
     assert not [one.label for one in plan.effects if one.label.startswith(("stiffness", "preload", "winding"))]
     assert "named from (power 0.9)" in plan.text() and plan.to_json()["power"] == 0.9
+
+
+def test_a_size_that_no_part_can_have_is_not_promised() -> None:
+    run = replace(bench(), load_Nm=None)
+    loud = replace(plan_of(DRIVE, run).noise, total_rad=1e3)
+    plan = plan_of(DRIVE, run, loud)
+    assert {one.smallest for one in plan.effects} == {None}, plan.text()
+    assert "this run cannot show it" in plan.text()
