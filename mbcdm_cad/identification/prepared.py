@@ -21,7 +21,7 @@ from scipy.ndimage import uniform_filter1d
 from mbcdm_cad.identification.holdout import held_sweeps, held_words
 from mbcdm_cad.identification.stretches import Cut, search_cut, whole_cut
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed
+from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
 
 # Longest window of the load's smoothing, s; the window in use follows from the data.
@@ -281,7 +281,7 @@ def counting_errors(run: Run) -> Floats:
     step = input_step_rad(run)
     if step == 0.0:
         return np.zeros_like(run.input_rad)
-    angle = smoothed(run.input_rad, COUNTING_WINDOW_S, run.step_s)
+    angle = smoothed_at(run.input_rad, run.time_s, COUNTING_WINDOW_S, run.step_s)
     zero = run.input_rad[:, :1]
     return np.asarray(zero + step * np.round((angle - zero) / step) - angle)
 
@@ -340,10 +340,10 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     residual is computed (see ``holdout``): the same ones in both.
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
-    shaft = smoothed(run.input_rad, COMMON_WINDOW_S, step)
+    shaft = smoothed_at(run.input_rad, time, COMMON_WINDOW_S, step)
     speed_s = speed_window_s(run, ratio)
     quiet = smoothed(run.input_rad.mean(axis=0) / ratio, speed_s, step)
-    speed = smoothed(np.gradient(quiet, time), speed_s, step)
+    speed = smoothed(np.gradient(quiet, smoothed(time, speed_s, step)), speed_s, step)
     apart, apart_s = slow_difference(run)
     load, load_s = (None, 0.0) if run.load_Nm is None else quiet_load(run)
     windows = Windows(apart_s, load_s, speed_s)

@@ -55,3 +55,13 @@ def smoothed(values: Floats, window_s: float, step_s: float) -> Floats:
         return values
     once = uniform_filter1d(values, width, axis=-1, mode="nearest")
     return np.asarray(uniform_filter1d(once, width, axis=-1, mode="nearest"))
+
+
+def smoothed_at(values: Floats, time_s: Floats, window_s: float, step_s: float) -> Floats:
+    """As ``smoothed``, for a moving signal whose samples are not evenly spaced in time.
+
+    A mean belongs to the mean time of its samples. Where a logger jitters, loses samples or ends, that is not the time
+    of the middle sample; the slope takes the mean there.
+    """
+    mean, at = smoothed(values, window_s, step_s), smoothed(time_s, window_s, step_s)
+    return np.asarray(mean + np.gradient(mean, at, axis=-1) * (time_s - at))

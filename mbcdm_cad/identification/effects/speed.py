@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from mbcdm_cad.identification.effect import Effect, Parameter, sign_of_speed
 from mbcdm_cad.identification.prepared import Prepared
@@ -27,7 +28,9 @@ def _hysteresis(setup: Setup, values: Floats, _: Simulator) -> Setup:
 
 def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
     t, drum = setup.p.time_s, setup.drum_rad
-    return setup.with_added(np.interp(t - values[0], t, drum) - drum)
+    # A chord between two samples would cut the corners of the motion by more than the noise of a good encoder.
+    curve = CubicHermiteSpline(t, drum, np.gradient(drum, t))
+    return setup.with_added(curve(t - values[0]) - drum)
 
 
 def _viscous(setup: Setup, values: Floats, _: Simulator) -> Setup:
