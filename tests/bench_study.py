@@ -1,10 +1,12 @@
 """How often the loop is right on benches as they are: noisier than declared, servos unlike, loggers that jitter.
 
-    python tests/bench_study.py --only null --seeds 3 --jobs 2 --store out/bench-study.jsonl
-    python tests/bench_study.py --table docs/loop-benches.md --store out/bench-study.jsonl --judged-only
+    python tests/bench_study.py --runs 700 --first-seed 7000 --store out/bench-study.jsonl
+    python tests/bench_study.py --only null --runs 20 --first-seed 3000
+    python tests/bench_study.py --runs 0 --store out/bench-study.jsonl --table docs/loop-benches.md
 
-Runs are made by tests/support/bench_real.py. A run counts as large enough when what its effects change at the output is
-at least ``--least`` of the bench's true noise (RMS), which is worked out from the truth before the loop sees the run.
+Runs are made by tests/support/bench_real.py. Which of them count is worked out from the truth by
+tests/support/bench_separable.py. The groups take turns in the proportion of the study that is aimed at, so that a study
+that was stopped is a smaller study of the same kind; runs that the store holds are not made again.
 """
 
 from __future__ import annotations
@@ -15,138 +17,164 @@ import multiprocessing
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from itertools import cycle, islice
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
-from bench_data import write_run  # noqa: E402
-from bench_real import REAL_CASES, gain_rad, simulate_real  # noqa: E402
+from bench_data import Simulated, write_run  # noqa: E402
+from bench_page import page, summary  # noqa: E402
+from bench_real import DECLARED_FLOOR_RAD, REAL_CASES, simulate_real, truth_of  # noqa: E402
 from bench_score import label, outcome_of, said_of, values_of  # noqa: E402
-from scipy.stats import beta  # noqa: E402
+from bench_separable import separability  # noqa: E402
 
 from mbcdm_cad.configurations.loader import load_design  # noqa: E402
+from mbcdm_cad.design.drive import Drive  # noqa: E402
+from mbcdm_cad.measurement.run import Run  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
+# 200 effect-free runs, 300 with one effect, 150 with two, 50 with three, and 50 with a cause that has no name.
+TURN = ("null", "single", "pair", "single", "null", "single", "three", "single", "null", "pair", "single", "outside")
+TURN += ("null", "single", "pair")
+GROUP_OF = {"texture": "null", "fair": "single"}
 
 
 def judge(task: tuple[str, int]) -> dict[str, Any]:
     """Make the run, give it to the loop, compare."""
     from mbcdm_cad.identification.engine import close_loop
-    from mbcdm_cad.measurement.reading import load_measurement
 
     case, seed = task
     drive = load_design(DESIGN).drive
-    run, traits = simulate_real(drive, case, seed)
+    truth = truth_of(drive, case, seed)
+    known = [effect for effect in truth.effects if effect.in_vocabulary]
     row: dict[str, Any] = {
         "case": case,
         "seed": seed,
         "group": REAL_CASES[case].group,
-        "load": run.plan.load,
-        "rate_hz": traits.rate_hz,
-        "true": " + ".join(label(effect) for effect in run.effects) or "none",
-        "true_floor": traits.floor_rad,
-        "gain": gain_rad(drive, case, seed) if run.effects else 0.0,
-        "samples": int(run.bench.time_s.size),
+        "load": truth.plan.load,
+        "wave": truth.plan.wave,
+        "half_travel_rad": truth.plan.amplitude_rad,
+        "rate_hz": truth.traits.rate_hz,
+        "gaps": truth.traits.gaps,
+        "noise": truth.traits.floor_rad / DECLARED_FLOOR_RAD,
+        "true": " + ".join(label(effect) for effect in truth.effects) or "none",
+        "true_floor": truth.traits.floor_rad,
     }
-    with tempfile.TemporaryDirectory() as name:
-        write_run(Path(name), "run", run, drive.input_names)
-        measured = load_measurement(Path(name) / "run.yaml")
+    if known and len(known) == len(truth.effects):
+        told = separability(truth, drive.input_names)
+        row |= {"gain": told.gain_rad, "large": told.large, "separable": told.separable}
+        row |= {"rival": told.rival, "confusion": told.confusion}
+    measured = _written(drive, simulate_real(drive, case, seed))
     start = time.perf_counter()
     try:
         result = close_loop(drive, [measured]).to_json()
     except Exception as fault:  # a study of hundreds of runs goes on and reports the fault
         return row | {"outcome": "error", "said": f"{type(fault).__name__}: {fault}", "seconds": 0.0}
-    error = result["error"]
+    seconds = time.perf_counter() - start
+    error = {key: _plain(result["error"][key]) for key in ("before_rad", "after_rad", "floor_rad")}
     return row | {
-        "outcome": outcome_of(result, run.effects),
+        "outcome": outcome_of(result, truth.effects),
         "said": said_of(result),
         "verdict": result["verdict"],
         "before": error["before_rad"],
         "after": error["after_rad"],
         "floor": error["floor_rad"],
-        "values": values_of(result, run.effects),
-        "seconds": time.perf_counter() - start,
+        "knowing": _knowing(drive, case, seed) if known else None,
+        "values": values_of(result, truth.effects),
+        "seconds": seconds,
     }
 
 
-def interval(right: int, of: int) -> tuple[float, float]:
-    """95 % interval of a share (Clopper and Pearson)."""
-    low = float(beta.ppf(0.025, right, of - right + 1)) if right else 0.0
-    high = float(beta.ppf(0.975, right + 1, of - right)) if right < of else 1.0
-    return low, high
+def _plain(figure: Any) -> float:
+    return float(figure["value"] if isinstance(figure, dict) else figure)
 
 
-def summary(rows: list[dict[str, Any]], least: float) -> str:
-    """Shares by group, as Markdown."""
+def _written(drive: Drive, run: Simulated) -> Run:
+    """A run by way of its files, as the loop gets it."""
+    from mbcdm_cad.measurement.reading import load_measurement
 
-    def of(group: tuple[str, ...], large: bool | None = None) -> list[dict[str, Any]]:
-        chosen = [r for r in rows if r["group"] in group]
-        return [r for r in chosen if large is None or (r["gain"] >= least * r["true_floor"]) == large]
+    with tempfile.TemporaryDirectory() as name:
+        write_run(Path(name), "run", run, drive.input_names)
+        return load_measurement(Path(name) / "run.yaml")
 
-    lines = ["| what | aim | right | of | share | 95 % |", "| --- | --- | --- | --- | --- | --- |"]
 
-    def line(what: str, aim: str, chosen: list[dict[str, Any]], good: tuple[str, ...]) -> None:
-        right = sum(r["outcome"] in good for r in chosen)
-        if chosen:
-            low, high = interval(right, len(chosen))
-            share = f"{right / len(chosen):.0%} | {low:.0%} to {high:.0%}"
-            lines.append(f"| {what} | {aim} | {right} | {len(chosen)} | {share} |")
+def _knowing(drive: Drive, case: str, seed: int) -> float:
+    """Held-out error that knowing the truth would leave, rad: that of the same run without the effects."""
+    from mbcdm_cad.identification.fit import Fitter
+    from mbcdm_cad.identification.prepared import prepare
+    from mbcdm_cad.measurement.vet import arranged
+    from mbcdm_cad.model.si import to_si
 
-    inside = ("single", "fair", "pair", "three")
-    line("effect-free: no name", "98 %", of(("null", "texture")), ("none", "not_testable", "unknown"))
-    line("effect-free: verdict none", "-", of(("null", "texture")), ("none", "not_testable"))
-    line("single, large enough: exactly named", "95 %", of(("single", "fair"), True), ("exact",))
-    line("single, large enough: named or in a set", "-", of(("single", "fair"), True), ("exact", "set"))
-    line("pair, large enough: named or in a set", "90 %", of(("pair",), True), ("exact", "set"))
-    line("three, large enough: named or in a set", "-", of(("three",), True), ("exact", "set"))
-    not_wrong = ("exact", "set", "partial", "none", "unknown", "wrong set")
-    line("any effect: no wrong name", "98 %", of(inside), not_wrong)
-    line("small effect: no wrong name", "98 %", of(inside, False), not_wrong)
-    line("outside the vocabulary: not blamed on a name", "95 %", of(("outside",)), ("none", "unknown", "exact"))
-    covered = [low <= true <= high for r in rows for _, true, _, low, high in r.get("values", []) if low is not None]
-    if covered:
-        low, high = interval(sum(covered), len(covered))
-        lines.append(
-            f"| 95 % intervals that hold the truth | 85 to 99 % | {sum(covered)} | {len(covered)} | "
-            f"{sum(covered) / len(covered):.0%} | {low:.0%} to {high:.0%} |"
-        )
-    return "\n".join(lines)
+    d = to_si(drive)
+    twin = arranged(_written(drive, simulate_real(drive, case, seed, without_effects=True)), drive)
+    ratio = float(np.mean(d.total_ratio))
+    fitter = Fitter(d, ratio, [prepare(twin, ratio)[1]])
+    return float(np.sqrt(np.mean(fitter.fit().residual[fitter.test] ** 2)))
+
+
+def tasks(words: list[str], first_seed: int) -> Iterator[tuple[str, int]]:
+    """Cases and seeds without end: groups in turn, within a group its cases in turn, each round with the next seed."""
+    groups: dict[str, list[str]] = {}
+    for name, case in REAL_CASES.items():
+        if not words or case.group in words or any(name.startswith(word) for word in words):
+            groups.setdefault(GROUP_OF.get(case.group, case.group), []).append(name)
+    endless = {group: _rounds(names, first_seed) for group, names in groups.items()}
+    for group in cycle([group for group in TURN if group in groups]):
+        yield next(endless[group])
+
+
+def _rounds(names: list[str], first_seed: int) -> Iterator[tuple[str, int]]:
+    seed = first_seed
+    while True:
+        yield from ((name, seed) for name in names)
+        seed += 1
 
 
 def main() -> None:
     """Parse and do."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="cases, groups or beginnings of names, separated by commas")
-    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--runs", type=int, default=15, help="how many runs the study has, those in the store included")
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--least", type=float, default=0.6)
     parser.add_argument("--store", type=Path, default=ROOT / "out" / "bench-study.jsonl")
-    parser.add_argument("--judged-only", action="store_true")
+    parser.add_argument("--table", type=Path, help="Markdown page to write")
     options = parser.parse_args()
     words = [word for word in options.only.split(",") if word]
-    cases = [n for n, c in REAL_CASES.items() if not words or c.group in words or any(n.startswith(w) for w in words)]
     options.store.parent.mkdir(parents=True, exist_ok=True)
     rows = [json.loads(line) for line in options.store.read_text().splitlines()] if options.store.exists() else []
     done = {(r["case"], r["seed"]) for r in rows}
-    seeds = range(options.first_seed, options.first_seed + options.seeds)
-    tasks = [(case, seed) for seed in seeds for case in cases if (case, seed) not in done]
-    if not options.judged_only:
+    wanted = [task for task in islice(tasks(words, options.first_seed), options.runs) if task not in done]
+    if wanted:
         with options.store.open("a") as kept, multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
-            for row in pool.imap_unordered(judge, tasks):
+            for row in pool.imap_unordered(judge, wanted):
                 rows.append(row)
                 kept.write(json.dumps(row) + "\n")
                 kept.flush()
-                print(
-                    f"{row['case']:28s} {row['seed']:3d} {row['load']:8s} {row['rate_hz']:5.0f} Hz {row['outcome']:9s} "
-                    f"{row['seconds']:5.1f} s gain {1e6 * row['gain']:6.1f} floor {1e6 * row['true_floor']:5.1f} "
-                    f"({1e6 * row.get('floor', 0.0):5.1f}) before {1e6 * row.get('before', 0.0):6.1f} after "
-                    f"{1e6 * row.get('after', 0.0):6.1f} true: {row['true']}; said: {row['said']}",
-                    flush=True,
-                )
-    print(summary(rows, options.least))
+                print(_line(row), flush=True)
+    if options.table:
+        command = f"python tests/bench_study.py --runs {len(rows)} --first-seed {options.first_seed}"
+        before = options.table.read_text(encoding="utf-8") if options.table.exists() else ""
+        options.table.write_text(page(rows, command, before), encoding="utf-8")
+    print(summary(rows))
+
+
+def _line(row: dict[str, Any]) -> str:
+    """One run, for the terminal."""
+    counts = (
+        "" if "large" not in row else f"{'large' if row['large'] else 'small'} {row['confusion']:.1e} {row['rival']}"
+    )
+    return (
+        f"{row['case']:28s} {row['seed']:5d} {row['load']:8s} {row['rate_hz']:5.0f} Hz {row['outcome']:9s} "
+        f"{row['seconds']:5.1f} s floor {1e6 * row['true_floor']:5.1f} ({1e6 * row.get('floor', 0.0):5.1f}) before "
+        f"{1e6 * row.get('before', 0.0):6.1f} after {1e6 * row.get('after', 0.0):6.1f} knowing "
+        f"{1e6 * (row.get('knowing') or 0.0):5.1f}; {counts}; true: {row['true']}; said: {row['said']}"
+    )
 
 
 if __name__ == "__main__":

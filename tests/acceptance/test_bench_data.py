@@ -18,7 +18,10 @@ from bench_chain import run_chain
 from bench_data import simulate_case, write_case
 from bench_effects import Effect
 from bench_geometry import chain_of
+from bench_page import interval, page
+from bench_real import DECLARED_FLOOR_RAD, draw_traits, truth_of
 from bench_score import outcome_of
+from bench_separable import EVERY, noise_along, separability
 
 ROOT = Path(__file__).resolve().parents[2]
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
@@ -115,3 +118,36 @@ def test_scoring(named: list, sets: list, verdict: str, true: tuple[Effect, ...]
         "one_of": [[entry(*one) for one in group] for group in sets],
     }
     assert outcome_of(result, true) == outcome
+
+
+def test_noise_along_a_signature_is_that_of_the_covariance() -> None:
+    rate = 100.0 / EVERY  # one sample of the logger for each value
+    traits = replace(draw_traits(np.random.default_rng(3)), rate_hz=rate, drift_rad=3e-6, coloured_rad=5e-6)
+    values, times = np.random.default_rng(4).normal(size=300), np.arange(300) / rate
+    memory = np.exp(-np.abs(times[:, None] - times) / traits.memory_s)
+    ramp = np.linspace(-0.5, 0.5, 300)
+    covariance = (traits.white_rad**2 + DECLARED_FLOOR_RAD**2) * np.eye(300)
+    covariance += traits.coloured_rad**2 * memory + traits.drift_rad**2 * np.outer(ramp, ramp)
+    assert noise_along(values, traits, 1.0) == pytest.approx(values @ covariance @ values, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_what_counts_follows_from_the_truth() -> None:
+    guide = separability(truth_of(DRIVE, "pulley_guide", 1), DRIVE.input_names)
+    assert guide.large and guide.separable, guide
+    # To second order only the product of friction and preload counts.
+    preload = separability(truth_of(DRIVE, "preload_all", 1), DRIVE.input_names)
+    assert preload.rival == "cable_friction" and not preload.separable, preload
+    small = separability(truth_of(DRIVE, "small_delay", 1), DRIVE.input_names)
+    assert not small.large and small.gain_rad < 0.1 * guide.gain_rad, small
+
+
+def test_the_page_counts_and_keeps_what_was_written_by_hand() -> None:
+    row = {"case": "a", "seed": 1, "group": "null", "outcome": "none", "said": "none", "load": "brake", "rate_hz": 50.0}
+    row |= {"noise": 2.0, "half_travel_rad": 0.3, "wave": "sine", "gaps": 0, "true": "none"}
+    wrong = row | {"seed": 2, "outcome": "wrong", "said": "delay"}
+    text = page([row, wrong], "command", "# Old\n\n## What falls short\n\nKept.\n")
+    assert "| effect-free: no name | 98 % | 1 | 2 | 50.0% | 1.3% to 98.7% |" in text, text
+    assert text.endswith("## What falls short\n\nKept.\n") and "# Old" not in text
+    # The rule of three: none wrong of 300 leaves 1.2 % at most.
+    assert interval(300, 300)[0] == pytest.approx(0.025 ** (1 / 300), rel=1e-9)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from bench_motion import Bench
+from scipy.interpolate import CubicSpline
 
 Sizes = dict[str, float]
 Added = Callable[[Sizes, Bench, np.ndarray, np.random.Generator], np.ndarray]
@@ -37,7 +38,7 @@ def shaft_compliance(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Ge
 
 def latency(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """The output is read late."""
-    return np.interp(bench.time_s - p["delay_s"], bench.time_s, drum) - drum
+    return CubicSpline(bench.time_s, drum)(bench.time_s - p["delay_s"]) - drum
 
 
 def output_play(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import yaml
 from bench_cases import CASES, Case
-from bench_chain import run_chain
+from bench_chain import PIECE_RAD, run_chain
 from bench_effects import Effect
 from bench_geometry import Chain, chain_of, path_of_eccentric
 from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, TORQUE_NOISE_NM, Bench, Plan, bench_run, read_sensors
@@ -62,7 +62,12 @@ def _columns(plan: Plan, case: Case) -> tuple[str, ...]:
 
 
 def drum_angle(
-    chain: Chain, input_names: tuple[str, ...], bench: Bench, effects: tuple[Effect, ...], rng: np.random.Generator
+    chain: Chain,
+    input_names: tuple[str, ...],
+    bench: Bench,
+    effects: tuple[Effect, ...],
+    rng: np.random.Generator,
+    piece_rad: float = PIECE_RAD,
 ) -> np.ndarray:
     """Angle that the output encoder sees, with all effects at work at once."""
     by_name = {"input_" + name: index for index, name in enumerate(input_names)}
@@ -107,7 +112,7 @@ def drum_angle(
             transport = True
         elif kind == "anchor":
             path[list(effect.cables)] -= p["slip_m"] * (0.5 + 0.5 * np.tanh((bench.time_s - p["at_s"]) / 0.04))
-    drum, _ = run_chain(chain, inputs, load, path, transport=transport, input_play_rad=play)
+    drum, _ = run_chain(chain, inputs, load, path, transport, play, piece_rad)
     for effect in effects:
         drum = drum + effect.added(bench, drum, rng)
     return drum

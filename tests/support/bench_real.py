@@ -12,10 +12,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from bench_cases import CASES, Case
-from bench_chain import run_chain
 from bench_data import Simulated, drum_angle, stream
-from bench_effects import ALL, Draw, Effect, both, input_encoder, nothing, output_encoder, pulley, shares, size
-from bench_geometry import chain_of
+from bench_effects import (
+    ALL,
+    Draw,
+    Effect,
+    both,
+    input_encoder,
+    nothing,
+    output_encoder,
+    pulley,
+    ripple,
+    shares,
+    size,
+)
+from bench_geometry import Chain, chain_of
 from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, RATE_HZ, TORQUE_NOISE_NM, Bench, Plan, bench_run
 from scipy.interpolate import CubicSpline
 
@@ -24,7 +35,8 @@ from mbcdm_cad.design.drive import Drive
 LOADS = ("brake", "levels", "bias", "steps", "pendulum", "spring", "hand", "motor")
 # Loads that do not follow the motion, on which effects of the load are told from each other.
 FREE_LOADS = ("bias", "steps", "hand", "motor")
-RATES_HZ = (50.0, 100.0, 100.0, 200.0)
+# One bench in seven logs faster than 200 Hz.
+RATES_HZ = (*(50.0,) * 4, *(100.0,) * 8, *(200.0,) * 6, 500.0, 1000.0, 2000.0)
 # RMS that the declared steps alone put into the residual, rad at the drum, for the reference drive.
 DECLARED_FLOOR_RAD = 4.37e-6
 
@@ -131,9 +143,8 @@ def logged(
         begin = rng.uniform(0.1, 0.9) * t[-1]
         keep &= (t < begin) | (t > begin + rng.uniform(0.05, 0.5))
     t = np.clip(t[keep], 0.0, bench.time_s[-1])
-    inputs = np.array([np.interp(t, bench.time_s, row) for row in bench.input_rad])
-    rigid = bench.input_rad.mean(axis=0) / ratio
-    drum = np.interp(t, bench.time_s, rigid) + CubicSpline(bench.time_s, run.drum_rad - rigid)(t)
+    inputs = np.array([CubicSpline(bench.time_s, row)(t) for row in bench.input_rad])
+    drum = CubicSpline(bench.time_s, run.drum_rad)(t)
     drum = drum + rng.normal(0.0, 1.0, t.size) * traits.white_rad * 0.6 + _coloured(t, traits, rng)
     slow = traits.drift_rad * (t / t[-1] - 0.5) * rng.choice([-1.0, 1.0])
     # Part of the white noise is the inputs'.
@@ -204,6 +215,15 @@ def _of(name: str, plan: object = FREE) -> Case:
     return replace(CASES[name], plan=plan)  # type: ignore[arg-type]
 
 
+# Sizes that the noise of most benches hides.
+SMALL = {
+    "small_guide": Case(FREE, pulley("guide", 0.3, 1.5)),  # type: ignore[arg-type]
+    "small_ratio": Case(ANY, shares("ratio_error", "output_scale", 1e-5, 5e-5)),  # type: ignore[arg-type]
+    "small_modulus": Case(FREE, shares("stiffness_error", "modulus", 0.01, 0.04)),  # type: ignore[arg-type]
+    "small_friction": Case(SINE, size("friction", "bearing", "torque_Nm", 0.005, 0.03)),  # type: ignore[arg-type]
+    "small_delay": Case(SINE, size("delay", "latency", "delay_s", 2e-5, 1e-4)),  # type: ignore[arg-type]
+    "small_ripple": Case(ANY, ripple((20.0, 500.0), 1e-6, 5e-6)),  # type: ignore[arg-type]
+}
 _SINGLE = {
     **{
         name: _of(name)
@@ -231,6 +251,13 @@ _SINGLE = {
     "encoder_drum": Case(FREE, output_encoder(2e-4, 6e-4)),  # type: ignore[arg-type]
 }
 _PAIRS = (
+    ("slip_mount", "ratio_encoder"),
+    ("creep", "pulley_guide"),
+    ("lash_output", "ripple_slow"),
+    ("drag", "encoder_drum"),
+    ("mu_low", "ratio_radii"),
+    ("modulus_low", "encoder_left"),
+    ("preload_all", "ripple_fast"),
     ("pulley_guide", "ratio_encoder"),
     ("ripple_fast", "friction"),
     ("stiffness_modulus", "ripple_slow"),
@@ -244,6 +271,8 @@ _THREES = (
     ("pulley_guide", "ratio_encoder", "friction"),
     ("stiffness_modulus", "ripple_fast", "delay"),
     ("ratio_radii", "ripple_slow", "slip_mount"),
+    ("preload_low", "ratio_encoder", "delay"),
+    ("pulley_input_left", "stiffness_shaft", "thermal"),
 )
 
 
@@ -260,47 +289,62 @@ REAL_CASES: dict[str, Case] = {
     "null_texture": Case(ANY, CASES["null_texture"].effects, "texture"),  # type: ignore[arg-type]
     **_SINGLE,
     **LARGE,
+    **SMALL,
     **{"+".join(names): _together(names, "pair") for names in _PAIRS},
     **{"+".join(names): _together(names, "three") for names in _THREES},
-    **{name: _of(name) for name in ("out_strand", "out_climbing", "out_hardening", "out_square", "out_wander")},
+    **{
+        name: _of(name)
+        for name in (
+            "out_strand",
+            "out_climbing",
+            "out_worn_land",
+            "out_hardening",
+            "out_square",
+            "out_stick_slip",
+            "out_wander",
+        )
+    },
 }
 
 
-def simulate_real(drive: Drive, name: str, seed: int, without_effects: bool = False) -> tuple[Simulated, Traits]:
-    """One run of a bench. ``without_effects``: the same bench, motion, load and noise."""
+@dataclass(frozen=True)
+class Truth:
+    """What is true of one run: the bench, its true signals before any sensor, the effects at work."""
+
+    plan: Plan
+    traits: Traits
+    chain: Chain
+    bench: Bench
+    effects: tuple[Effect, ...]
+    temperature: bool
+
+    @property
+    def ratio(self) -> float:
+        """Turns of the inputs for one of the drum."""
+        return float(np.mean(self.chain.r_drum / self.chain.r_in))
+
+
+def truth_of(drive: Drive, name: str, seed: int) -> Truth:
+    """What the seed draws for one run of a case."""
     case, key = REAL_CASES[name], f"real/{name}"
     plan = case.plan(stream(key, seed, "plan"))
-    traits = draw_traits(stream(key, seed, "traits"), len(drive.input_names))
-    effects = () if without_effects else case.effects(stream(key, seed, "effects"), plan)
+    inputs = len(drive.input_names)
+    traits = draw_traits(stream(key, seed, "traits"), inputs)
     chain = chain_of(drive)
     ratio = float(np.mean(chain.r_drum / chain.r_in))
-    bench = bench_run(plan, ratio, len(drive.input_names), stream(key, seed, "motion"))
-    bench = loaded(bench, plan, stream(key, seed, "load"))
+    bench = loaded(bench_run(plan, ratio, inputs, stream(key, seed, "motion")), plan, stream(key, seed, "load"))
     bench = tracked(bench, ratio, traits, stream(key, seed, "tracking"))
-    drum = drum_angle(chain, drive.input_names, bench, effects, stream(key, seed, "wander"))
-    columns = ("inputs", "output", "torque", *(("temperature",) if case.temperature else ()))
-    run = Simulated(plan, bench, drum, {}, effects, columns)
-    time, sensed = logged(run, traits, ratio, stream(key, seed, "sensors"))
-    shown = Bench(time, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
-    return Simulated(plan, shown, sensed["output"], sensed, effects, columns), traits
-
-
-def gain_rad(drive: Drive, name: str, seed: int) -> float:
-    """RMS over the run of what the effects change at the output, a level and a share of the angle taken off, rad."""
-    case, key = REAL_CASES[name], f"real/{name}"
-    plan = case.plan(stream(key, seed, "plan"))
-    traits = draw_traits(stream(key, seed, "traits"), len(drive.input_names))
-    chain = chain_of(drive)
-    ratio = float(np.mean(chain.r_drum / chain.r_in))
-    bench = tracked(
-        loaded(
-            bench_run(plan, ratio, len(drive.input_names), stream(key, seed, "motion")), plan, stream(key, seed, "load")
-        ),
-        ratio,
-        traits,
-        stream(key, seed, "tracking"),
-    )
     effects = case.effects(stream(key, seed, "effects"), plan)
-    plain, _ = run_chain(chain, bench.input_rad, bench.load_Nm, np.zeros((chain.sense.size, bench.load_Nm.size)))
-    change = drum_angle(chain, drive.input_names, bench, effects, stream(key, seed, "wander")) - plain
-    return float(np.std(change))
+    return Truth(plan, traits, chain, bench, effects, case.temperature)
+
+
+def simulate_real(drive: Drive, name: str, seed: int, without_effects: bool = False) -> Simulated:
+    """One run of a bench. ``without_effects``: the same bench, motion, load and noise."""
+    truth, key = truth_of(drive, name, seed), f"real/{name}"
+    effects = () if without_effects else truth.effects
+    drum = drum_angle(truth.chain, drive.input_names, truth.bench, effects, stream(key, seed, "wander"))
+    columns = ("inputs", "output", "torque", *(("temperature",) if truth.temperature else ()))
+    run = Simulated(truth.plan, truth.bench, drum, {}, effects, columns)
+    time, sensed = logged(run, truth.traits, truth.ratio, stream(key, seed, "sensors"))
+    shown = Bench(time, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
+    return Simulated(truth.plan, shown, sensed["output"], sensed, effects, columns)
