@@ -1,7 +1,7 @@
-"""What a build is measured against: a process that imports the CAD library, loads solids and writes the same files.
+"""The reference of the build's time: a process that imports the CAD library, loads solids and writes the same files.
 
-No checks, no validation, no masses, no measured mesh error, no canonical bytes. Called by speed.py with a folder that
-holds ``parts.json`` and one BREP file a part, and an output folder.
+No checks, no validation, no masses, no measured mesh error, no canonical bytes. speed.py calls it with a folder that
+contains ``parts.json`` and one BREP file for each part, and with an output folder.
 """
 
 from __future__ import annotations

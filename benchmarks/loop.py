@@ -1,12 +1,12 @@
-"""Time and memory of the loop from 1e4 to 1e6 samples (1e7 with --most 1e7), beside a plain least-squares fit.
+"""Time and memory of the loop from 1e4 to 1e6 samples (1e7 with --most 1e7), compared with a plain least-squares fit.
 
     python benchmarks/loop.py [--most 1e6] [--plain-most 1e5] [--effects worked|additive] [--json FILE]
 
-Each figure is taken in a process of its own: reading the CSV and closing the loop, peak memory of that process. The
-plain fit is scipy.optimize.least_squares with the effects that are in the data, finite differences and all. worked: E,
+Each figure is measured in its own process: time to read the CSV and close the loop, peak memory of the process. The
+plain fit is scipy.optimize.least_squares with the effects that are in the data and finite differences. worked: E,
 guide pulley as sine and cosine in the cables' paths, ratio, offset, on the model's whole series. additive: ratio,
-delay, offset, on a run without a torque column, on which all effects only add to the reading. The figures that travel
-between machines are the ratios: plain over loop, and time per sample over that at the size before.
+delay, offset, on a run without a torque column, on which all effects only add to the reading. Only the ratios can be
+compared between machines: plain fit over loop, and time per sample over that at the size before.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""How fast the analytic model is, on one core.
+"""Speed of the analytic model on one core.
 
     python benchmarks/model.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
 
-Processor time of all threads, the least of N runs after a small one that compiles. Exit code 1 if a limit is exceeded.
-Many designs are sized at once for miso_bevel alone.
+Processor time of all threads, the smallest of N runs after a short one that compiles. Exit code 1 if a limit is
+exceeded. Only for miso_bevel are many designs sized at once.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""How fast the page of a design opens in headless Chromium with software GL, and how large it is.
+"""Time to open the page of a design in headless Chromium with software GL, and size of the page.
 
     python benchmarks/page.py out/mbcdm/report.html [runs]
 
-Wall time from the start of loading to the first paint of the tables (wanted: 1 s) and to the first 3D picture (3 s),
-and the processor time of the page's main thread, which other programs on the machine do not disturb as much.
+Wall time from the start of loading to the first paint of the tables (limit 1 s) and to the first 3D picture (3 s),
+and the processor time of the page's main thread, which depends less on other programs of the machine.
 """
 
 from __future__ import annotations

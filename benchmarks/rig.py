@@ -1,8 +1,9 @@
-"""How fast the rig in software is, on one core, as ratio of computing time to simulated time.
+"""Speed of the rig in software on one core, as the ratio of computing time to simulated time.
 
     python benchmarks/rig.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
 
-Processor time of all threads, the least of N runs after a short one that compiles. Exit code 1 if a limit is exceeded.
+Processor time of all threads, the smallest of N runs after a short one that compiles. Exit code 1 if a limit is
+exceeded.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Compare the quasi-static rig with the analytic model: where they agree, where they differ, and the convergence.
+"""Compare the quasi-static rig with the analytic model: agreement, differences and convergence.
 
     python benchmarks/rig_against_model.py [--write docs/rig.md]
 
-Prints tables in Markdown; with ``--write`` puts them between the marks of that page. E = 60 GPa on the metallic
-area, as the figures of the model's page.
+Prints tables in Markdown; ``--write`` writes them between the marks of that page. E = 60 GPa on the metallic area, as
+for the figures of the model's page.
 """
 
 from __future__ import annotations

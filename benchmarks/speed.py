@@ -1,10 +1,10 @@
-"""How fast the program is, as ratios within one run, so that the figures mean the same on any machine.
+"""Speed of the program as ratios of times of one run, which can be compared between machines.
 
     python benchmarks/speed.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
     for layout in siso_spur miso_spur siso_bevel; do python benchmarks/speed.py params/$layout.yaml; done
 
-Each time is the least of several runs, in processes of their own; what is compared takes turns, so that a busy machine
-slows both. Exit code 1 if a limit is exceeded.
+Each time is the smallest of several runs, each in its own process. The two sides of a ratio run alternately, so that
+other load on the machine slows both. Exit code 1 if a limit is exceeded.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What all benchmarks share: a figure against its limit, the least of several times, and the end of a run."""
+"""Shared by all benchmarks: a figure with its limit, the smallest of several times, and the end of a run."""
 
 from __future__ import annotations
 

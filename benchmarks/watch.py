@@ -1,11 +1,10 @@
-"""From a save to what it leads to under `mbcdm watch`, with the page open in headless Chromium with software GL.
+"""Times after a save under `mbcdm watch`, with the page open in headless Chromium with software GL.
 
     python benchmarks/watch.py [runs]
 
-For two edits of the reference design: wall time from the save to the new checks (wanted: 0.3 s), to the new STEP file
-of a changed pulley (1 s), to the page that has loaded itself again and painted the new design's tables (3 s), and to
-its first 3D picture; the last two by the browser's own clock. The least of the runs is what the program takes where
-nothing else runs.
+For two edits of the reference design: wall time from the save to the new checks (limit 0.3 s), to the new STEP file of
+a changed pulley (1 s), to the reloaded page with the tables of the new design (3 s), and to its first 3D picture; the
+last two by the browser's clock. The smallest time of the runs is that of an idle machine.
 """
 
 from __future__ import annotations

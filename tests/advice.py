@@ -1,12 +1,12 @@
-"""Follow what ``mbcdm check`` advises after one edit of the reference, to its end.
+"""Follow the advice of ``mbcdm check`` after one edit of the reference, until it ends.
 
     python tests/advice.py [--short] [--only "L 38"] [--solve]
 
 Each start is one of the single edits of ``tests/acceptance/test_single_edits.py``, written into the complete reference
-file (box and mass open, 1.0 N m and D/d 10 asked), or with ``--short`` into the file of its requirements alone. Round
-after round the design is checked and the changes that the advice names are written into the file. It ends with a design
-that passes, with the words that say what stays, or in a cycle: a file that was there before. ``--solve`` asks
-``mbcdm solve`` about those that do not end in a pass. Exit 1 where one ends in a cycle, or its advice does not hold.
+file (box and mass open, 1.0 N m and D/d 10 required), or with ``--short`` into the file of its requirements alone. In
+each round the design is checked, and the changes of the advice are written into the file. It ends with a design that
+passes, with the list of checks that still fail, or in a cycle: a file that occurred before. ``--solve`` runs
+``mbcdm solve`` on those that do not end in a pass. Exit 1 if one ends in a cycle, or if its advice is wrong.
 """
 
 from __future__ import annotations

@@ -5,10 +5,10 @@
     python tests/confusion.py --make DIR --case NAME --seed N     write one run (CSV, measurement file, truth) and stop
     python tests/confusion.py --list                              names of the cases
 
-Judged runs are kept in --store (out/confusion.jsonl) under the state of the code, so that a study that was stopped goes
-on where it was; --fresh forgets them. Of each case the first --twins seeds are run again without the effect: the error
-held out there is what knowing the truth would leave. The first seed of every eighth case goes through the command line
-too.
+Judged runs are kept in --store (out/confusion.jsonl) with the state of the code, so that an interrupted study
+continues; --fresh deletes them. For each case the first --twins seeds are run again without the effect: their held-out
+error is the one that remains with a perfect model. The first seed of every eighth case also runs through the command
+line.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
-"""Does a plan keep its promises? The power that ``mbcdm plan`` predicts against that found on noisier benches.
+"""Compare the power that ``mbcdm plan`` predicts with that found on noisier benches.
 
     python tests/plan_study.py --benches 0:5 --store out/plan-study.jsonl       five benches, five runs of each size
     python tests/plan_study.py --store out/plan-study.jsonl --table docs/plan-promises.md      what was counted so far
 
-On each bench a pilot run without an effect gives the noise, the plan the size of each effect that is named with a
-probability of 0.5 and of 0.9. Runs with that size, made by the physics of tests/support/bench_chain.py, go to the loop.
-Shares of benches add up in the store; a bench that is stored is not made again.
+On each bench a pilot run without an effect gives the noise, and the plan gives the size of each effect that is named
+with a probability of 0.5 and of 0.9. The loop then judges runs with that size, which are made by the physics of
+tests/support/bench_chain.py. Results of benches are collected in the store; a stored bench is not run again.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
-"""Do designs that pass the checks also build? Every part one sound solid, its mesh watertight, nothing interferes.
+"""Build designs that pass the checks: every part must be one valid solid with a watertight mesh, without interference.
 
     python tests/random_designs.py --count 200 --seed 1 --jobs 2
     python tests/random_designs.py --count 100 --workshop
     python tests/random_designs.py --count 50 --configuration siso_spur
 
-With ``--workshop``: is the take-up proved, is each made part to be made from its drawing, is the 3MF read back, are the
-tables of holes the solids' cylinders, and does a build forced with odd sizes never end in the kernel's words?
+``--workshop`` also tests the take-up on solids, the 3MF files, the parts rebuilt from their drawings, the tables of
+holes against the solids, and that a forced build with odd sizes never ends with a kernel message.
 
 Seeds are tried upwards from ``--seed`` until ``--count`` of them pass the checks. Failures are counted by stage, with
-their seeds; ``--only SEED`` looks at one, ``--save DIR`` writes the design files. Exit 1 if anything failed.
+their seeds; ``--only SEED`` runs one, ``--save DIR`` writes the design files. Exit 1 if anything failed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Short files of random requirements, from a seed: what a user could ask of this kind of drive."""
+"""Short files with random requirements from a seed, as a user could write them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a short file reaches: random requirements, sized, and what comes of them.
+"""Which short files give a drive: random requirements, sized and checked.
 
     python tests/reach.py --count 300 --seed 1
     python tests/reach.py --only 17 --save DIR
@@ -6,13 +6,13 @@
     python tests/reach.py --prove all
     python tests/reach.py --layout siso_bevel --count 50 --prove bound
 
-Each seed is one file of about ten lines, drawn over the whole space of a layout (:data:`LAYOUTS`). Printed are the
-share that passes every check, the failures by the first check that fails, and where in the space they lie.
-``--build`` also builds what passes and counts clashes and bad solids. Exit 1 where a file that passes does not build.
-``--edits`` takes the files that pass, moves one requirement by a tenth up and down, and counts what still passes
-without a second edit. ``--prove`` asks of each file that does not pass whether its requirements exclude each other:
-``bound`` by a bound over the catalogue alone, within a minute, ``all`` with ``mbcdm solve`` and an independent search
-too, a minute a file (of miso_bevel; of the other layouts there is only the bound).
+Each seed is one file of about ten lines, drawn from the whole range of a layout (:data:`LAYOUTS`). Printed are the
+share that passes every check, the failures by the first check that fails, and their requirements.
+``--build`` also builds the passing designs and counts clashes and invalid solids. Exit 1 if one of them does not build.
+``--edits`` changes one requirement of each passing file by 10 %, up and down, and counts the designs that still pass
+without a second edit. ``--prove`` tests for each file that does not pass whether its requirements exclude each other:
+``bound`` by a bound over the catalogue alone, within a minute; ``all`` also by ``mbcdm solve`` and an independent
+search, a minute for each file (miso_bevel only; the other layouts have only the bound).
 """
 
 from __future__ import annotations

@@ -3,12 +3,12 @@
     python tests/rig_study.py --jobs 2 --table docs/loop-on-rig.md      all experiments of params/experiments
     python tests/rig_study.py --only null-long-brake,out-wear           a few
 
-The rig shares no code with the model that the loop uses. ``--noise N`` runs each N times with other noise, ``--store``
-keeps what was judged, so that the study goes on where it stopped.
+The rig shares no code with the model that the loop uses. ``--noise N`` runs each N times with different noise.
+``--store`` keeps the judged runs, so that an interrupted study continues.
 
-Right is: no name where nothing was put in, or where the readings explain by themselves what was put in (``seen: false``
-in the truth); else every effect named, or in a set. An effect that changes the reading by less than ``LEAST`` of the
-sensors' floor is not to be named; the table says so.
+A result is right if it names every effect, alone or in a set, or if it names none and the run contains none that can be
+seen (``seen: false`` in the truth). An effect that changes the reading by less than ``LEAST`` of the sensors' floor
+must not be named; the table marks it.
 """
 
 from __future__ import annotations

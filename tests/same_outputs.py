@@ -1,12 +1,11 @@
-"""Do two states of the code write the same files? For moves of code, which must change no output by a byte.
+"""Compare the files that two states of the code write; for moves of code, which must not change any byte of output.
 
     python tests/same_outputs.py BASE [--designs 10] [--no-build] [--work FOLDER]
 
-Checks out the commit ``BASE`` beside this tree, writes the reference design and some random designs that pass BASE's
+Checks out the commit ``BASE`` in another folder, writes the reference design and some random designs that pass BASE's
 checks, and runs check, analyse, build, simulate and loop on each of them with both states. Files and ``--json`` output
-are compared byte for byte; hashes of inputs and code and times of day are masked first, text for the terminal is not
-compared. Prints each file that differs; exit 1 if any does. With ``--work`` the outputs of BASE are kept there and
-taken from there the next time.
+are compared byte for byte, after hashes of inputs and code and times of day are masked; text for the terminal is not
+compared. Prints each file that differs; exit 1 if any does. ``--work`` keeps the outputs of BASE for the next time.
 """
 
 from __future__ import annotations

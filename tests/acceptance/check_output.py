@@ -1,6 +1,6 @@
-"""The figures an output folder must show, read from its report: ``python tests/acceptance/check_output.py FOLDER``.
+"""Compare the figures of an output folder's report with limits: ``python tests/acceptance/check_output.py FOLDER``.
 
-The limits stand here as well as in the design file, so that a design file with softer targets does not pass.
+The limits are stated here as well as in the design file, so that a design file with weaker targets does not pass.
 """
 
 from __future__ import annotations

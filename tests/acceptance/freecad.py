@@ -1,7 +1,7 @@
-"""Opens a STEP file in FreeCAD, a program of its own with a reader of its own, and compares what comes in.
+"""Open a STEP file in FreeCAD, an independent program with its own reader, and compare the result.
 
 Used by the acceptance tests, and by hand: ``python tests/acceptance/freecad.py FILE.step`` prints the findings and
-compares them with what the CAD library reads from the same file.
+compares them with those of the CAD library for the same file.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Run inside FreeCAD (see freecad.py beside it): opens the STEP file named in CHECKED_STEP and prints what it finds.
+"""Run inside FreeCAD (see freecad.py in this folder): open the STEP file named in CHECKED_STEP and print the findings.
 
-The last line printed is JSON: count of solids, validity, volume and names, as FreeCAD has them after its import.
+The last line printed is JSON: number of solids, validity, volume and names, as FreeCAD has them after its import.
 """
 
 import json

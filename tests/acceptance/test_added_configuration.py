@@ -1,6 +1,6 @@
-"""A configuration is added by adding files and touching none: the small one of tests/support goes through everything.
+"""A configuration is added by new files alone: the small one of tests/support runs through all commands.
 
-Two cables, one input, no body that cables pass, drum on a parallel axis, boxes and cylinders for parts.
+It has two cables, one input, no guide, a drum on a parallel axis, and boxes and cylinders as parts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A part of ``tests/advice.py``: following the advice of ``check`` after one edit ends in a pass or says what stays."""
+"""A part of ``tests/advice.py``: after one edit the advice of ``check`` leads to a pass or states what still fails."""
 
 from __future__ import annotations
 

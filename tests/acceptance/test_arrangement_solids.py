@@ -1,4 +1,4 @@
-"""Choices of arrangement on solids: inputs set back at another L, grooved pulleys, gearheads of three screws."""
+"""Choices of arrangement, tested on solids: setback of the inputs, grooved pulleys, gearheads with three screws."""
 
 from __future__ import annotations
 

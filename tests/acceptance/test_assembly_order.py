@@ -1,4 +1,4 @@
-"""The reported order of assembly, tried on the solids: every part finds its way in, every screw its key."""
+"""The reported order of assembly, tested on solids: every part can be inserted, every screw reached with its key."""
 
 from __future__ import annotations
 

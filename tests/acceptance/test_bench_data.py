@@ -1,4 +1,4 @@
-"""The simulated bench runs: the chain of cable pieces against figures worked out elsewhere, and the scorer."""
+"""The simulated bench runs: the chain of cable pieces compared with independent figures, and the scorer."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Commands and scripts of the docs are run as they stand, page by page, in an empty folder with the params beside it.
+"""Run the commands and scripts of the docs unchanged, page by page, in an empty folder with the params.
 
-The word after the language of a code block says what it takes: ``build`` and ``loop`` run with the slow tests,
-``viewer`` needs a program that is not here and is only compiled.
+The word after the language of a code block states its needs: ``build`` and ``loop`` run with the slow tests,
+``viewer`` needs a program that the tests do not have and is only compiled.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The quick estimate of the frame's windup against solid finite elements, over the walls a designer would change."""
+"""The fast estimate of the frame's windup compared with solid finite elements, for walls that a designer changes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An assembly written here opens in FreeCAD: every solid, every name, valid, and the same volume."""
+"""FreeCAD opens an assembly: every solid and every name, valid, and with the same volume."""
 
 from __future__ import annotations
 

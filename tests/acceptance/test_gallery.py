@@ -1,4 +1,4 @@
-"""The drives of params/gallery: each file has ten lines at most, and the design that follows passes every check."""
+"""The drives of params/gallery: each file has at most ten lines, and its design passes every check."""
 
 from __future__ import annotations
 

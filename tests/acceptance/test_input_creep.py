@@ -1,6 +1,6 @@
-"""A cable that creeps over the input of the plain capstan drive: rig and loop against marks on a rope.
+"""A cable that creeps over the input of the plain capstan drive: rig and loop compared with marks on a rope.
 
-The runs that the loop gets here are made by tests/support/belt_bench.py, which shares nothing with model and rig.
+The runs for the loop are made by tests/support/belt_bench.py, which is independent of model and rig.
 """
 
 from __future__ import annotations

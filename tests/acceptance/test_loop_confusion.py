@@ -1,4 +1,4 @@
-"""The undeclared effect: simulated bench runs, made by other means than the model, given to the loop.
+"""Undeclared effects: the loop on simulated bench runs that are independent of the model.
 
 A few of the runs of tests/confusion.py; the whole study is in docs/loop-confusion.md.
 """

@@ -1,4 +1,4 @@
-"""A few experiments of the rig's library given to the loop; all of them are in docs/loop-on-rig.md."""
+"""The loop on a few experiments of the rig's library; all of them are in docs/loop-on-rig.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The main job as a user runs it: one process a command, an output folder of its own."""
+"""The main job as a user runs it: each command in its own process, with a new output folder."""
 
 from __future__ import annotations
 

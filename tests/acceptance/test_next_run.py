@@ -1,4 +1,4 @@
-"""After a loop that ended in a set: the run that ``--next`` proposes is made on the rig, and settles the set."""
+"""After a loop that ended with a set: the run that ``--next`` proposes is made on the rig, and the loop decides."""
 
 from __future__ import annotations
 

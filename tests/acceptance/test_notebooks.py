@@ -1,4 +1,4 @@
-"""The notebooks of the docs run from the first cell to the last in a kernel of their own."""
+"""Each notebook of the docs runs from the first cell to the last in its own kernel."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""A part of the reach study: how many random short files of the whole space give a design that passes every check.
+"""A part of the reach study: the share of random short files whose design passes every check.
 
-The whole: ``python tests/reach.py --count 300 --seed 1``; its figures and what they mean: docs/reach.md.
+The whole study: ``python tests/reach.py --count 300 --seed 1``; its figures: docs/reach.md.
 """
 
 from __future__ import annotations

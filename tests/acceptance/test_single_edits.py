@@ -1,6 +1,6 @@
-"""One edit of the reference's requirements, and the sized design passes every check: no second edit is needed.
+"""After one edit of the reference's requirements the sized design passes every check, without a second edit.
 
-Asked are 1.0 N m and D/d 10; mass and box are open. The three edits that cannot pass are named with what excludes them.
+Required are 1.0 N m and D/d 10; mass and box are open. Three edits cannot pass; the test names their causes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The worked examples of the docs, run: what their tables say is what comes out."""
+"""The worked examples of the docs give the figures of their tables."""
 
 from __future__ import annotations
 

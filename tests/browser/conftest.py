@@ -1,4 +1,4 @@
-"""A browser and the page of the reference design; without Chromium these tests are skipped and say so."""
+"""A browser and the page of the reference design; without Chromium these tests are skipped with a message."""
 
 from __future__ import annotations
 

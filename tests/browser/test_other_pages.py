@@ -1,4 +1,4 @@
-"""The loop's page and the page of compared designs: silent, self-contained, in the same style, charts that answer."""
+"""The page of the loop and of compared designs: no errors, self-contained, same style, charts that respond."""
 
 from __future__ import annotations
 

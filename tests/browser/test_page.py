@@ -1,4 +1,4 @@
-"""The page in a real browser: silent, offline, and its controls do what they say."""
+"""The page in a real browser: no errors, no network, and controls that work as labelled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Byte-level mutations of the real design file: only ever a drive or an InputError, quickly."""
+"""Byte-level mutations of the real design file: the result is always a drive or an InputError, within a time limit."""
 
 from __future__ import annotations
 

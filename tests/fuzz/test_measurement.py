@@ -1,4 +1,4 @@
-"""Mutated loggers' files and measurement files: only ever a run that can be vetted, or an InputError that helps."""
+"""Mutated logger files and measurement files: always a run that can be vetted, or an InputError with a remedy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Odd signals taken through vetting and the whole loop: a judgement or a sentence for the user, never a traceback."""
+"""Unusual signals through vetting and the whole loop: a verdict or a message, never a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Mutations of the parsed design: whatever is deleted, renamed or replaced, the answer is a drive or an InputError."""
+"""Mutations of the parsed design (deleted, renamed, replaced fields): always a drive or an InputError."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""No dead parameter: each value of the design file, changed by a little, changes geometry, bill, checks or analysis."""
+"""No unused parameter: a small change of each value of the design file changes geometry, bill, checks or analysis."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A few random designs that pass the checks are built whole; many: ``python tests/random_designs.py --count 200``."""
+"""A few random designs that pass the checks are built; more of them: ``python tests/random_designs.py --count 200``."""
 
 from __future__ import annotations
 

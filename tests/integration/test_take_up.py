@@ -1,4 +1,4 @@
-"""Terminals are drawn in over their whole way with solids: nothing in the way, thread under both nuts, flats held."""
+"""Solids of the terminals over their whole take-up: no interference, thread under both nuts, flats held."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""mbcdm watch as a whole program: a design file is saved in the ways of editors, the served page follows."""
+"""mbcdm watch as a whole program: the served page follows a design file that is saved as different editors do."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""The plain capstan drive as one rope of nodes that lie where they lie: physics of bench runs for its creep.
+"""The plain capstan drive as one rope with nodes that are not anchored on the input: physics of bench runs with creep.
 
-This is not the project's model, and not its rig. The nodes are marks on the rope, at their places along its way: drum,
-span, round the input, span, drum. Between two marks the rope is a spring. A mark on a pulley goes with the surface
-under it, unless the tensions on both sides differ by more than friction on its few degrees holds; then it slides until
-they do not. Marks come off a pulley and on to one as the rope runs, and nothing holds it on the input but that. Each
-sample: all marks go with their surfaces, both spans pull until their length is right, the drum turns until the pull
-balances the load.
+This is independent of the project's model and rig. The nodes are marks on the rope along its path: drum, span, input,
+span, drum. Between two marks the rope is a spring. A mark on a pulley moves with the surface under it, unless the
+tensions on both sides differ by more than the friction on its few degrees of wrap; then it slides until they do not.
+Marks leave and join a pulley as the rope moves, and only this friction holds the rope on the input. In each sample all
+marks move with their surfaces, the spans are set to their lengths, and the drum turns until the tensions balance the
+load.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Effects that show at the output without working the cables: what each adds to the encoder's reading, in rad.
+"""Effects that change the reading of the output encoder but not the cables: what each adds to the reading, in rad.
 
-Each takes its sizes, the true signals, the drum angle and a random stream. Sensor effects come first, then physical
-causes that no name of the vocabulary covers.
+Each function takes its sizes, the true signals, the drum angle and a random stream. Sensor effects come first, then
+physical causes that no name of the vocabulary covers.
 """
 
 from __future__ import annotations

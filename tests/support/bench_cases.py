@@ -1,4 +1,4 @@
-"""Which runs are made: effects with sizes drawn by seed, and the motion that each case runs on."""
+"""The cases: effects with random sizes by seed, and the motion of each case."""
 
 from __future__ import annotations
 

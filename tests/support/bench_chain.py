@@ -1,13 +1,13 @@
-"""Cable on its pulleys as a chain of short pieces, each held by Coulomb friction: the physics of simulated bench runs.
+"""Cable on its pulleys as a chain of short pieces with Coulomb friction: the physics of simulated bench runs.
 
-This is not the project's model. Each wrap is a row of nodes fixed to its pulley. A node slips when its tension differs
-from that of its neighbour nearer the free span by more than the capstan factor of the piece between them; slipping
-moves it just to that limit. The sweep starts at the free span and ends at the first node that holds. Stretch is the
-trapezoid sum of tension over the nodes, so a piece costs an error of second order. The drum's balance is found by a
-guarded Newton iteration on its angle, each cable's tension by another inside it.
+This is independent of the project's model. Each wrap is a row of nodes fixed to its pulley. A node slips if its tension
+differs from that of its neighbour nearer to the free span by more than the capstan factor of the piece between them;
+the slip moves it exactly to that limit. The sweep starts at the free span and ends at the first node that holds. The
+stretch is the trapezoidal sum of tension over the nodes, with an error of second order in the length of a piece. A
+guarded Newton iteration on the drum's angle finds its equilibrium; another one inside it finds each cable's tension.
 
-With transport, nodes move with the pulleys: cable wound on comes with the tension it has, cable wound off takes its
-away. Play in an input's coupling is taken up by the sign of the torque it carries.
+With transport, the nodes move with the pulleys: cable that is wound on brings its tension, cable that is wound off
+removes it. Play in an input's coupling is taken up by the sign of the torque in it.
 """
 
 from __future__ import annotations

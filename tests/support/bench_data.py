@@ -1,10 +1,10 @@
-"""Measured runs made by other means than the project's model: a CSV, its measurement file, and the truth beside it.
+"""Measured runs that are independent of the project's model: a CSV, its measurement file, and the truth.
 
     write_case(folder, "once_per_rev_guide", seed=3, drive=load_design(...).drive)
 
 The physics is in bench_chain.py, the geometry in bench_geometry.py, motion and sensors in bench_motion.py; of the
-project only the design file is read. Sizes and phases of the effects come from the seed, within ranges that can be
-told apart on the motion of the case. ``truth.yaml`` is never read by the loop.
+project only the design file is used. Sizes and phases of the effects come from the seed, within ranges that the motion
+of the case can separate. ``truth.yaml`` is never read by the loop.
 """
 
 from __future__ import annotations

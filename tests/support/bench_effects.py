@@ -1,4 +1,4 @@
-"""Effects of simulated runs: what they are called, how large they are, how their sizes are drawn."""
+"""Effects of simulated runs: names, sizes, and how their sizes are drawn."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Runs as benches give them: servos that track unlike, sensors noisier than their steps, loggers that jitter.
+"""Realistic runs: servos that track differently, sensors with more noise than their steps, loggers with jitter.
 
     run = simulate_real(drive, "pulley_guide", seed=4)
 
-The cables are those of bench_chain.py. What a bench adds is drawn by the seed, and the measurement file declares the
-encoders' steps only, as data sheets do. All that was drawn stands in ``Traits``, which the loop never sees.
+The cables are those of bench_chain.py. The errors of the bench are drawn by the seed, and the measurement file declares
+only the steps of the encoders, as data sheets do. ``Traits`` contains all drawn values; the loop never sees it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the loop said of a run against what is true of it, by the rules of the project's aims."""
+"""Compare the loop's result for a run with the truth, by the rules of the project's aims."""
 
 from __future__ import annotations
 

@@ -1,13 +1,13 @@
-"""The clip rule itself on a fine grid of cells along each wrap: the check of the closed form, and winding history.
+"""The clip rule on a fine grid of cells along each wrap: a check of the closed form, and winding history.
 
-An end tension T_e admits T_e e^{-mu s} <= T(s) <= T_e e^{mu s}; what lies outside is clipped to the bound, what lies
-inside stays as it was. Because a stored profile never rises faster than e^{mu s}, the clipped cells are one stretch
-from the end inwards, and a step costs only those.
+An end tension T_e allows T_e e^{-mu s} <= T(s) <= T_e e^{mu s}; values outside are clipped to the bound, values inside
+do not change. Because a stored profile never rises faster than e^{mu s}, the clipped cells are one stretch from the
+end inwards, and a step computes only these.
 
-With ``winding`` the profiles move with the pulleys: cable wound on keeps the tension it had and brings it back when it
-is wound off; new cells take the end tension. All this is the long way, kept as the check of
-:mod:`mbcdm_cad.model.hysteresis` (endless wraps that stand still) and of :mod:`mbcdm_cad.model.profiles` (all else),
-which have no cells and are ten to some hundred times faster.
+With ``winding`` the profiles move with the pulleys: cable that is wound on keeps its tension and brings it back when it
+is wound off; new cells take the end tension. This slow computation is the check of :mod:`mbcdm_cad.model.hysteresis`
+(infinite wraps that do not move) and of :mod:`mbcdm_cad.model.profiles` (all others), which have no cells and are ten
+to several hundred times faster.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Reads drawings back as a machinist does: printed dimensions, tables and the outline's shape, never the parameters."""
+"""Read drawings as a machinist does: printed dimensions, tables and the shape of the outline, never the parameters."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Solid of the drum sector from its drawing alone: turned shape, tables of lands, windows and terminals.
 
-Depths are counted from face A along the axis; angles from Z to X, as on the sheet.
+Depths are measured from face A along the axis, angles from Z to X, as on the sheet.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Finite elements of frame and top plate: graded bricks with incompatible modes, solved directly.
 
-The grid's planes follow the flat faces; cells that a round face cuts have their modulus scaled by the share that is
-metal. Bricks are the 8-node ones with nine internal bending modes, condensed out, so that one cell through a wall
-bends as a wall does. Screw joints count as bonded. Units: mm, N, MPa.
+The planes of the grid follow the flat faces; the modulus of cells that a round face cuts is scaled by their share of
+metal. The bricks have 8 nodes and nine internal bending modes, which are condensed out, so that one cell through a wall
+bends as a wall does. Screw joints are treated as bonded. Units: mm, N, MPa.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Solid of the two-input frame from its drawing alone: envelope, walls and floors by dimensions, holes by tables.
 
-Depths are counted from the back face, as on the sheet; X to the right and Z up, from the drum's axis.
+Depths are measured from the back face, as on the sheet; X to the right and Z up, from the drum's axis.
 """
 
 from __future__ import annotations

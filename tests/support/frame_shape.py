@@ -1,4 +1,4 @@
-"""Frame and top plate as plain tests of points: the shape the finite elements see, drawn without a CAD kernel.
+"""Frame and top plate as point-inside tests: the shape for the finite elements, without a CAD kernel.
 
 Rebuilt from the dimensions by booleans of half-spaces and cylinders, so that it is independent of
 ``mbcdm_cad.parts``; the finite-element test compares its volume with theirs.

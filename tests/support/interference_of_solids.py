@@ -1,4 +1,4 @@
-"""The interference run on solids at hand, as the tests draw and move them."""
+"""The interference run on solids that the tests draw and move."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""Which requirements of a drive without a guide exclude each other: necessary conditions over the whole catalogue.
+"""Find requirements of a drive without a guide that exclude each other: necessary conditions over the whole catalogue.
 
-As :mod:`reach_bound` for the drive with a guide. Every rope, end, motor and gearhead of the catalogue is tried, and
-what the file leaves open takes its most favourable value. Where no combination meets all conditions no design exists.
+As :mod:`reach_bound` for the drive with a guide. Every rope, termination, motor and gearhead of the catalogue is tried;
+fields that the file leaves open take their most favourable value. If no combination meets all conditions, no design
+exists.
 """
 
 from __future__ import annotations

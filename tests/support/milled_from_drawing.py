@@ -1,4 +1,4 @@
-"""Solids of milled parts built from what their drawings say: dimensions by where they stand, tables by their heads."""
+"""Solids of milled parts from their drawings alone: dimensions by their positions, tables by their headings."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Frames with a motor head from their drawings alone: a column (siso bevel), a yoke (siso spur), a star (miso spur).
 
-X to the right and Z up from the drum's axis, Y from the face that the sheet counts depths from.
+X to the right and Z up from the drum's axis, Y from the face from which the sheet gives depths.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""A search for a passing design that shares nothing with ``mbcdm solve``: random starts, the best of them mutated.
+"""A search for a passing design, independent of ``mbcdm solve``: random starts, the best of them mutated.
 
-Every field that the file leaves open may be drawn: parts over the whole catalogue, rope, preload, radii of guide and
-drum (steps of unequal width too), centre distance, setback, and every derived dimension by a factor on its rule's
-value. A start draws some of them and leaves the others to their rules. A requirement that is missing and that no rule
-can fill is drawn from the space that :mod:`tests.reach` draws its files from.
+Every field that the file leaves open may be drawn: parts of the whole catalogue, rope, preload, radii of guide and drum
+(also with unequal steps), centre distance, setback, and every derived dimension by a factor on the value of its rule. A
+start draws some of them and leaves the others to their rules. A missing requirement that no rule can fill is drawn from
+the same range as the files of :mod:`tests.reach`.
 """
 
 from __future__ import annotations

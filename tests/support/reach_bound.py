@@ -1,9 +1,9 @@
-"""Which requirements exclude each other whatever else is chosen: necessary conditions over the whole catalogue.
+"""Find requirements that exclude each other for any other choice: necessary conditions over the whole catalogue.
 
-Nothing here sizes or checks a design. Every rope, gearhead and motor of the catalogue is tried against conditions that
-each design must meet, written from the checks' own sentences; what the file leaves open takes its most favourable
-value. Where no combination meets them all, no design exists. The contrary does not follow: the conditions are far from
-all that is asked.
+Nothing here sizes or checks a design. Every rope, gearhead and motor of the catalogue is compared with conditions that
+each design must meet, written from the descriptions of the checks; fields that the file leaves open take their most
+favourable value. If no combination meets all conditions, no design exists. The converse does not follow: the conditions
+are only a small part of the checks.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""What stands behind a file that the sizing rules make no passing design of: a design all the same, or a proof of none.
+"""For a file without a passing design by the sizing rules: find a design, or a proof that none exists.
 
-A proof is one of two. By a bound: a few requirements exclude each other whatever else is chosen
-(:mod:`reach_bound`). By searches: ``mbcdm solve`` finds no design and says what must give for one that passes, and a
-search that shares nothing with it (:mod:`random_search`) finds none either.
+There are two kinds of proof. By a bound: a few requirements exclude each other for any other choice
+(:mod:`reach_bound`). By searches: ``mbcdm solve`` finds no design and names the requirements that must change, and an
+independent search (:mod:`random_search`) finds none either.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Parts made from their drawings alone: for each, the function from a sheet read back to the volume that it makes."""
+"""Parts made from their drawings alone: for each part a function from its drawing to its volume."""
 
 from __future__ import annotations
 

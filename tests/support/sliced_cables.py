@@ -1,4 +1,4 @@
-"""Two cables that balance a drum, each wrap summed up in slices: the law of the model by a route of its own."""
+"""Two cables in equilibrium with a drum, each wrap integrated in slices: an independent check of the model's law."""
 
 from __future__ import annotations
 

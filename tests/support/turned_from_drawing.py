@@ -1,5 +1,4 @@
-"""Volume of a turned part from its drawing alone: the view says in which order faces follow, the dimensions how large
-they are."""
+"""Volume of a turned part from its drawing alone: the view gives the order of the faces, the dimensions their sizes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the workshop asks of a design, tried on its solids: take-up, drawings, files for a printer, tables of holes."""
+"""Requirements of the workshop, tested on the solids: take-up, drawings, files for a printer, tables of holes."""
 
 from __future__ import annotations
 

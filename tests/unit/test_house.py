@@ -1,4 +1,4 @@
-"""House rules that a look at the code can hold: class names, the array type, arguments of functions, formatting."""
+"""House rules that a test of the source can hold: class names, the array type, arguments of functions, formatting."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""A small configuration that exists for the tests alone: one input and a drum on parallel axes, two crossed cables.
+"""A small configuration for the tests: one input and a drum on parallel axes, two crossed cables.
 
-It shows what a configuration must supply and that nothing else has to be touched: parts are boxes and cylinders.
-Frame: the drum's axis is Y, the input stands at x = +L with its axis along -Y, so that both turn in one sense.
+It shows what a configuration must supply, and that no other file has to change; its parts are boxes and cylinders.
+Frame: the drum's axis is Y, the input is at x = +L with its axis along -Y, so that both turn in the same sense.
 """
 
 from __future__ import annotations

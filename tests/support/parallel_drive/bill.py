@@ -1,4 +1,4 @@
-"""What the parallel drive is made of."""
+"""The bill of the parallel drive."""
 
 from __future__ import annotations
 

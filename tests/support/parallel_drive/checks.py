@@ -1,4 +1,4 @@
-"""The checks of the parallel drive: those that all configurations share, and one of its own."""
+"""The checks of the parallel drive: the shared ones of all configurations, and its own one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The design file of the parallel drive: a block of its own, and its drive."""
+"""The design file of the parallel drive: its own block, and its drive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the cables of the parallel drive run: a wrap on the input, a crossed span, a wrap on the drum.
+"""Routes of the cables of the parallel drive: a wrap on the input, a crossed span, a wrap on the drum.
 
 The span of a cable that turns the drum in the sense s_d = -sigma has the direction (-cos beta, 0, -s_d sin beta) with
 sin beta = (r_o + r_i)/L, so that both ends touch their pulleys (derived).

@@ -1,4 +1,4 @@
-"""``size_many`` gives the fields and figures of each design sized by itself; ``analyse_many`` those of a short file."""
+"""``size_many`` gives the same values as the sizing of each design alone; ``analyse_many`` those of a short file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reference design's layout and solids, drawn once."""
+"""Layout and solids of the reference design, drawn once."""
 
 from __future__ import annotations
 

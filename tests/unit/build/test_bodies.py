@@ -1,4 +1,4 @@
-"""Bodies: together they hold every item, and move them as the bill does."""
+"""Bodies: together they contain every item, and move them as the bill does."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Distance of centre lines against brute force, and what counts as another turn of the same cable."""
+"""Distance of centre lines compared with brute force, and the definition of another turn of the same cable."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A process forked after the kernel has drawn in its parent must not wait for threads that it does not have."""
+"""A process that is forked after its parent used the kernel must not wait for threads that do not exist in it."""
 
 from __future__ import annotations
 

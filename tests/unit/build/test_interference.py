@@ -1,4 +1,4 @@
-"""Interference sees what is wrong, and only that: single bodies moved or thickened, with volumes worked out by hand."""
+"""Interference is found where it is and nowhere else: single bodies moved or thickened, volumes computed by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a build says while it works, and when a part cannot be drawn; what it must not say."""
+"""Messages of a build during the work and for a part that cannot be drawn; messages that must not appear."""
 
 from __future__ import annotations
 

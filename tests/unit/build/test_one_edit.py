@@ -1,4 +1,4 @@
-"""An interference run that takes what it can from earlier ones finds what a run from nothing finds."""
+"""An interference run that reuses earlier results finds the same as a run without them."""
 
 from __future__ import annotations
 

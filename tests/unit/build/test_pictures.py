@@ -1,4 +1,4 @@
-"""Pictures for the builder: the section stands where cables reach the drum, the exploded view parts the parts."""
+"""Pictures for the assembly: the section is where cables reach the drum, the exploded view separates the parts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is proven apart is apart: against distances known in closed form, and against the kernel's booleans."""
+"""Pairs proven apart are apart: compared with distances in closed form, and with the kernel's booleans."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tapped holes in the files of single parts: at the major diameter, or drawn anew at the tap drill where asked."""
+"""Tapped holes in the files of single parts: at the major diameter, or drawn again at the tap drill on request."""
 
 from __future__ import annotations
 

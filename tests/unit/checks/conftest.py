@@ -1,4 +1,4 @@
-"""Makes the helper modules beside the tests importable, and hands out the reference drive."""
+"""Make the helper modules of this folder importable, and provide the reference drive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reference drive and ways to change one thing of it."""
+"""The reference drive, and functions that change one value of it."""
 
 from __future__ import annotations
 

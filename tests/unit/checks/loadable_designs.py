@@ -1,4 +1,4 @@
-"""Random designs that load: any field of the schema anywhere within its bounds, catalogue names swapped."""
+"""Random designs that load: any field of the schema within its bounds, any names of the catalogue."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks on what a build measured."""
+"""Checks on measured values of a build."""
 
 from __future__ import annotations
 

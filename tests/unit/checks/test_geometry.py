@@ -1,4 +1,4 @@
-"""Plane geometry that the checks share, against sampling and by hand."""
+"""Plane geometry of the checks, compared with sampling and with values computed by hand."""
 
 from __future__ import annotations
 

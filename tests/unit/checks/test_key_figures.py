@@ -1,4 +1,4 @@
-"""What nobody else checks, against figures worked out by hand or by a route of their own."""
+"""Values that no other test covers, compared with figures computed by hand or independently."""
 
 from __future__ import annotations
 

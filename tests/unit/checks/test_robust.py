@@ -1,4 +1,4 @@
-"""No design that loads makes a check raise, give a number that is none, or stay silent; remedies do what they say."""
+"""For every design that loads each check gives a finite number or a message, and never raises; remedies work."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Running all checks: the reference passes, waivers, what happens where there is nothing to measure."""
+"""Run of all checks: the reference passes; waivers; checks without a figure."""
 
 from __future__ import annotations
 

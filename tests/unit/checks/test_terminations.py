@@ -1,4 +1,4 @@
-"""Ends of ropes: the default fits, a wrong one is a failed check with a remedy, and some terminal takes every rope."""
+"""Ends of ropes: the default fits, a wrong one fails a check with a remedy, and every rope fits some terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every check has a border: on one side a design just passes, a hair further one just fails."""
+"""The limit of every check: a design just inside it passes, a design just outside it fails."""
 
 from __future__ import annotations
 

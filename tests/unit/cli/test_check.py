@@ -1,4 +1,4 @@
-"""The check command: what it prints at which width, JSON, exit codes, and what it must not import."""
+"""The command check: its output at several widths, JSON, exit codes, and modules that it must not import."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line as a user meets it: exit codes, messages on stderr, never a traceback."""
+"""The command line from the user's side: exit codes, messages on stderr, never a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Short files: written by init, explained field by field."""
+"""Short files: init writes them, explain explains each field."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``mbcdm plan --within``: runs stay within the bench, the best is written as an experiment that the rig reads."""
+"""``mbcdm plan --within``: runs stay within the limits of the bench; the best is an experiment that the rig reads."""
 
 from __future__ import annotations
 

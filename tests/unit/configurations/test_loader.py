@@ -1,4 +1,4 @@
-"""The loader finds the configuration of a design file by its ``configuration``; another one needs no change of it."""
+"""The loader finds the configuration of a design file by its ``configuration``; a new one needs no change of it."""
 
 from __future__ import annotations
 

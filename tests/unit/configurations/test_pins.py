@@ -1,4 +1,4 @@
-"""A pin that a requirement contradicts: the first advice is to take it out, and it holds."""
+"""A pin that a requirement contradicts: the first advice is to remove it, and this works."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The registry: finds the package's own configurations, takes one from outside, names what it does not know."""
+"""The registry: finds the configurations of the package, accepts one from outside, and names an unknown one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Remedies followed together: the words are true, requirements stay, and what cannot be evaluated is said to be so."""
+"""Remedies applied together: the text is true, requirements do not change, and checks without a figure are named."""
 
 from __future__ import annotations
 

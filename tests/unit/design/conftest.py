@@ -1,4 +1,4 @@
-"""The reference design as data to edit, and a way to load the edited data."""
+"""The reference design as data to edit, and a function that loads the edited data."""
 
 from __future__ import annotations
 

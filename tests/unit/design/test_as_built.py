@@ -1,4 +1,4 @@
-"""What was found on the built drive changes the values that the design declares, and widens their sigmas."""
+"""Effects found on the built drive change the declared values of the design and increase their sigmas."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The package's catalogue: every entry valid, its figures in keeping with their stated rules and fixed values."""
+"""The catalogue of the package: every entry is valid and agrees with its stated rules and fixed values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the user reads: file, line, field, value, limit and remedy, all problems at once."""
+"""Messages to the user: file, line, field, value, limit and remedy, all problems at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The resolved drive: radii, sense, order, and that no field of the file is dead."""
+"""The resolved drive: radii, sense, order, and that every field of the file has an effect."""
 
 from __future__ import annotations
 

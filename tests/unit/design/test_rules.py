@@ -1,4 +1,4 @@
-"""Rules between fields: each with an edit that breaks it and the sentence it earns."""
+"""Rules between fields: for each an edit that breaks it, and the message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values given as {value, sigma}: read, refused, and brought to the ``Drive``."""
+"""Values given as {value, sigma}: read, refused, and copied to the ``Drive``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The YAML reader: lines, bounds, and what it refuses."""
+"""The YAML reader: lines, bounds, and refused content."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sheet of the whole drive lists each part once, with as many pieces as the bill has."""
+"""The sheet of the whole drive lists each part once, with its number in the bill."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Each drawing read back from its DXF alone makes the part it was drawn of; without any one dimension it does not."""
+"""Each drawing, read from its DXF alone, gives the part; without any one of its dimensions it does not."""
 
 from __future__ import annotations
 

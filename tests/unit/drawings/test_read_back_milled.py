@@ -1,4 +1,4 @@
-"""Frames, motor heads, drum made from their drawings alone; without any one dimension, or one twice, they are not."""
+"""Frames, motor heads and drum from their drawings alone; this fails without any one dimension, or with one twice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sheets of all made parts of the reference design: readable, sound DXF, the same every time, holes as in the solid."""
+"""Sheets of all made parts of the reference design: readable, valid DXF, reproducible, holes as in the solid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The quick look at a design under `mbcdm watch`: its work in order, and what a part without a mesh leaves behind."""
+"""The preview of a design under `mbcdm watch`: the order of its work, and a part without a mesh."""
 
 from __future__ import annotations
 

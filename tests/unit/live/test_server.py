@@ -1,4 +1,4 @@
-"""The server of mbcdm watch: only who knows the address is served, and only files of the output."""
+"""The server of mbcdm watch: it serves only requests with the secret address, and only files of the output."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fixture ``write``: a small measured run on disk that each test bends to its purpose."""
+"""The fixture ``write``: a small measured run on disk that each test changes."""
 
 from __future__ import annotations
 

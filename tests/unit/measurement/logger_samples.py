@@ -1,4 +1,4 @@
-"""A small measured run on disk that each test bends to its purpose."""
+"""A small measured run on disk that each test changes."""
 
 from __future__ import annotations
 

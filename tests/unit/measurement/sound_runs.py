@@ -1,4 +1,4 @@
-"""A run of the declared drive with sensors as on a bench, in which nothing is wrong."""
+"""A run of the declared drive with sensors of a bench and without mistakes."""
 
 from __future__ import annotations
 

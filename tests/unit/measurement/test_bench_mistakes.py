@@ -1,4 +1,4 @@
-"""What goes wrong between a bench and the command, one by one: refused with line and remedy, or judged and said."""
+"""Mistakes between bench and command, one by one: refused with line and remedy, or judged with a note."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``mbcdm loop``: exit codes, what is printed and written, and what stays unwritten."""
+"""``mbcdm loop``: exit codes, printed text, and which files are written or not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A drafted measurement file reads the data as they are: units, signs, encoders before the gearhead, forces."""
+"""A drafted measurement file reads the data correctly: units, signs, encoders before the gearhead, forces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measurement files read: units, signs, loggers as they are; refusals with file, line and remedy."""
+"""Reading of measurement files: units, signs, formats of loggers; refusals with file, line and remedy."""
 
 from __future__ import annotations
 

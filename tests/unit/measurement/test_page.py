@@ -1,4 +1,4 @@
-"""The reference page of the measurement file, and the files it shows."""
+"""The reference page of the measurement file, and the files that it shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs recorded by others on real cable drives, where they lie: read as loggers wrote them, and what the loop says."""
+"""Runs that others recorded on real cable drives, if present: read as loggers wrote them; results of the loop."""
 
 from __future__ import annotations
 

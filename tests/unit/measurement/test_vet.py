@@ -1,4 +1,4 @@
-"""Vetting: what is declared wrongly is recognised and said, and a sound run is left in peace."""
+"""Vetting: wrong declarations are found and reported, a correct run gives no finding."""
 
 from __future__ import annotations
 

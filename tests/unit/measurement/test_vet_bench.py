@@ -1,4 +1,4 @@
-"""Sound runs of every effect, and of causes outside the vocabulary, are neither refused nor doubted."""
+"""Correct runs with every effect, and with causes outside the vocabulary, are neither refused nor doubted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's drive (Tables 1 and 2) straight in SI, so that these tests need no design file."""
+"""The paper's drive (Tables 1 and 2) directly in SI, so that these tests need no design file."""
 
 from __future__ import annotations
 

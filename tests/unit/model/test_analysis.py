@@ -1,4 +1,4 @@
-"""The facade: complete, JSON-able, responsive to its parameters, quick to import."""
+"""The analysis: complete, convertible to JSON, dependent on all its parameters, fast to import."""
 
 from __future__ import annotations
 

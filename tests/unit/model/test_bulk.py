@@ -1,4 +1,4 @@
-"""Bulk figures equal the one-by-one answer. How quick they are: benchmarks/model.py."""
+"""Figures of many designs at once equal those of single designs. Their speed: benchmarks/model.py."""
 
 from __future__ import annotations
 

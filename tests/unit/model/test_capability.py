@@ -1,4 +1,4 @@
-"""Limits of torque each way, stiffness, bearing loads."""
+"""Limits of torque in both directions, stiffness, bearing loads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Relaxation of a rope between fixed ends against closed forms, and what the catalogue's figures say."""
+"""Relaxation of a rope between fixed ends compared with closed forms, and the figures of the catalogue."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Folded plates against beams and tubes whose answer is known."""
+"""Folded plates compared with beams and tubes with known solutions."""
 
 from __future__ import annotations
 

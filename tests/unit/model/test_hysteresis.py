@@ -1,4 +1,4 @@
-"""The time-series model: closed form against the clip rule on a grid, and the laws of a model with memory."""
+"""The time-series model: closed form compared with the clip rule on a grid, and the laws of a model with memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motors without a gearhead: torque, loss, speed and the drum's torque over speed, against energy and equilibrium."""
+"""Motors without a gearhead: torque, loss, speed, drum torque over speed, compared with energy and equilibrium."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The slips of the paper, each shown symbolically: what is printed contradicts itself, what is used does not."""
+"""The mistakes of the paper, each shown symbolically: the printed form contradicts itself, the form used does not."""
 
 from __future__ import annotations
 

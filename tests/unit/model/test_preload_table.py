@@ -1,4 +1,4 @@
-"""The table of what less preload costs, against the model's own figures."""
+"""The table of the effect of a lower preload, compared with figures of the model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Wrap profiles in closed form: against the turning points, the grid, the static model, and laws of their own."""
+"""Wrap profiles in closed form: compared with turning points, the grid and the static model, and their own laws."""
 
 from __future__ import annotations
 

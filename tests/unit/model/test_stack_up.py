@@ -1,4 +1,4 @@
-"""Stack-ups against what is known in closed form."""
+"""Stack-ups compared with closed forms."""
 
 from __future__ import annotations
 

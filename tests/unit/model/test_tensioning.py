@@ -1,4 +1,4 @@
-"""Preload setting against routes of its own: beams by finite differences, friction by integration, springs by hand."""
+"""Preload setting, checked independently: beams by finite differences, friction by integration, springs by hand."""
 
 from __future__ import annotations
 

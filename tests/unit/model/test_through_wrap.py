@@ -1,4 +1,4 @@
-"""A wrap that nothing anchors, against the same wrap anchored and against its mirror image."""
+"""A wrap without an anchor, compared with the same wrap anchored and with its mirror image."""
 
 from __future__ import annotations
 

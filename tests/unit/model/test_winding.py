@@ -1,4 +1,4 @@
-"""Winding history: cable wound on keeps its tension. Checked by a plain second implementation and by its figures."""
+"""Winding history: cable that is wound on keeps its tension. Checked by a second implementation and by figures."""
 
 from __future__ import annotations
 

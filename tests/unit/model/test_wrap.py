@@ -1,4 +1,4 @@
-"""The stretch law of one cable against numerical integration of the clipped profile, and its limits."""
+"""The stretch law of one cable compared with numerical integration of the clipped profile, and its limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's experiments on the rig: the figures they give, the paper's beside them, and files that are whole."""
+"""The paper's experiments on the rig: their figures, the paper's figures, and complete files."""
 
 from __future__ import annotations
 

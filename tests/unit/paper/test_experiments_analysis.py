@@ -1,4 +1,4 @@
-"""What is read from the paper's experiments, on made-up runs of which the answer is known."""
+"""The evaluation of the paper's experiments, on synthetic runs with known results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Published figures beside the model: what is predicted, what each candidate would have to be, what cannot be told."""
+"""Published figures compared with the model: predictions, the needed size of each candidate, untestable causes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper table: inside its tolerances for the reference design, outside where something is off, and up to date."""
+"""The table of the paper's figures: within tolerances for the reference, outside for a wrong design, up to date."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Volumes of the reference design's parts as they were when last looked at.
+"""Volumes of the reference design's parts as last reviewed.
 
-After a change of geometry that is meant: ``python tests/unit/parts/golden.py`` writes golden_volumes.json anew; read
-the diff before it is committed.
+After an intended change of geometry ``python tests/unit/parts/golden.py`` writes golden_volumes.json again; read the
+diff before you commit it.
 """
 
 from __future__ import annotations

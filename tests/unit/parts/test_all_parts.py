@@ -1,4 +1,4 @@
-"""Every part of the reference design: one sound solid, a watertight mesh, the volume it had, and its box."""
+"""Every part of the reference design: one valid solid, a watertight mesh, the reviewed volume, and its box."""
 
 from __future__ import annotations
 

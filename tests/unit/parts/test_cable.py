@@ -1,4 +1,4 @@
-"""A cable is pi r^2 times its length (Guldin), at every pose; its ends lie where stop and terminal hold it."""
+"""The volume of a cable is pi r^2 times its length (Guldin) at every pose; its ends are at stop and terminal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Limits of ISO 286 against values printed in the standard's tables, as upper/lower deviation in micrometres."""
+"""Limits of ISO 286 compared with the tables of the standard, as upper/lower deviation in micrometres."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of holes against the cylinders of the solids: every hole told is there, and every small hole there is told."""
+"""Tables of holes compared with the cylinders of the solids: every listed hole exists, every small hole is listed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Turned parts against closed forms, written from the drawing: sums of rings, cones and prisms."""
+"""Turned parts compared with closed forms from the drawing: sums of rings, cones and prisms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""ISO metric threads against printed values of ISO 724, ISO 2306 and ISO 898-1."""
+"""ISO metric threads compared with printed values of ISO 724, ISO 2306 and ISO 898-1."""
 
 from __future__ import annotations
 

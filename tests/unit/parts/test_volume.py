@@ -1,4 +1,4 @@
-"""The closed forms of volume against the drawn solids: part by part on the reference, mass on varied designs."""
+"""The closed forms of volume compared with the drawn solids: each part of the reference, mass of varied designs."""
 
 from __future__ import annotations
 

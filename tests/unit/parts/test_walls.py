@@ -1,4 +1,4 @@
-"""No slivers: from points all over a part's surface, how far is it straight through to the other side?"""
+"""No slivers: the distance through the part, from points all over its surface."""
 
 from __future__ import annotations
 

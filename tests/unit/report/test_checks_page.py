@@ -1,4 +1,4 @@
-"""docs/checks.md is what the registry says."""
+"""docs/checks.md agrees with the registry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Designs side by side: figures that follow from others by their definition, and what the table and JSON show."""
+"""Comparison of designs: figures that follow from others by definition, and the content of table and JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The graph of what follows from what: its lines say what the rules read, its drawing overlaps nowhere."""
+"""The graph of dependencies: its lines are what the rules read, its drawing has no overlaps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The gallery: its page as it stands in docs, and the words and figures it takes from a file."""
+"""The gallery: its page in docs, and the text and figures that it takes from a file."""
 
 from __future__ import annotations
 

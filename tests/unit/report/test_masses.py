@@ -1,4 +1,4 @@
-"""Which masses the package's catalogue calls estimates, by the part of the source that speaks of the mass."""
+"""Masses that are estimates, by the part of the catalogue entry's source about the mass."""
 
 from __future__ import annotations
 

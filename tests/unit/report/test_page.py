@@ -1,4 +1,4 @@
-"""The page without a browser: its data within stated errors, its parts in order, its bytes repeatable and safe."""
+"""The page without a browser: data within stated errors, order of its parts, reproducible and safe bytes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cable paths and torsional modes as the report and `mbcdm analyse` hold them."""
+"""Cable paths and torsional modes in the report and in `mbcdm analyse`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the rig's tests share."""
+"""Fixtures of the rig's tests."""
 
 from __future__ import annotations
 

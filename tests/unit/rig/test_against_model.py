@@ -1,4 +1,4 @@
-"""The rig beside the analytic model. Here, and only here, both are imported."""
+"""The rig compared with the analytic model. Only this file imports both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The chain by itself: balance, memory, conservation of rope under transport, slackness."""
+"""The chain alone: equilibrium, memory, conservation of rope under transport, slack."""
 
 from __future__ import annotations
 

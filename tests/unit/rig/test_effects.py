@@ -1,4 +1,4 @@
-"""Each effect against what its physics says by hand, on a bench with perfect sensors."""
+"""Each effect compared with its physics computed by hand, on a bench with perfect sensors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ready experiment files: each is read, says what it is, and runs."""
+"""The experiment files of the library: each is read, has a description, and runs."""
 
 from __future__ import annotations
 

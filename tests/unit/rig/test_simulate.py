@@ -1,4 +1,4 @@
-"""A run from file to files: bytes, truth apart, nothing half written."""
+"""A run from its file to its output files: same bytes, separate truth, no partial output."""
 
 from __future__ import annotations
 

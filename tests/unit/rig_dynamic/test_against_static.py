@@ -1,4 +1,4 @@
-"""The dynamic rig where it must agree with what was reckoned otherwise: quasi-static balance and the analytic model."""
+"""The dynamic rig compared with the quasi-static equilibrium and the analytic model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inertias, gearhead and position loop against closed forms."""
+"""Inertias, gearhead and position controller compared with closed forms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whole runs of the dynamic rig: laws it must obey, whatever the cables are made of."""
+"""Whole runs of the dynamic rig: laws for any cables."""
 
 from __future__ import annotations
 

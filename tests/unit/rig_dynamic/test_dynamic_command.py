@@ -1,4 +1,4 @@
-"""Experiment files of the dynamic rig: what they say is what runs, and what cannot run is refused in words."""
+"""Experiment files of the dynamic rig: they run as written; files that cannot run are refused with a message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The implicit step with dry friction: the conditions of contact hold, whatever the guess."""
+"""The implicit step with dry friction: the conditions of contact hold for any initial guess."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The step of motion against closed forms, with plain springs in the cables' place."""
+"""The time step compared with closed forms, with simple springs instead of cables."""
 
 from __future__ import annotations
 

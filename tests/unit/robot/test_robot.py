@@ -1,4 +1,4 @@
-"""URDF and MJCF read back by other people's software: mass, inertia, ratio, stiffness."""
+"""URDF and MJCF read by other programs: mass, inertia, ratio, stiffness."""
 
 from __future__ import annotations
 

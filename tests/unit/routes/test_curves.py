@@ -1,4 +1,4 @@
-"""Each kind of piece: exact length against chords, end tangents against differences, and what they must be by hand."""
+"""Each kind of piece: exact length compared with chords, end tangents with differences, and values by hand."""
 
 from __future__ import annotations
 

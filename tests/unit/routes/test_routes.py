@@ -1,4 +1,4 @@
-"""Routes of the bevel drive against independent ways: taut strings, vector sums, finite differences, rigid turning."""
+"""Routes of the bevel drive, checked independently: taut strings, vector sums, finite differences, rigid rotation."""
 
 from __future__ import annotations
 

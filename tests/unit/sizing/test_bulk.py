@@ -1,4 +1,4 @@
-"""Sizing rules on columns of designs give what they give for each design alone."""
+"""Sizing rules on columns of designs give the same values as for each design alone."""
 
 from __future__ import annotations
 

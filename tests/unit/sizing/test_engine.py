@@ -1,4 +1,4 @@
-"""Rules fill what is open, leave what is given, and record what they read."""
+"""Rules fill open fields, do not change stated ones, and record what they read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bound on drives without a guide: what it excludes, why, and that the references are within it."""
+"""The bound on drives without a guide: what it excludes and why; it does not exclude the references."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Short files of miso_spur: those of siso_spur with the load shared, and what stands beside each other apart."""
+"""Short files of miso_spur: as siso_spur with a shared load, and gaps between sectors and inputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Short files of siso_spur: every dimension follows, and what is given stays."""
+"""Short files of siso_spur: rules fill every dimension, and stated values do not change."""
 
 from __future__ import annotations
 

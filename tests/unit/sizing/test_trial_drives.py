@@ -1,4 +1,4 @@
-"""A trial drive is worked out once, however often it is asked for, and gives what it gives alone."""
+"""A trial drive is computed once for any number of requests, and gives the same values as alone."""
 
 from __future__ import annotations
 

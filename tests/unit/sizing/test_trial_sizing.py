@@ -1,4 +1,4 @@
-"""The search of a field's value by checks: a check that no value meets does not spoil the others."""
+"""The search of a field's value by checks: a check that no value meets does not prevent the others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Questions about drives with a motor head: their files' ranges are met, and what may move exists."""
+"""Questions about drives with a motor head: ranges of their files are kept, and all free fields exist."""
 
 from __future__ import annotations
 

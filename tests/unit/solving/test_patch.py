@@ -1,4 +1,4 @@
-"""Fields changed in the text of a file: the content is what was asked, comments that belong elsewhere stay."""
+"""Changes of fields in the text of a file: the content is as wanted, comments of other fields stay."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The independent search of the reach study: a few starts, since the study itself takes some hundred."""
+"""The independent search of the reach study, with a few starts instead of some hundred."""
 
 from __future__ import annotations
 

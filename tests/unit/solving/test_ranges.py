@@ -1,4 +1,4 @@
-"""Ranges in a design file: what may be written, what is refused with line and remedy, and who may read them."""
+"""Ranges in a design file: valid forms, refusals with line and remedy, and the commands that accept them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bound that proves requirements to exclude each other: it never excludes a design that is there."""
+"""The bound that proves that requirements exclude each other: it never excludes an existing design."""
 
 from __future__ import annotations
 

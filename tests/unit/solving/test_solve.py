@@ -1,4 +1,4 @@
-"""The nearest passing design: what the user fixed stays, the written file passes, the same question the same answer."""
+"""The nearest passing design: fixed fields do not change, the written file passes, the result is reproducible."""
 
 from __future__ import annotations
 

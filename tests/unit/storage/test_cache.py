@@ -1,4 +1,4 @@
-"""The cache: what comes back is what went in, whoever else is at it, and never more than its limit."""
+"""The cache: it returns what was stored, also with several processes, and never exceeds its limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compiled code does not outlive the sources it was made from."""
+"""Compiled code is not used after its sources change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The output folder: whole before, whole after, whatever kills the build in between."""
+"""The output folder is complete before and after a build, even if the build is killed."""
 
 from __future__ import annotations
 

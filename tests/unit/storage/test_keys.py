@@ -1,4 +1,4 @@
-"""Keys: the same for the same, another for anything else."""
+"""Keys: equal for equal content, different for any other content."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work on several processes gives what it gives on one."""
+"""Work on several processes gives the same result as on one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Solids and items that stand for a design: every surface type and instances, nothing of a real mechanism."""
+"""Solids and items in place of a design: every surface type, and instances; no real mechanism."""
 
 from __future__ import annotations
 

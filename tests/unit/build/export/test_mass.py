@@ -1,4 +1,4 @@
-"""Mass properties against closed forms, and the sums over an assembly against one solid made of the same material."""
+"""Mass properties compared with closed forms, and sums over an assembly with one solid of the same material."""
 
 from __future__ import annotations
 

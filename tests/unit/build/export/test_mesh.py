@@ -1,4 +1,4 @@
-"""Meshes: the chordal error is held, STL and GLB are sound, and the bytes repeat."""
+"""Meshes: the chordal error is within its limit, STL and GLB are valid, and the bytes are reproducible."""
 
 from __future__ import annotations
 

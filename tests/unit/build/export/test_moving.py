@@ -1,4 +1,4 @@
-"""The moving picture's cables: round tubes about their centre lines."""
+"""Cables of the moving picture: round tubes about their centre lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is stored of a part is all that a build needs of it."""
+"""The stored files of a part contain everything that a build needs of it."""
 
 from __future__ import annotations
 

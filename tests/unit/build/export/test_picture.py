@@ -1,4 +1,4 @@
-"""Pictures: drawn without a display, filled by the model, with the right thing at the right place."""
+"""Pictures: drawn without a display, filled by the model, with each part at its place."""
 
 from __future__ import annotations
 

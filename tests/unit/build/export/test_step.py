@@ -1,4 +1,4 @@
-"""STEP files: the same bytes for the same model, and what comes back is what went out."""
+"""STEP files: the same bytes for the same model, and the same model after reading."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One sound solid or a sentence: each fault that the kernel lets pass somewhere is made and must be found."""
+"""One valid solid or a message: each fault that the kernel can produce is made and must be found."""
 
 from __future__ import annotations
 

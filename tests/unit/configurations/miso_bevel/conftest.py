@@ -1,4 +1,4 @@
-"""Fixtures of the layout's tests."""
+"""Fixtures of the tests of this layout."""
 
 from __future__ import annotations
 

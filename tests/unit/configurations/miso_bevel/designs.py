@@ -1,4 +1,4 @@
-"""Drives for the tests of the layout: the reference design, and random variations made of plain numbers."""
+"""Drives for the tests of this layout: the reference design, and random variations of its numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arrangement of the drives: input axes set back from the guide's, gearheads of two to four screws."""
+"""Arrangement of the motors: setback of the input axes, gearheads with two to four screws."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bill: all instances at their places, groups that move as the cables say, names for any design."""
+"""The bill: placement of all instances, groups that move with the cables, names for any design."""
 
 from __future__ import annotations
 

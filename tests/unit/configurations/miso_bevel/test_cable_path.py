@@ -1,4 +1,4 @@
-"""The reference design's cables: the mechanism's figures, tangency by an independent construction, smooth joints."""
+"""Cables of the reference design: figures of the mechanism, tangency by independent construction, smooth joints."""
 
 from __future__ import annotations
 

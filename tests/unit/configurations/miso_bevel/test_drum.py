@@ -1,4 +1,4 @@
-"""The drum's lands, terminals, stop and windows: inside the sector, off each other, where the figures say."""
+"""Lands, terminals, stop and windows of the drum: inside the sector, apart from each other, at their dimensions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stack-ups of miso_bevel's gaps against the gaps themselves, moved a little by another route."""
+"""Stack-ups of miso_bevel's gaps compared with small changes of the gaps, computed independently."""
 
 from __future__ import annotations
 

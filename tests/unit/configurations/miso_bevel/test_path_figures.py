@@ -1,4 +1,4 @@
-"""Cable paths in figures: held against rigid-body kinematics and Pythagoras, limits where they are said to be."""
+"""Figures of cable paths compared with rigid-body kinematics and Pythagoras; limits of the travel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Input pulleys, collar, guide and axle: what they must hold, pass and leave standing."""
+"""Input pulleys, collar, guide and axle: walls, clearances and seats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reference design by its requirements and pins is the one whose every value is written out."""
+"""The reference design from its requirements and pins is the same as the one with all values stated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sizing of miso_bevel: the reference from what it states, and laws that hold for every file."""
+"""Sizing of miso_bevel: the reference from its requirements, and laws for every file."""
 
 from __future__ import annotations
 

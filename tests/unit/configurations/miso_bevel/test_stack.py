@@ -1,4 +1,4 @@
-"""Levels along Y and Z: identities of the envelope, order, clearances, and that each field moves what it names."""
+"""Levels along Y and Z: identities of the envelope, order, clearances, and the effect of each field."""
 
 from __future__ import annotations
 

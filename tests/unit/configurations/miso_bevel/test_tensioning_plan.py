@@ -1,4 +1,4 @@
-"""The plan of tensioning where one cable is set apart from the others."""
+"""The tensioning plan if one cable has another preload than the others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reference design of miso_spur, as its schema writes it, and the same with more inputs."""
+"""The reference design of miso_spur, as its schema writes it, and with more inputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several inputs round one drum: each carries its share as the plain drive would, and the drum is in balance."""
+"""Several inputs round one drum: each behaves as the plain drive under its share, and the drum is in equilibrium."""
 
 from __future__ import annotations
 

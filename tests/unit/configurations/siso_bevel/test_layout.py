@@ -1,4 +1,4 @@
-"""Geometry of the drive without a guide: true paths, the one turn of the input, the stop's slot, the frame."""
+"""Geometry of the drive without a guide: cable paths, the one turn of the input, the stop's slot, the frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Equilibrium, symmetry and loads of the drive without a guide, each by a route of its own."""
+"""Equilibrium, symmetry and loads of the drive without a guide, each computed independently."""
 
 from __future__ import annotations
 

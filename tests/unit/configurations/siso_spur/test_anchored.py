@@ -1,4 +1,4 @@
-"""Two cables anchored on input and drum: true paths, grooves and slots under them, and what the checks ask of them."""
+"""Two cables anchored on input and drum: their paths, the grooves and slots under them, and their checks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Geometry of the plain capstan drive: true path, walk, groove under the cable, what the checks ask of the winding."""
+"""Geometry of the plain capstan drive: cable path, walk, groove under the cable, checks of the winding."""
 
 from __future__ import annotations
 

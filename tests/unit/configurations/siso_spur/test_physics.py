@@ -1,4 +1,4 @@
-"""Slip on the input, equilibrium, symmetry and loads of the plain capstan drive, each by a route of its own."""
+"""Slip on the input, equilibrium, symmetry and loads of the plain capstan drive, each computed independently."""
 
 from __future__ import annotations
 
