@@ -9,13 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mbcdm_cad.build.makefiles import drawn_part
+from mbcdm_cad.build.mass import rod_shape
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.store import MadePart, Store
+from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.checks.built import envelope_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.parts.bill import CABLE
+from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
 from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.report.page import PAGE
@@ -42,13 +45,27 @@ class _Drawn:
     figures: PageFigures
 
 
+@dataclass(frozen=True)
+class _Cable:
+    """A cable that is not drawn yet."""
+
+    spec: PartSpec
+    material: Material
+    key: str
+
+    def undrawn(self) -> MadePart:
+        """The cable without files, with the figures that its centre line gives."""
+        none = TriangleMesh.empty()
+        return MadePart(self.key, PartFiles(self.spec.name, b"", b"", none, rod_shape(*self.spec.args)))
+
+
 class Previewer:
     """Draws one design after the other into ``folder``; a part is written only if it differs from the last one written.
 
     All solids stay in memory from one design to the next, so only changed parts are drawn. The STEP file is written
     before the mesh is made, and the figures are computed while other processes draw all parts but the pulleys. Cables
-    get no mesh, which would take most of the time: the page sweeps them along their centre lines. ``look`` is called
-    regularly and may raise an exception to stop the work.
+    are drawn after the page, without a mesh: the page sweeps them along their centre lines, from which their mass
+    follows, too. ``look`` is called regularly and may raise an exception to stop the work.
     """
 
     def __init__(self, folder: Path, cache: Cache, look: Callable[[], None]) -> None:
@@ -59,6 +76,7 @@ class Previewer:
         self._written: dict[str, str] = {}
         self._lengths: dict[str, int] = {}
         self._drawn: _Drawn | None = None
+        self._cables: list[_Cable] = []
 
     def preview(self, loaded: LoadedDesign, checks: Sequence[CheckResult]) -> Preview:
         """STEP and STL of each changed part in the folder, and the page with the ``checks`` of the design.
@@ -79,10 +97,13 @@ class Previewer:
         missing = self._in_order([name for name in keys if name not in parts], pulleys)
         for name in missing:
             self._written.pop(name, None)  # its file changes even if this job is stopped
+        self._cables = [_Cable(bill.parts[n], materials[n], keys[n]) for n in missing if n.startswith(CABLE)]
+        for cable in self._cables:
+            self._remove(cable.spec.name)
+        missing = [name for name in missing if not name.startswith(CABLE)]
 
         def draw(name: str) -> PartFiles:
-            tolerance = None if name.startswith(CABLE) else drive.export.mesh_tolerance_mm
-            return drawn_part(bill.parts[name], materials[name], tolerance, self._write_step)
+            return drawn_part(bill.parts[name], materials[name], drive.export.mesh_tolerance_mm, self._write_step)
 
         cores = os.cpu_count() or 1
         # Computing the figures at the same time would slow the pulleys down by a third.
@@ -93,17 +114,31 @@ class Previewer:
             self._look()
             shown = page_figures(drive, fields["fields"], self._cache)
             drawn += results(self._look)
-        made = self._store.keep(keys, [files for files in drawn if not files.name.startswith(CABLE)])
-        made |= {files.name: MadePart(keys[files.name], files) for files in drawn if files.name.startswith(CABLE)}
+        made = self._store.keep(keys, drawn)
         self._write(made)
-        parts |= made
+        parts |= made | {cable.spec.name: cable.undrawn() for cable in self._cables}
         data = report_data(
             dims, bill, parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256, figures=figures
         )
         mass, size = data["mass"], data["envelope"]["size_mm"]
         whole = (*checks, mass_check(drive, mass["mass_g"], mass["sigma_g"]), envelope_check(drive, size))
         self._drawn = _Drawn(loaded.sha256, parts, shown)
-        return Preview(page_of(drive, data | checks_data(whole) | fields, parts, shown), changed)
+        written = tuple(name for name in changed if name in self._written)
+        return Preview(page_of(drive, data | checks_data(whole) | fields, parts, shown), written)
+
+    def draw_cables(self) -> None:
+        """Write the STEP files of the cables that changed with the last preview, whose page does not wait for them.
+
+        Raises ``MbcdmError`` for a cable that cannot be drawn.
+        """
+
+        def draw(cable: _Cable) -> PartFiles:
+            return drawn_part(cable.spec, cable.material, None)
+
+        with forked(draw, self._cables, os.cpu_count() or 1) as results:
+            drawn = results(self._look)
+        self._write({c.spec.name: MadePart(c.key, files) for c, files in zip(self._cables, drawn, strict=True)})
+        self._cables = []
 
     def complete(self, loaded: LoadedDesign, built: Path, checks: Sequence[CheckResult]) -> bytes:
         """The page of a whole build in the folder ``built``, written there."""
@@ -123,12 +158,19 @@ class Previewer:
         return sorted(names, key=lambda name: (name not in pulleys, -self._lengths.get(name, 0)))
 
     def _write_step(self, name: str, step: bytes) -> None:
-        write_whole({(self._folder / "parts" / name).with_suffix(".step"): step}, durable=False)
+        write_whole({self._stem(name).with_suffix(".step"): step}, durable=False)
+
+    def _stem(self, name: str) -> Path:
+        return self._folder / "parts" / name
+
+    def _remove(self, name: str) -> None:
+        for ending in (".step", ".stl"):
+            self._stem(name).with_suffix(ending).unlink(missing_ok=True)
 
     def _write(self, parts: Mapping[str, MadePart]) -> None:
         """Write STEP and STL of the parts; for a part without a mesh an old STL is removed."""
         for name, part in parts.items():
-            stem = self._folder / "parts" / name
+            stem = self._stem(name)
             files = {stem.with_suffix(".step"): part.files.step}
             if part.files.mesh.is_empty:
                 stem.with_suffix(".stl").unlink(missing_ok=True)

@@ -13,6 +13,9 @@ from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.parallel import allow_processes
 
+# The browser loads the new page meanwhile, for which it needs a core.
+_CABLES_AFTER_S = 1.2
+
 
 @dataclass(frozen=True)
 class Job:
@@ -62,15 +65,17 @@ def work(connection: Connection, folder: Path, use_cache: bool) -> None:
             try:
                 loaded = load_text(job.text, job.path)
                 if job.built is not None:
-                    drawn = Drawn(job.number, previewer.complete(loaded, job.built, job.checks), whole=True)
+                    page = previewer.complete(loaded, job.built, job.checks)
+                    connection.send(Drawn(job.number, page, whole=True))
                 else:
                     preview = previewer.preview(loaded, job.checks)
-                    drawn = Drawn(job.number, preview.page, preview.written)
+                    connection.send(Drawn(job.number, preview.page, preview.written))
+                    if not connection.poll(_CABLES_AFTER_S):
+                        previewer.draw_cables()
             except _SupersededError:
                 continue
             except (MbcdmError, OSError) as error:
-                drawn = Drawn(job.number, problem=str(error))
-            connection.send(drawn)
+                connection.send(Drawn(job.number, problem=str(error)))
     except (EOFError, BrokenPipeError):
         return
 
