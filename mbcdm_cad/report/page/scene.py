@@ -149,12 +149,18 @@ def cable_lines(paths_at: Paths, half_travel_deg: float) -> tuple[dict[str, NDAr
         [max(_chords(piece) for piece in same) for same in zip(*(_pieces(p) for p in path), strict=True)]
         for path in zip(*ends, strict=True)
     ]
+    least = 0.0
     for poses in _POSES:
+        if poses < least:
+            continue
         angles = np.linspace(-half_travel_deg, half_travel_deg, poses)
         at = [_sampled(paths_at(radians(angle)), counts) for angle in angles]
         lines = {name: np.array([pose[name] for pose in at]) for name in at[0]}
-        if poses == _POSES[-1] or _pose_error(paths_at, lines, angles, counts) <= POSE_ERROR_MM:
+        error_mm = _pose_error(paths_at, lines, angles, counts)
+        if poses == _POSES[-1] or error_mm <= POSE_ERROR_MM:
             break
+        # The error falls with the square of the step; a tenth less than that needs is tried, since the next may do.
+        least = 0.9 * (poses - 1) * sqrt(error_mm / POSE_ERROR_MM)
     return lines, angles
 
 
