@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step_text import with_description
 from mbcdm_cad.build.export.stl import with_note
 from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.scene import travel_poses
-from mbcdm_cad.build.store import MadePart, Progress, Store
+from mbcdm_cad.build.store import MadePart, Progress, Store, nothing
 from mbcdm_cad.checks.built import (
     envelope_check,
     frame_windup_check,
@@ -37,6 +37,9 @@ from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
+
+if TYPE_CHECKING:
+    from mbcdm_cad.report.data import DesignFigures
 
 POSES = 9
 WINDUP_LIMIT = "limits.frame_windup_max_mrad"
@@ -92,9 +95,19 @@ def build(
     store = Store(cache, progress)
     posed, centred = kind.bill(dims, angle_deg), kind.bill(dims)
     poses = travel_poses(drive.half_travel_deg, POSES)
+    figures: DesignFigures | None = None
+
+    def prepared() -> None:
+        from mbcdm_cad.build.separation import prepare
+        from mbcdm_cad.report.data import design_figures
+
+        nonlocal figures
+        prepare()
+        figures = design_figures(dims, centred)
+
     try:
-        parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes)
-        clashes, frame = store.judged(dims, parts, poses, processes)
+        parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes, prepared)
+        clashes, frame = store.judged(dims, parts, poses, processes, () if _failed(checks) else posed.items)
     except GeometryError as error:
         raise GeometryError(f"{error}; {_why_not_drawn(_failed(checks))}") from error
 
@@ -102,7 +115,9 @@ def build(
     from mbcdm_cad.report.explain import fields_data
 
     tested = Tested(clashes, poses, frame)
-    data = report_data(dims, centred, parts, tested, drum_angle_deg=angle_deg, design_sha256=loaded.sha256)
+    data = report_data(
+        dims, centred, parts, tested, drum_angle_deg=angle_deg, design_sha256=loaded.sha256, figures=figures
+    )
     checks = (
         *checks,
         mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
@@ -131,9 +146,11 @@ def drawn(
     return posed.items, _parts(Store(cache, progress), posed, drive.export.mesh_tolerance_mm, os.cpu_count() or 1)
 
 
-def _parts(store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int) -> dict[str, MadePart]:
+def _parts(
+    store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int, meanwhile: Callable[[], None] = nothing
+) -> dict[str, MadePart]:
     materials = {item.part: item.material for item in posed.items}
-    return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs)
+    return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs, meanwhile)
 
 
 def exported_parts(

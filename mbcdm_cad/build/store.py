@@ -27,11 +27,15 @@ from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, package_hash, source_hash
 from mbcdm_cad.storage.manifest import versions
-from mbcdm_cad.storage.parallel import fork_map
+from mbcdm_cad.storage.parallel import fork_map, forked
 
 Progress = Callable[[str], None]
 # The progress message names at most this many parts; more are only counted.
 _MOST_NAMED = 6
+
+
+def nothing() -> None:
+    """Do nothing, while parts are drawn."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +60,23 @@ class Store:
         self._progress = progress
         self._solids: dict[str, Any] = {}
         self._held: dict[str, MadePart] = {}
+        self._assemblies: dict[str, dict[str, bytes]] = {}
         self._sources: dict[str, str] | None = None
         self.made: list[str] = []
 
     def parts(
-        self, specs: Mapping[str, PartSpec], materials: Mapping[str, Material], mesh_tolerance_mm: float, jobs: int
+        self,
+        specs: Mapping[str, PartSpec],
+        materials: Mapping[str, Material],
+        mesh_tolerance_mm: float,
+        jobs: int,
+        meanwhile: Callable[[], None] = nothing,
     ) -> dict[str, MadePart]:
-        """All parts; only those that the cache lacks for these dimensions, material and code are drawn."""
+        """All parts; only those that the cache lacks for these dimensions, material and code are drawn.
+
+        ``meanwhile`` is called, if anything is drawn, while other processes draw; an error in drawing comes before one
+        in it.
+        """
         keys = self.keys(specs, materials, mesh_tolerance_mm)
         found = self.known(keys)
         missing = [name for name in specs if name not in found]
@@ -70,7 +84,11 @@ class Store:
             from mbcdm_cad.build.makefiles import drawn_part
 
             self._note(*missing)
-            drawn = fork_map(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), missing, jobs)
+            with forked(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), missing, jobs) as results:
+                try:
+                    meanwhile()
+                finally:
+                    drawn = results()
             found |= self.keep(keys, drawn)
         return {name: found[name] for name in specs}
 
@@ -107,11 +125,26 @@ class Store:
         self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str = ""
     ) -> dict[str, bytes]:
         """STEP and GLB of the assembly, by these names; both carry ``note``."""
+        key, make = self._assembly(items, parts, name, note)
+        if key not in self._assemblies:
+            self._note("assembly")
+            self._hold(key, make())
+        return self._assemblies[key]
+
+    def _hold(self, key: str, files: dict[str, bytes]) -> None:
+        self._assemblies[key] = files
+        self._cache.put(key, files)
+
+    def _assembly(
+        self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str
+    ) -> tuple[str, Callable[[], dict[str, bytes]]]:
+        """The key of an assembly's files, which are read if the cache has them, and the function that makes them."""
         source = self._source("mbcdm_cad.build.export.step", "mbcdm_cad.build.export.glb")
         key = content_key("assembly", (name, note, items, _keys(parts)), source, versions())
+        if key not in self._assemblies and (blobs := self._cache.get(key)) is not None:
+            self._assemblies[key] = blobs
 
         def make() -> dict[str, bytes]:
-            self._note("assembly")
             from mbcdm_cad.build.export.glb import glb_bytes
             from mbcdm_cad.build.export.step import assembly_step
 
@@ -120,32 +153,46 @@ class Store:
                 "glb": glb_bytes(name, items, {n: p.files.mesh for n, p in parts.items()}, note),
             }
 
-        return self._cache.get_or_make(key, make)
+        return key, make
 
     def judged(
-        self, layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...], jobs: int
+        self,
+        layout: Layout,
+        parts: dict[str, MadePart],
+        poses_deg: tuple[float, ...],
+        jobs: int,
+        assembly: tuple[Item, ...] = (),
     ) -> tuple[tuple[Clash, ...], FrameCompliance | None]:
-        """Interference run over ``poses_deg`` and compliance of the frame, in parallel if both must be computed."""
+        """Interference run over ``poses_deg`` and compliance of the frame, in parallel if both must be computed.
+
+        With the items of the ``assembly`` its files are made beside them, for :meth:`assembly` without a note.
+        """
         run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache, self._source(*TEST_MODULES))
         missing = run.missing(known)
         study = configuration(layout.drive.configuration).frame_study(layout)
         frame_key = content_key("frame", study.inputs, self._source(study.module), versions()) if study else ""
         frame = self._cache.get(frame_key) if study else None
-        tasks: list[Callable[[], Any]] = []
+        pending: dict[str, Callable[[], Any]] = {}  # the longest first
         if study and frame is None:
-            tasks.append(study.compliance)
+            pending[frame_key] = study.compliance
             self._note("stiffness of the frame")
+        assembly_key, make = self._assembly(assembly, parts, layout.drive.name, "")
+        if assembly and assembly_key not in self._assemblies:
+            pending[assembly_key] = make
+            self._note("assembly")
         if missing:
             from mbcdm_cad.build.separation import prepare
 
             prepare()
             self._note(f"interference at {len(poses_deg)} poses")
-            tasks += [run.tests[key].test for key in missing]
-        results = fork_map(lambda task: task(), tasks, jobs)
-        if study and frame is None:
-            frame = {"compliance": json.dumps(asdict(results.pop(0))).encode()}
+            pending |= {key: run.tests[key].test for key in missing}
+        found = dict(zip(pending, fork_map(lambda key: pending[key](), list(pending), jobs), strict=True))
+        if frame_key in found:
+            frame = {"compliance": json.dumps(asdict(found[frame_key])).encode()}
             self._cache.put(frame_key, frame)
-        known.add(dict(zip(missing, results, strict=True)), run.tests)
+        if assembly_key in found:
+            self._hold(assembly_key, found[assembly_key])
+        known.add({key: found[key] for key in missing}, run.tests)
         return run.clashes(known), FrameCompliance(**json.loads(frame["compliance"])) if frame else None
 
     def solids(self, parts: dict[str, MadePart]) -> dict[str, Any]:
