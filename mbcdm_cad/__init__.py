@@ -15,7 +15,7 @@ __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:
-    """Names of the API, imported when first asked for: the command line needs none of them."""
+    """Names of the API, imported when they are first used: the command line needs none of them."""
     api = import_module("mbcdm_cad.api")
     if name in api.__all__:
         return getattr(api, name)

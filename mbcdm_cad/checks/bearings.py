@@ -138,14 +138,14 @@ DRUM_BEARINGS = Check(
 )
 BEARING_SPACING = Check(
     "drum_bearing_spacing",
-    "Drum's bearings stand apart",
+    "Distance between the drum's bearings",
     "usual rule: one bearing width",
     drum_bearing_spacing,
     adjust=(down("support.back_y_mm"),),
 )
 COUPLING_RUNOUT = Check(
     "coupling_runout",
-    "Pulleys' bearings spare the gearhead",
+    "Deflection of the input pulleys at the coupling",
     "play of gearheads: 0.02 mm, estimate",
     coupling_runout,
     "warn",

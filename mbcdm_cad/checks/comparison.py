@@ -83,5 +83,5 @@ class Check(NamedTuple):
     applies: Callable[[Any], bool] | None = None
 
     def asked_of(self, drive: Any) -> bool:
-        """Whether the check is asked of this drive of its configuration."""
+        """Whether the check applies to this drive of its configuration."""
         return self.applies is None or self.applies(drive)

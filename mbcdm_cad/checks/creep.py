@@ -70,7 +70,7 @@ def retension(s: DesignUnderTest) -> Comparison:
 CHECKS = (
     Check(
         "retension",
-        "Preload outlasts the rope's creep",
+        "Preload left after the rope's creep",
         "model: creep of the catalogue; 30 days: estimate",
         retension,
         "warn",

@@ -158,7 +158,7 @@ CHECKS = (
     ),
     Check(
         "pulley_stress",
-        "Input pulleys' necks hold",
+        "Stress in the input pulleys' necks",
         "beam theory; 1.5 on yield: usual rule",
         pulley_stress,
         adjust=(*_LESS, down("rope.preload_N")),

@@ -97,7 +97,7 @@ def collar_space(s: HeadUnderTest) -> Comparison:
 
 
 def encoder_shelf(s: HeadUnderTest) -> Comparison:
-    """The encoder's screws find metal under their heads and thread in its housing."""
+    """The encoder's screws have metal under their heads and enough thread in its housing."""
     f, drive = s.layout.frame, s.drive
     screw, limit = drive.screw(drive.encoder.screw), drive.support.material.min_wall_mm
     shelf = drive.support.encoder_shelf_mm

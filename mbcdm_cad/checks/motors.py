@@ -108,7 +108,7 @@ CHECKS = (
     ),
     Check(
         "motor_losses",
-        "Motors hold peak torque in spite of losses",
+        "Motors hold peak torque with losses",
         "gearhead catalogue: efficiency",
         motor_losses,
         "warn",

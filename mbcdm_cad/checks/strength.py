@@ -168,7 +168,7 @@ CHECKS = (
     ),
     Check(
         "termination_fits",
-        "Rope's ends can be made",
+        "Terminations fit the rope",
         "catalogue of terminations",
         termination_fits,
         advice=_other_termination,
@@ -183,7 +183,7 @@ CHECKS = (
     ),
     Check(
         "preload_bias",
-        "Preload's bias on each input",
+        "Bias of the preload on each input",
         "model: T_2 r_2 - T_1 r_1; a tenth of the rated torque: estimate",
         preload_bias,
         "warn",

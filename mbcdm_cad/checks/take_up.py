@@ -71,7 +71,7 @@ CHECKS = (
     ),
     Check(
         "thread_at_end",
-        "Nut finds thread with the terminal drawn in",
+        "Nut stays on the thread with the terminal drawn in",
         "two pitches of run-out: usual rule",
         thread_at_end,
         advice="choose a drum.tensioner with a thicker lug",

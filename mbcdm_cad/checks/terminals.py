@@ -232,14 +232,14 @@ CHECKS = (
     ),
     Check(
         "pocket_corners",
-        "Pockets take their cutter",
+        "Cutter fits into the pockets",
         "material: min_internal_radius_mm",
         pocket_corners,
         advice="choose a drum.material of smaller internal radius, or a larger drum.tensioner",
     ),
     Check(
         "stud_stress",
-        "Tensioner studs hold",
+        "Stress in the tensioner studs",
         "material: yield_MPa; 2: usual rule",
         stud_stress,
         adjust=(down("loads.peak_torque_Nm"), down("rope.preload_N")),
@@ -247,7 +247,7 @@ CHECKS = (
     ),
     Check(
         "lug_stress",
-        "Lugs hold",
+        "Stress in the lugs",
         "material: yield_MPa; 2: usual rule",
         lug_stress,
         adjust=(up("drum.outer_face_y_mm"), down("loads.peak_torque_Nm"), down("rope.preload_N")),

@@ -26,7 +26,7 @@ CORRECTION_FILES = ("correction.csv", "correction.json", "correction.h")
 
 @dataclass(frozen=True)
 class Outputs:
-    """Files and folders to write, None for none: JSON result, design as built, report, correction table, next run."""
+    """Files and folders to write, or None: JSON result, design as built, report, correction table, next run."""
 
     json: Path | None = None
     as_built: Path | None = None

@@ -98,7 +98,7 @@ def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:
 def open_data(tree: Tree, path: Path, file: DesignFile) -> dict[str, Any]:
     """The file's data as sizing rules read it: plain values, with the blocks that they will fill.
 
-    Raises InputError if a field of the file is invalid by itself.
+    Raises InputError if a single field of the file is invalid.
     """
     tree, _ = _split(tree, str(path), file)
     _has_gaps(tree, str(path), file)

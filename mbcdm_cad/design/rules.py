@@ -51,7 +51,7 @@ def every_broken_rule(
 
 
 def broken_shared_rules(design: Design) -> Iterator[Broken]:
-    """The rules that the design breaks, whatever its configuration, without those on names of the catalogue."""
+    """The rules for all configurations that the design breaks, without those on names of the catalogue."""
     for rule in (_cables, _rope, _waivers, _as_built, _own_entries):
         yield from rule(design)
 

@@ -43,7 +43,7 @@ class SpeedPoint:
 class MotorFigures:
     """Figures of one motor of the drive, and of the drum that all inputs turn together.
 
-    Losses are those of one motor. ``at_peak_load_*``: at the peak torque that the design asks for, the input that
+    Losses are those of one motor. ``at_peak_load_*``: at the required peak torque of the design, the input that
     carries most of it. ``reflected_inertia_kg_m2``: of all rotors, at the drum. Modes with every wrap sticking, moving
     parts as plain bodies: inputs held, and the lowest with inputs free to turn against their rotors.
     """

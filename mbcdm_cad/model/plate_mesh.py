@@ -100,7 +100,7 @@ class Mounts:
 
     @property
     def pad_mm(self) -> float:
-        """Half the side of the square whose corners stand for the ring under a screw's head.
+        """Half the side of the square whose corners replace the ring under a screw's head.
 
         That is the ring's radius of gyration about a diameter, sqrt(R^2 + r^2) / 2: four points there have its area and
         its second moment.
@@ -121,7 +121,7 @@ class Mounts:
         sliding = normal / (2.0 * (1.0 + material.poisson_ratio))
         springs = np.zeros((len(mesh.plates.node_mm), 6))
         for nodes in mesh.mounted:
-            # Four points stand for the ring; of a screw in the mirror plane two are in this half.
+            # Four points replace the ring; of a screw in the mirror plane two are in this half.
             springs[nodes, :3] = np.array([sliding, normal, sliding]) / 4.0
         return springs.ravel()
 

@@ -1,6 +1,6 @@
 """Tolerance stack: eccentricity, radius and preload tolerances of each part -> transmission error at the drum.
 
-A displaced body changes the path of its cable by e . (u_in - u_out), whatever the wrap
+A displaced body changes the path of its cable by e . (u_in - u_out), for any wrap
 (:mod:`mbcdm_cad.routes.displaced`). Radii add sigma_j dr theta of their own pulley. Linear theory assumes that every
 wrap sticks; the Monte Carlo runs the whole time-series model with friction over a sweep of the travel.
 """

@@ -51,7 +51,7 @@ def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False
     """Analyse the designs that ``ranges`` describe: for each field an array of values, one a design, or one for all.
 
     ``grid`` makes all combinations of the values instead, the last field varying fastest. Fields are named and
-    validated as in :func:`mbcdm_cad.configurations.changes.with_changes`; what the file leaves out is sized anew for
+    validated as in :func:`mbcdm_cad.configurations.changes.with_changes`; what the file leaves out is sized again for
     each design, which takes some 30 ms each. Errors: ``InputError`` for a value that the file could not hold,
     ``MbcdmError`` for arrays of different lengths or none.
     """

@@ -15,7 +15,7 @@ from mbcdm_cad.rig.writing import run_files, write_run
 
 
 def simulated(drive: Drive, experiment: Experiment | DynamicExperiment) -> SimulatedRun:
-    """Run ``experiment`` on the rig that it asks for. Raises RigError."""
+    """Run ``experiment`` on the rig that it names. Raises RigError."""
     if isinstance(experiment, DynamicExperiment):
         from mbcdm_cad.rig.dynamic.simulate import simulate as simulate_dynamic  # the quasi-static rig needs none of it
 

@@ -36,7 +36,7 @@ class PerDesign(np.ndarray):
             raise Split(holds)
         return False
 
-    # Each number is rounded by itself, so that the result is exactly that of a single design.
+    # Each number is rounded alone, so that the result is exactly that of a single design.
     def __round__(self, digits: int = 0) -> PerDesign:
         """Rounded to decimals."""
         return per_design([round(value, digits) for value in self.tolist()])

@@ -239,7 +239,7 @@ CHECKS = (
     ),
     Check(
         "mounts",
-        "Mounting screws' heads find room",
+        "Room for the heads of the mounting screws",
         "M3 head; 0.5 mm: estimate",
         mounts,
         adjust=(up("support.coupling_space_mm"), down("support.rib_mm"), up("transmission.centre_distance_mm")),

@@ -212,7 +212,7 @@ _WEB = "0.5 mm between holes: estimate"
 CHECKS = (
     Check(
         "walls",
-        "Walls of frame and plate can be made",
+        "Walls of frame and plate are thick enough",
         _WALL,
         walls,
         adjust=(
@@ -267,7 +267,7 @@ CHECKS = (
     ),
     Check(
         "encoder_screws",
-        "Drum encoder's screws find metal",
+        "Metal round the drum encoder's screws",
         _WEB,
         encoder_screws,
         advice="choose a drum encoder of larger bolt circle, or a smaller drum.bearing",

@@ -147,7 +147,7 @@ def spans_clear(s: BevelUnderTest) -> Comparison:
 CHECKS = (
     Check(
         "drum_sweep",
-        "Drum passes drives and pulleys",
+        "Drum clears drives and pulleys",
         "clearances.running_mm; 0.1 mm between turning bodies: estimate",
         drum_sweep,
         adjust=(
@@ -162,7 +162,7 @@ CHECKS = (
     ),
     Check(
         "frame_front",
-        "Drum passes in front of the frame",
+        "Drum clears the frame",
         "clearances.running_mm",
         frame_front,
         advice="choose a smaller drum.tensioner",
@@ -176,7 +176,7 @@ CHECKS = (
     ),
     Check(
         "cables_apart",
-        "Cables stay apart",
+        "Gaps between cables",
         "derived; 0.1 mm: estimate",
         cables_apart,
         adjust=(
@@ -188,7 +188,7 @@ CHECKS = (
     ),
     Check(
         "spans_clear",
-        "Free spans pass the terminals",
+        "Free spans clear the terminals",
         "derived; 0.1 mm: estimate",
         spans_clear,
         adjust=(down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"), up("all radii of transmission")),

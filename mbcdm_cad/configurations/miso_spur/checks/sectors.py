@@ -170,10 +170,10 @@ def dowel_holes(s: RoundDrumUnderTest) -> Comparison:
 _APART: tuple[Adjustment, ...] = (up("drum.hub_face_y_mm"), down("drum.outer_face_y_mm"))
 _OUT: tuple[Adjustment, ...] = (up("transmission.centre_distance_mm"),)
 CHECKS = (
-    Check("sectors_apart", "Sectors stand apart on the shaft", "clearances.running_mm", sectors_apart, adjust=_APART),
+    Check("sectors_apart", "Gap between sectors on the shaft", "clearances.running_mm", sectors_apart, adjust=_APART),
     Check(
         "sectors_clear_inputs",
-        "Sectors turn past the other inputs",
+        "Sectors clear the other inputs",
         "clearances.running_mm",
         sectors_clear_inputs,
         adjust=_OUT,
@@ -185,17 +185,17 @@ CHECKS = (
         sectors_clear_shelves,
         adjust=(up("drum.hub_face_y_mm"), *_OUT),
     ),
-    Check("heads_apart", "Motor heads stand apart", "derived", heads_apart, adjust=_OUT),
+    Check("heads_apart", "Gap between motor heads", "derived", heads_apart, adjust=_OUT),
     Check(
         "hub_dowels",
-        "Dowels join the hubs",
+        "Stress in the dowels between the hubs",
         "material: yield_MPa; 1.5: usual rule",
         hub_dowels,
         adjust=(down("loads.peak_torque_Nm"), up("drum.hub_diameter_mm")),
     ),
     Check(
         "dowel_holes",
-        "Hub takes the dowels",
+        "Walls round the dowels in the hub",
         "usual rule",
         dowel_holes,
         adjust=(up("drum.hub_diameter_mm"), up("drum.hub_face_y_mm")),

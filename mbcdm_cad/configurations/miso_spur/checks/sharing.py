@@ -38,7 +38,7 @@ def sharing(s: RoundDrumUnderTest) -> Comparison:
 CHECKS = (
     Check(
         "load_sharing",
-        "Inputs share the load",
+        "Shares of the inputs in the load",
         "model; 1.1: a choice",
         sharing,
         "warn",

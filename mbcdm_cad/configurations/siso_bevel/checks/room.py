@@ -79,21 +79,21 @@ _Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm
 CHECKS = (
     Check(
         "frame_front",
-        "Drum passes in front of the frame",
+        "Drum clears the frame",
         "clearances.running_mm",
         frame_front,
         advice="choose a smaller drum.tensioner",
     ),
     Check(
         "drum_sweep",
-        "Drum passes in front of the drive",
+        "Drum clears motor and gearhead",
         "clearances.running_mm",
         bought_parts_clear,
         adjust=(up("all radii of transmission"), down("transmission.input_to_drum")),
     ),
     Check(
         "cables_apart",
-        "Cables stay apart",
+        "Gaps between cables",
         "derived; 0.1 mm: estimate",
         cables_apart,
         adjust=(up("all radii of transmission"), down("rope diameter_mm")),

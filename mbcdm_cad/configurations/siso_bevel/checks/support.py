@@ -167,7 +167,7 @@ _DEEPER: tuple[Adjustment, ...] = (down("support.back_y_mm"), down("support.back
 CHECKS = (
     Check(
         "walls",
-        "Walls of frame and motor head can be made",
+        "Walls of frame and motor head are thick enough",
         _WALL,
         walls,
         adjust=(
@@ -184,7 +184,7 @@ CHECKS = (
     Check("pulley_room", "Input pulley turns freely in its box", "clearances.running_mm", pulley_room, adjust=_DEEPER),
     Check(
         "encoder_room",
-        "Encoder hangs free in the column",
+        "Encoder clears the column",
         "clearances.running_mm",
         encoder_room,
         adjust=_DEEPER,
@@ -192,7 +192,7 @@ CHECKS = (
     ),
     Check(
         "mounts",
-        "Mounting screws' heads find room",
+        "Room for the heads of the mounting screws",
         "M3 head; 0.5 mm: estimate",
         mounts,
         adjust=(up("all radii of transmission"),),

@@ -88,7 +88,7 @@ BOX_ADJUSTMENTS = (_X, _Z, _Y)
 ROOM = (
     Check(
         "frame_front",
-        "Drum passes in front of the frame",
+        "Drum clears the frame",
         "clearances.running_mm",
         frame_front,
         advice="choose a smaller drum.tensioner",

@@ -130,7 +130,7 @@ _SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.
 CHECKS = (
     Check(
         "walls",
-        "Walls of frame and motor head can be made",
+        "Walls of frame and motor head are thick enough",
         _WALL,
         walls,
         adjust=(

@@ -210,7 +210,7 @@ CHECKS = (
     ),
     Check("helix_lead", "Turns lie side by side", "rope makers' tables for grooves", lead, adjust=_LEAD),
     Check("groove_crest", "Crests between the grooves", "0.05 d: estimate", crest, adjust=_LEAD),
-    Check("self_clearance", "Spans clear the turns beside them", "derived", self_clearance, adjust=_LEAD),
+    Check("self_clearance", "Spans clear the turns next to them", "derived", self_clearance, adjust=_LEAD),
     Check(
         "input_walk",
         "Walk of the cable stays on the input",
@@ -236,7 +236,7 @@ CHECKS = (
     ),
     Check(
         "cables_apart",
-        "Cables stay apart",
+        "Gaps between cables",
         "derived: the spans converge; 0.1 mm: estimate",
         cables_apart,
         adjust=(down("transmission.centre_distance_mm"),),
