@@ -66,7 +66,7 @@ class FolderConfiguration:
         return found
 
     def check_families(self) -> tuple[ModuleType, ...]:
-        """The checks' modules in order."""
+        """The modules of the checks in order."""
         found: tuple[ModuleType, ...] = self._module("checks").FAMILIES
         return found
 
@@ -86,22 +86,22 @@ class FolderConfiguration:
         return found
 
     def assembly_order(self, layout: Any) -> tuple[AssemblyStep, ...]:
-        """Steps in which the parts go together."""
+        """The steps of assembly."""
         found: tuple[AssemblyStep, ...] = self._module("assembly_order").assembly_order(layout)
         return found
 
     def frame_study(self, layout: Any) -> FrameStudy:
-        """How far the frame's deflection turns the drum."""
+        """Rotation of the drum due to the deflection of the frame."""
         found: FrameStudy = self._module("support.stiffness").frame_study(layout)
         return found
 
     def path_figures(self, layout: Any) -> PathFigures:
-        """Figures of the cables' true paths over the travel."""
+        """Figures of the cables' paths over the travel."""
         found: PathFigures = self._module("path_figures").path_figures(layout)
         return found
 
     def path_lines(self, cable: dict[str, Any]) -> Iterator[str]:
-        """One cable's path figures for the terminal."""
+        """Path figures of one cable as text."""
         found: Iterator[str] = self._module("path_figures").path_lines(cable)
         return found
 
@@ -111,7 +111,7 @@ class FolderConfiguration:
         return Path(import_module(self.package).__file__ or "").with_name("paths.md.j2").read_text("utf-8")
 
     def tensioning(self, layout: Any) -> TensioningPlan:
-        """How the preloads are set."""
+        """How the terminals are drawn in to set the preloads."""
         found: TensioningPlan = self._module("tensioning").plan(layout)
         return found
 

@@ -100,7 +100,7 @@ class Configuration(Protocol):
         """Short description in one line."""
 
     def design_file(self) -> DesignFile:
-        """Schema, reference values and rules of its design files, and how a drive is made of one."""
+        """Schema, reference values and rules of its design files, and the function that makes a drive from one."""
 
     def routes(self, drive: Drive) -> RoutedDrive:
         """Routes of the cables, on which model, rig and identification work."""
@@ -136,7 +136,7 @@ class Configuration(Protocol):
         """Study of the drum's rotation by the frame's deflection; None if the frame is assumed to be rigid."""
 
     def path_figures(self, layout: Any) -> PathFigures:
-        """Figures of the cables' true paths over the travel."""
+        """Figures of the cables' paths over the travel."""
 
     def path_lines(self, cable: dict[str, Any]) -> Iterator[str]:
         """One cable's path figures (as a dict) for the terminal."""

@@ -1,6 +1,6 @@
 """The configuration of Fig. 1 (d): two inputs, a guide, and a bevel transfer to the drum.
 
-Imports are inside the methods, since each command needs only some of these modules and ``check`` must start fast.
+Imports are inside the methods, because each command needs only some of these modules and ``check`` must start fast.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class MisoBevel:
     title = "two inputs, a guide and a bevel transfer to the drum (Fig. 1 d)"
 
     def design_file(self) -> DesignFile:
-        """Schema, reference values and rules of its design files, and how a drive is made of one."""
+        """Schema, reference values and rules of its design files, and the function that makes a drive from one."""
         from mbcdm_cad.configurations.miso_bevel.design_file import DESIGN_FILE
 
         return DESIGN_FILE
@@ -56,13 +56,13 @@ class MisoBevel:
         return layout(bevel(drive))
 
     def check_families(self) -> tuple[ModuleType, ...]:
-        """The checks' modules in order."""
+        """The modules of the checks in order."""
         from mbcdm_cad.configurations.miso_bevel.checks import FAMILIES
 
         return FAMILIES
 
     def design_under_test(self, drive: Drive, layout: Layout | None = None) -> BevelUnderTest:
-        """The drive as the checks see it."""
+        """The drive with everything that the checks read."""
         from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 
         return BevelUnderTest(bevel(drive), layout)
@@ -80,25 +80,25 @@ class MisoBevel:
         return moving_bodies(layout)
 
     def assembly_order(self, layout: Layout) -> tuple[AssemblyStep, ...]:
-        """Steps in which the parts go together."""
+        """The steps of assembly."""
         from mbcdm_cad.configurations.miso_bevel.assembly_order import assembly_order
 
         return assembly_order(layout)
 
     def frame_study(self, layout: Layout) -> FrameStudy:
-        """How far the frame's deflection turns the drum."""
+        """Rotation of the drum due to the deflection of the frame."""
         from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_study
 
         return frame_study(layout)
 
     def path_figures(self, layout: Layout) -> PathFigures:
-        """Figures of the cables' true paths over the travel."""
+        """Figures of the cables' paths over the travel."""
         from mbcdm_cad.configurations.miso_bevel.path_figures import path_figures
 
         return path_figures(layout)
 
     def path_lines(self, cable: dict[str, Any]) -> Iterator[str]:
-        """One cable's path figures for the terminal."""
+        """Path figures of one cable as text."""
         from mbcdm_cad.configurations.miso_bevel.path_figures import path_lines
 
         return path_lines(cable)
@@ -115,13 +115,13 @@ class MisoBevel:
     )
 
     def tolerance_stacks(self, layout: Layout) -> tuple[StackUp, ...]:
-        """What the tolerances of the parts do to each gap and ratio."""
+        """Effect of the tolerances of the parts on each gap and ratio."""
         from mbcdm_cad.configurations.miso_bevel.checks.tolerances import stacks
 
         return tuple(stacks(self.design_under_test(layout.drive, layout)))
 
     def tensioning(self, layout: Layout) -> TensioningPlan:
-        """How the preloads are set."""
+        """How the terminals are drawn in to set the preloads."""
         from mbcdm_cad.configurations.miso_bevel.tensioning import plan
 
         return plan(layout)

@@ -1,4 +1,4 @@
-"""The order of assembly: the parts that are added at each step, the tool, and how it reaches its place."""
+"""The order of assembly: the parts that each step adds, the tool, and the direction from which it works."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
 def assembly_order(layout: Layout) -> tuple[AssemblyStep, ...]:
-    """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
+    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
     return (*_bench(layout), *_drives(layout), *_pulleys(layout), *_drum(layout))
 
 
@@ -51,7 +51,7 @@ def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
             insert_words(insert, len(layout.frame.plate_screws), "the top of the frame's side walls")
             + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
             f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
-            "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
+            "rear bearing in, push the drum shaft in until its flange rests on the rear bearing, and screw the "
             f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}). "
             "The base closes this side in the next step.",
             (

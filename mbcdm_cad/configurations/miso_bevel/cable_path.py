@@ -1,4 +1,4 @@
-"""The true centre line of each cable at a given drum angle, and figures that follow from it.
+"""Centre line of each cable at a given drum angle, and figures that follow from it.
 
 A cable runs: chord through the input pulley (swaged stop) - inward bend - helix on the input pulley - free span,
 joined to helix and guide by short parabolas - arc on the guide - transfer - arc on the drum - straight into the

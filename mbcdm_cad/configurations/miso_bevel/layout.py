@@ -1,4 +1,4 @@
-"""All derived dimensions of a design in one object, which the checks test and the parts draw."""
+"""All derived dimensions of a design in one object, which the checks and the parts read."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Layout:
 
 
 def layout(drive: BevelDrive) -> Layout:
-    """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
+    """Compute all dimensions. Raises ValueError only if no geometry exists (pulleys that overlap)."""
     levels = stack(drive)
     shaft = drum_shaft(drive, levels)
     return Layout(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # the layout asks this module for the terminals' travel
 
 
 def longest_mm(drive: BevelDrive, cable: BevelRun, anchor_rad: float) -> float:
-    """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; a little more than the drawn path."""
+    """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; slightly more than the drawn path."""
     w = winding(drive, cable)
     turns = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
     helix = turns * hypot(cable.input_radius_mm, drive.helix_lead_mm / tau)

@@ -1,4 +1,4 @@
-"""The configuration of Fig. 1 (b): two to four inputs evenly round one drum, each with a cable of its own."""
+"""The configuration of Fig. 1 (b): two to four inputs evenly round one drum, each with its own cable."""
 
 from __future__ import annotations
 

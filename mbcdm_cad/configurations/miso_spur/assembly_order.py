@@ -1,4 +1,4 @@
-"""The order of assembly: the parts that are added at each step, the tool, and how it reaches its place."""
+"""The order of assembly: the parts that each step adds, the tool, and the direction from which it works."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from mbcdm_cad.parts.terminal.instructions import setting_steps, terminal_items
 
 
 def assembly_order(layout: RoundDrumLayout) -> tuple[AssemblyStep, ...]:
-    """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
+    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
     drive = layout.drive
     mounts = tuple(
         item
@@ -71,15 +71,15 @@ def _drum(layout: RoundDrumLayout) -> Iterator[AssemblyStep]:
         first, last = k == 0, k == len(names) - 1
         text = insert_words(d.payload_insert, places, "the holes in the hub's face") if last else ""
         text += (
-            f"Push the sector of {name} on to the shaft, not yet home, take off the tape and lay {each} "
+            f"Push the sector of {name} on to the shaft, but not to its end, take off the tape and lay {each} "
             "over the rim to its own side, the one that leaves the input in front to the front. With nut and lock nut "
             "run on to the stud's end, drop both terminals sideways into the slotted lugs from behind. "
         )
         if first:
-            text += "Push the sector home until its spigot touches the front bearing, and press the stop pin through "
-            text += "the slot of its web into the plate. "
+            text += "Push the sector further until its spigot touches the front bearing, and press the stop pin "
+            text += "through the slot of its web into the plate. "
         else:
-            text += f"Push it home until its spigot stands on the hub of {names[k - 1]}, on both dowels. "
+            text += f"Push it further until its spigot touches the hub of {names[k - 1]}, on both dowels. "
         items = [f"drum_{name}", *terminal_items(unit.drive)]
         if first:
             items.append("stop_pin")

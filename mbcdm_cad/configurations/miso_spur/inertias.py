@@ -1,4 +1,4 @@
-"""Moments of inertia of the pulleys and of the drum, the sectors of all inputs, by those of one input each."""
+"""Moments of inertia of the pulleys and of the drum, which are the sectors of all inputs, from those of each input."""
 
 from __future__ import annotations
 

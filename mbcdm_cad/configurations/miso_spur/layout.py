@@ -1,4 +1,4 @@
-"""All derived dimensions of a design in one object, which the checks test and the parts draw."""
+"""All derived dimensions of a design in one object, which the checks and the parts read."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ _FACE_DEG = (225.0, 315.0)
 class RoundDrumLayout:
     """Dimensions of every part of one design, mm, drum centred.
 
-    ``first``: those of the first input with its cable and sector, as a drive of siso_spur. ``drum`` is one sector, all
-    being alike; the last one's face is the output.
+    ``first``: those of the first input with its cable and sector, as a drive of siso_spur. ``drum`` is one sector; all
+    are equal. The face of the last one is the output.
     """
 
     drive: RoundDrumDrive
@@ -42,7 +42,7 @@ class RoundDrumLayout:
 
     @cached_property
     def units(self) -> tuple[SpurLayout, ...]:
-        """Those of each input, as of the first, turned so that it stands above the drum; few checks need the others."""
+        """Dimensions of each input, as of the first, turned so that it is above the drum; few checks need them."""
         return self.first, *(layout_of_one_input(self.drive.unit(k)) for k in range(1, self.drive.n_inputs))
 
     @cached_property
@@ -118,7 +118,7 @@ def _dowels(sector: DrumDims, n_inputs: int) -> HubDowels:
 
 
 def layout(drive: RoundDrumDrive) -> RoundDrumLayout:
-    """Solve all dimensions. Raises ValueError only where no geometry exists at all (pulleys that overlap)."""
+    """Compute all dimensions. Raises ValueError only if no geometry exists (pulleys that overlap)."""
     first = layout_of_one_input(drive.unit(0))
     last, turned = drive.levels_mm[-1], degrees(drive.angles_rad[-1])
     near, far = SET_SCREW_ANGLES_DEG

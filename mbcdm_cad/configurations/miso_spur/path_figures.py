@@ -1,4 +1,4 @@
-"""Figures of the cables' true paths over the travel: those of each input, and the usable travel of all."""
+"""Figures of the cables' paths over the travel: those of each input, and the usable travel of all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The order of assembly: the parts that are added at each step, the tool, and how it reaches its place."""
+"""The order of assembly: the parts that each step adds, the tool, and the direction from which it works."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
 def assembly_order(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
-    """Steps with the sizes of this design. Every item joins in one of them; no screw is hidden when it is driven."""
+    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
     return (*_frame(layout), *_input(layout), *_head(layout), *_drum(layout))
 
 
@@ -39,7 +39,7 @@ def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
             insert_words(insert, len(layout.frame.flange_screws), "the top of the frame's side walls")
             + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
             f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
-            "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
+            "rear bearing in, push the drum shaft in until its flange rests on the rear bearing, and screw the "
             f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {_key(layout, ring.screw)}).",
             (
                 *("frame", "drum_bearing_front", "drum_preload_spring"),
@@ -50,8 +50,8 @@ def _frame(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
         ),
         AssemblyStep(
             f"Bolt the frame to its base with {len(layout.frame.mounts)} {MOUNT_SCREW} through the back plate, from "
-            f"the front through the column's open pockets ({MOUNT_SCREW_KEY_MM:g} mm key): the encoder will stand "
-            "before two of them."
+            f"the front through the column's open pockets ({MOUNT_SCREW_KEY_MM:g} mm key): the encoder later covers "
+            "two of them."
         ),
         AssemblyStep(
             f"Hold the encoder under its shelf and screw it on from above, through the open top of the pulley's box "
@@ -68,7 +68,7 @@ def _input(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
     return (
         AssemblyStep(
             "Hook the stops of both cables into the slots in the end faces of the input pulley, wind each half a turn, "
-            "one each way, and hold them with tape. Lower the pulley into its box, through the bearing into the "
+            "in opposite senses, and hold them with tape. Lower the pulley into its box, through the bearing into the "
             "encoder, and tighten the encoder's own clamp from the front.",
             (
                 f"input_pulley_{drive.input_names[0]}",
@@ -111,8 +111,8 @@ def _drum(layout: DirectLayout) -> tuple[AssemblyStep, ...]:
     return (
         AssemblyStep(
             insert_words(insert, places, "the holes in the hub's face")
-            + "Take off the tape and lead each cable out to its side, held taut: between input and drum there will be "
-            "no room to lay it in. Push the drum onto the shaft, its set screws over the shaft's flats, until its "
+            + "Take off the tape and lead each cable out to its side, held taut: it cannot be inserted later between "
+            "input and drum. Push the drum onto the shaft, its set screws over the shaft's flats, until its "
             "spigot touches the front bearing, then press the stop pin through the slot of its web into the stop "
             "shelf. To preload the bearings, draw shaft and hub together until the shaft's end is flush with the hub's "
             f"face, which presses the spring with {layout.preload_spring.force_N:g} N, and tighten the hub's two set "

@@ -1,4 +1,4 @@
-"""The true centre line of each cable at a given drum angle, and its end in the input pulley.
+"""Centre line of each cable at a given drum angle, and its end in the input pulley.
 
 A cable runs: chord through the input pulley (swaged stop) - inward bend - arc on the input - transfer - arc on the drum
 - straight into its terminal. On the input it stays in the plane z = r_o of the transfer point; on a helix it would
@@ -17,7 +17,7 @@ from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
 from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
 
-# The bend before the stop, D/d: the sharpest usual static bend, so that the slot takes little of the turn.
+# The bend before the stop, D/d: the sharpest usual static bend, so that the slot uses a small angle of the turn.
 STOP_BEND_RATIO = 8.0
 # Straight cable before the swaged stop on its end.
 STOP_LEAD_MM = 0.3
@@ -44,7 +44,7 @@ class StopBend:
 
 
 def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
-    """Raises ValueError where the pulley is too small for the bend."""
+    """The end of a cable in the input pulley. Raises ValueError if the pulley is too small for the bend."""
     d, r = drive.cable.diameter_mm, cable.input_radius_mm
     rho = STOP_BEND_RATIO * d / 2
     centre = r - rho
@@ -121,7 +121,7 @@ def cable_path(
 
 
 def longest_mm(drive: DirectDrive, cable: DirectRun, anchor_rad: float) -> float:
-    """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; a little more than the drawn path."""
+    """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; slightly more than the drawn path."""
     stop = stop_bend(drive, cable)
     ends = pi / 2 * stop.bend_radius_mm + hypot(STOP_LEAD_MM, 6.0 * drive.cable.diameter_mm)
     wound = cable.input_radius_mm * input_wrap_rad(drive, cable, 0.0)

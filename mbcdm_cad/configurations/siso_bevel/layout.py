@@ -1,4 +1,4 @@
-"""All derived dimensions of a design in one object, which the checks test and the parts draw."""
+"""All derived dimensions of a design in one object, which the checks and the parts read."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class DirectLayout:
 
 
 def layout(drive: DirectDrive) -> DirectLayout:
-    """Solve all dimensions. Raises ValueError only where no geometry exists at all (a pulley too small for a stop)."""
+    """Compute all dimensions. Raises ValueError only if no geometry exists (a pulley too small for a stop)."""
     levels = direct_stack(drive)
     frame, shaft = column(drive, levels), drum_shaft(drive, levels)
     furthest = furthest_anchor_rad(drive)

@@ -73,7 +73,7 @@ def boss_step(layout: SpurLayout, heads: int, inserts: tuple[str, ...]) -> Assem
         + insert_words(mount, heads * len(f.mounts), "the back of the plate, for its own screws,")
         + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
         f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
-        "rear bearing in upon it, push the drum shaft in until its flange rests on the rear bearing, and screw the "
+        "rear bearing in, push the drum shaft in until its flange rests on the rear bearing, and screw the "
         f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {key(layout, ring.screw)}).",
         (
             *("frame", "drum_bearing_front", "drum_preload_spring"),
@@ -142,13 +142,13 @@ def _winding_step(drive: SpurDrive) -> AssemblyStep:
         how = "in the groove" if drive.input_pulleys.grooved else "side by side"
         return AssemblyStep(
             f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, under the bridge, "
-            "and hold it with tape; its ends hang down on both sides of the plate, crossed.",
+            "and hold it with tape; its ends lie on both sides of the plate, crossed.",
             (cable_item(drive.input_names[0]),),
         )
     how = "in its groove" if drive.input_pulleys.grooved else "side by side"
     return AssemblyStep(
         f"Wind each cable on to the input from its stop towards the middle, {drive.wound_rad / tau:.1f} turns {how}, "
-        "one each way, and hold both with tape; their ends hang down on both sides of the plate, crossed.",
+        "in opposite senses, and hold both with tape; their ends lie on both sides of the plate, crossed.",
         tuple(cable_item(c.name) for c in drive.cables),
     )
 

@@ -16,7 +16,7 @@ from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
 def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
-    """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
+    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
     d, f, pitch = lay.drum, lay.frame, drive.input_x_mm
     points = [rim_points(d)]

@@ -90,7 +90,7 @@ def drum_sweep(s: BevelUnderTest) -> Comparison:
 
 
 def frame_front(s: BevelUnderTest) -> Comparison:
-    """Gap from everything that turns with the drum to shelves, plate and boss behind it."""
+    """Gap from all parts that turn with the drum to shelves, plate and boss behind them."""
     v, running = s.levels, s.drive.clearances.running_mm
     found = []
     for ring in drum_zones(s):

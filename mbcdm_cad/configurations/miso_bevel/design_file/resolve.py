@@ -16,7 +16,7 @@ _SIGN = {"-x": -1, "+x": 1}
 
 
 def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.BevelDrive:
-    """The drive of a design that breaks no rule; its cables are in the order of their steps."""
+    """The drive of a valid design; its cables are in the order of their steps."""
     drum, guide, pulleys = design.drum, design.guide, design.input_pulleys
     return d.BevelDrive(
         **shared_values(design, catalogue)

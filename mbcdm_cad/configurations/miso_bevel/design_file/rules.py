@@ -23,7 +23,7 @@ def broken_rules(design: BevelDesign) -> Iterator[Broken]:
 
 
 def named_entries(design: BevelDesign) -> Iterator[NamedEntry]:
-    """Entries of the catalogue that this configuration's blocks name."""
+    """Entries of the catalogue that the blocks of this configuration name."""
     yield from sector_entries(design)
     yield NamedEntry(("guide", "material"), "materials", design.guide.material)
     yield NamedEntry(("guide", "bearing"), "bearings", design.guide.bearing)
@@ -149,7 +149,7 @@ def _cables(design: BevelDesign) -> Iterator[Broken]:
                 f"both cables of {name} run to one side",
                 own[1].drum_side,
                 "opposite sides",
-                "let one run to -x and one to +x, or the input pulls one way only",
+                "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
             )
         steps = tuple(sorted(cable.step for cable in own))
         if steps not in ((1, 2), (3, 4)) and steps[0] != steps[1]:

@@ -95,5 +95,5 @@ def _fixing_holes(d: FrameDims) -> list[cq.Shape]:
 
 
 def create_frame(dims: FrameDims) -> cq.Solid:
-    """Frame where it stands in the assembly."""
+    """Frame in its position in the assembly."""
     return cut(_body(dims), _pockets(dims) + _drum_bores(dims) + _drive_holes(dims) + _fixing_holes(dims), "frame")

@@ -143,7 +143,7 @@ def frame_windup_mrad(layout: Layout, torque_Nm: float) -> float:
 
 
 def frame_study(layout: Layout) -> FrameStudy:
-    """The compliance as a study for the cache; infinite where the frame has no metal to carry a load."""
+    """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
 
     def compliance() -> FrameCompliance:
         try:

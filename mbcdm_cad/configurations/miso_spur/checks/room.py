@@ -1,4 +1,4 @@
-"""Gaps between turning and fixed parts, and the box of all inputs against its target."""
+"""Gaps between turning and fixed parts, and the box of all inputs compared with its target."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mbcdm_cad.configurations.siso_spur.checks.room import BOX_ADJUSTMENTS, ROOM
 
 
 def box_mm(s: RoundDrumUnderTest) -> tuple[float, float, float]:
-    """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
+    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     lay, drive = s.layout, s.drive
     # All sectors have the terminals of the first, except for their take-up.
     own = outline(s, lay.frame, lay.drum)

@@ -13,5 +13,5 @@ from mbcdm_cad.design.lookup import Catalogue
 
 
 def drive(design: RoundDrumDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> RoundDrumDrive:
-    """The drive of a design that breaks no rule."""
+    """The drive of a valid design."""
     return laid(RoundDrumDrive(**spur_values(design, catalogue, sigmas)))

@@ -1,4 +1,4 @@
-"""Frame: plate with boss, arms and yokes, milled from one block, bored from behind for drum and inputs."""
+"""Frame: plate with boss, arms and yokes, milled from one block, with bores from behind for drum and inputs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ORIGIN, _Y = cq.Vector(0.0, 0.0, 0.0), cq.Vector(0.0, 1.0, 0.0)
 
 
 def create_star(dims: StarDims) -> cq.Solid:
-    """Frame where it stands in the assembly."""
+    """Frame in its position in the assembly."""
     bodies, tools = centre_bodies(dims.arms[0]), centre_tools(dims.arms[0])
     for arm, angle in zip(dims.arms, dims.angles_deg, strict=True):
         bodies += [body.rotate(_ORIGIN, _Y, angle) for body in yoke_bodies(arm)]

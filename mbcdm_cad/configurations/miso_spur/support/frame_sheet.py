@@ -41,7 +41,7 @@ def _arms(d: StarDims) -> Table:
         back = v.plate_back_y
         rows.append((str(n), mm(angle), mm3(v.top_plate_bottom_z - back), mm3(v.top_plate_top_z - back)))
     return Table(
-        "Arms: alike but for the shelf, from the plate's back",
+        "Arms: equal except for the shelf, from the plate's back",
         ("Arm", "deg from Z to X", "shelf from", "to"),
         tuple(rows),
     )
@@ -64,8 +64,8 @@ def star_sheet(part: str, d: StarDims) -> Sheet:
             *(line for group in holes for line in group.fit_lines()),
         ),
         notes=(
-            "Milled from one block. X to the right seen from behind, Y to the front, Z up from the drum's axis. "
-            "Dimensions of the first arm, at Z; the others as it, turned about the drum's axis.",
+            "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis. "
+            "Dimensions of the first arm, at Z; the other arms are equal, turned about the drum's axis.",
             *one.notes[1:2],
             f"Outer corners of plates and yokes R{mm(first.corner_radius)}.",
             *one.notes[3:],

@@ -1,4 +1,4 @@
-"""The checks of this configuration, families in the order in which they are run and shown."""
+"""The checks of this configuration; the families in the order in which they run and are shown."""
 
 from __future__ import annotations
 

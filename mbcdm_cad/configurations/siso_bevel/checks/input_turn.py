@@ -24,7 +24,7 @@ _ROUNDS = 30
 
 
 def one_turn(s: DirectUnderTest) -> Comparison:
-    """Ratio x full travel, reserve and the slot of the stop together stay under a turn of the input."""
+    """Sum of ratio x full travel, reserve and the angle of the stop's slot, compared with one turn of the input."""
     s.layout  # noqa: B018 - without a layout there is no slot
     found = []
     for c in s.steps:
@@ -60,7 +60,7 @@ def highest_ratio(drive: DirectDrive) -> float:
 
 
 def _ratio_that_fits(s: DirectUnderTest) -> str:
-    """The highest ratio for this travel: what the paper calls restricted within the available work space."""
+    """Remedy: the highest ratio for this travel, which the paper calls restricted within the available work space."""
     try:
         ratio = highest_ratio(s.drive)
     except ValueError as error:
@@ -68,8 +68,8 @@ def _ratio_that_fits(s: DirectUnderTest) -> str:
     if ratio <= 0.0:
         return "no ratio fits: lower transmission.reserve_deg"
     return (
-        f"a total ratio of at most {floored(ratio)} for this travel; a guide between input and drum (miso_bevel) takes "
-        "more, since its inputs may wind as many turns as they like"
+        f"a total ratio of at most {floored(ratio)} for this travel; a guide between input and drum (miso_bevel) "
+        "allows more, because its inputs can wind any number of turns"
     )
 
 
@@ -89,7 +89,7 @@ CHECKS = (
     ),
     Check(
         "input_reserve",
-        "Some wrap stays on the input",
+        "Wrap that stays on the input",
         "15 deg: estimate",
         reserve,
         adjust=(up("transmission.reserve_deg"),),

@@ -1,4 +1,4 @@
-"""Gaps between turning and fixed parts, distance between cables, and the box against its target."""
+"""Gaps between turning and fixed parts, distance between cables, and the box compared with its target."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
 def frame_front(s: DirectUnderTest) -> Comparison:
-    """Gap from everything that turns with the drum to frame, motor head and boss behind it."""
+    """Gap from all parts that turn with the drum to frame, motor head and boss behind them."""
     v, running, found = s.levels, s.drive.clearances.running_mm, []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":
@@ -32,9 +32,9 @@ def frame_front(s: DirectUnderTest) -> Comparison:
 
 
 def bought_parts_clear(s: DirectUnderTest) -> Comparison:
-    """Drum and terminals pass in front of encoder, motor head, gearhead and motor, as far as they reach that high.
+    """Gap of drum and terminals to encoder, motor head, gearhead and motor behind them, where they reach their height.
 
-    The encoder is a cylinder about z below the pulley; the others stand above it.
+    The encoder is a cylinder about z below the pulley; the others are above it.
     """
     drive, v, head, found = s.drive, s.levels, s.layout.head, []
     radius, shelf_z = drive.encoder.diameter_mm / 2, -v.top_plate_top_z
@@ -53,7 +53,7 @@ def bought_parts_clear(s: DirectUnderTest) -> Comparison:
 
 
 def box_mm(s: DirectUnderTest) -> tuple[float, float, float]:
-    """Box (X, Z, Y) of all parts with the drum centred, worked out from the layout; mm."""
+    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
     d, f = lay.drum, lay.frame
     points = [rim_points(d)]

@@ -1,4 +1,4 @@
-"""Frame: walls thick enough to be made, metal round its holes, room for the encoder and the screws' heads."""
+"""Frame: walls thick enough to be made, metal round its holes, space for the encoder and the heads of the screws."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def pockets(s: DirectUnderTest) -> Comparison:
 
 
 def bearing_seats(s: DirectUnderTest) -> Comparison:
-    """Shelves leave a shoulder behind their bearings, and a wall in front of the seats."""
+    """Shoulders of the shelves behind their bearings, and walls in front of the seats."""
     drive, v, limit = s.drive, s.levels, s.drive.support.material.min_wall_mm
     return worst(
         (
@@ -78,7 +78,7 @@ def bearing_seats(s: DirectUnderTest) -> Comparison:
 
 
 def pulley_room(s: DirectUnderTest) -> Comparison:
-    """Pulley and cables turn clear of back plate and side walls, whose corners are round."""
+    """Gap of pulley and cables to back plate and side walls, whose corners are rounded."""
     v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
     p, found = s.layout.inputs[0], []
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
@@ -92,7 +92,7 @@ def pulley_room(s: DirectUnderTest) -> Comparison:
 
 
 def encoder_room(s: DirectUnderTest) -> Comparison:
-    """The encoder hangs in the column's pocket clear of its rounded corners, the back plate and the mounts' heads."""
+    """Gap of the encoder to the corners of the column's pocket, the back plate and the heads of the mounting screws."""
     v, f, encoder = s.levels, s.layout.frame, s.drive.encoder
     radius = encoder.diameter_mm / 2
     heads = v.pocket_floor_y + MOUNT_SCREW_HEAD_HEIGHT_MM
@@ -107,7 +107,7 @@ def encoder_room(s: DirectUnderTest) -> Comparison:
 
 
 def mounts(s: DirectUnderTest) -> Comparison:
-    """The mounting screws' heads have flat floor in both pockets of the column."""
+    """The heads of the mounting screws fit on the flat floor of both pockets of the column."""
     f, head = s.layout.frame, MOUNT_SCREW_HEAD_MM / 2
     _, (x, high), _, (_, low) = f.mounts
     rooms = (
@@ -120,7 +120,7 @@ def mounts(s: DirectUnderTest) -> Comparison:
 
 
 def flange(s: DirectUnderTest) -> Comparison:
-    """The motor head's screws and dowels stand inside the side walls, engage over their diameter, and apart."""
+    """Screws and dowels of the motor head are inside the side walls, engage by their diameter, and are apart."""
     f, drive = s.layout.frame, s.drive
     limit, wall = drive.support.material.min_wall_mm, drive.support.side_wall_mm
     screw, shelf = flange_screw(drive), drive.support.bearing_shelf_mm
@@ -155,7 +155,7 @@ def flange(s: DirectUnderTest) -> Comparison:
 
 
 def boss(s: DirectUnderTest) -> Comparison:
-    """The boss has room for both drum bearings and a shoulder between them, its ears for the encoder's screws."""
+    """Walls of the boss round both drum bearings and their shoulder, and of its ears round the encoder's screws."""
     f, limit = s.layout.frame, s.drive.support.material.min_wall_mm
     above = at_least("lower pocket above the boss", f.low_pocket_bottom_z - f.boss.radius, limit, "mm")
     return worst((above, *boss_walls(s)))

@@ -1,4 +1,4 @@
-"""Gaps at the transfer against the sum of the tolerances of the parts, and the transmission error."""
+"""Gaps at the transfer compared with the tolerances of the parts, and the transmission error."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _with_rope(drive: DirectDrive, cable: DirectRun, per_rope: float) -> tuple[C
 
 
 def transfer_gap(s: DirectUnderTest) -> list[StackUp]:
-    """Half a cable over the gap at each transfer point."""
+    """Half a cable minus the gap at each transfer point."""
     return [
         StackUp(
             f"half a cable over the gap at the transfer of step {c.step}, mm",
@@ -45,12 +45,12 @@ def transfer_gap(s: DirectUnderTest) -> list[StackUp]:
 
 
 def bodies_clear(s: DirectUnderTest) -> list[StackUp]:
-    """Input and drum before they touch."""
+    """Gap between input and drum."""
     return [StackUp(f"{what}, mm", gap, _input_to_drum(s.drive, s.steps[step])) for what, step, gap in body_gaps_mm(s)]
 
 
 def land_edge(s: DirectUnderTest) -> list[StackUp]:
-    """Contact lines from the broken edges of their lands."""
+    """Distance of the contact lines from the broken edges of their lands."""
     return [
         StackUp(
             f"contact line of {c.name} from its land's broken edge, mm",
@@ -62,7 +62,7 @@ def land_edge(s: DirectUnderTest) -> list[StackUp]:
 
 
 def stacks(s: DirectUnderTest) -> Iterator[StackUp]:
-    """The tightest stack of each gap, and that of each ratio."""
+    """The stack of each gap and of each ratio; of several, the one with the least reserve."""
     for of in (transfer_gap, bodies_clear, land_edge):
         yield tightest(of(s))
     for c in s.steps:

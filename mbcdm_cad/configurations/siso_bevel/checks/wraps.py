@@ -1,6 +1,7 @@
-"""Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, against the slip zones.
+"""Wrap on the drum over the travel: more than zero, less than a turn, clear of the input, compared with the slip zones.
 
-Both ends of a cable are anchored, so a wrap shorter than the slip zone is allowed; Eq. (5) and (6) do not hold then.
+Both ends of a cable are anchored, so that a wrap shorter than the slip zone is allowed; Eq. (5) and (6) are then not
+valid.
 """
 
 from __future__ import annotations

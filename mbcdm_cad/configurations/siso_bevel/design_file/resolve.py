@@ -16,7 +16,7 @@ _SIGN = {"-x": -1, "+x": 1}
 
 
 def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.DirectDrive:
-    """The drive of a design that breaks no rule; its cables are in the order of their steps."""
+    """The drive of a valid design; its cables are in the order of their steps."""
     places = by_step(design.cables)
     pulleys = input_radii_mm(design.transmission)
 
@@ -27,7 +27,7 @@ def drive(design: DirectDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath,
         **shared_values(design, catalogue),
         **sector_values(design, catalogue),
         clearances=copied(TransferClearances, design.clearances),
-        # The cable stays in its plane, and what stays on the input is said by its angle.
+        # The cable stays in its plane; the reserve is given as an angle.
         helix_lead_mm=0.0,
         dead_turns=design.transmission.reserve_deg / 360.0,
         cables=tuple(

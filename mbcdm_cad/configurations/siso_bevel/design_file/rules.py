@@ -13,7 +13,7 @@ def broken_rules(design: DirectDesign) -> Iterator[Broken]:
     """The rules of this configuration that the design breaks, in the order of the file's blocks."""
     yield from _transmission(design)
     for block, found, wanted, remedy in (
-        ("inputs", len(design.inputs), 1, "give the one input; several inputs are what miso_bevel has"),
+        ("inputs", len(design.inputs), 1, "give exactly one input; miso_bevel has two"),
         ("cables", len(design.cables), 2, "give one cable for each sense of the drum"),
     ):
         if found != wanted:
@@ -26,12 +26,12 @@ def broken_rules(design: DirectDesign) -> Iterator[Broken]:
             "both cables run to one side",
             design.cables[1].drum_side,
             "opposite sides",
-            "let one run to -x and one to +x, or the input pulls one way only",
+            "set drum_side to -x for one and to +x for the other: the input drives in one sense only otherwise",
         )
 
 
 def named_entries(design: DirectDesign) -> Iterator[NamedEntry]:
-    """Entries of the catalogue that this configuration's blocks name."""
+    """Entries of the catalogue that the blocks of this configuration name."""
     yield from sector_entries(design)
     yield NamedEntry(("support", "material"), "materials", design.support.material)
 

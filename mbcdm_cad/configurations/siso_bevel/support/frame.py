@@ -58,5 +58,5 @@ def _fixing_holes(d: ColumnDims) -> list[cq.Shape]:
 
 
 def create_column(dims: ColumnDims) -> cq.Solid:
-    """Frame where it stands in the assembly."""
+    """Frame in its position in the assembly."""
     return cut(_body(dims), _pockets(dims) + boss_tools(dims.boss) + _input_holes(dims) + _fixing_holes(dims), "frame")

@@ -130,7 +130,7 @@ def frame_compliance(layout: DirectLayout) -> FrameCompliance:
 
 
 def frame_study(layout: DirectLayout) -> FrameStudy:
-    """The compliance as a study for the cache; infinite where the frame has no metal to carry a load."""
+    """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
 
     def compliance() -> FrameCompliance:
         try:

@@ -1,4 +1,4 @@
-"""Gaps between turning and fixed parts, and the box against its target."""
+"""Gaps between turning and fixed parts, and the box compared with its target."""
 
 from __future__ import annotations
 
