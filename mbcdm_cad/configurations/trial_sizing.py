@@ -293,9 +293,19 @@ def repeated(
     rules: Sequence[Rule],
     guesses: Mapping[str, Any],
     moved: Moved | None,
+    similar: Sizing | None = None,
 ) -> Sizing:
-    """The data with its open fields filled by ``rules``, in passes until no field changes."""
+    """The data with its open fields filled by ``rules``, in passes until no field changes.
+
+    ``similar``: a sizing of nearly the same data. The first pass then begins with its values, which saves most of the
+    trials; where rules have more than one fixed point, it may lead to another one than ``guesses``.
+    """
     drives: TrialDrives | None = None
+    if similar is not None:
+        guesses = {**guesses, **{value.field: value.value for value in similar.values}}
+        drives = known(data, guesses).drives
+        # A check that no value could meet there may be met here: such a search is not repeated but made again.
+        drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
     for _ in range(_MOST_PASSES):
         given = known(copy.deepcopy(data), guesses, drives)
         drives, sizing = given.drives, fill(given, rules, moved)
@@ -303,7 +313,7 @@ def repeated(
         if all(guesses.get(field) == value for field, value in found.items()):
             break
         guesses = {**guesses, **found}
-    return sizing
+    return replace(sizing, ends=drives.ends if drives else {})
 
 
 def whole_turns(angle_deg: float) -> int:

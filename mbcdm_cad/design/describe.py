@@ -22,15 +22,16 @@ _PLAIN = re.compile(
 
 
 class _InOrder(GenerateJsonSchema):
-    """Keeps the order of the schema's source, also of examples; blocks with an ``ORDER`` keep that."""
+    """Keeps the order of the schema's source, also of examples; blocks with an ``ORDER`` begin with its fields."""
 
     def sort(self, value: Any, parent_key: str | None = None) -> Any:
         return value
 
     def model_schema(self, schema: Any) -> Any:
         node = super().model_schema(schema)
-        order = getattr(schema["cls"], "ORDER", ())
-        if order:
+        first = getattr(schema["cls"], "ORDER", ())
+        if first:
+            order = dict.fromkeys([*first, *node["properties"]])
             node["properties"] = {name: node["properties"][name] for name in order}
             node["required"] = [name for name in order if name in node["required"]]
         return node

@@ -50,8 +50,9 @@ class DesignFile:
     named: Callable[[Any], Iterator[NamedEntry]]
     drive: Callable[[Any, Catalogue, Mapping[FieldPath, float]], Drive]
     # Fills the open fields of the data, which it may change, by the configuration's sizing rules; the second argument
-    # has the functions with which a search changes the values of rules.
-    size: Callable[[dict[str, Any], Moved], Sizing] | None = None
+    # has the functions with which a search changes the values of rules, the third a sizing of a similar design, which
+    # makes the search for values shorter.
+    size: Callable[[dict[str, Any], Moved, Sizing | None], Sizing] | None = None
     # Fields that are neither requirement nor choice: given in a file, they are pins.
     derived: Callable[[], tuple[str, ...]] = tuple
     # Fields that a search for a passing design may change, besides derived numbers.

@@ -7,6 +7,7 @@ Units are those of the file: mm, degrees, N, grams, GPa. The model converts to S
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, TypeVar
 
 from mbcdm_cad.design.bought import (
@@ -188,7 +189,12 @@ class Drive:
 
     def screw(self, name: str) -> Screw:
         """The screw of the catalogue called ``name``; KeyError if there is none."""
-        return _named(self.screws, name, "screw")
+        return self._screws_by_name.get(name) or _named(self.screws, name, "screw")
+
+    @cached_property
+    def _screws_by_name(self) -> dict[str, Screw]:
+        # The dimensions of one drive look screws up a hundred times, in a catalogue of dozens.
+        return {screw.name: screw for screw in self.screws}
 
     def material(self, name: str) -> Material:
         """The material of the catalogue called ``name``; KeyError if there is none."""

@@ -29,7 +29,7 @@ from mbcdm_cad.design.ranges import refuse_ranges
 from mbcdm_cad.design.resolve import as_built
 from mbcdm_cad.design.rules import Broken, every_broken_rule
 from mbcdm_cad.design.sigmas import split_sigmas
-from mbcdm_cad.design.sized import Moved, SizedValue, SizingError
+from mbcdm_cad.design.sized import Moved, SizedValue, Sizing, SizingError
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError, Problem
@@ -43,26 +43,35 @@ def loaded(tree: Tree, text: str, path: Path, file: DesignFile) -> LoadedDesign:
 
 
 class Resolved(NamedTuple):
-    """A valid design, its drive, and the fields that sizing filled."""
+    """A valid design, its drive, and its sizing; None where the file gives every field."""
 
     design: Design
     drive: Drive
-    sized: tuple[SizedValue, ...]
+    sizing: Sizing | None
+
+    @property
+    def sized(self) -> tuple[SizedValue, ...]:
+        """The fields that sizing filled."""
+        return () if self.sizing is None else self.sizing.values
 
 
-def resolved(tree: Tree, path: Path, file: DesignFile, moved: Moved | None = None) -> Resolved:
+def resolved(
+    tree: Tree, path: Path, file: DesignFile, moved: Moved | None = None, similar: Sizing | None = None
+) -> Resolved:
     """The design and its drive from a tree of the file's values. Raises InputError with all problems of one stage.
 
     The stages are: ranges, sigmas, schema, sizing of missing fields, schema of the whole, rules between fields.
-    ``moved``: by field, the functions with which a search changes the values of rules.
+    ``moved``: by field, the functions with which a search changes the values of rules; ``similar``: the sizing of a
+    design that differs little, from which the rules begin.
     """
     tree, sigmas = _split(tree, str(path), file)
-    tree, sized = _sized(tree, str(path), file, moved or {})
+    sizing = _sized(tree, str(path), file, moved or {}, similar)
+    tree = tree if sizing is None else Tree(sizing.data, tree.lines)
     design = _validated(tree, str(path), file)
     catalogue = Catalogue(design)
     broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
     _refuse_broken_rules(broken, tree, str(path))
-    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), sized)
+    return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), sizing)
 
 
 def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPath, float]]:
@@ -73,16 +82,15 @@ def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPat
     return split_sigmas(tree, path, lambda field: bool((file.node_at(field) or {}).get("uncertain")))
 
 
-def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved) -> tuple[Tree, tuple[SizedValue, ...]]:
-    """The tree with its open fields filled, and their records. The fields of the file must already be valid."""
+def _sized(tree: Tree, path: str, file: DesignFile, moved: Moved, similar: Sizing | None) -> Sizing | None:
+    """The data with its open fields filled, and their records. The fields of the file must already be valid."""
     if file.size is None or not isinstance(tree.data, dict) or not _has_gaps(tree, path, file):
-        return tree, ()
+        return None
     try:
-        sizing = file.size(_with_blocks(tree, path, file), moved)
+        return file.size(_with_blocks(tree, path, file), moved, similar)
     except SizingError as error:
         _refuse_broken_rules(iter(error.broken), tree, path)
         raise
-    return Tree(sizing.data, tree.lines), sizing.values
 
 
 def _with_blocks(tree: Tree, path: str, file: DesignFile) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from mbcdm_cad.design.rules import Broken
@@ -30,14 +30,18 @@ class SizedValue:
 
 @dataclass(frozen=True)
 class Sizing:
-    """A file's data with every field filled, and a record for each field that a rule filled, in the rules' order."""
+    """A file's data with every field filled, and a record for each field that a rule filled, in the rules' order.
+
+    ``ends``: how the searches of the rules ended, where they search; the sizing of a similar design begins there.
+    """
 
     data: dict[str, Any]
     values: tuple[SizedValue, ...]
+    ends: Mapping[Any, Any] = field(default_factory=dict)
 
-    def of(self, field: str) -> SizedValue | None:
+    def of(self, name: str) -> SizedValue | None:
         """The record of a field by its dotted name; None where the file gives it."""
-        return next((value for value in self.values if value.field == field), None)
+        return next((value for value in self.values if value.field == name), None)
 
 
 class SizingError(Exception):

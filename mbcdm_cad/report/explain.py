@@ -68,7 +68,7 @@ def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
     """The data with the fields filled that even a complete file may leave out, so that they are computed only once."""
     size = design_file(loaded.drive.configuration).size
     try:
-        return data if size is None else size(copy.deepcopy(data), {}).data
+        return data if size is None else size(copy.deepcopy(data), {}, None).data
     except SizingError:
         return data
 
@@ -85,7 +85,7 @@ def _without(loaded: LoadedDesign, data: dict[str, Any], field: str) -> SizedVal
         at = at[block]
     del at[last]
     try:
-        return size(freed, {}).of(field)
+        return size(freed, {}, None).of(field)
     except SizingError:
         return None
 

@@ -25,6 +25,7 @@ def evolve(trials: Trials, start: Point, most: int) -> Point:
     from scipy.optimize import differential_evolution  # its import takes longer than all checks of a design
 
     held = dict(start)
+    trials.begin_at(start)
     variables = [_variable(trials, f) for f in trials.question.open_fields(start) if f.is_choice or f.low < f.high]
     variables += [_along_range(trials, field) for field in sorted(trials.question.unruled)]
     if not variables:

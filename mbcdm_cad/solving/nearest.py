@@ -12,8 +12,9 @@ from mbcdm_cad.solving.trials import Trials, cost, setting_of
 
 BISECTIONS = 5
 AIM_STEPS = 7
-# Beyond the value that the rules alone reach: step as a share of the rest, trials to repair it, number of steps.
-FURTHER, TRIALS_FOR_AN_AIM, AIM_REPAIRS = 0.05, 60, 4
+# Beyond the value that the rules alone reach: step as a share of the rest, trials to repair it, how many of them at
+# once, number of steps.
+FURTHER, TRIALS_FOR_AN_AIM, TRIALS_AT_ONCE, AIM_REPAIRS = 0.05, 60, 20, 4
 
 
 def written_out(trials: Trials, point: Point) -> Point:
@@ -26,6 +27,7 @@ def written_out(trials: Trials, point: Point) -> Point:
 
 def taken_back(trials: Trials, point: Point) -> Point:
     """The nearest passing point between a passing point and the values of file and rules."""
+    trials.begin_at(point)
     now = _released_less(trials, point)
     for field in sorted(now, key=lambda name: (-cost(trials.question, {name: now[name]}), name)):
         if field in trials.question.ranges or isinstance(now[field], Out):
@@ -121,10 +123,11 @@ def towards_aims(trials: Trials, point: Point) -> Point:
         if not found.aim:
             continue
         end = found.low if found.aim == "min" else found.high
+        trials.begin_at(point)
         point = _bisected(trials, point, field, end)
         for _ in range(AIM_REPAIRS):
             near = {**point, field: Fixed(_between(_number(point, field), end, FURTHER))}
-            trial = dict(repair(trials, near, TRIALS_FOR_AN_AIM))
+            trial = dict(repair(trials, near, TRIALS_FOR_AN_AIM, TRIALS_AT_ONCE))
             trial = dict(written_out(trials, trial)) if trials(trial).passes else trial
             if trial.get(field) != near[field] or not trials(trial).passes:
                 break

@@ -15,6 +15,7 @@ from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved, resolved
 from mbcdm_cad.design.ranges import Range, split_ranges
+from mbcdm_cad.design.sized import Sizing
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError
@@ -141,9 +142,12 @@ class Question:
         found = self.freedoms[field].stretch(value, factor) if factor != 1.0 else value
         return self.ranges[field].within(found) if field in self.ranges else found
 
-    def resolve(self, data: dict[str, Any], moved: Mapping[str, Any]) -> Resolved:
-        """The drive of this data. Raises InputError if the data describe none."""
-        return resolved(Tree(data, self.tree.lines), self.path, self.file, moved)
+    def resolve(self, data: dict[str, Any], moved: Mapping[str, Any], similar: Sizing | None = None) -> Resolved:
+        """The drive of this data; ``similar``: a sizing with whose values the rules begin.
+
+        Raises InputError if the data describe none.
+        """
+        return resolved(Tree(data, self.tree.lines), self.path, self.file, moved, similar)
 
     def as_written(self, point: Point) -> dict[str, Any]:
         """The data of a file that states every changed value. Raises InputError as :meth:`resolve`."""

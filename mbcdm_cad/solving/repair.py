@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from mbcdm_cad.design.freedom import Freedom
-from mbcdm_cad.errors import InputError
 from mbcdm_cad.solving.fields import value_at
 from mbcdm_cad.solving.question import Fixed, Out, Point, Setting, Times
 from mbcdm_cad.solving.trials import NO_FIGURE, SLOW, TrialResult, Trials, choices, setting_of
@@ -26,8 +25,11 @@ GAIN = 1e-3
 ENOUGH, SAME = 20, 1e-6
 
 
-def repair(trials: Trials, start: Point, most: int) -> Point:
-    """The best point found by some rounds of changes from ``start``, with at most about ``most`` trials."""
+def repair(trials: Trials, start: Point, most: int, at_once: int = MOST_MOVES) -> Point:
+    """The best point found by some rounds of changes from ``start``, with at most about ``most`` trials.
+
+    ``at_once``: changes after which a round ends if one of them passes, or if they do not affect some check.
+    """
     best, limit = dict(start), trials.count + most
     for _ in range(ROUNDS):
         now = trials(best)
@@ -35,7 +37,11 @@ def repair(trials: Trials, start: Point, most: int) -> Point:
             break
         moves = list(_Moves(trials, best, now))[: max(min(MOST_MOVES, limit - trials.count), 4)]
         points = [{**best, field: setting} for field, setting in moves]
-        outcomes = trials.many(points)
+        outcomes = list[TrialResult]()
+        for first in range(0, len(points), at_once):
+            outcomes += trials.many(points[first : first + at_once])
+            if _unmoved(now, outcomes) or any(outcome.passes for outcome in outcomes):
+                break
         if _unmoved(now, outcomes):
             break
         better = sorted((o.violation, k) for k, o in enumerate(outcomes) if o.violation < now.violation - GAIN)
@@ -78,10 +84,8 @@ class _Moves:
     def __init__(self, trials: Trials, point: Point, now: TrialResult) -> None:
         self.trials, self.question, self.point, self.now = trials, trials.question, point, now
         self.freedoms = {freedom.field: freedom for freedom in trials.question.open_fields(point)}
-        try:
-            self.values = trials.question.resolve(*trials.question.trial(point)).design.model_dump()
-        except InputError:
-            self.values = {}
+        found = trials.begin_at(point)
+        self.values = found.design.model_dump() if found is not None else {}
 
     def __iter__(self) -> Iterator[tuple[str, Setting]]:
         seen = set[tuple[str, Setting]]()

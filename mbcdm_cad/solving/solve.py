@@ -49,11 +49,15 @@ def solve(question: Question, told: Callable[[str, int], None] | None = None, jo
     hears = told or (lambda name, count: None)
     trials = Trials(question, jobs, lambda count: hears(stage[0], count))
     point = _found(trials)
-    if trials(point).passes:
+    while trials(point).passes:
         stage[0] = "reducing the changes"
         data = question.as_written(_nearest(trials, point))
         if passes_as_written(question, data):
             return Solution(question, data, tuple(_changes(question, data)), trials.count)
+        if trials.from_files:
+            break
+        trials.begin_at_files()
+        point = _found(trials)
     stage[0] = "looking for requirements that exclude each other"
     found = conflict(trials, point)
     return Solution(question, None, (), trials.count, found)

@@ -40,8 +40,17 @@ class RoundDrumDrive(SpurDrive):
         """Distance of each input's cable and sector from those of the first along the axis."""
         return tuple(k * self.pitch_mm for k in range(self.n_inputs))
 
+    @cached_property
+    def _units(self) -> dict[int, SpurDrive]:
+        return {}
+
     def unit(self, index: int) -> SpurDrive:
         """The input with this index, its cable and its sector as a separate drive, the input above the drum."""
+        if index not in self._units:
+            self._units[index] = self._made_unit(index)
+        return self._units[index]
+
+    def _made_unit(self, index: int) -> SpurDrive:
         own = {field.name: getattr(self, field.name) for field in fields(SpurDrive)}
         places = [j for j, cable in enumerate(self.cables) if cable.input_name == self.input_names[index]]
 

@@ -55,7 +55,8 @@ def layout(drive: SpurDrive) -> SpurLayout:
             "transmission.centre_distance_mm"
         )
     levels = spur_stack(drive)
-    frame, shaft = yoke(drive, levels), drum_shaft(drive, levels)
+    shaft, head_flange = drum_shaft(drive, levels), flange(drive)
+    frame = yoke(drive, levels, head_flange)
     furthest = furthest_anchor_rad(drive)
     way = terminal_travel_mm(drive, {c.name: longest_mm(drive, furthest) for c in drive.cables})
     return SpurLayout(
@@ -67,7 +68,7 @@ def layout(drive: SpurDrive) -> SpurLayout:
         inputs=(input_pulley(drive, levels),),
         collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
         frame=frame,
-        head=head(drive, levels, flange(drive)),
+        head=head(drive, levels, head_flange),
     )
 
 

@@ -12,6 +12,7 @@ in the opposite direction, from the gearhead.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from typing import Protocol
@@ -157,19 +158,23 @@ def inner_half_width_mm(drive: HeadedDrive) -> float:
     corner = max(drive.support.material.min_internal_radius_mm, heads / (TOOL_SLENDERNESS - 1.0))
     inner = max(reach + running, heads + corner)
     # The collar stands lower over the shelf than the corner of a wide pocket reaches up, which grows with the width.
+    corner_of, over = _corner_radius_mm(drive), collar_over_shelf_mm(drive)
     for _ in range(_ROUNDS):
-        corner = _corner_radius_mm(drive, inner)
-        below = corner - collar_over_shelf_mm(drive)
-        if below > 0.0:
-            room = sqrt(max((corner - running) ** 2 - below**2, 0.0))
-            inner = max(inner, reach + corner - room + _ROUNDING_MM)
+        corner = corner_of(inner)
+        below = corner - over
+        if below <= 0.0:
+            break
+        wider = reach + corner - sqrt(max((corner - running) ** 2 - below**2, 0.0)) + _ROUNDING_MM
+        if wider <= inner:
+            break
+        inner = wider
     return inner
 
 
-def _corner_radius_mm(drive: HeadedDrive, inner_mm: float) -> float:
-    """Corner radius of the coupling pocket, by the cutter that reaches its back."""
-    depth = inner_mm + max(inner_mm, face_reach_mm(drive))
-    return max(drive.support.material.min_internal_radius_mm, depth / TOOL_SLENDERNESS / 2)
+def _corner_radius_mm(drive: HeadedDrive) -> Callable[[float], float]:
+    """Corner radius of the coupling pocket, by the cutter that reaches its back, of half the pocket's width."""
+    face, least = face_reach_mm(drive), drive.support.material.min_internal_radius_mm
+    return lambda inner_mm: max(least, (inner_mm + max(inner_mm, face)) / TOOL_SLENDERNESS / 2)
 
 
 def face_reach_mm(drive: HeadedDrive) -> float:
@@ -200,7 +205,7 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
         back_y=-outer,
         inner_x=inner,
         outer_x=outer,
-        corner_radius=_corner_radius_mm(drive, inner),
+        corner_radius=_corner_radius_mm(drive)(inner),
         seat_radius=lower.outer_diameter_mm / 2,
         seat_depth=lower.width_mm,
         shoulder_radius=lower.outer_shoulder_mm / 2,

@@ -9,8 +9,9 @@ import pytest
 from mbcdm_cad.configurations.loader import design_file
 from mbcdm_cad.configurations.registry import names
 from mbcdm_cad.solving.fields import value_at
-from mbcdm_cad.solving.question import question_of
+from mbcdm_cad.solving.question import Fixed, Point, Times, question_of
 from mbcdm_cad.solving.solve import solve
+from mbcdm_cad.solving.trials import Trials
 
 # Of each layout a field is given as a range.
 QUESTIONS = {
@@ -37,9 +38,26 @@ def test_what_may_move_are_fields_of_the_schema() -> None:
     for layout in names():
         file = design_file(layout)
         for freedom in file.freedoms():
+            assert file.node_at(tuple(freedom.field.split("."))) is not None, f"{layout}: {freedom.field}"
             block: Any = file.schema
             for part in freedom.field.split("."):
                 assert part in block.model_fields, f"{layout}: {freedom.field}"
                 kind = block.model_fields[part].annotation
                 block = next((one for one in get_args(kind) if hasattr(one, "model_fields")), kind)
         assert file.freedoms() or file.size is None, layout
+
+
+@pytest.mark.parametrize("layout", QUESTIONS)
+def test_a_trial_that_begins_at_a_similar_design_is_that_of_its_own_file(layout: str) -> None:
+    asked = question_of(
+        f"name: asked\nconfiguration: {layout}\ntravel: {{half_angle_deg: 30.0}}\n"
+        "transmission: {input_to_drum: 4.0, drum_radius_mm: 60.0}\nloads: {peak_torque_Nm: 1.0}\n"
+    )
+    near, alone = Trials(asked, jobs=1), Trials(asked, jobs=1)
+    near.begin_at({})
+    points: list[Point] = [
+        {"drum.outer_face_y_mm": Times(0.8)},
+        {"transmission.drum_radius_mm": Fixed(63.0), "drum.hub_diameter_mm": Times(1.1)},
+    ]
+    assert near.many(points) == alone.many(points)
+    assert near.count == 2 and near.confirmed(points[1]) == alone(points[1]).passes and near.count == 3

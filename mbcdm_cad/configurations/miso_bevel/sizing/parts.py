@@ -37,6 +37,9 @@ INPUT_PRELOADS = (1.65, 1.41)
 GUIDE_TENSIONS = 1.85
 # The same for a drum's bearing, in tensions.
 DRUM_TENSIONS = (1.62, 1.23)
+# Radii of the drum's smallest land in the diameter of its shaft: the usual proportion, and that of a drum that is small
+# and pulls so hard at its land that its thick stop pin needs the room that boss and hub take.
+DRUM_SHAFTS, SMALL_DRUM_SHAFTS, SMALL_DRUM_MM, HARD_PULL_N = 8.0, 9.0, 36.0, 50.0
 # Grip of a collar over the limit of its check: the input's torque is an estimate as long as the drum's steps are open.
 GRIP_SPARE = 1.03
 # Take-up over the need of the longest cable, whose length is an estimate until the drum's width is known.
@@ -85,16 +88,27 @@ def _careful(factors: tuple[float, float], pick: Callable[[float], Found]) -> Fo
     return found if found.rounding == LIGHTEST else pick(factors[1])
 
 
+def _by_mass(entry: Entry, other: Entry) -> float:
+    return float(entry["mass_g"] + other["mass_g"])
+
+
 def _with_partner(
-    given: BevelKnown, kind: str, partner: tuple[str, str], margins: Callable[[Entry, Entry], Margins]
+    given: BevelKnown,
+    kind: str,
+    partner: tuple[str, str],
+    margins: Callable[[Entry, Entry], Margins],
+    order: Callable[[Entry, Entry], float] = _by_mass,
 ) -> Found:
-    """The entry of a kind that is lightest together with a partner (its kind, its field); a given partner is kept."""
+    """The entry of a kind that is first in ``order`` together with a partner (its kind, its field).
+
+    A given partner is kept.
+    """
     other_kind, field = partner
     others = given.entries(other_kind)
     if given.has(field):
         others = {given[field]: given.entry(other_kind, field)}
     pairs = [
-        (entry["mass_g"] + other["mass_g"], f"{name} {other_name}", entry, other)
+        (order(entry, other), f"{name} {other_name}", entry, other)
         for name, entry in given.entries(kind).items()
         # A motor with its own shaft is chosen if the file wants no gearhead.
         if "shaft_diameter_mm" not in entry
@@ -277,8 +291,7 @@ def _collar_screw(given: BevelKnown) -> Found:
 
 def _drum_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Entry], Margins]:
     screws, load = given.entries("screws"), load_factor * _tension_N(given)
-    # Usual proportion of a shaft to its drum: an eighth of the smallest land's radius.
-    shaft = given.first_drum_mm / 8.0
+    shaft = given.first_drum_mm / (SMALL_DRUM_SHAFTS if _is_small(given) else DRUM_SHAFTS)
 
     def margins(bearing: Entry, ring: Entry) -> Margins:
         thread = screws[ring["screw"]]["thread_mm"] / 2
@@ -293,16 +306,28 @@ def _drum_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Ent
     return margins
 
 
+def _is_small(given: BevelKnown) -> bool:
+    """Whether boss and hub of the drum take room that its stop's slot and the motor shelf need."""
+    pull_N = given["loads.peak_torque_Nm"] * 1e3 / given.first_drum_mm
+    return bool(given.first_drum_mm < SMALL_DRUM_MM) and bool(pull_N > HARD_PULL_N)
+
+
+def _by_boss(bearing: Entry, ring: Entry) -> float:
+    """The boss ends round the screws of the drum's encoder."""
+    return float(ring["bolt_circle_mm"])
+
+
 def _drum_bearing(given: BevelKnown) -> Found:
-    partner = ("encoders", "drive.drum_encoder")
+    partner, order = ("encoders", "drive.drum_encoder"), _by_boss if _is_small(given) else _by_mass
     return _careful(
-        DRUM_TENSIONS, lambda factor: _with_partner(given, "bearings", partner, _drum_margins(given, factor))
+        DRUM_TENSIONS, lambda factor: _with_partner(given, "bearings", partner, _drum_margins(given, factor), order)
     )
 
 
 def _drum_encoder(given: BevelKnown) -> Found:
     bearing, margins = given.entry("bearings", "drum.bearing"), _drum_margins(given, DRUM_TENSIONS[-1])
-    return _lightest(given, "encoders", lambda entry: margins(bearing, entry))
+    by = "bolt_circle_mm" if _is_small(given) else "mass_g"
+    return _ordered(given.entries("encoders"), by, lambda entry: margins(bearing, entry))
 
 
 def _guide_bearing(given: BevelKnown) -> Found:
@@ -358,7 +383,8 @@ PARTS = (
     Rule("drive.encoder", "the lightest that fits the upper journal", "encoder_fit", _encoder),
     Rule(
         "drum.bearing",
-        "the lightest with a bore for the drum's shaft and an encoder that carries the cables' load",
+        "the lightest with a bore for the drum's shaft and an encoder that carries the cables' load; in a small drum "
+        "that pulls hard the one with the smallest boss",
         "drum_bearings",
         _drum_bearing,
     ),

@@ -17,10 +17,10 @@ from mbcdm_cad.design.sized import Moved, Sizing
 STARTING = starting("miso_spur", 4.0, "# inputs: [{{name: a}}, {{name: b}}, {{name: c}}]  # left out: two inputs\n")
 
 
-def _size(data: dict[str, Any], moved: Moved) -> Sizing:
+def _size(data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
     from mbcdm_cad.configurations.miso_spur.sizing import size  # only files with gaps need the rules
 
-    return size(data, moved)
+    return size(data, moved, similar)
 
 
 def _derived() -> tuple[str, ...]:

@@ -24,9 +24,10 @@ NAMES = (
 )
 
 
-def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
     """The data with all open fields filled; ``moved`` changes the values that rules give.
 
-    Raises ``SizingError`` if a requirement is missing.
+    ``similar``: see :func:`~mbcdm_cad.configurations.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
+    is missing.
     """
-    return sized(data, RoundDrumKnown, NAMES, moved)
+    return sized(data, RoundDrumKnown, NAMES, moved, similar)

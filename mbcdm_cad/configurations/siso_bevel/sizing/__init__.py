@@ -44,16 +44,17 @@ RULES: tuple[Rule, ...] = (
 DERIVED = tuple(rule.field for rule in (*TRANSFER, *FRAME, *DRUM, *BACK) if not rule.field.startswith("limits."))
 
 
-def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
     """The data with all open fields filled; ``moved`` changes the values that rules give.
 
-    Raises ``SizingError`` if a requirement is missing.
+    ``similar``: see :func:`~mbcdm_cad.configurations.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
+    is missing.
     """
     given = DirectKnown(data, {})
     missing = list(_missing(given))
     if missing:
         raise SizingError(*missing)
-    return repeated(data, DirectKnown, RULES, _first_guesses(given.drum_mm), moved)
+    return repeated(data, DirectKnown, RULES, _first_guesses(given.drum_mm), moved, similar)
 
 
 def _first_guesses(radius_mm: float) -> dict[str, Any]:

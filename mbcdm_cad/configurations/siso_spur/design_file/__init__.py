@@ -14,10 +14,10 @@ from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.sized import Moved, Sizing
 
 
-def _size(data: dict[str, Any], moved: Moved) -> Sizing:
+def _size(data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
     from mbcdm_cad.configurations.siso_spur.sizing import size  # only files with gaps need the rules
 
-    return size(data, moved)
+    return size(data, moved, similar)
 
 
 def _derived() -> tuple[str, ...]:

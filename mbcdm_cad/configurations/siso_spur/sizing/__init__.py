@@ -56,20 +56,27 @@ RULES: tuple[Rule, ...] = (
 )
 
 
-def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
     """The data with all open fields filled; ``moved`` changes the values that rules give.
 
-    Raises ``SizingError`` if a requirement is missing.
+    ``similar``: see :func:`~mbcdm_cad.configurations.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
+    is missing.
     """
-    return sized(data, SpurKnown, NAMES, moved)
+    return sized(data, SpurKnown, NAMES, moved, similar)
 
 
-def sized(data: dict[str, Any], known: type[SpurKnown], names: Sequence[Rule], moved: Moved | None) -> Sizing:
+def sized(
+    data: dict[str, Any],
+    known: type[SpurKnown],
+    names: Sequence[Rule],
+    moved: Moved | None,
+    similar: Sizing | None,
+) -> Sizing:
     """As :func:`size`, with the ``known`` of the configuration and its rules for the ``names`` of inputs and cables."""
     missing = list(_missing(SpurKnown(data, {})))
     if missing:
         raise SizingError(*missing)
-    return repeated(data, known, (SCHEMA_VERSION, *names, *RULES), _first_guesses(data), moved)
+    return repeated(data, known, (SCHEMA_VERSION, *names, *RULES), _first_guesses(data), moved, similar)
 
 
 def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:

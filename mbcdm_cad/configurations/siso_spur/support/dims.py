@@ -153,12 +153,12 @@ def stop_pin_z_mm(drive: SpurDrive) -> float:
     return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside_hub / STOP_STEP_MM) * STOP_STEP_MM)
 
 
-def yoke(drive: SpurDrive, levels: SpurStack) -> YokeDims:
-    """Dimensions of the frame."""
+def yoke(drive: SpurDrive, levels: SpurStack, head: Flange) -> YokeDims:
+    """Dimensions of the frame; ``head``: the flange of the motor head."""
     s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
     encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
     round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
-    head, z = flange(drive), drive.centre_distance_mm
+    z = drive.centre_distance_mm
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
     bridge = max(bridge, z + head.front_y - s.bridge_mm, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)

@@ -80,6 +80,30 @@ def test_wide_motors_that_are_set_back_stand_apart_too(radius_mm: float, ratio: 
     assert {check.id: check.message for check in run_checks(loaded) if check.status == "fail"} == {}
 
 
+@pytest.mark.parametrize(
+    ("radius_mm", "torque_Nm", "bearing", "encoder"),
+    [
+        (34.6, 4.64, "618/4", "encoder-17"),
+        (34.6, 1.0, "618/5", "encoder-19-ring-5"),
+        (38.0, 4.64, "618/5", "encoder-19-ring-5"),
+    ],
+)
+def test_a_small_drum_that_pulls_hard_gets_the_smaller_boss(
+    radius_mm: float, torque_Nm: float, bearing: str, encoder: str
+) -> None:
+    """The lighter pair would leave no web beside the stop's slot."""
+    data = {
+        "configuration": "miso_bevel",
+        "travel": {"half_angle_deg": 13.2},
+        "transmission": {"ratio": 4.3, "drum_radius_mm": radius_mm},
+        "loads": {"peak_torque_Nm": torque_Nm},
+        "rope": {"type": "uhmwpe-0.8"},
+    }
+    loaded = load_text(yaml.safe_dump(data), "small.yaml")
+    assert [check.id for check in run_checks(loaded) if check.status == "fail"] == []
+    assert (loaded.design.drum.bearing, loaded.design.drive.drum_encoder) == (bearing, encoder)
+
+
 def test_a_complete_file_is_left_alone() -> None:
     loaded = load_text(yaml.safe_dump(REFERENCE))
     assert loaded.sized == ()
