@@ -105,15 +105,13 @@ class Previewer:
         def draw(name: str) -> PartFiles:
             return drawn_part(bill.parts[name], materials[name], drive.export.mesh_tolerance_mm, self._write_step)
 
-        cores = os.cpu_count() or 1
-        # Computing the figures at the same time would slow the pulleys down by a third.
-        with forked(draw, [name for name in missing if name in pulleys], cores) as results:
-            drawn = results(self._look)
-        with forked(draw, [name for name in missing if name not in pulleys], cores) as results:
+        with forked(draw, missing, os.cpu_count() or 1) as results:
+            # Computing the figures at the same time would slow the pulleys down by a third.
+            results(self._look, sum(name in pulleys for name in missing))
             figures, fields = design_figures(dims, bill), fields_data(loaded)
             self._look()
             shown = page_figures(drive, fields["fields"], self._cache)
-            drawn += results(self._look)
+            drawn = results(self._look)
         made = self._store.keep(keys, drawn)
         self._write(made)
         parts |= made | {cable.spec.name: cable.undrawn() for cable in self._cables}

@@ -43,12 +43,21 @@ def forked(
 ) -> Iterator[Callable[..., list[Result]]]:
     """:func:`fork_map`, begun at entry, so that this process can do something else meanwhile, and ended at exit.
 
-    Yields ``results(look)``, which waits for all results; ``look`` is called regularly and may raise an exception to
-    stop. If nothing is forked (also if ``jobs`` is one), the work is done when ``results`` is called.
+    Yields ``results(look, first)``, which waits for all results, or for those of the ``first`` arguments; ``look`` is
+    called regularly and may raise an exception to stop. If nothing is forked (also if ``jobs`` is one), the work is
+    done when ``results`` is called.
     """
     global _work
     if jobs <= 1 or not arguments or not _allowed or not _can_fork():
-        yield lambda look=_go_on: [(look(), function(argument))[1] for argument in arguments]
+        done: list[Result] = []
+
+        def worked(look: Callable[[], None] = _go_on, first: int | None = None) -> list[Result]:
+            for argument in arguments[len(done) : first]:
+                look()
+                done.append(function(argument))
+            return done[:first]
+
+        yield worked
         return
     import multiprocessing
 
@@ -56,13 +65,14 @@ def forked(
     _work = (function, arguments)
     try:
         with multiprocessing.get_context("fork").Pool(min(jobs, len(arguments))) as pool:
-            pending = pool.map_async(_call, range(len(arguments)), chunksize=1)
+            pending = [pool.apply_async(_call, (index,)) for index in range(len(arguments))]
 
-            def results(look: Callable[[], None] = _go_on) -> list[Result]:
-                while not pending.ready():
-                    look()
-                    pending.wait(_LOOK_S)
-                return pending.get()
+            def results(look: Callable[[], None] = _go_on, first: int | None = None) -> list[Result]:
+                for one in pending[:first]:
+                    while not one.ready():
+                        look()
+                        one.wait(_LOOK_S)
+                return [one.get() for one in pending[:first]]
 
             yield results
     finally:

@@ -68,6 +68,23 @@ def test_forked_work_goes_on_while_this_process_does_something_else(tmp_path: Pa
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
+def test_first_results_are_there_before_the_others(jobs: int, tmp_path: Path) -> None:
+    def work(k: int) -> int:
+        if k == 2:
+            end = time.monotonic() + 10.0
+            while not (tmp_path / "go").exists() and time.monotonic() < end:
+                time.sleep(0.01)
+        (tmp_path / f"done-{k}").touch()
+        return k * k
+
+    with forked(work, range(4), jobs) as results:
+        assert results(first=2) == [0, 1]
+        assert not (tmp_path / "done-2").exists()
+        (tmp_path / "go").touch()
+        assert results() == [0, 1, 4, 9] and results(first=1) == [0]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
 def test_who_waits_for_forked_work_may_give_up_and_ends_it(jobs: int) -> None:
     def stop() -> None:
         raise InterruptedError
