@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from math import ceil, cos, radians, sin, sqrt, tau
 
@@ -72,8 +73,10 @@ def _grooved(body: cq.Solid, dims: InputPulleyDims) -> cq.Solid:
         wanted = groove_mm3(groove)
         for pieces in ([groove], list(_turns(groove))):
             left = body
-            for piece in pieces:
-                left = cut(left, [_groove_tool(piece)], name)
+            # The kernel may also cut a long groove through the whole body.
+            with suppress(ValueError):
+                for piece in pieces:
+                    left = cut(left, [_groove_tool(piece)], name)
             if abs(body.Volume() - left.Volume() - wanted) <= _GROOVE_SHARE * wanted:
                 body = left
                 break

@@ -146,11 +146,15 @@ def flange(drive: SpurDrive) -> Flange:
     )
 
 
-def stop_pin_z_mm(drive: SpurDrive) -> float:
-    """Distance of the stop pin from the drum's axis: further out where a wide hub leaves its slot no web there."""
-    d = drive.drum
-    beside_hub = d.hub_diameter_mm / 2 + SLOT_WALLS * d.material.min_wall_mm + (d.stop_pin_mm + STOP_SLOT_PLAY_MM) / 2
-    return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside_hub / STOP_STEP_MM) * STOP_STEP_MM)
+def _stop_pin_z_mm(drive: SpurDrive, boss_radius_mm: float) -> float:
+    """Distance of the stop pin from the drum's axis: further out beside a wide boss or hub."""
+    d, running = drive.drum, drive.clearances.running_mm
+    slot = (d.stop_pin_mm + STOP_SLOT_PLAY_MM) / 2
+    beside = max(
+        d.hub_diameter_mm / 2 + SLOT_WALLS * d.material.min_wall_mm + slot,
+        boss_radius_mm + d.stop_pin_mm / 2 + running,
+    )
+    return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside / STOP_STEP_MM) * STOP_STEP_MM)
 
 
 def yoke(drive: SpurDrive, levels: SpurStack, head: Flange) -> YokeDims:
@@ -190,7 +194,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, head: Flange) -> YokeDims:
         encoder_head_depth=s.encoder_shelf_mm - encoder_screw.length_mm + ENCODER_GRIP * encoder_screw.thread_mm,
         encoder_circle_radius=circle,
         stop_pin_radius=drive.drum.stop_pin_mm / 2,
-        stop_pin_z=stop_pin_z_mm(drive),
+        stop_pin_z=_stop_pin_z_mm(drive, round_boss.radius),
         flange_screw_radius=(insert.hole_mm if insert else screw.thread_mm) / 2,
         flange_insert=insert,
         flange_screws=tuple((x, z + y) for x, y in head.screws),

@@ -25,6 +25,8 @@ from mbcdm_cad.configurations.siso_spur.layout import SpurLayout, layout
 from mbcdm_cad.configurations.siso_spur.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.parts.make import make
+from mbcdm_cad.parts.shapes import cut
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
@@ -39,6 +41,50 @@ def test_params_file_is_what_the_schema_writes() -> None:
 def test_reference_design_fails_no_check(drive: SpurDrive) -> None:
     failed = {result.id: result.message for result in run_checks(drive) if result.status == "fail"}
     assert not failed, failed
+
+
+@pytest.mark.parametrize("hub_mm", [20.0, 70.0])
+def test_the_stop_pin_stands_outside_hub_and_boss(drive: SpurDrive, hub_mm: float) -> None:
+    """Its slot leaves a web beside the hub, and the boss that stands out of the plate does not meet it."""
+    bearing = replace(drive.bearings.drum, outer_diameter_mm=66.0)
+    changed = replace(
+        drive,
+        drum=replace(drive.drum, hub_diameter_mm=hub_mm),
+        bearings=replace(drive.bearings, drum=bearing),
+    )
+    dims = layout(changed)
+    pin, slot = dims.frame.stop_pin_radius, dims.drum.stop_slot_width / 2
+    beside_hub = dims.frame.stop_pin_z - slot - hub_mm / 2
+    beside_boss = dims.frame.stop_pin_z - pin - dims.frame.boss.radius
+    assert beside_hub >= 2 * drive.drum.material.min_wall_mm, f"{beside_hub} mm"
+    assert beside_boss >= drive.clearances.running_mm, f"{beside_boss} mm"
+    assert dims.drum.stop_radius == dims.frame.stop_pin_z
+
+
+def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
+    dims: SpurLayout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The kernel cut a pulley of 10 turns into 3 bodies; here the first cut of 1.2 turns is made to fail so."""
+    (item,) = (part for name, part in bill(dims).parts.items() if name.startswith("input_pulley"))
+    (groove,) = dims.inputs[0].grooves
+    share = 1.2 * 2 * pi / (groove.end_angle_rad - groove.start_angle_rad)
+    short = replace(
+        groove,
+        end_angle_rad=groove.start_angle_rad + 1.2 * 2 * pi,
+        end_z=groove.start_z + share * (groove.end_z - groove.start_z),
+    )
+    args, tools = (replace(dims.inputs[0], grooves=(short,)),), list[object]()
+    whole = make(item.maker, args).Volume()
+
+    def cut_through(body: object, cutters: list[object], name: str) -> object:
+        tools.append(cutters)
+        if len(tools) == 1:
+            raise ValueError(f"{name}: drawing gave 3 bodies")
+        return cut(body, cutters, name)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("mbcdm_cad.parts.input_pulley.draw.cut", cut_through)
+    in_turns = make(item.maker, args).Volume()
+    assert len(tools) > 2 and in_turns == pytest.approx(whole, rel=1e-4), f"{in_turns} for {whole} mm^3"
 
 
 @settings(max_examples=40, deadline=None)
