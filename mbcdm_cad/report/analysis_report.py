@@ -29,7 +29,7 @@ _LIMITS = {
     "gearhead_rated": "gearhead, continuous",
     "gearhead_maximum": "gearhead, intermittent",
     "motor_alone": "motor, continuous",
-    "motor_alone_peak": "motor, for moments",
+    "motor_alone_peak": "motor, short-time",
     "strength": "cable at its allowed tension",
     "slack": "a cable goes slack",
     "slip": "the cable slips on its input",

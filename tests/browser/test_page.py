@@ -150,7 +150,7 @@ def test_choosing_a_field_shows_what_it_rests_on(shared: Any, report: dict[str, 
     assert {field, *entry["rests_on"]} <= near, set(entry["rests_on"]) - near
     rests_on_it = {other["field"] for other in report["fields"] if field in other["rests_on"]}
     assert rests_on_it and rests_on_it <= near, rests_on_it - near
-    assert one.page.text_content("#graph-shown").startswith(f"{field} rests on ")
+    assert one.page.text_content("#graph-shown").startswith(f"{field} depends on ")
     one.page.focus("[data-field-pick='rope.type']")
     one.page.keyboard.press("Enter")
     assert one.page.get_attribute("#graph g.picked", "data-field") == "rope.type"

@@ -189,7 +189,7 @@ def speed_chart(report: Mapping[str, Any]) -> dict[str, Any] | None:
     if not m:
         return None
     speeds = [point["drum_speed_deg_s"] for point in m["curve"]]
-    lines = (("continuous", "continuous_Nm"), ("for moments", "peak_Nm"))
+    lines = (("continuous", "continuous_Nm"), ("short-time", "peak_Nm"))
     return {
         "title": f"Torque at the drum over its speed, {m['bus_voltage_V']:g} V",
         "x": {"label": "speed of the drum", "unit": "deg/s"},

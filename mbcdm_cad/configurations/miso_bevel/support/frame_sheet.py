@@ -333,9 +333,9 @@ def frame_sheet(part: str, d: FrameDims) -> Sheet:
             *(line for group in (*above, *behind) for line in group.fit_lines()),
         ),
         notes=(
-            "One piece. X to the right seen from behind, Y to the front, Z up; Y = 0 in the axis of A.",
+            "One piece. X to the right in the rear view, Y to the front, Z up; Y = 0 at the axis of A.",
             "B and A square to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
-            "The radius from behind is that of the encoder's pocket.",
+            "The radius in the rear view is that of the encoder's pocket.",
             "Seats Ra 0.8, elsewhere Ra 3.2.",
         ),
     )

@@ -159,7 +159,7 @@ def column_sheet(part: str, d: ColumnDims) -> Sheet:
             *(line for group in (*above, *behind) for line in group.fit_lines()),
         ),
         notes=(
-            "One piece. X to the right seen from behind, Y to the front, Z up; Y = 0 in the axis of A.",
+            "One piece. X to the right in the rear view, Y to the front, Z up; Y = 0 at the axis of A.",
             "A square to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
             "Encoder's pocket from behind: "
             f"R{mm(b.encoder_pocket_radius)} about the drum's axis, open below Z {mm(d.column_start_z)}.",

@@ -1,4 +1,4 @@
-// Line charts that answer to the pointer and to the arrow keys. Each <figure class="chart"> holds its data as JSON.
+// Line charts that respond to the pointer and to the arrow keys. Each <figure class="chart"> contains its data as JSON.
 (function (page) {
   "use strict";
   const NS = "http://www.w3.org/2000/svg";
@@ -112,7 +112,7 @@
     label.textContent = `${data.x.label} ${page.figure(at)}${unit(data.x)} → ${read.filter(Boolean).join("; ")}${unit(data.y)}`;
   }
 
-  // Where a line passes a place more than once, the first passage counts.
+  // If a line passes a value more than once, the first passage is used.
   function valueAt(line, at) {
     for (let i = 0; i + 1 < line.x.length; i += 1) {
       const [a, b] = [line.x[i], line.x[i + 1]];
@@ -122,7 +122,7 @@
     return null;
   }
 
-  // Least and greatest of lists that may be too long to be spread into arguments.
+  // Smallest and largest value of lists that may be too long to be spread into arguments.
   function range(lists) {
     let low = Infinity, high = -Infinity;
     for (const list of lists)

@@ -1,5 +1,5 @@
-// How far each part moves when the assembly is taken apart: along its own axis (its body's where it turns), the way that
-// leaves the heaviest still part sooner, and far enough to clear what stands before it.
+// Displacement of each part in the exploded view: along its own axis (that of its body if it turns), in the direction
+// that leaves the heaviest fixed part first, and far enough to clear the parts before it.
 (function (page) {
   "use strict";
   const GAP = 0.035; // of the size of the whole

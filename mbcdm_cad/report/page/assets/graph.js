@@ -1,4 +1,4 @@
-// The graph of the fields: choosing one shows what it rests on and what rests on it, over as many steps as there are.
+// The graph of the fields: choosing one shows all fields that it depends on and all that depend on it.
 (function (page) {
   "use strict";
 
@@ -38,7 +38,7 @@
       for (const line of lines) line.classList.toggle("near", below.passed.has(line) || above.passed.has(line));
       for (const [name, button] of buttons) button.setAttribute("aria-pressed", String(name === field));
       told.textContent = field
-        ? `${field} rests on ${listed(below.fields)}. On it rests ${listed(above.fields)}.`
+        ? `${field} depends on ${listed(below.fields)}. Depending on it: ${listed(above.fields)}.`
         : "";
       const box = nodes.get(field)?.getBBox();
       if (box) holder.scrollTo({ left: box.x - holder.clientWidth / 2 + box.width / 2, top: box.y - holder.clientHeight / 2 });

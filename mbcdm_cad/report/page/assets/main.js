@@ -1,4 +1,4 @@
-// Joins the 3D view to what stands round it: sliders, list of parts, facts of the part picked, steps of assembly.
+// Connects the 3D view with its controls: sliders, list of parts, data of the picked part, steps of assembly.
 (function (page) {
   "use strict";
   const byId = (id) => document.getElementById(id);
@@ -114,7 +114,7 @@
     });
   }
 
-  // The list of parts: a box to hide each, a button to pick it. Returns what others need to keep the list in step.
+  // The list of parts: a check box to hide each, a button to pick it. Returns functions that update the list.
   function parts(viewer) {
     const boxes = new Map([...document.querySelectorAll("[data-show]")].map((box) => [box.dataset.show, box]));
     const buttons = new Map([...document.querySelectorAll("[data-pick]")].map((b) => [b.dataset.pick, b]));
@@ -148,7 +148,7 @@
       byId("fact-material").textContent = `${entry.material}, ${entry.kind}`;
       byId("fact-mass").textContent = `${page.figure(entry.mass_g)} g`;
       byId("fact-body").textContent = body
-        ? body.ratio === 0 ? "stands still" : `turns with ${body.name}, ${MINUS(body.ratio)} × the drum`
+        ? body.ratio === 0 ? "does not move" : `turns with ${body.name}, ${MINUS(body.ratio)} × the drum`
         : "winds along its route";
       const files = byId("fact-files");
       files.replaceChildren();
@@ -223,6 +223,6 @@
     });
   }
 
-  // The tables are there first; the picture follows when they have been painted.
+  // The tables are shown first; the picture follows after they are painted.
   requestAnimationFrame(() => setTimeout(start, 0));
 })(window.drivePage);

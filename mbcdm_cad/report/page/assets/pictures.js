@@ -1,4 +1,4 @@
-// A picture beside each step of assembly, drawn from the same model once the steps come into sight: what joins is blue.
+// A picture for each step of assembly, drawn from the same model when the steps become visible; new parts are blue.
 (function (page) {
   "use strict";
   const WIDTH = 480, HEIGHT = 320;

@@ -1,5 +1,5 @@
-// A section through everything shown: one clipping plane, and a hatched cap where it cuts a part. Caps are found with
-// the stencil: where more back faces than front faces of a part are seen behind the plane, the eye looks into it.
+// A section through all visible parts: one clipping plane, and a hatched cap where it cuts a part. The stencil finds the
+// caps: where more back faces than front faces of a part are visible behind the plane, the view is into the part.
 (function (page) {
   "use strict";
   const HATCH_MM = 2.2;
@@ -14,7 +14,7 @@
       this.caps = [];
     }
 
-    // `normal` points at what is cut away; `offset` in mm from the origin along it.
+    // `normal` points to the removed side; `offset` in mm from the origin along it.
     set(normal, offset) {
       this.on = normal !== null;
       if (this.on) {

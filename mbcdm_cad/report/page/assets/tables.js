@@ -1,4 +1,4 @@
-// What needs no 3D: light and dark, the filter of the checks, the charts.
+// Parts of the page without 3D: light and dark style, the filter of the checks, the charts.
 (function (page) {
   "use strict";
 

@@ -1,5 +1,5 @@
-// A cable: a round tube swept along a centre line that changes with the drum's angle. Its triangles never change, only
-// where their corners are, so that a new pose costs a few milliseconds.
+// A cable: a round tube along a centre line that changes with the drum's angle. Its triangles never change, only the
+// positions of their corners, so that a new pose takes a few milliseconds.
 (function (page) {
   "use strict";
   const SIDES = 8;

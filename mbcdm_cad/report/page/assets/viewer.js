@@ -192,12 +192,12 @@
       }
     }
 
-    // The entry seen at a place of the canvas (-1 to 1 each way), or null.
+    // The entry visible at a position of the canvas (-1 to 1 in both directions), or null.
     at(x, y) {
       const ray = new THREE.Raycaster();
       ray.setFromCamera(new THREE.Vector2(x, y), this.camera);
       const meshes = this.entries.filter((entry) => entry.node.visible).map((entry) => entry.mesh);
-      // Inner sides count: the cap of a section is seen where the eye looks at one.
+      // Inner sides count: where one is visible, the cap of a section is shown.
       for (const mesh of meshes) mesh.material.side = THREE.DoubleSide;
       const hits = ray.intersectObjects(meshes, false);
       for (const mesh of meshes) mesh.material.side = THREE.FrontSide;
@@ -217,7 +217,7 @@
       });
     }
 
-    // The camera looks from a named direction and sees everything shown.
+    // The camera looks from a named direction; all visible parts fit into the picture.
     look(view) {
       const way = new THREE.Vector3(...VIEWS[view]).normalize();
       this.camera.position.copy(this.controls.target).addScaledVector(way, 1000);
@@ -241,7 +241,7 @@
       this.draw();
     }
 
-    // The camera sees all that is shown, or what is named, at every angle of the travel.
+    // All visible parts, or the named ones, fit into the picture at every angle of the travel.
     fit(names) {
       const wanted = names ? new Set(names) : null;
       const seen = this.entries.filter((entry) => entry.node.visible && (!wanted || wanted.has(entry.name)));
@@ -272,7 +272,7 @@
       this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
       this.renderer.setSize(width, height, false);
       const { across, up } = this.half || { across: 100, up: 100 };
-      // Buttons lie over the top of the picture and a hint over its foot: the drive stands between them.
+      // Buttons cover the top of the picture and a hint its bottom: the drive is shown between them.
       const above = this.covered(".corner", (box) => box.bottom - frame.top);
       const below = this.covered(".hint", (box) => frame.bottom - box.top);
       const free = Math.max(height - above - below, height / 3);
@@ -285,15 +285,15 @@
       this.draw();
     }
 
-    // Height in pixels that an element over the picture takes; 0 where it does not stand there.
+    // Height in pixels of an element over the picture; 0 if it is not there.
     covered(selector, height) {
       const element = this.canvas.parentElement.querySelector(selector);
       const box = element && element.getBoundingClientRect();
       return box && box.height ? Math.max(0, height(box)) : 0;
     }
 
-    // A picture of the items `present` as they stand, those of `joining` marked, as the address of a PNG. It is drawn
-    // by a renderer of its own, so what is on show stays; sections are left out, since that renderer knows none.
+    // A picture of the items `present` in their positions, those of `joining` marked, as the address of a PNG. Another
+    // renderer draws it, so that the view does not change; it has no sections.
     picture(present, joining, width, height) {
       if (!this.small) {
         this.small = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -322,8 +322,8 @@
       return address;
     }
 
-    // Box of the entries as a camera sees them, in its own frame: of every point, since that about a sector's own box
-    // is far wider.
+    // Box of the entries in the frame of a camera, from all points, because the box about a sector's own box is much
+    // wider.
     extent(entries, camera, box = new THREE.Box3()) {
       const toCamera = new THREE.Matrix4(), { min, max } = box;
       this.scene.updateMatrixWorld();
