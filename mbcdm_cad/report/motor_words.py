@@ -16,7 +16,8 @@ def motor_lines(m: Mapping[str, Any]) -> tuple[str, ...]:
         f"{m['peak_loss_W']:.3g} W; no load {m['no_load_speed_rad_s']:.4g} rad/s, which turns the drum at "
         f"{m['drum_no_load_speed_deg_s']:.4g} deg/s",
         f"At the required peak torque: {m['at_peak_load_torque_mNm']:.4g} mN m, {m['at_peak_load_current_A']:.3g} A, "
-        f"{m['at_peak_load_loss_W']:.3g} W for each motor; the drum at most {m['at_peak_load_drum_speed_deg_s']:.4g} deg/s",
+        f"{m['at_peak_load_loss_W']:.3g} W for each motor; the drum at most "
+        f"{m['at_peak_load_drum_speed_deg_s']:.4g} deg/s",
         f"Rotors reflected to the drum {m['reflected_inertia_kg_m2'] * 1e3:.4g} g m^2; lowest mode "
         f"{m['mode_inputs_held_Hz']:.4g} Hz with the inputs held, {m['mode_inputs_free_Hz']:.4g} Hz against the free "
         "rotors",
