@@ -57,7 +57,7 @@ def settling(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Generator)
 
 
 def mount_jump(p: Sizes, bench: Bench, drum: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """The mount of the encoder gives way once."""
+    """The mount of the encoder slips once."""
     return p["step_rad"] * (0.5 + 0.5 * np.tanh((bench.time_s - p["at_s"]) / 0.04))
 
 

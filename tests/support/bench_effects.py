@@ -134,7 +134,7 @@ def ripple(cycles: tuple[float, float], low_rad: float, high_rad: float) -> Draw
 
 
 def anchor(low_m: float, high_m: float) -> Draw:
-    """One cable's anchor gives way: its path is longer from then on, so its tension drops."""
+    """One cable's anchor slips: its path is longer from then on, so that its tension drops."""
 
     def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
         figures = {"slip_m": rng.uniform(low_m, high_m), "at_s": rng.uniform(0.3, 0.75) * plan.duration_s}
@@ -144,7 +144,7 @@ def anchor(low_m: float, high_m: float) -> Draw:
 
 
 def jump(low_rad: float, high_rad: float) -> Draw:
-    """The encoder's mount gives way once."""
+    """The encoder's mount slips once."""
 
     def draw(rng: np.random.Generator, plan: Plan) -> tuple[Effect, ...]:
         step = _sign(rng) * rng.uniform(low_rad, high_rad)

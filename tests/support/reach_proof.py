@@ -25,8 +25,8 @@ WORDS = {
     SOLVED: "get a design from 'mbcdm solve'",
     FOUND: "get one from the independent search alone",
     BOUND: "exclude each other by a bound over the catalogue",
-    SEARCHES: "exclude each other by both searches, and a design passes once one gives way",
-    OPEN: "are neither: no design found, and nothing that gives way helps",
+    SEARCHES: "exclude each other by both searches, and a design passes after one is relaxed",
+    OPEN: "are neither: no design found, and no requirement that helps when it is relaxed",
 }
 
 

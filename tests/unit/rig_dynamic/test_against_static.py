@@ -32,7 +32,7 @@ def ideal(**changes: object) -> DynamicRig:
 
 
 def ramp(rig: DynamicRig, sign: float) -> tuple[float, float]:
-    """Load at which the first input is at its limit, and at which the drum gives way, N m."""
+    """Load at which the first input is at its limit, and at which the drum is off by 20 mrad, N m."""
     slope, rate = 0.2, rig.loops[0].rate_Hz
     reference = standstill(4.4 / slope, rate)
     run = run_dynamic(rig, reference, sign * slope / rate * np.arange(reference.shape[0], dtype=float))

@@ -113,7 +113,7 @@ def test_drum_held_by_the_brake_stands_still_and_the_balance_is_the_spring_s() -
 
 @pytest.mark.parametrize(("sign", "share"), [(1.0, 1.0 / 0.68), (-1.0, 2.0 - 1.0 / 0.68)])
 def test_gearhead_s_efficiency_forward_and_backward(sign: float, share: float) -> None:
-    """Motor torque at which a carried load of 0.1 N m just moves forward, or just gives way backward."""
+    """Motor torque at which a carried load of 0.1 N m just moves forward, or just moves backward."""
     load_at_drum = 0.1 * 9.0
     speeds = []
     for offset in (-0.01, 0.01):

@@ -135,7 +135,7 @@ def test_spans_pull_input_and_drum_together(drive: SpurDrive) -> None:
 
 
 def test_slip_limits_the_torque_in_the_analysis_and_in_bulk(drive: SpurDrive) -> None:
-    """One turn on a slippery pulley: friction gives way before the motor does."""
+    """One turn on a pulley of low friction: the cable slips before the motor reaches its limit."""
     slippery = replace(drive, turns=1, friction_coefficient=0.05)
     found = analyse(slippery)
     slip = {limit.direction: limit.torque_Nm for limit in found.limits if limit.cause == "slip"}
