@@ -28,8 +28,10 @@ def _rings(given: TrialKnown, bearing: dict[str, Any]) -> list[str]:
     """Ring encoders of a bearing's bore, whose screws are beside its seat; the lightest first."""
 
     def fits(name: str, ring: dict[str, Any]) -> bool:
+        if _RING not in name or ring["bore_mm"] != bearing["bore_mm"]:
+            return False
         web = (ring["bolt_circle_mm"] - given.screw(ring["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
-        return _RING in name and ring["bore_mm"] == bearing["bore_mm"] and web >= HOLE_WEB_MM
+        return bool(web >= HOLE_WEB_MM)
 
     return _by_mass(given, "encoders", fits)
 

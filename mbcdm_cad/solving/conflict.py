@@ -133,7 +133,7 @@ def _given_way(trials: Trials, name: str, miss: Point, fixed: frozenset[str]) ->
             continue
         start = trials.best([starts[k], {**miss, **starts[k]}])
         found = repair(trials, start, TRIALS)
-        if trials(found).passes and trials.confirmed(found):
+        if trials.confirmed(found):
             return _as_little(trials, name, found)
         if best is None or trials(found).violation < trials(best).violation:
             best = found
@@ -194,7 +194,7 @@ def _as_little(trials: Trials, name: str, found: Point) -> Give:
             trial: Point = {**found, name: Fixed(middle)}
             if not trials(trial).passes:
                 trial = repair(trials, trial, TRIALS // 2)
-            if trials(trial).passes and trials.confirmed(trial):
+            if trials.confirmed(trial):
                 passing, found = middle, trial
             else:
                 failing = middle

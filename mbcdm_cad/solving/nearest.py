@@ -129,7 +129,7 @@ def towards_aims(trials: Trials, point: Point) -> Point:
             near = {**point, field: Fixed(_between(_number(point, field), end, FURTHER))}
             trial = dict(repair(trials, near, TRIALS_FOR_AN_AIM, TRIALS_AT_ONCE))
             trial = dict(written_out(trials, trial)) if trials(trial).passes else trial
-            if trial.get(field) != near[field] or not trials(trial).passes:
+            if trial.get(field) != near[field] or not trials.confirmed(trial):
                 break
             point = _bisected(trials, trial, field, end)
     return point
@@ -143,7 +143,7 @@ def _bisected(trials: Trials, point: Point, field: str, end: float) -> Point:
         if middle in (passing, failing):
             break
         trial = {**point, field: Fixed(middle)}
-        if trials(trial).passes:
+        if trials.confirmed(trial):
             passing, point = middle, trial
         else:
             failing = middle

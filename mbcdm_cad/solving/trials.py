@@ -99,7 +99,9 @@ class Trials:
         self._similar, self.from_files = None, True
 
     def confirmed(self, point: Point) -> bool:
-        """Whether the design passes that a reader of the point's file gets."""
+        """Whether a trial passes, and also the design that a reader of its file gets."""
+        if not self(point).passes:
+            return False
         similar, self._similar = self._similar, None
         found = self(point)
         self._similar = similar
