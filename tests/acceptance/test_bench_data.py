@@ -133,13 +133,16 @@ def test_noise_along_a_signature_is_that_of_the_covariance() -> None:
 
 @pytest.mark.slow
 def test_what_counts_follows_from_the_truth() -> None:
-    guide = separability(truth_of(DRIVE, "pulley_guide", 1), DRIVE.input_names)
+    truth = truth_of(DRIVE, "pulley_guide", 1)
+    guide = separability(truth, DRIVE.input_names)
     assert guide.large and guide.separable, guide
     # To second order only the product of friction and preload counts.
     preload = separability(truth_of(DRIVE, "preload_all", 1), DRIVE.input_names)
     assert preload.rival == "cable_friction" and not preload.separable, preload
-    small = separability(truth_of(DRIVE, "small_delay", 1), DRIVE.input_names)
-    assert not small.large and small.gain_rad < 0.1 * guide.gain_rad, small
+    tiny = replace(truth.effects[0], size=truth.effects[0].size | {"eccentricity_m": 1e-7})
+    small = separability(replace(truth, effects=(tiny,)), DRIVE.input_names)
+    share = 1e-7 / truth.effects[0].size["eccentricity_m"]
+    assert not small.large and small.gain_rad == pytest.approx(share * guide.gain_rad, rel=0.1), small
 
 
 def test_the_page_counts_and_keeps_what_was_written_by_hand() -> None:
