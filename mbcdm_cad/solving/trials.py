@@ -26,6 +26,10 @@ from mbcdm_cad.storage.parallel import fork_map
 
 # Checks that take as long as all others together: run only if all others pass.
 SLOW = frozenset({"cables_apart", "spans_clear", "terminals_apart", "no_slack"})
+# A warning as long as nothing is drawn. The build measures the mass and fails, so that a solution must keep this check,
+# too. It runs last: only complete dimensions have a mass.
+MASS = "mass_estimate"
+LAST = SLOW | {MASS}
 # A failed check adds 1 and a part that grows with its miss towards this value, steepest near the limit.
 MOST = 3.0
 # What a check without a figure adds, and the violation of a trial that gives no drive.
@@ -139,7 +143,7 @@ class Trials:
 
 
 def outcome(question: Question, point: Point, similar: Sizing | None = None) -> TrialResult:
-    """Size and check one trial; checks that only warn do not run, and waived ones count as passed."""
+    """Size and check one trial; of the checks that only warn it runs that of the mass; waived ones pass."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
@@ -147,10 +151,10 @@ def outcome(question: Question, point: Point, similar: Sizing | None = None) -> 
         except InputError as error:
             return TrialResult((), str(error.problems[0].what))
         subject = configuration_of(drive).design_under_test(drive)
-        asked = [check for check in checks_of(drive) if check.severity == "fail" and drive.waiver(check.id) is None]
-        found = [(check.id, missed(check, subject)) for check in asked if check.id not in SLOW]
+        asked = [check for check in checks_of(drive) if _must_hold(check) and drive.waiver(check.id) is None]
+        found = [(check.id, missed(check, subject)) for check in asked if check.id not in LAST]
         if not any(miss for _, miss in found):
-            found = [(check.id, missed(check, subject)) for check in asked if check.id in SLOW]
+            found = [(check.id, missed(check, subject)) for check in asked if check.id in LAST]
         return TrialResult(tuple((name, miss) for name, miss in found if miss))
 
 
@@ -178,7 +182,14 @@ def messages(question: Question, point: Point) -> list[tuple[str, str]]:
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         results = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
-    return [(result.id, result.message) for result in results if result.status == "fail"]
+    must = {check.id for check in checks_of(drive) if _must_hold(check)}
+    return [
+        (result.id, result.message) for result in results if result.id in must and result.status in ("fail", "warn")
+    ]
+
+
+def _must_hold(check: Check) -> bool:
+    return check.severity == "fail" or check.id == MASS
 
 
 def cost(question: Question, point: Point) -> float:

@@ -16,7 +16,7 @@ from mbcdm_cad.solving.nearest import taken_back
 from mbcdm_cad.solving.patch import patched
 from mbcdm_cad.solving.question import Fixed, Point, Question, Times, question_of
 from mbcdm_cad.solving.solve import solve
-from mbcdm_cad.solving.trials import TrialResult, Trials
+from mbcdm_cad.solving.trials import TrialResult, Trials, outcome
 
 RANGED = """\
 name: ranged
@@ -65,6 +65,13 @@ def test_a_pin_that_contradicts_is_taken_out() -> None:
     found = solve(question_of(PINNED, "pinned.yaml"), jobs=1)
     assert [(change.field, change.after) for change in found.changes] == [("drum.outer_face_y_mm", None)]
     assert found.data is not None and "drum" not in found.data
+
+
+def test_a_mass_that_the_build_would_refuse_is_missed_here_too() -> None:
+    """``check`` only warns of the estimated mass; the build measures the same and fails."""
+    heavy = question_of(PINNED.partition("drum:\n")[0] + "targets: {mass_g: 100.0}\n", "heavy.yaml")
+    assert check_design(load_text(heavy.text)).passed
+    assert [name for name, _ in outcome(heavy, {}).failing] == ["mass_estimate"]
 
 
 def test_a_passing_design_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
