@@ -61,7 +61,7 @@ def _encoder(given: TrialKnown) -> Found:
 
 def _drum_encoder(given: TrialKnown) -> Found:
     bearing = given.entry("bearings", "drum.bearing")
-    # A bearing that the file states may have none beside its seat: then the checks say what is missing.
+    # For a bearing that the file states there may be none beside its seat: the checks then state what is missing.
     names = _rings(given, bearing) or _by_mass(
         given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"]
     )

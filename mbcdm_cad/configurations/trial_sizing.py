@@ -297,14 +297,14 @@ def repeated(
 ) -> Sizing:
     """The data with its open fields filled by ``rules``, in passes until no field changes.
 
-    ``similar``: a sizing of nearly the same data. The first pass then begins with its values, which saves most of the
-    trials; where rules have more than one fixed point, it may lead to another one than ``guesses``.
+    ``similar``: a sizing of nearly the same data. The first pass then starts with its values, which saves most of the
+    trials; if the rules have more than one fixed point, the result may be another one than with ``guesses``.
     """
     drives: TrialDrives | None = None
     if similar is not None:
         guesses = {**guesses, **{value.field: value.value for value in similar.values}}
         drives = known(data, guesses).drives
-        # A check that no value could meet there may be met here: such a search is not repeated but made again.
+        # A search in which a check was met by no value is made again, because a value may meet it here.
         drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
     for _ in range(_MOST_PASSES):
         given = known(copy.deepcopy(data), guesses, drives)

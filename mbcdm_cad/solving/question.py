@@ -143,7 +143,7 @@ class Question:
         return self.ranges[field].within(found) if field in self.ranges else found
 
     def resolve(self, data: dict[str, Any], moved: Mapping[str, Any], similar: Sizing | None = None) -> Resolved:
-        """The drive of this data; ``similar``: a sizing with whose values the rules begin.
+        """The drive of this data; ``similar``: a sizing whose values are the first guesses of the rules.
 
         Raises InputError if the data describe none.
         """

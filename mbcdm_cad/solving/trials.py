@@ -63,8 +63,8 @@ class TrialResult:
 class Trials:
     """Evaluates trials of one question, each once; ``told`` is called after each batch with their number.
 
-    The sizing of a trial begins at the design of :meth:`begin_at`, where the rules search, which takes a third of the
-    time. :meth:`confirmed` sizes it from its file alone, as every other command does.
+    The rules that search begin at the design of :meth:`begin_at`, so that the sizing of a trial takes a third of the
+    time. :meth:`confirmed` sizes the trial from its file alone, as every other command does.
     """
 
     def __init__(self, question: Question, jobs: int | None = None, told: Callable[[int], None] | None = None) -> None:
@@ -89,7 +89,7 @@ class Trials:
         return {check.id: check for family in families for check in family.CHECKS}
 
     def begin_at(self, point: Point) -> Resolved | None:
-        """Let the sizing of the trials that follow begin at the design of ``point``, which is returned if it is one."""
+        """Begin the sizing of later trials at the design of ``point``. Returns this design, None if there is none."""
         try:
             found = self.question.resolve(*self.question.trial(point))
         except InputError:
@@ -99,7 +99,7 @@ class Trials:
         return found
 
     def begin_at_files(self) -> None:
-        """Size all trials that follow from their files alone."""
+        """Size all later trials from their files alone."""
         self._similar, self.from_files = None, True
 
     def confirmed(self, point: Point) -> bool:
@@ -127,7 +127,7 @@ class Trials:
         return [self._known[key] for key in keys]
 
     def _key(self, point: Point) -> tuple[frozenset[tuple[str, object]], bool]:
-        """The point, and whether it is sized from its file alone: so in any case where that was done before."""
+        """The point, and whether it is sized from its file alone; a known result of this kind is always used."""
         from_file = frozenset(point.items()), True
         return from_file if self._similar is None or from_file in self._known else (from_file[0], False)
 

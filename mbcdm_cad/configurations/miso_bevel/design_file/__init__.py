@@ -17,7 +17,7 @@ from mbcdm_cad.design.sized import Moved, Sizing
 def _size(data: dict[str, Any], moved: Moved, similar: Sizing | None) -> Sizing:
     from mbcdm_cad.configurations.miso_bevel.sizing import size  # only files with gaps need the rules
 
-    return size(data, moved)  # closed form: a similar design is of no use
+    return size(data, moved)  # closed form: needs no similar design
 
 
 def _size_many() -> SizingOfMany:

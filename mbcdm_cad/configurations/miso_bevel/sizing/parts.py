@@ -37,8 +37,8 @@ INPUT_PRELOADS = (1.65, 1.41)
 GUIDE_TENSIONS = 1.85
 # The same for a drum's bearing, in tensions.
 DRUM_TENSIONS = (1.62, 1.23)
-# Radii of the drum's smallest land in the diameter of its shaft: the usual proportion, and that of a drum that is small
-# and pulls so hard at its land that its thick stop pin needs the room that boss and hub take.
+# Radius of the drum's smallest land over the diameter of its shaft: the usual ratio, and that of a small drum with a
+# large force at its land, whose thick stop pin needs a part of the space of boss and hub.
 DRUM_SHAFTS, SMALL_DRUM_SHAFTS, SMALL_DRUM_MM, HARD_PULL_N = 8.0, 9.0, 36.0, 50.0
 # Grip of a collar over the limit of its check: the input's torque is an estimate as long as the drum's steps are open.
 GRIP_SPARE = 1.03
@@ -307,7 +307,7 @@ def _drum_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Ent
 
 
 def _is_small(given: BevelKnown) -> bool:
-    """Whether boss and hub of the drum take room that its stop's slot and the motor shelf need."""
+    """Whether boss and hub of the drum use space that the stop slot and the motor shelf need."""
     pull_N = given["loads.peak_torque_Nm"] * 1e3 / given.first_drum_mm
     return bool(given.first_drum_mm < SMALL_DRUM_MM) and bool(pull_N > HARD_PULL_N)
 

@@ -168,7 +168,7 @@ def _centre_distance(given: BevelKnown) -> Found:
         "fleet_angle": reach_mm(span, guide + pulley),
         "pulley_gap": guide + pulley + d + running,
         "centre_distance": hypot(guide + pulley, 2 * BLEND_DIAMETERS * d),
-        # Drives stand apart along x alone, and the inputs' x is what the setback leaves of the centre distance.
+        # The gap between the drives is along x, and the inputs' x is sqrt(L^2 - setback^2).
         "drives_apart": hypot(apart, setback),
         "transmission.input_setback_mm": setback / MOST_SETBACK,
     }
@@ -209,9 +209,9 @@ def _setback(given: BevelKnown) -> Found:
 
 
 def _expected_setback_mm(given: BevelKnown) -> float:
-    """That of the file, else the setback for a drum that only passes in front of the drives.
+    """The setback of the file, else the one with which the drum passes in front of the drives.
 
-    Whether it also passes them without one is known once the frame is.
+    Whether the drum also clears them without a setback is known only after the frame is sized.
     """
     if given.has("transmission.input_setback_mm"):
         return number(given["transmission.input_setback_mm"])
@@ -220,19 +220,19 @@ def _expected_setback_mm(given: BevelKnown) -> float:
 
 
 def _lowest_mm(given: BevelKnown) -> float:
-    """y of what turns with the drum nearest to the frame: its inner face or a terminal's nut."""
+    """Lowest y of the parts that turn with the drum: its inner face or a terminal's nut."""
     return least(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm)
 
 
 def _front_wall_mm(given: BevelKnown) -> float:
-    """Setback at which the frame has a wall before the seats of the inputs' bearings and gearheads."""
+    """Least setback with which the frame has a wall in front of the seats of the inputs' bearings and gearheads."""
     lower, upper = (given.entry("bearings", f"input_pulleys.{end}_bearing") for end in ("lower", "upper"))
     seat = max(lower["outer_diameter_mm"], upper["outer_diameter_mm"], given.gearhead.pilot_diameter_mm) / 2
     return number(seat + given.wall_mm("support") - (_lowest_mm(given) - given["clearances.running_mm"]))
 
 
 def _passing_needs_mm(given: BevelKnown) -> dict[str, float]:
-    """Setback at which drum and terminals pass in front of drives, collars and pulleys."""
+    """Least setbacks with which drum and terminals pass in front of drives, collars and pulleys."""
     d, lowest = given.d_mm, _lowest_mm(given)
     return {
         "drum_sweep": drive_radius_mm(given) + given["clearances.running_mm"] - lowest,

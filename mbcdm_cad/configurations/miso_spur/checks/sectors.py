@@ -38,14 +38,14 @@ def sectors_apart(s: RoundDrumUnderTest) -> Comparison:
 
 
 def _shelf(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
-    """The encoder's shelf at an input, which begins just outside the rim whatever the centre distance is."""
+    """The encoder shelf at an input, which begins just outside the rim for any centre distance."""
     f, v = s.layout.units[index].frame, s.levels_of(index)
     name = f"encoder shelf of {s.drive.input_names[index]}"
     yield Zone(name, v.top_plate_bottom_z, v.top_plate_top_z, f.shelf_bottom_z, f.shelf_half_width)
 
 
 def _on_axis(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
-    """What lies round the axis of an input."""
+    """Parts round the axis of an input."""
     unit, v, drive = s.layout.units[index], s.levels_of(index), s.drive
     pulley, f = unit.inputs[0], unit.frame
     axis, encoder = f.axis_z, drive.encoder.diameter_mm / 2
@@ -81,7 +81,7 @@ def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -
 
 
 def _gaps(s: RoundDrumUnderTest, zones: Callable[[RoundDrumUnderTest, int], Iterator[Zone]]) -> Comparison:
-    """Each sector against zones at the other inputs."""
+    """Gaps between each sector and zones at the other inputs."""
     running, found = s.drive.clearances.running_mm, []
     for index in range(s.drive.n_inputs):
         for zone in zones(s, index):
@@ -95,12 +95,12 @@ def _gaps(s: RoundDrumUnderTest, zones: Callable[[RoundDrumUnderTest, int], Iter
 
 
 def sectors_clear_inputs(s: RoundDrumUnderTest) -> Comparison:
-    """Each sector turns past pulleys and encoders of the other inputs."""
+    """Gap between each sector and the pulleys and encoders of the other inputs."""
     return _gaps(s, _on_axis)
 
 
 def sectors_clear_shelves(s: RoundDrumUnderTest) -> Comparison:
-    """Each sector turns past the encoders' shelves of the other inputs."""
+    """Gap between each sector and the encoder shelves of the other inputs."""
     return _gaps(s, _shelf)
 
 
