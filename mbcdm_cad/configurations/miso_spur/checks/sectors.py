@@ -180,7 +180,7 @@ CHECKS = (
     ),
     Check(
         "sectors_clear_shelves",
-        "Sectors turn past the other encoders' shelves",
+        "Sectors clear the encoder shelves of the other inputs",
         "clearances.running_mm",
         sectors_clear_shelves,
         adjust=(up("drum.hub_face_y_mm"), *_OUT),
