@@ -9,8 +9,6 @@ from mbcdm_cad.drawings.projection import Picture
 from mbcdm_cad.drawings.strokes import LineStroke, Point, PolyStroke, Stroke, points_of
 from mbcdm_cad.parts.sheets.description import View
 
-_ARC_STEPS = 4
-
 
 def clipped(picture: Picture, view: View) -> Picture:
     """Strokes and cut faces inside the view's window."""

@@ -19,7 +19,6 @@ from ezdxf.document import Drawing
 from ezdxf.path import Command
 
 _POINTS_PER_MM = 72.0 / 25.4
-_NORMAL_WEIGHT_MM = 0.25
 _LIGHTEST_MM = 0.09
 
 Curve = tuple[str, tuple[float, ...]]

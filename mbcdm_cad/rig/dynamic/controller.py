@@ -18,7 +18,6 @@ from mbcdm_cad.storage.compiled import compiled
 
 # Columns of a row of gains.
 POSITION, VELOCITY, INTEGRAL, ACCELERATION, FILTER, PERIOD, LIMIT = range(7)
-GAINS = 7
 # Columns of a row of states.
 SUM, LAST, SPEED = range(3)
 STATES = 3
