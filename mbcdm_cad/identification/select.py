@@ -28,6 +28,8 @@ LEAST_FALL = 0.45
 # Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
 CLOSE_SHARE = 0.3
 MOST_REFITS = 7
+# A refit that reaches less than this share of its predicted fall is begun again, if that is near the greatest one.
+LOST_SHARE = 0.5
 # After a better candidate was rejected, another is accepted only if it causes this share of the fall of the better one.
 RUNNER_UP = 0.8
 MOST_EFFECTS = 6
@@ -116,21 +118,25 @@ class Search:
     def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
         """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
         own = sum(v.size for v in fit.values)
-        begun = self._each(
-            [
-                partial(
-                    Fitter.fit,
-                    effects=(*fit.effects, c.effect),
-                    values=(*fit.values, c.start),
-                    offsets=fit.offsets,
-                    iterations=4,
-                    settled=1e-3,
-                    fresh=False,
-                    slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]),
-                )
-                for c in chosen
-            ]
-        )
+
+        def few_steps(c: Screened, fitter: Fitter) -> Fit:
+            """A few steps with the slopes of the screening, or with new ones if those lead to nothing."""
+            begin = partial(
+                fitter.fit,
+                effects=(*fit.effects, c.effect),
+                values=(*fit.values, c.start),
+                offsets=fit.offsets,
+                iterations=4,
+                settled=1e-3,
+                fresh=False,
+            )
+            found = begin(slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]))
+            # The step to the start may be so long that the slopes of the screening point the wrong way there.
+            lost = fit.square - found.square < LOST_SHARE * c.fall and c.fall > LOST_SHARE * screened[0].fall
+            return min(found, begin(), key=lambda one: one.square) if lost else found
+
+        screened = self.screening.screen(fit)
+        begun = self._each([partial(few_steps, c) for c in chosen])
         # Fits that are far behind after a few steps cannot win; only the others are continued.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
