@@ -15,7 +15,7 @@ from mbcdm_cad.build.export.step_text import with_description
 from mbcdm_cad.build.export.stl import with_note
 from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.scene import travel_poses
-from mbcdm_cad.build.store import MadePart, Progress, Store, nothing
+from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.checks.built import (
     envelope_check,
     frame_windup_check,
@@ -147,7 +147,7 @@ def drawn(
 
 
 def _parts(
-    store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int, meanwhile: Callable[[], None] = nothing
+    store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int, meanwhile: Callable[[], None] | None = None
 ) -> dict[str, MadePart]:
     materials = {item.part: item.material for item in posed.items}
     return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs, meanwhile)

@@ -34,10 +34,6 @@ Progress = Callable[[str], None]
 _MOST_NAMED = 6
 
 
-def nothing() -> None:
-    """Do nothing, while parts are drawn."""
-
-
 @dataclass(frozen=True)
 class MadePart:
     """One part's files; ``key`` identifies their content."""
@@ -70,7 +66,7 @@ class Store:
         materials: Mapping[str, Material],
         mesh_tolerance_mm: float,
         jobs: int,
-        meanwhile: Callable[[], None] = nothing,
+        meanwhile: Callable[[], None] | None = None,
     ) -> dict[str, MadePart]:
         """All parts; only those that the cache lacks for these dimensions, material and code are drawn.
 
@@ -86,7 +82,8 @@ class Store:
             self._note(*missing)
             with forked(lambda n: drawn_part(specs[n], materials[n], mesh_tolerance_mm), missing, jobs) as results:
                 try:
-                    meanwhile()
+                    if meanwhile is not None:
+                        meanwhile()
                 finally:
                     drawn = results()
             found |= self.keep(keys, drawn)
@@ -176,10 +173,12 @@ class Store:
         if study and frame is None:
             pending[frame_key] = study.compliance
             self._note("stiffness of the frame")
-        assembly_key, make = self._assembly(assembly, parts, layout.drive.name, "")
-        if assembly and assembly_key not in self._assemblies:
-            pending[assembly_key] = make
-            self._note("assembly")
+        assembly_key = ""
+        if assembly:
+            assembly_key, make = self._assembly(assembly, parts, layout.drive.name, "")
+            if assembly_key not in self._assemblies:
+                pending[assembly_key] = make
+                self._note("assembly")
         if missing:
             from mbcdm_cad.build.separation import prepare
 

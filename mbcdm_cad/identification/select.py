@@ -118,6 +118,7 @@ class Search:
     def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
         """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
         own = sum(v.size for v in fit.values)
+        greatest = self.screening.screen(fit)[0].fall if chosen else 0.0
 
         def few_steps(c: Screened, fitter: Fitter) -> Fit:
             """A few steps with the slopes of the screening, or with new ones if those lead to nothing."""
@@ -132,10 +133,9 @@ class Search:
             )
             found = begin(slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]))
             # The step to the start may be so long that the slopes of the screening point the wrong way there.
-            lost = fit.square - found.square < LOST_SHARE * c.fall and c.fall > LOST_SHARE * screened[0].fall
+            lost = fit.square - found.square < LOST_SHARE * c.fall and c.fall > LOST_SHARE * greatest
             return min(found, begin(), key=lambda one: one.square) if lost else found
 
-        screened = self.screening.screen(fit)
         begun = self._each([partial(few_steps, c) for c in chosen])
         # Fits that are far behind after a few steps cannot win; only the others are continued.
         least = min(one.square for one in begun) if begun else 0.0
