@@ -21,7 +21,7 @@ from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.parts.placement import Placement, Row
 from mbcdm_cad.routes.cable_path import CablePath
-from mbcdm_cad.routes.curves import Piece
+from mbcdm_cad.routes.curves import Piece, cut
 
 if TYPE_CHECKING:
     from mbcdm_cad.build.separation import Surface
@@ -29,10 +29,15 @@ if TYPE_CHECKING:
 # Two bodies with a common volume below this touch but do not overlap.
 VOLUME_LIMIT_MM3 = 0.01
 # The rod tested against solids is thinner by this, because booleans of surfaces that touch along a line fail.
-CABLE_UNDERSIZE_MM = 0.005
+CABLE_UNDERSIZE_MM = 0.01
 _CULL_STEP_MM = 0.5
-# Chordal error of the mesh that a wound cable is compared with; it must be smaller than the gap of the thinner rod.
-_FINE_MESH_MM = 0.003
+# A boolean of a whole wound cable takes seconds, that of a short part a tenth of one.
+_PART_MM = 3.0
+# If more of the cable than this share may touch, one boolean of the whole takes less time.
+_FEW = 0.5
+# Chordal error of the mesh that a wound cable is compared with. It counts twice, because chords across a groove lie
+# nearer to the cable than its floor: twice as much must be smaller than the gap of the thinner rod.
+_FINE_MESH_MM = 0.004
 # The box of a part is exact to rounding.
 _BOX_MARGIN_MM = 1e-3
 # A motion is rounded to these digits, far below any tolerance, so that pairs that move together have the same key.
@@ -112,12 +117,14 @@ class RodShape:
 
         return rod(self.pieces, self.radius_mm)
 
-    def pieces_near(self, body: PartShape, placement: Placement) -> list[Piece]:
-        """The pieces of the line at which the rod is not proven apart from a body, by the body's finer mesh."""
+    def parts_near(self, body: PartShape, placement: Placement) -> list[Piece]:
+        """The short parts of the line at which the rod is not proven apart from a body, by the body's finer mesh."""
         from mbcdm_cad.build.separation import Surface
 
-        surfaces = [(piece, Surface.of_rod((piece,), self.radius_mm)) for piece in self.pieces]
-        return [piece for piece, surface in surfaces if not _apart(surface, body.fine_surface, placement)]
+        def near(piece: Piece) -> bool:
+            return not _apart(Surface.of_rod((piece,), self.radius_mm), body.fine_surface, placement)
+
+        return [part for piece in self.pieces if near(piece) for part in cut(piece, _PART_MM) if near(part)]
 
     def is_near(self, box: Box) -> bool:
         """Whether the rod may reach into a box."""
@@ -173,18 +180,19 @@ class Rod:
         if _apart(self.rod.surface, self.body.surface, self.placement):
             return []
         # A boolean of a helix along a cylinder takes seconds, a finer mesh of the cylinder only a quarter of a second.
-        near = self.rod.pieces_near(self.body, self.placement)
-        if len(near) < len(self.rod.pieces) and self._volume_mm3(near) < VOLUME_LIMIT_MM3:
+        near = self.rod.parts_near(self.body, self.placement)
+        few = sum(part.length_mm for part in near) < _FEW * self.rod.length_mm
+        if few and self._volume_mm3(near) < VOLUME_LIMIT_MM3:
             return []
         return _shared(self.rod.solid, self.body.solid, self.placement)
 
-    def _volume_mm3(self, pieces: Sequence[Piece]) -> float:
-        """Volume that the body shares with the rod along some pieces of the line."""
-        if not pieces:
+    def _volume_mm3(self, parts: Sequence[Piece]) -> float:
+        """Volume that the body shares with the rod along some parts of the line."""
+        if not parts:
             return 0.0
         from mbcdm_cad.build.overlap import common, rod
 
-        rods = [rod((piece,), self.rod.radius_mm) for piece in pieces]
+        rods = [rod((part,), self.rod.radius_mm) for part in parts]
         return sum(abs(common(solid, self.body.solid, self.placement)[0]) for solid in rods)
 
 

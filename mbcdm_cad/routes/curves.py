@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -233,3 +234,39 @@ def reverse(piece: Piece) -> Piece:
     if isinstance(turned, Coil):
         return replace(turned, along_start=turned.along_end, along_end=turned.along_start)
     return turned
+
+
+def between(piece: Piece, start: float, end: float) -> Piece:
+    """The part of a piece from fraction ``start`` to ``end`` of its parameter (of a parabola not of its length)."""
+
+    def at(first: float, last: float) -> tuple[float, float]:
+        return first + start * (last - first), first + end * (last - first)
+
+    if isinstance(piece, Line | Parabola):
+        first, last = (_triple(point) for point in piece.points(np.array([start, end])))
+        if isinstance(piece, Line):
+            return Line(first, last)
+        # The tangents at both ends of a parabola meet at its middle point.
+        p0, p1, p2 = _v(piece.start), _v(piece.middle), _v(piece.end)
+        middle = (1 - start) * ((1 - end) * p0 + end * p1) + start * ((1 - end) * p1 + end * p2)
+        return Parabola(first, _triple(middle), last)
+    angle_start, angle_end = at(piece.angle_start, piece.angle_end)
+    turned = replace(piece, angle_start=angle_start, angle_end=angle_end)
+    if isinstance(turned, Helix):
+        z_start, z_end = at(turned.z_start, turned.z_end)
+        return replace(turned, z_start=z_start, z_end=z_end)
+    if isinstance(turned, Coil):
+        along_start, along_end = at(turned.along_start, turned.along_end)
+        return replace(turned, along_start=along_start, along_end=along_end)
+    return turned
+
+
+def cut(piece: Piece, length_mm: float) -> list[Piece]:
+    """The piece in equal parts, none longer than ``length_mm`` where length runs evenly with the parameter."""
+    count = max(1, ceil(piece.length_mm / length_mm))
+    return [between(piece, k / count, (k + 1) / count) for k in range(count)]
+
+
+def _triple(point: Vector) -> Triple:
+    x, y, z = (float(value) for value in point)
+    return x, y, z

@@ -122,7 +122,7 @@ def test_a_drum_too_near_meets_the_guide(dims: Layout, solids: dict[str, Any], k
 
 @pytest.mark.slow
 def test_a_thicker_rope_uses_up_the_flank_gap(dims: Layout) -> None:
-    """Flank gap 0.6 - 0.15 - d/2: 0.045 mm for 0.81, 0.005 for 0.89, none for 0.93, of which 0.005 is undersize."""
+    """Flank gap 0.6 - 0.15 - d/2: 0.045 mm for 0.81, 0.005 for 0.89, none for 0.93, of which 0.01 is undersize."""
     for diameter, clash in ((0.89, False), (0.93, True)):
         drive = replace(
             dims.drive, cable=replace(dims.drive.cable, diameter_mm=diameter), helix_lead_mm=diameter + 0.07

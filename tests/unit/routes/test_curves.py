@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, _gauss
+from mbcdm_cad.routes.curves import Arc, Coil, Helix, Line, Parabola, Piece, _gauss, cut
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 PIECES: dict[str, Piece] = {
@@ -18,6 +18,7 @@ PIECES: dict[str, Piece] = {
     "arc backwards": Arc((1.0, -2.0, 0.5), X, Z, 7.0, 2.9, 0.3),
     "helix": Helix((3.0, -1.0), 6.0, 0.4, 11.7, 2.0, -1.0),
     "helix backwards": Helix((3.0, -1.0), 6.0, 11.7, 0.4, 2.0, -1.0),
+    "coil": Coil((1.0, 0.0, 5.0), Y, Z, 4.0, 0.2, 9.0, -1.0, 6.0),
     "parabola": Parabola((0.0, 0.0, 0.0), (1.0, 0.0, 0.1), (2.0, 0.3, 0.1)),
 }
 
@@ -74,3 +75,18 @@ def test_the_table_of_the_quadrature_is_that_of_numpy() -> None:
     found, found_weights = _gauss()
     assert np.abs(2 * found - 1 - nodes).max() < 1e-15
     assert np.abs(found_weights - weights).max() < 1e-15
+
+
+@pytest.mark.parametrize("piece", PIECES.values(), ids=PIECES.keys())
+@given(length_mm=st.floats(0.3, 40.0))
+def test_the_parts_of_a_piece_are_the_piece(piece: Piece, length_mm: float) -> None:
+    parts = cut(piece, length_mm)
+    assert sum(part.length_mm for part in parts) == pytest.approx(piece.length_mm, rel=1e-12)
+    ends = np.array([part.points(np.array([0.0, 0.5, 1.0])) for part in parts])
+    whole = piece.points(np.linspace(0.0, 1.0, 2 * len(parts) + 1))
+    off = np.abs(
+        np.concatenate([ends[:, 0], ends[:, 1], ends[:, 2]]) - np.concatenate([whole[:-1:2], whole[1::2], whole[2::2]])
+    )
+    assert off.max() < 1e-12, f"{len(parts)} parts, off by {off.max()} mm"
+    if not isinstance(piece, Parabola):
+        assert max(part.length_mm for part in parts) <= length_mm * (1 + 1e-12)
