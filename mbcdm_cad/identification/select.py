@@ -15,6 +15,7 @@ from queue import Queue
 
 import numpy as np
 
+from mbcdm_cad.identification.beginnings import MUCH, with_both_plays
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.evidence import supported
 from mbcdm_cad.identification.fit import Fit, Fitter
@@ -41,9 +42,6 @@ MOST_FIRST = 3
 MOST_LEFT = 0.1
 # An effect reduces noise, and does not only fit it, if at most this share of the noise is left.
 QUIETER = 0.9
-# Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
-# nothing above the noise.
-MUCH = 1.25
 MOST_THREADS = 4
 
 
@@ -136,11 +134,11 @@ class Search:
             lost = fit.square - found.square < LOST_SHARE * c.fall and c.fall > LOST_SHARE * greatest
             return min(found, begin(), key=lambda one: one.square) if lost else found
 
-        begun = self._each([partial(few_steps, c) for c in chosen])
+        begun = self.each([partial(few_steps, c) for c in chosen])
         # Fits that are far behind after a few steps cannot win; only the others are continued.
         least = min(one.square for one in begun) if begun else 0.0
         near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
-        ended = self._each(
+        ended = self.each(
             [
                 partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
                 for one in near
@@ -148,7 +146,7 @@ class Search:
         )
         return sorted(ended, key=lambda one: one.square)
 
-    def _each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
+    def each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
         """Run fits in parallel threads: the simulation runs outside the interpreter's lock.
 
         A candidate that cannot be simulated at its start (a slack cable, a negative radius) is left out.
@@ -186,7 +184,7 @@ class Search:
         The form of an effect is chosen when the other effects are not yet accepted. If more than the floor is left at
         the end, its other forms are tried again.
         """
-        now = self._grown(self.bare)
+        now = self.grown(self.bare)
         now = self._from_inside(now)
         if self.too_much(now):
             now = self._gone_on(now)
@@ -203,22 +201,44 @@ class Search:
                 begun = self.fitter.tried((*less.effects, sibling), (*less.values, start), less.offsets)
                 if begun is None:
                     continue
-                other = self._grown(begun)
+                other = self.grown(begun)
                 if other.square < now.square and self.enough(now, other):
-                    self._note("in another form", sibling, now, other)
+                    self.note("in another form", sibling, now, other)
                     now = other
+        if self._plays_suspected(now):
+            now = with_both_plays(self, now)
         return now
 
-    def _grown(self, now: Fit) -> Fit:
+    def _plays_suspected(self, now: Fit) -> bool:
+        """Whether play at two inputs is worth a trial: one is in the fit, or an effect that two plays resemble, or more
+        than the floor is left, or one play promises to explain a part of it.
+
+        The noise floor alone cannot tell, because what two plays do does not repeat and stands in it.
+        """
+        alike = {effect.name for effect in self.library if effect.saturates}
+        if self.too_much(now) or any(effect.saturates or alike & {*effect.after} for effect in now.effects):
+            return True
+        least = PROMISED_SHARE * (LEAST_FALL * self.least_floor_rad) ** 2
+        return not now.effects and any(c.effect.saturates and c.fall > least for c in self.screening.screen(now))
+
+    def grown(self, now: Fit) -> Fit:
         """``now`` with all effects that can be accepted."""
         while len(now.effects) < MOST_EFFECTS:
             better = self._best(now)
             if better is None:
                 break
-            self._note("accepted", better.effects[-1], now, better)
-            now = self.backward(better)
-            self.noise = min(self.noise, self.noise_left(now), key=lambda noise: noise.total_rad)
+            self.note("accepted", better.effects[-1], now, better)
+            now = self._reckoned(self.backward(better))
         return now
+
+    def _reckoned(self, now: Fit) -> Fit:
+        """``now``, after the noise was computed again with its effects."""
+        self.noise = min(self.noise, self.noise_left(now), key=lambda noise: noise.total_rad)
+        return now
+
+    def taken(self, found: Fit) -> Fit:
+        """``found`` in place of the present fit, with all effects that can be accepted beside its own."""
+        return self.grown(self._reckoned(found))
 
     def _from_inside(self, now: Fit) -> Fit:
         """``now`` with a line that moves the cables, if the effect that seemed to ease their friction is then not
@@ -233,7 +253,7 @@ class Search:
             if not forms or len(kept) + 1 == len(now.effects):
                 continue
             values = [now.values_of(effect) for effect in (*kept, line)]
-            begun = self._each(
+            begun = self.each(
                 [
                     partial(Fitter.fit, effects=(*kept, form), values=values, offsets=now.offsets, settled=1e-4)
                     for form in forms
@@ -242,9 +262,9 @@ class Search:
             if not begun:
                 continue
             best = min(begun, key=lambda one: one.square)
-            found = self._grown(best) if self.enough(best, now) else best
+            found = self.grown(best) if self.enough(best, now) else best
             if len(found.effects) < len(now.effects) and not self.enough(found, now):
-                self._note("moves the cables", best.effects[-1], now, found)
+                self.note("moves the cables", best.effects[-1], now, found)
                 return self._from_inside(found)
         return now
 
@@ -260,15 +280,15 @@ class Search:
             floor = min(self.floor_rad, self.noise_left(one).total_rad)
             much = self.held_rms(now) ** 2 - self.held_rms(one) ** 2 > (MUCH * floor) ** 2
             if much and not self.too_much(one):
-                self._note("leaves only noise", one.effects[-1], now, one)
+                self.note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
         for one in self._promising(now)[:MOST_FIRST]:
-            grown = self._grown(one)
+            grown = self.grown(one)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
             if self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained:
                 continue
-            if all(self._borne_out(grown, effect) for effect in grown.effects):
-                self._note("supported together with the others", one.effects[-1], now, grown)
+            if all(self.borne_out(grown, effect) for effect in grown.effects):
+                self.note("supported together with the others", one.effects[-1], now, grown)
                 return grown
         return now
 
@@ -280,7 +300,7 @@ class Search:
         """
         each: dict[object, Fit] = {}
         for one in sorted(self._tried.get(now, []), key=lambda one: one.square):
-            possible = not one.effects[-1].last and not self._impossible(one.effects[-1], one.values[-1])
+            possible = not one.effects[-1].last and not self.impossible(one.effects[-1], one.values[-1])
             if possible and self.enough(now, one):
                 each.setdefault(one.effects[-1].key, one)
 
@@ -289,7 +309,7 @@ class Search:
 
         return sorted(each.values(), key=promised)
 
-    def _borne_out(self, fit: Fit, effect: Effect) -> bool:
+    def borne_out(self, fit: Fit, effect: Effect) -> bool:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
 
     def _best(self, now: Fit) -> Fit | None:
@@ -331,7 +351,7 @@ class Search:
         """Whether more than the floor is left on held-out samples."""
         return self.held_rms(fit) ** 2 > (1.0 + LEAST_FALL**2) * self.floor_rad**2
 
-    def _enough_beside(self, before: Fit, after: Fit) -> bool:
+    def enough_beside(self, before: Fit, after: Fit) -> bool:
         """Whether the held-out RMS falls by enough, compared with the noise in the residual of ``after``.
 
         The error from play and friction depends on the motion before, so without these effects it seems not to repeat.
@@ -345,20 +365,20 @@ class Search:
     def acceptable(self, now: Fit, better: Fit) -> bool:
         """Whether the last effect of ``better`` is large enough, within bounds, and supported by all sweeps and
         sectors."""
-        if not self.enough(now, better) and not self._enough_beside(now, better):
+        if not self.enough(now, better) and not self.enough_beside(now, better):
             return False
         effect = better.effects[-1]
-        why = self._impossible(effect, better.values[-1])
+        why = self.impossible(effect, better.values[-1])
         if why:
-            self._note(why, effect, now, better)
+            self.note(why, effect, now, better)
             return False
         if supported(self.fitter, now, better, len(self.library)):
             return True
-        self._note("supported by one sweep or sector only", better.effects[-1], now, better)
+        self.note("supported by one sweep or sector only", better.effects[-1], now, better)
         self._leaning.setdefault(now, []).append(better)
         return False
 
-    def _impossible(self, effect: Effect, values: Floats) -> str:
+    def impossible(self, effect: Effect, values: Floats) -> str:
         """Why no bench can have an effect of these values; an empty text if it can."""
         words = effect.doubtful(values) if effect.doubtful else ""
         if words:
@@ -372,15 +392,15 @@ class Search:
         for effect in fit.effects[:-1]:
             less = self.without(fit, effect)
             if not self.enough(less, fit):
-                self._note("withdrawn: not needed", effect, fit, less)
+                self.note("withdrawn: not needed", effect, fit, less)
                 return self.backward(less)
         return fit
 
     def give_back(self, why: str, effect: Effect, fit: Fit) -> None:
         """Record that an effect of ``fit`` is withdrawn."""
-        self._note(why, effect, fit, self.without(fit, effect))
+        self.note(why, effect, fit, self.without(fit, effect))
 
-    def _note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
+    def note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
         self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))
 
     def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:

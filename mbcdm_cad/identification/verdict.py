@@ -251,7 +251,12 @@ class Judge:
                 block = self.spread(fit, group.effect, self.fitter) + np.diag((shift / INTERVAL) ** 2)
                 values = fit.values_of(group.effect)[sizes]
                 strength = float(values @ np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True) @ values)
-                chances.append(float(chi2.sf(strength, len(sizes))))
+                chance = float(chi2.sf(strength, len(sizes)))
+                if group.effect.saturates:
+                    # The size of a play whose far face is not reached has no slope and so no scatter; there the half
+                    # sweeps that were held back tell whether there is a play.
+                    chance = min(chance, 1.0 / (1.0 + self._odds(self.search.without(fit, group.effect), fit)))
+                chances.append(chance)
             worst = int(np.argmax(chances))
             if chances[worst] <= ZERO_CHANCE:
                 break

@@ -1,0 +1,24 @@
+"""The loop on simulated benches with realistic noise; the whole study is in docs/loop-benches.md."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from bench_study import judge
+
+SLOW = [
+    # Two plays do not repeat: they stand in the noise floor, and a soft rope explains the rest.
+    ("lash_left+lash_right", 3006, "exact"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "seed", "outcome"), SLOW)
+def test_the_loop_says_what_is_true_of_a_bench(case: str, seed: int, outcome: str) -> None:
+    row = judge((case, seed))
+    assert row["outcome"] == outcome, f"true: {row['true']}; said: {row['said']}"
