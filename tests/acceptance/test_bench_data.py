@@ -139,6 +139,9 @@ def test_what_counts_follows_from_the_truth() -> None:
     # To second order only the product of friction and preload counts.
     preload = separability(truth_of(DRIVE, "preload_all", 1), DRIVE.input_names)
     assert preload.rival == "cable_friction" and not preload.separable, preload
+    # Half the preload is far from where the rival starts, and a straight line leads beyond its bound.
+    low = separability(truth_of(DRIVE, "preload_low", 3004), DRIVE.input_names)
+    assert low.rival == "cable_friction" and not low.separable, low
     tiny = replace(truth.effects[0], size=truth.effects[0].size | {"eccentricity_m": 1e-7})
     small = separability(replace(truth, effects=(tiny,)), DRIVE.input_names)
     share = 1e-7 / truth.effects[0].size["eccentricity_m"]

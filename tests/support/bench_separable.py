@@ -15,7 +15,8 @@ samples, as many as are held back; the floor is that of the true noise.
 together with the zeros and the other effects. With d what it leaves, and C the covariance of the true noise with its
 memory, the wrong one of the two fits better with a probability of Phi(-d.d / (2 sqrt(d.C.d))). A run is separable if
 this is below 1 % for every rival. Rivals act in proportion to their size at first; those that come nearest and strain
-the cables are simulated again at the size that was fitted, so that large changes are compared with large changes.
+the cables are simulated again until their size fits best, so that large changes are compared with large changes. A size
+beyond the bounds that a bench can have is cut to the bound.
 
 Every eighth sample of the true signals is used: the cables follow the path of the inputs, not its pace.
 """
@@ -39,8 +40,9 @@ PIECE_RAD = 8e-3
 # The steps of the encoders make an error that is white up to about this rate.
 STEPS_HZ = 200.0
 LEAST_GAIN, POWER, CONFUSION, HELD_SHARE = 0.45, 0.95, 0.01, 0.25
-# Rivals that are simulated again at the fitted size, and how often.
-AGAIN, ROUNDS = 3, 2
+# Rivals that are simulated again, each at so many sizes at most, until the factor of the size differs from one by less
+# than this.
+AGAIN, ROUNDS, SETTLED = 3, 8, 0.02
 # Effects that strain the cables, with one size whose bounds are known.
 BOUNDS = {
     "preload": ("share", -0.8, 4.0),
@@ -227,21 +229,47 @@ class _View:
     def _refitted(
         self, basis: np.ndarray, change: np.ndarray, rest: np.ndarray, others: Sequence[Effect], part: Effect
     ) -> np.ndarray:
-        """What a rival leaves of the change at the size that fits best, within its bounds."""
+        """What a rival leaves of the change at the size that fits best, within its bounds.
+
+        A rival need not act in proportion to its size: the slip from cable friction grows with its square. So the size
+        is sought at which least squares would not change it, by a secant of the logarithms, between the largest size
+        that is known to be too small and the smallest that is too large.
+        """
         key, low, high = BOUNDS[part.kind]
-        size, left = part.size[key], self._without(basis, change)
-        for _ in range(1 + ROUNDS):
-            trial = replace(part, size={key: size})
+        size, best = part.size[key], self._without(basis, change)
+        small, large = 0.0, np.inf
+        before: tuple[float, float] | None = None
+        for _ in range(ROUNDS):
             try:
-                column = (self.drum((*others, trial)) - rest)[:, None]
+                column = self.drum((*others, replace(part, size={key: size}))) - rest
             except ValueError:  # a size at which the cables go slack
+                large = abs(size)
+                size = float(np.sign(size)) * 0.5 * (small + large)
+                continue
+            here = self._without(basis, change - column)
+            left, factors = self._left(basis, change, column[:, None])
+            factor = float(factors[0])
+            near = abs(factor - 1.0) < SETTLED
+            best = min(best, left if near else here, key=lambda one: float(one @ one))
+            wanted = float(np.clip(size * factor, low, high))
+            if near or wanted in (0.0, size):
                 break
-            left, factor = self._left(basis, change, column)
-            if not low < size * factor[0] < high:
-                # No bench can have the size that fits best.
-                return self._without(basis, change)
-            size *= float(factor[0])
-        return left
+            if factor < 0.0 and before is None:  # the start has the other sign than the rival
+                size, before = wanted, (np.inf, np.inf)
+                continue
+            if factor > 1.0:
+                small = abs(size)
+            else:
+                large = abs(size)
+            now = float(np.log(abs(size))), float(np.log(max(factor, 1e-3)))
+            if before is not None and np.isfinite(before[0]) and now[1] != before[1]:
+                logarithm = now[0] - now[1] * (now[0] - before[0]) / (now[1] - before[1])
+                wanted = float(np.clip(np.sign(size) * np.exp(np.clip(logarithm, -30.0, 30.0)), low, high))
+            if not small < abs(wanted) < large:
+                middle = 0.5 * (small + large) if np.isfinite(large) else 2.0 * small
+                wanted = float(np.clip(np.sign(size) * middle, low, high))
+            size, before = wanted, now
+        return best
 
     def _basis(self, columns: Sequence[np.ndarray]) -> np.ndarray:
         table = np.hstack(list(columns))[self.used]
