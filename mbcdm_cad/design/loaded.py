@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 from mbcdm_cad.design.blocks import Design
@@ -17,17 +20,20 @@ class LoadedDesign:
     """A design file that passed schema and rules.
 
     ``design`` is the file as its schema's model, ``sized`` the fields that the file leaves out and sizing filled.
-    ``sha256`` is the hash of the content: all values and the catalogue entries that they use, without layout and
-    comments.
     """
 
     drive: Drive
     path: Path
-    sha256: str
     design: Design = field(repr=False)
     text: str = field(repr=False)
     lines: Mapping[FieldPath, int] = field(repr=False)
     sized: tuple[SizedValue, ...] = field(default=(), repr=False)
+
+    @cached_property
+    def sha256(self) -> str:
+        """Hash of the content: all values and the catalogue entries that they use, without layout and comments."""
+        content = {"design": self.design.model_dump(mode="json"), "drive": asdict(self.drive)}
+        return hashlib.sha256(json.dumps(content, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
     def line_of(self, *field_path: str | int) -> int:
         """Line of a field, as in ``line_of("cables", 0, "step")``; of the block above it where it is not given."""

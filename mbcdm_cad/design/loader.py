@@ -7,9 +7,6 @@ room does not know the configurations (:mod:`mbcdm_cad.configurations.loader`).
 from __future__ import annotations
 
 import copy
-import dataclasses
-import hashlib
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -38,8 +35,7 @@ from mbcdm_cad.errors import InputError, Problem
 def loaded(tree: Tree, text: str, path: Path, file: DesignFile) -> LoadedDesign:
     """The design in ``tree``, which was parsed from ``text`` or has the same values. Raises as :func:`resolved`."""
     found = resolved(tree, path, file)
-    sha256 = _sha256(found.design, found.drive)
-    return LoadedDesign(found.drive, path, sha256, found.design, text, tree.lines, found.sized)
+    return LoadedDesign(found.drive, path, found.design, text, tree.lines, found.sized)
 
 
 class Resolved(NamedTuple):
@@ -152,8 +148,3 @@ def _refuse_broken_rules(broken: Iterator[Broken], tree: Tree, path: str) -> Non
     problems = [Problem(path, tree.line_of(rule.path), dotted(rule.path), *rule[1:]) for rule in broken]
     if problems:
         raise InputError(sorted(problems, key=lambda problem: problem.line))
-
-
-def _sha256(design: Design, drive: Drive) -> str:
-    content = {"design": design.model_dump(mode="json"), "drive": dataclasses.asdict(drive)}
-    return hashlib.sha256(json.dumps(content, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
