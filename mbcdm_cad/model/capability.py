@@ -102,13 +102,15 @@ def slip_weight(d: DriveSI, index: int, direction: int) -> Floats:
     return np.asarray(own * np.where(own * direction > 0.0, 1.0, ratio))
 
 
+def torque_at_slip_of_Nm(d: DriveSI, index: int, direction: int) -> Floats:
+    """Load (N m, shape (*batch)) at which the cable begins to slip on input ``index``."""
+    at = solve_weighted(d, slip_weight(d, index, direction), np.zeros(d.batch_shape))
+    return np.maximum(direction * _load_of(d, at), 0.0)
+
+
 def torque_at_slip_Nm(d: DriveSI, direction: int) -> Floats:
     """Load (N m, shape (n_inputs, *batch)) at which the cable begins to slip on each input."""
-    rows = []
-    for i in range(d.n_inputs):
-        at = solve_weighted(d, slip_weight(d, i, direction), np.zeros(d.batch_shape))
-        rows.append(np.maximum(direction * _load_of(d, at), 0.0))
-    return np.stack(rows)
+    return np.stack([torque_at_slip_of_Nm(d, i, direction) for i in range(d.n_inputs)])
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.configurations.siso_spur.cable_path import ON_INPUT
 from mbcdm_cad.configurations.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.configurations.siso_spur.drive import is_anchored, is_continuous
-from mbcdm_cad.model.capability import torque_at_slip_Nm
+from mbcdm_cad.model.capability import torque_at_slip_of_Nm
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 
@@ -45,11 +45,11 @@ def slip(s: SpurUnderTest) -> Comparison:
     It depends on the wraps of the pose: a short wrap on the drum stretches less, so that the slackened side loses more
     tension.
     """
-    drive, si, holds = s.drive, s.loads.si, np.inf
+    drive, si = s.drive, s.loads.si
+    on_drum = np.stack([s.wraps_rad(angle)[1] for angle in (s.half_travel_rad, -s.half_travel_rad)], axis=1)
     try:
-        for angle in (s.half_travel_rad, -s.half_travel_rad):
-            wound = si.with_(drum_wrap_rad=s.wraps_rad(angle)[1])
-            holds = min(holds, *(float(torque_at_slip_Nm(wound, way)[0]) for way in (1, -1)))
+        at_both_ends = si.spread(2).with_(drum_wrap_rad=on_drum)
+        holds = min(float(torque_at_slip_of_Nm(at_both_ends, 0, way).min()) for way in (1, -1))
     except ModelError as error:
         raise NoFigureError(f"the model has no answer: {error}") from None
     peak = drive.loads.peak_torque_Nm
