@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
 from mbcdm_cad.model.errors import ModelError
@@ -87,7 +88,7 @@ def torque_at_slack_Nm(d: DriveSI, direction: int) -> Floats:
     return np.stack(rows)
 
 
-def slip_weight(d: DriveSI, index: int, direction: int) -> Floats:
+def slip_weight(d: DriveSI, index: int, direction: int | NDArray[np.int_]) -> Floats:
     """Weights w (n_cables, *batch) with sum w_j T_j = 0 where the cable begins to slip on input ``index``.
 
     Over a wrap angle theta friction holds at most T_h = T_l e^(mu theta) (capstan equation of Euler and Eytelwein).
@@ -102,8 +103,11 @@ def slip_weight(d: DriveSI, index: int, direction: int) -> Floats:
     return np.asarray(own * np.where(own * direction > 0.0, 1.0, ratio))
 
 
-def torque_at_slip_of_Nm(d: DriveSI, index: int, direction: int) -> Floats:
-    """Load (N m, shape (*batch)) at which the cable begins to slip on input ``index``."""
+def torque_at_slip_of_Nm(d: DriveSI, index: int, direction: int | NDArray[np.int_]) -> Floats:
+    """Load (N m, shape (*batch)) at which the cable begins to slip on input ``index``.
+
+    ``direction``: one for all designs of the batch, or one for each.
+    """
     at = solve_weighted(d, slip_weight(d, index, direction), np.zeros(d.batch_shape))
     return np.maximum(direction * _load_of(d, at), 0.0)
 

@@ -30,6 +30,8 @@ SMOOTH_FLEET_DEG = 1.5
 GROOVE_CREST = 0.05
 # Least land beyond the cable's flank at the ends of its walk (estimate).
 LAND_EDGE_MM = 0.3
+# Directions of the load at both ends of the travel.
+_BOTH_WAYS = np.array([1, 1, -1, -1])
 
 
 def free_span(s: SpurUnderTest) -> Comparison:
@@ -46,10 +48,10 @@ def slip(s: SpurUnderTest) -> Comparison:
     tension.
     """
     drive, si = s.drive, s.loads.si
-    on_drum = np.stack([s.wraps_rad(angle)[1] for angle in (s.half_travel_rad, -s.half_travel_rad)], axis=1)
+    # Four cases at once: both ends of the travel in both directions.
+    on_drum = np.stack([s.wraps_rad(angle)[1] for angle in 2 * (s.half_travel_rad, -s.half_travel_rad)], axis=1)
     try:
-        at_both_ends = si.spread(2).with_(drum_wrap_rad=on_drum)
-        holds = min(float(torque_at_slip_of_Nm(at_both_ends, 0, way).min()) for way in (1, -1))
+        holds = float(torque_at_slip_of_Nm(si.spread(4).with_(drum_wrap_rad=on_drum), 0, _BOTH_WAYS).min())
     except ModelError as error:
         raise NoFigureError(f"the model has no answer: {error}") from None
     peak = drive.loads.peak_torque_Nm
