@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import tau
 
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, laid
+from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
 from mbcdm_cad.configurations.siso_spur.stack import spur_stack
 from mbcdm_cad.design.drive import Drive
 
@@ -53,6 +53,7 @@ class RoundDrumDrive(SpurDrive):
     def _made_unit(self, index: int) -> SpurDrive:
         own = {field.name: getattr(self, field.name) for field in fields(SpurDrive)}
         places = [j for j, cable in enumerate(self.cables) if cable.input_name == self.input_names[index]]
+        cables = [self.cables[j] for j in places]
 
         def of(values: tuple[float, ...]) -> tuple[float, ...]:
             return tuple(values[j] for j in places)
@@ -63,18 +64,17 @@ class RoundDrumDrive(SpurDrive):
             input_radius_mm=of(self.sigmas.input_radius_mm),
             drum_radius_mm=of(self.sigmas.drum_radius_mm),
         )
-        return laid(
-            SpurDrive(
-                **own
-                | {
-                    "configuration": "siso_spur",
-                    "input_names": (self.input_names[index],),
-                    "cables": tuple(self.cables[j] for j in places),
-                    "sigmas": sigmas,
-                    "level_mm": self.levels_mm[index],
-                    "frame_angle_rad": tau / self.n_inputs,
-                }
-            )
+        level = self.levels_mm[index]
+        return SpurDrive(
+            **own
+            | {
+                "configuration": "siso_spur",
+                "input_names": (self.input_names[index],),
+                "cables": tuple(replace(c, terminal_y_mm=level + c.outward * self.terminal_mm) for c in cables),
+                "sigmas": sigmas,
+                "level_mm": level,
+                "frame_angle_rad": tau / self.n_inputs,
+            }
         )
 
 

@@ -10,7 +10,8 @@ from mbcdm_cad.configurations.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.configurations.miso_spur.support.dims import StarDims
 from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
 from mbcdm_cad.configurations.siso_spur.layout import layout as layout_of_one_input
-from mbcdm_cad.configurations.siso_spur.stack import SpurStack
+from mbcdm_cad.configurations.siso_spur.pulley import input_pulley
+from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.configurations.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.collar.dims import CollarDims
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
@@ -60,10 +61,14 @@ class RoundDrumLayout:
         """Wave spring of the drum's bearings."""
         return self.first.preload_spring
 
-    @property
+    @cached_property
     def inputs(self) -> tuple[InputPulleyDims, ...]:
-        """The pulleys; each is longer by the distance of its cable from the first along the drum's axis."""
-        return tuple(unit.inputs[0] for unit in self.units)
+        """The pulleys; each is longer by the distance of its cable from the first along the drum's axis.
+
+        Many checks need them, so that they do not wait for the other dimensions of the inputs after the first.
+        """
+        others = (self.drive.unit(k) for k in range(1, self.drive.n_inputs))
+        return *self.first.inputs, *(input_pulley(unit, spur_stack(unit)) for unit in others)
 
     @property
     def collar(self) -> CollarDims:

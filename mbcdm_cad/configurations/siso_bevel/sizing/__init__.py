@@ -17,6 +17,7 @@ from mbcdm_cad.configurations.siso_bevel.sizing.rules import (
     PRELOAD,
     RATIO,
     RESERVE,
+    RESERVE_DEG,
     ROPE,
     TRANSFER,
 )
@@ -54,7 +55,11 @@ def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | Non
     missing = list(_missing(given))
     if missing:
         raise SizingError(*missing)
-    return repeated(data, DirectKnown, RULES, _first_guesses(given.drum_mm), moved, similar)
+    guesses = _first_guesses(given.drum_mm)
+    if given.has("transmission.input_to_drum"):
+        # An open ratio is found with the reserve open too: a guess of it would exclude the highest ratios.
+        guesses["transmission.reserve_deg"] = RESERVE_DEG
+    return repeated(data, DirectKnown, RULES, guesses, moved, similar)
 
 
 def _first_guesses(radius_mm: float) -> dict[str, Any]:
