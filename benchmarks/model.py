@@ -3,7 +3,7 @@
     python benchmarks/model.py [params/mbcdm.yaml] [--repeat N] [--json FILE]
 
 Processor time of all threads, the smallest of N runs after a short one that compiles. Exit code 1 if a limit is
-exceeded. Only for miso_bevel are many designs sized at once.
+exceeded. ``size_many`` sizes the designs of miso_bevel on columns, those of the other layouts one by one.
 """
 
 from __future__ import annotations
@@ -97,8 +97,7 @@ def measured(design: Path, repeat: int) -> list[Figure]:
     analyse_many(designs(d, 1000), need)
     bulk = least(lambda: analyse_many(batch, need), repeat)
     found.append(Figure("analyse_many", DESIGNS / bulk, "designs/s", DESIGNS_PER_S_LIMIT, at_least=True))
-    if drive.configuration == "miso_bevel":
-        found += _sized(design, repeat)
+    found += _sized(design, repeat) if drive.configuration == "miso_bevel" else _sized_one_by_one(drive, repeat)
     one = least(lambda: [analyse(drive) for _ in range(SINGLES)], repeat) / SINGLES
     found.append(Figure("analyse, one design", one * 1e3, "ms"))
     return found
@@ -107,9 +106,7 @@ def measured(design: Path, repeat: int) -> list[Figure]:
 def _sized(design: Path, repeat: int) -> list[Figure]:
     """Designs a second from requirements: about one design, and over random ones in usual proportions; one by one."""
     short = mc.load(design.with_name("mbcdm-short.yaml"))
-    text = "name: x\nconfiguration: miso_bevel\ntravel: {half_angle_deg: 30.0}\n"
-    text += "transmission: {ratio: 8.0, drum_radius_mm: 80.0}\nloads: {peak_torque_Nm: 1.0}\n"
-    usual, rng = mc.DriveDesign(load_text(text)), np.random.default_rng(2)
+    usual, rng = _usual("miso_bevel", "ratio", 8.0), np.random.default_rng(2)
     near = {
         "transmission.centre_distance_mm": rng.uniform(34.0, 40.0, SIZED),
         "loads.test_torque_Nm": rng.uniform(0.2, 0.9, SIZED),
@@ -125,9 +122,34 @@ def _sized(design: Path, repeat: int) -> list[Figure]:
         taken = least(partial(mc.size_many, of, ranges), repeat)
         limit = SIZED_PER_S_LIMIT if of is short else None
         found.append(Figure(f"size_many, 1e4 {label}", SIZED / taken, "designs/s", limit, at_least=True))
-    radii = wide["transmission.drum_radius_mm"][:SINGLES]
+    return [*found, _sized_alone(usual, wide["transmission.drum_radius_mm"][:SINGLES], repeat)]
+
+
+def _sized_one_by_one(drive: Drive, repeat: int) -> list[Figure]:
+    """Designs a second from requirements in usual proportions, and the time of one."""
+    ratio = 4.0 if drive.configuration == "siso_bevel" else 8.0  # the travel of siso_bevel is less than a turn
+    usual, rng = _usual(drive.configuration, "input_to_drum", ratio), np.random.default_rng(2)
+    wide = {
+        "transmission.input_to_drum": rng.uniform(0.6, 1.0, SINGLES) * ratio,
+        "transmission.drum_radius_mm": rng.uniform(55.0, 110.0, SINGLES),
+        "loads.peak_torque_Nm": np.exp(rng.uniform(np.log(0.4), np.log(1.0), SINGLES)),
+    }
+    taken = least(partial(mc.size_many, usual, wide), repeat)
+    many = Figure(f"size_many, {SINGLES} of random requirements, one by one", SINGLES / taken, "designs/s")
+    return [many, _sized_alone(usual, wide["transmission.drum_radius_mm"], repeat)]
+
+
+def _usual(configuration: str, ratio_field: str, ratio: float) -> mc.DriveDesign:
+    """A short file in usual proportions."""
+    text = f"name: x\nconfiguration: {configuration}\ntravel: {{half_angle_deg: 30.0}}\n"
+    text += f"transmission: {{{ratio_field}: {ratio}, drum_radius_mm: 80.0}}\nloads: {{peak_torque_Nm: 1.0}}\n"
+    return mc.DriveDesign(load_text(text))
+
+
+def _sized_alone(usual: mc.DriveDesign, radii: Any, repeat: int) -> Figure:
+    """Mean time of one whole design of some drum radii."""
     alone = least(lambda: [usual.with_(transmission__drum_radius_mm=float(radius)) for radius in radii], repeat)
-    return [*found, Figure("reading and sizing one whole design", alone / SINGLES * 1e3, "ms")]
+    return Figure("reading and sizing one whole design", alone / len(radii) * 1e3, "ms")
 
 
 def main() -> int:

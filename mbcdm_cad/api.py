@@ -208,11 +208,13 @@ def analyse_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool =
 
 
 def size_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:
-    """Size many designs at once from a file of requirements, without the frame: ten thousand in a second.
+    """Size many designs from a file of requirements.
 
     ``size_many(design, {"loads.peak_torque_Nm": np.geomspace(0.5, 20.0, 1000)})["rope.type"]`` is an array of 1000
-    ropes. Columns are rope, motor, gearhead, bearings, radii, ratios, lead, centre distance, preload, and the figures
-    of the cables as in :func:`analyse_many`; no checks run. Only for miso_bevel. Raises as :func:`analyse_many`.
+    ropes. Columns are the sized fields, and the figures of the cables as in :func:`analyse_many`; no checks run. For
+    miso_bevel the fields are those before the frame (rope, motor, gearhead, bearings, radii, ratios, lead, centre
+    distance, preload), up to ten thousand designs in a second; the other layouts are sized one by one with all fields,
+    about twenty in a second. Raises as :func:`analyse_many`.
     """
     from mbcdm_cad.report.sized_designs import size_designs
 

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
 
 from mbcdm_cad.configurations.loader import design_file_of, load_tree, resolve_tree
+from mbcdm_cad.configurations.one_by_one import sized_one_by_one
 from mbcdm_cad.design import yamltree
-from mbcdm_cad.design.design_file import SizingOfMany
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.loader import open_data
 from mbcdm_cad.design.sigmas import SIGMA, VALUE
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, shortened
+from mbcdm_cad.sizing.bulk import Alike
 
 SEPARATOR = "__"
 
@@ -36,34 +37,49 @@ def with_changes(loaded: LoadedDesign, changes: Mapping[str, Any]) -> LoadedDesi
 
 
 def changed_drives(loaded: LoadedDesign, rows: Iterable[Mapping[str, Any]]) -> Iterator[Drive]:
-    """As :func:`with_changes` for each of many rows, but only the drives: about a thousand a second."""
+    """As :func:`with_changes` for each of many rows, but only the drives: about a thousand a second of a whole file."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
     for changes in rows:
         yield resolve_tree(yamltree.Tree(_changed(tree.data, changes, loaded), tree.lines), loaded.path)
 
 
-def data_of_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> tuple[SizingOfMany, list[Any]]:
-    """The configuration's class for sizing many designs, and the groups of designs with the ``columns`` applied.
+class ManySized(NamedTuple):
+    """Designs sized together: the fields that the rules fill, the groups of designs, and the drive of a group.
+
+    ``drive_of`` is called with a group and a drive of the same file.
+    """
+
+    fields: tuple[str, ...]
+    groups: Sequence[Alike]
+    drive_of: Callable[[Any, Drive], Drive]
+
+
+def sized_many(loaded: LoadedDesign, columns: Mapping[str, Any]) -> ManySized:
+    """The designs with the ``columns`` applied, sized; one by one if the configuration cannot size them together.
 
     Columns hold numbers or names, one for each design. Raises ``InputError`` for a value that the file could not hold,
-    ``MbcdmError`` for a field of another kind, and for a configuration that sizes designs only one by one.
+    ``MbcdmError`` for a field of another kind.
     """
     tree = yamltree.parse(loaded.text, str(loaded.path))
     file = design_file_of(tree, str(loaded.path))
-    if file.size_many is None:
-        raise MbcdmError(
-            f"{loaded.drive.configuration}: its rules need a drive for each design; size them one by one, or use "
-            "analyse_many"
-        )
     for field, values in columns.items():
         if values.dtype.kind not in "iufU":
             raise MbcdmError(f"{field}: only numbers and names can differ from design to design; give one of them each")
+
+    def changed(row: Mapping[str, Any]) -> yamltree.Tree:
+        return yamltree.Tree(_changed(tree.data, row, loaded), tree.lines)
+
     # Limits of single fields hold for all values between the smallest and the largest.
     for end in (np.min, np.max):
         row = {field: end(values) for field, values in columns.items() if values.dtype.kind != "U"}
-        data = open_data(yamltree.Tree(_changed(tree.data, row, loaded), tree.lines), loaded.path, file)
-    many = file.size_many()
-    return many, list(many.size(data, columns))
+        data = open_data(changed(row), loaded.path, file)
+    if file.size_many is not None:
+        many = file.size_many()
+        return ManySized(many.fields, list(many.size(data, columns)), many.drive)
+    rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+    alone = sized_one_by_one(map(changed, rows), loaded.path, file)
+    fields = dict.fromkeys(field for one in alone for field in one.fields)
+    return ManySized(tuple(fields), alone, lambda group, like: group.drive)
 
 
 def _changed(data: Any, changes: Mapping[str, Any], loaded: LoadedDesign) -> Any:

@@ -59,7 +59,7 @@ class DesignFile:
     freedoms: Callable[[], tuple[Freedom, ...]] = tuple
     # Text of a short file of requirements, with a place for the design's ``name``; empty without sizing rules.
     starting: str = ""
-    # Sizing of many designs at once, if the configuration's rules support it.
+    # Sizing of many designs at once, if the configuration's rules support it; else they are sized one by one.
     size_many: Callable[[], SizingOfMany] | None = None
 
     @cached_property

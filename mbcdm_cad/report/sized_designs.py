@@ -1,7 +1,8 @@
-"""Many designs sized at once from a file of requirements, as far as no frame is needed: columns of fields and figures.
+"""Many designs sized from a file of requirements: columns of fields and figures.
 
-The rules are those of one design (:mod:`mbcdm_cad.sizing.bulk`). Values that depend on drum and frame (setback of the
-inputs, sector, walls, mass, checks) need a drive for each design: see :func:`mbcdm_cad.report.sweep.sweep`.
+The rules are those of one design. Where the configuration's rules work on columns (:mod:`mbcdm_cad.sizing.bulk`), they
+go as far as no frame is needed: values that depend on drum and frame (setback of the inputs, sector, walls) are left
+out. Other configurations are sized one by one, with all fields.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.changes import data_of_many
+from mbcdm_cad.configurations.changes import sized_many
 from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many, merged
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import to_si
@@ -60,31 +61,33 @@ class SizedDesigns(DesignColumns):
 
 
 def size_designs(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:
-    """Size the designs that ``ranges`` describe, as in :func:`mbcdm_cad.report.sweep.sweep`, all at once.
+    """Size the designs that ``ranges`` describe, as in :func:`mbcdm_cad.report.sweep.sweep`.
 
-    Values are validated one by one; rules between fields and checks are not evaluated. Errors:
-    ``InputError`` for a value that the file could not hold, ``MbcdmError`` for arrays of different lengths, or a
-    configuration whose rules need a drive for each design.
+    Values are validated one by one; checks are not evaluated, and rules between fields only where designs are sized one
+    by one. Errors: ``InputError`` for a value that the file could not hold, ``MbcdmError`` for arrays of different
+    lengths.
     """
     varied = varied_columns(ranges, grid=grid)
     n = len(next(iter(varied.values())))
-    many, alike = data_of_many(loaded, varied)
+    many = sized_many(loaded, varied)
     sized: dict[str, Values] = {}
     for field in many.fields:
         if field not in varied:
-            sized |= _by_step(field, gathered(alike, field, n))
+            sized |= _by_step(field, gathered(many.groups, field, n))
     refused = np.full(n, "", dtype=object)
-    for group in alike:
+    for group in many.groups:
         refused[group.rows] = group.refused
     parts = [
-        (group.rows.tolist(), _figures(group, many.drive(group, loaded.drive))) for group in alike if not group.refused
+        (group.rows.tolist(), _figures(group, many.drive_of(group, loaded.drive)))
+        for group in many.groups
+        if not group.refused
     ]
     cables = tuple(cable.name for cable in loaded.drive.cables)
     return SizedDesigns(loaded.drive.name, varied, sized, refused, merged(parts, n) if parts else None, cables)
 
 
 def _figures(group: Alike, drive: Any) -> BulkFigures:
-    """Figures of a group whose drive holds columns."""
+    """Figures of a group; its drive holds columns, or numbers if it is one design."""
     n, need = len(group.rows), requirements(drive)
     wide = Requirements(*(np.broadcast_to(np.asarray(getattr(need, f.name), float), (n,)) for f in fields(need)))
     return analyse_many(to_si(drive).spread(n), wide)

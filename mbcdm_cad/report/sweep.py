@@ -52,7 +52,7 @@ def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False
 
     ``grid`` makes all combinations of the values instead, the last field varying fastest. Fields are named and
     validated as in :func:`mbcdm_cad.configurations.changes.with_changes`; what the file leaves out is sized again for
-    each design, which takes some 30 ms each. Errors: ``InputError`` for a value that the file could not hold,
+    each design, which takes 10 to 60 ms each. Errors: ``InputError`` for a value that the file could not hold,
     ``MbcdmError`` for arrays of different lengths or none.
     """
     varied = varied_columns(ranges, grid=grid)

@@ -70,7 +70,25 @@ def test_names_may_differ_and_bad_values_are_refused(short: mc.DriveDesign) -> N
         mc.size_many(short, {"input_pulleys.surface": [True, False]})
 
 
-def test_a_configuration_without_such_rules_says_so() -> None:
-    text = SHORT.replace("miso_bevel", "siso_spur").replace("ratio:", "input_to_drum:")
-    with pytest.raises(MbcdmError, match="siso_spur: its rules need a drive for each design"):
-        mc.size_many(mc.DriveDesign(load_text(text)), {"loads.peak_torque_Nm": [1.0]})
+@pytest.mark.parametrize("layout", ["siso_spur", "miso_spur", "siso_bevel"])
+def test_other_layouts_are_sized_one_by_one_with_the_values_of_each_alone(layout: str) -> None:
+    ratio = "input_to_drum: 4.0" if layout == "siso_bevel" else "input_to_drum: 8.0"
+    text = SHORT.replace("miso_bevel", layout).replace("ratio: 9.0", ratio)
+    design = mc.DriveDesign(load_text(text.replace("peak_torque_Nm: 2.0", "peak_torque_Nm: 0.4")))
+    ranges = {"transmission.drum_radius_mm": [60.0, 75.0, 70.0], "rope.type": ["7x7-1.0", "7x7-0.61", "no-such"]}
+    many = mc.size_many(design, ranges)
+    assert list(many["refused"][:2]) == ["", ""] and "no-such" in many["refused"][2]
+    assert "3 designs, 2 sized" in str(many)
+    alone = mc.analyse_many(design, {field: values[:2] for field, values in ranges.items()})
+    for name in alone:
+        if name.startswith(NEEDS_FRAME):
+            continue
+        assert list(many[name][:2]) == pytest.approx(list(alone[name]), rel=1e-12), name
+    for k in range(2):
+        one = design.with_({field: values[k] for field, values in ranges.items()})
+        assert alone["reversal_swing_mrad"][k] == pytest.approx(one.analyse().figures.reversal_swing_mrad, rel=1e-9)
+        sized = {value.field: value.value for value in one.loaded.sized if not isinstance(value.value, list)}
+        assert len(sized) > 30
+        for field, value in sized.items():
+            assert many[field][k] == value, field
+    assert many["drum.sector_half_angle_deg"][0] != many["drum.sector_half_angle_deg"][1]
