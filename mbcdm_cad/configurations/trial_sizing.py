@@ -78,7 +78,13 @@ class TrialKnown(RopeKnown):
         whole = KnownFields({})
         for field, guess in guesses.items():
             whole.put(field, guess)
-        self._guessed = whole.data
+        # The data of a trial: the known fields, and guesses of those that are still open.
+        self._filled = _laid_over(whole.data, data)
+
+    def put(self, field: str, value: Any) -> None:
+        """See the base class."""
+        super().put(field, value)
+        self._filled = self._whole(field, value)
 
     @property
     def axial_stiffness_N(self) -> float:
@@ -153,9 +159,9 @@ class TrialKnown(RopeKnown):
         return self.drives.margins(self._whole(field, value), checks, self.checks())
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
-        whole = KnownFields(_laid_over(self._guessed, self.data))
-        whole.put(field, value)
-        return whole.data
+        """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
+        block, _, name = field.partition(".")
+        return {**self._filled, block: {**(self._filled.get(block) or {}), name: value} if name else value}
 
     def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
         """The value nearest to ``start``, at multiples of ``step`` in its direction, at which all the checks hold.
