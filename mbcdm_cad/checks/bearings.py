@@ -57,8 +57,8 @@ def drum_reactions_N(s: SectorUnderTest) -> tuple[float, float]:
     for on_bodies in s.loads.on_bodies:
         force, moment = on_bodies.drum.force_N, on_bodies.drum.moment_Nm
         # Moments about the rear bearing, with y x F = (y Fz, 0, -y Fx): the front bearing balances them.
-        about = moment - np.cross([0.0, rear, 0.0], force)
-        on_front = np.array([-about[2], 0.0, about[0]]) / (front - rear)
+        about_x, about_z = moment[0] - rear * force[2], moment[2] + rear * force[0]
+        on_front = np.array([-about_z, 0.0, about_x]) / (front - rear)
         on_rear = force - on_front
         loads = (float(np.hypot(on_rear[0], on_rear[2])), float(np.hypot(on_front[0], on_front[2])))
         most = [max(a, b) for a, b in zip(most, loads, strict=True)]

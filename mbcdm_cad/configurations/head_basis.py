@@ -84,7 +84,7 @@ def needed_ratio(given: TrialKnown) -> float:
 
 
 def _has_face(given: TrialKnown) -> bool:
-    return given.peek("drive.motor") in given.motors_with_faces()
+    return given.has("drive.motor") and given.peek("drive.motor") in given.motors_with_faces()
 
 
 def _gearhead(given: TrialKnown) -> Found:

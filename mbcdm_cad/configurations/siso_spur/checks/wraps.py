@@ -21,14 +21,17 @@ def terminal_clears_input(s: SpurUnderTest) -> Comparison:
     found = []
     for t in s.layout.drum.tensioners:
         turn = -t.side * s.half_travel_rad
+        c, sine = cos(turn), sin(turn)
         for name, outline, _, _ in bodies_of(s, t):
-            for x, z in outline:
+            gaps = []
+            for x, z in outline.tolist():
                 # About Y from Z towards X, as the drum turns.
-                at_x, at_z = x * cos(turn) + z * sin(turn), z * cos(turn) - x * sin(turn)
+                at_x, at_z = x * c + z * sine, z * c - x * sine
                 pulley = hypot(at_x, at_z - drive.centre_distance_mm) - reach
                 yoke = max(abs(at_x) - f.shelf_half_width, f.shelf_bottom_z - at_z)
-                what = f"{name} of {t.cable_name} from the input and its yoke at the end of travel"
-                found.append(at_least(what, min(pulley, yoke), drive.clearances.running_mm, "mm"))
+                gaps.append(min(pulley, yoke))
+            what = f"{name} of {t.cable_name} from the input and its yoke at the end of travel"
+            found.append(at_least(what, min(gaps), drive.clearances.running_mm, "mm"))
     return worst(found)
 
 
