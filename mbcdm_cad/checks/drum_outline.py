@@ -52,6 +52,18 @@ def rim_points(d: DrumDims) -> np.ndarray:
     return np.stack([x[kept], z[kept]], axis=1)
 
 
+def wrap_points(d: DrumDims, flank_mm: float) -> np.ndarray:
+    """(x, z) of the outside of the cables on the drum, from the top to the anchors: it may overhang the rim."""
+    share = np.linspace(0.0, 1.0, _ANGLES)
+    return np.concatenate(
+        [
+            (t.radius_mm + flank_mm)
+            * np.stack([t.side * np.sin(t.anchor_rad * share), np.cos(t.anchor_rad * share)], axis=1)
+            for t in d.tensioners
+        ]
+    )
+
+
 def drum_zones(s: SectorUnderTest) -> list[Ring]:
     """Rings that together enclose everything that turns with the drum in front of the frame."""
     d = s.layout.drum

@@ -25,7 +25,11 @@ from OCP.TColgp import TColgp_Array1OfPnt
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Shape, TopoDS_Wire
 from OCP.TopTools import TopTools_ListOfShape
 
-from mbcdm_cad.routes.curves import Coil, Helix, Line, Parabola, Piece
+from mbcdm_cad.routes.curves import Coil, Helix, Line, Parabola, Piece, cut
+
+# The kernel sweeps a winding as a single polynomial. Where it is longer than about 170 diameters of the rod, meshing it
+# often did not end (14 of 30 random windings), and up to there a fine mesh takes ten times as long.
+_LONGEST_DIAMETERS = 50
 
 
 def edge_of(piece: Piece) -> TopoDS_Edge:
@@ -61,7 +65,9 @@ def swept_rod(pieces: Sequence[Piece], radius_mm: float) -> TopoDS_Shape:
     first = pieces[0]
     direction = gp_Dir(*(float(c) for c in first.tangent(0.0)))
     circle = gp_Circ(gp_Ax2(_point(first.points(np.array([0.0]))[0]), direction), radius_mm)
-    pipe = BRepOffsetAPI_MakePipeShell(_wire([edge_of(piece) for piece in pieces]))
+    longest_mm = _LONGEST_DIAMETERS * 2 * radius_mm
+    parts = [part for p in pieces for part in (cut(p, longest_mm) if isinstance(p, Coil | Helix) else [p])]
+    pipe = BRepOffsetAPI_MakePipeShell(_wire([edge_of(part) for part in parts]))
     pipe.SetMode(True)  # the section follows the Frenet frame, so it does not turn over on a helix
     pipe.SetTransitionMode(BRepBuilderAPI_RightCorner)
     pipe.Add(_wire([BRepBuilderAPI_MakeEdge(circle).Edge()]), False, False)

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.build.measure import bounding_box
+from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
 from mbcdm_cad.parts.cable import create_cable
-from mbcdm_cad.routes.curves import Arc, Line
+from mbcdm_cad.routes.curves import Arc, Coil, Line
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])
@@ -52,3 +53,13 @@ def test_a_bend_tighter_than_the_rope_is_refused() -> None:
     assert create_cable((straight, bend), 0.99).Volume() == pytest.approx(pi * 0.99**2 * (5.0 + pi / 2), rel=1e-6)
     with pytest.raises(ValueError, match="a bend of 1 mm is too tight for a rod of 1 mm radius"):
         create_cable((straight, bend), 1.0)
+
+
+def test_a_long_winding_is_drawn_in_parts_that_can_be_meshed() -> None:
+    """One winding of this length, drawn as one face, kept the mesher busy without end (a drum of 104 mm radius)."""
+    winding = Coil((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), 103.9, 1.609, 0.182, -3.95, -2.44)
+    rod = create_cable((winding,), 0.405)
+    walls = [face for face in rod.Faces() if face.geomType() != "PLANE"]
+    assert len(walls) == 4, f"{len(walls)} faces along {winding.length_mm:.0f} mm"
+    volume = mesh_solid("cable", rod, 0.02).volume_mm3
+    assert volume == pytest.approx(pi * 0.405**2 * winding.length_mm, rel=0.03)

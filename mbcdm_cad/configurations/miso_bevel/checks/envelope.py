@@ -6,7 +6,7 @@ import numpy as np
 
 from mbcdm_cad.checks.box import box_checks
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import rim_points
+from mbcdm_cad.checks.drum_outline import rim_points, wrap_points
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.configurations.miso_bevel.bill import bill
@@ -19,7 +19,7 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
     d, f, pitch = lay.drum, lay.frame, drive.input_x_mm
-    points = [rim_points(d)]
+    points = [rim_points(d), wrap_points(d, s.flank_mm)]
     # The cable on the largest step of an input pulley may extend beyond frame and drum on both sides.
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
     body = max(drive.encoder.diameter_mm, drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2

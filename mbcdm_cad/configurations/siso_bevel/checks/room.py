@@ -10,7 +10,7 @@ from mbcdm_cad.checks.box import box_checks
 from mbcdm_cad.checks.cable_gaps import cables_apart
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import drum_zones, rim_points
+from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.configurations.siso_bevel.bill import bill
@@ -56,7 +56,7 @@ def box_mm(s: DirectUnderTest) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     lay, v, drive = s.layout, s.levels, s.drive
     d, f = lay.drum, lay.frame
-    points = [rim_points(d)]
+    points = [rim_points(d), wrap_points(d, s.flank_mm)]
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
     ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, reach]
     for t in d.tensioners:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mbcdm_cad.checks.box import box_checks
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.drum_outline import drum_zones, rim_points
+from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.configurations.siso_spur.bill import bill
@@ -62,7 +62,11 @@ def bodies_behind(s: SpurUnderTest) -> Comparison:
 def outline(s: SpurUnderTest, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     """Points (n, 2) in x and z that bound the box of one input with its sector, the input above the drum; mm."""
     drive, head = s.drive, s.layout.head
-    sector = [rim_points(d), *(o for t in d.tensioners for _, o, _, _ in bodies_of(s, t, moved=False))]
+    sector = [
+        rim_points(d),
+        wrap_points(d, s.flank_mm),
+        *(o for t in d.tensioners for _, o, _, _ in bodies_of(s, t, moved=False)),
+    ]
     encoder = drive.drum_encoder.diameter_mm / 2
     bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm, drive.encoder.diameter_mm) / 2
     beside = max(f.half_width, bodies)
