@@ -19,6 +19,9 @@ from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 
+# Points on a full circle of the outline.
+_CORNERS = 72
+
 
 def frame_front(s: SpurUnderTest) -> Comparison:
     """Gap from all parts that turn with the drum to plate and boss behind them."""
@@ -69,12 +72,15 @@ def outline(s: SpurUnderTest, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     ]
     encoder = drive.drum_encoder.diameter_mm / 2
     bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm, drive.encoder.diameter_mm) / 2
-    beside = max(f.half_width, bodies)
-    wide, low = max(beside, f.boss.ear_reach, encoder), max(f.half_width, d.hub_radius)
-    top = max(f.top_z, f.axis_z + max(bodies, head.front_y))
+    wide, low = max(f.half_width, f.boss.ear_reach, encoder), max(f.half_width, d.hub_radius)
     flats = encoder * RING_ENCODER_FLATS
-    corners = [(-wide, 0.0), (wide, 0.0), (0.0, -low), (0.0, -flats), (-beside, top), (beside, top)]
-    return np.concatenate([*sector, np.array(corners)])
+    reach = [(-wide, 0.0), (wide, 0.0), (0.0, -low), (0.0, -flats), (0.0, f.axis_z + head.front_y)]
+    # Motor, gearhead and encoder are round, and the frame's upper corners are rounded.
+    angle = np.linspace(0.0, 2 * np.pi, _CORNERS + 1)
+    circle = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    corner = np.array([f.half_width, f.top_z]) + f.corner_radius * (circle[: _CORNERS // 4 + 1] - 1.0)
+    round_bodies = np.array([0.0, f.axis_z]) + bodies * circle
+    return np.concatenate([*sector, np.array(reach), corner, corner * np.array([-1.0, 1.0]), round_bodies])
 
 
 def box_mm(s: SpurUnderTest) -> tuple[float, float, float]:
