@@ -1,8 +1,7 @@
-"""Searches that begin elsewhere: with play at two inputs at once, and without the effect that was accepted first.
+"""A search that begins with play at two inputs at once.
 
-The search accepts one effect at a time, so its end depends on where it began. What two plays do depends on the motion
-before and does not repeat, so either alone explains too little, or makes room for an effect that is not present. A
-first effect that stands for two others remains, because each of the two then explains too little.
+The search accepts one effect at a time. What two plays do depends on the motion before and does not repeat, so either
+alone explains too little, or makes room for an effect that is not present.
 """
 
 from __future__ import annotations
