@@ -184,7 +184,7 @@ class Search:
         The form of an effect is chosen when the other effects are not yet accepted. If more than the floor is left at
         the end, its other forms are tried again.
         """
-        now = self.grown(self.bare)
+        now = self._grown(self.bare)
         now = self._from_inside(now)
         if self.too_much(now):
             now = self._gone_on(now)
@@ -201,7 +201,7 @@ class Search:
                 begun = self.fitter.tried((*less.effects, sibling), (*less.values, start), less.offsets)
                 if begun is None:
                     continue
-                other = self.grown(begun)
+                other = self._grown(begun)
                 if other.square < now.square and self.enough(now, other):
                     self.note("in another form", sibling, now, other)
                     now = other
@@ -221,7 +221,7 @@ class Search:
         least = PROMISED_SHARE * (LEAST_FALL * self.least_floor_rad) ** 2
         return not now.effects and any(c.effect.saturates and c.fall > least for c in self.screening.screen(now))
 
-    def grown(self, now: Fit) -> Fit:
+    def _grown(self, now: Fit) -> Fit:
         """``now`` with all effects that can be accepted."""
         while len(now.effects) < MOST_EFFECTS:
             better = self._best(now)
@@ -238,7 +238,7 @@ class Search:
 
     def taken(self, found: Fit) -> Fit:
         """``found`` in place of the present fit, with all effects that can be accepted beside its own."""
-        return self.grown(self._reckoned(found))
+        return self._grown(self._reckoned(found))
 
     def _from_inside(self, now: Fit) -> Fit:
         """``now`` with a line that moves the cables, if the effect that seemed to ease their friction is then not
@@ -262,7 +262,7 @@ class Search:
             if not begun:
                 continue
             best = min(begun, key=lambda one: one.square)
-            found = self.grown(best) if self.enough(best, now) else best
+            found = self._grown(best) if self.enough(best, now) else best
             if len(found.effects) < len(now.effects) and not self.enough(found, now):
                 self.note("moves the cables", best.effects[-1], now, found)
                 return self._from_inside(found)
@@ -283,11 +283,11 @@ class Search:
                 self.note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
         for one in self._promising(now)[:MOST_FIRST]:
-            grown = self.grown(one)
+            grown = self._grown(one)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
             if self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained:
                 continue
-            if all(self.borne_out(grown, effect) for effect in grown.effects):
+            if all(self._borne_out(grown, effect) for effect in grown.effects):
                 self.note("supported together with the others", one.effects[-1], now, grown)
                 return grown
         return now
@@ -309,7 +309,7 @@ class Search:
 
         return sorted(each.values(), key=promised)
 
-    def borne_out(self, fit: Fit, effect: Effect) -> bool:
+    def _borne_out(self, fit: Fit, effect: Effect) -> bool:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))
 
     def _best(self, now: Fit) -> Fit | None:
