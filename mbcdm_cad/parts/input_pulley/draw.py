@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil, cos, radians, sin, sqrt, tau
 
 import cadquery as cq
@@ -14,13 +14,24 @@ from mbcdm_cad.parts.rod import edge_of
 from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, one_solid, turned
 from mbcdm_cad.parts.volume import groove_mm3
 
+
+@dataclass(frozen=True)
+class Land:
+    """A cylinder that cables are wound on."""
+
+    radius: float
+    bottom_z: float
+    top_z: float
+
+
 # The tool of a groove extends beyond the land by this share of its depth, so that no edge of it lies on the surface.
 _BEYOND_DEPTHS = 0.13
 # Allowed difference between the cut volume and that of the groove: more than rounding, less than a turn.
 _GROOVE_SHARE = 0.04
 
 
-def _profile(d: InputPulleyDims) -> list[Point2]:
+def _below(d: InputPulleyDims) -> list[Point2]:
+    """Half the outline of what is below the lands, from the axis to the lands."""
     c = CHAMFER_MM
     return [
         (0.0, d.journal_bottom_z),
@@ -29,10 +40,13 @@ def _profile(d: InputPulleyDims) -> list[Point2]:
         (d.lower_journal_radius, d.lower_neck_bottom_z),
         (d.lower_neck_radius, d.lower_neck_bottom_z),
         (d.lower_neck_radius, d.land_bottom_z),
-        (d.lower_land_radius, d.land_bottom_z),
-        (d.lower_land_radius, d.wall_z),
-        (d.upper_land_radius, d.wall_z),
-        (d.upper_land_radius, d.land_top_z),
+    ]
+
+
+def _above(d: InputPulleyDims) -> list[Point2]:
+    """Half the outline of what is above the lands, from the lands to the axis."""
+    c = CHAMFER_MM
+    return [
         (d.upper_neck_radius, d.land_top_z),
         (d.upper_neck_radius, d.upper_neck_top_z),
         (d.upper_journal_radius, d.upper_neck_top_z),
@@ -40,6 +54,32 @@ def _profile(d: InputPulleyDims) -> list[Point2]:
         (d.upper_journal_radius - c, d.journal_top_z),
         (0.0, d.journal_top_z),
     ]
+
+
+def _lands(d: InputPulleyDims) -> list[Land]:
+    """The two lands, or one where both have the same radius and a groove may run over both."""
+    if d.lower_land_radius == d.upper_land_radius:
+        return [Land(d.lower_land_radius, d.land_bottom_z, d.land_top_z)]
+    return [
+        Land(d.lower_land_radius, d.land_bottom_z, d.wall_z),
+        Land(d.upper_land_radius, d.wall_z, d.land_top_z),
+    ]
+
+
+def _body(d: InputPulleyDims) -> cq.Solid:
+    """The pulley without bore, slit and slots.
+
+    Grooves are cut into the plain cylinder of their land, which is then joined to the rest: the kernel takes a quarter
+    of the time of a cut into the whole body, and that cut often fails.
+    """
+    name = f"input pulley {d.name}"
+    lands = _lands(d)
+    if not d.grooves:
+        steps = [point for land in lands for point in ((land.radius, land.bottom_z), (land.radius, land.top_z))]
+        return turned([*_below(d), *steps, *_above(d)], name)
+    below = turned([*_below(d), (0.0, d.land_bottom_z)], name)
+    above = turned([(0.0, d.land_top_z), *_above(d)], name)
+    return fuse([below, *(_grooved(land, d, name) for land in lands), above], name)
 
 
 def _groove_tool(groove: Groove) -> cq.Solid:
@@ -63,17 +103,19 @@ def _groove_tool(groove: Groove) -> cq.Solid:
     return one_solid(cq.Solid.sweep(profile, [], path, True, True, None, "right"), f"groove of {groove.cable_name}")
 
 
-def _grooved(body: cq.Solid, dims: InputPulleyDims) -> cq.Solid:
-    """The body with its grooves: each is cut as a whole, or turn by turn if the kernel cuts a long one incompletely.
+def _grooved(land: Land, dims: InputPulleyDims, name: str) -> cq.Solid:
+    """A land with its grooves: each is cut as a whole, or turn by turn if the kernel cuts a long one incompletely.
 
     Raises ValueError if neither removes the volume that follows from the groove's cross section and length.
     """
-    name = f"input pulley {dims.name}"
+    body = cylinder_z(land.radius, 0, 0, land.bottom_z, land.top_z)
     for groove in dims.grooves:
+        if not land.bottom_z <= (groove.start_z + groove.end_z) / 2 <= land.top_z:
+            continue
         wanted = groove_mm3(groove)
         for pieces in ([groove], list(_turns(groove))):
             left = body
-            # The kernel may also cut a long groove through the whole body.
+            # The kernel may also cut a long groove through the whole land.
             with suppress(ValueError):
                 for piece in pieces:
                     left = cut(left, [_groove_tool(piece)], name)
@@ -165,8 +207,7 @@ def _slot_tools(slot: StopSlot, surface: float) -> list[cq.Solid]:
 
 def create_input_pulley(dims: InputPulleyDims) -> cq.Solid:
     """Input pulley about its own axis (x = y = 0), heights as in the assembly, turned as with the drum centred."""
-    body = turned(_profile(dims), f"input pulley {dims.name}")
-    body = _grooved(body, dims)
+    body = _body(dims)
     tools: list[cq.Shape] = [cylinder_z(dims.bore_radius, 0, 0, dims.journal_bottom_z - 1.0, dims.bore_top_z)]
     half = dims.slit_width / 2
     reach = dims.lower_journal_radius + 1.0
