@@ -34,6 +34,17 @@ def wrap_left(s: SectorUnderTest) -> Comparison:
     )
 
 
+def _larger_angle(s: SectorUnderTest) -> str:
+    """Remedy for a cable whose wrap ends too early because the file states where its terminal is."""
+    least = degrees(s.half_travel_rad) + LEAST_WRAP_DEG
+    asked = [
+        c.name for c in s.steps if c.terminal_angle_rad is not None and degrees(s.smallest_wrap_rad(c)) < LEAST_WRAP_DEG
+    ]
+    return (
+        f"state a terminal_angle_deg of at least {least:.4g} for {', '.join(asked)}, or leave it out" if asked else ""
+    )
+
+
 def wrap_under_a_turn(s: SectorUnderTest) -> Comparison:
     """Cable and terminal take less than a full turn; otherwise they would reach the transfer point a second time."""
     return worst(
@@ -93,6 +104,7 @@ WRAPS = (
         "derived; 2 deg: estimate",
         wrap_left,
         adjust=MORE_WRAP,
+        advice=_larger_angle,
     ),
     Check(
         "wrap_under_turn",

@@ -93,7 +93,8 @@ def _hub_face(given: TrialKnown) -> Found:
 def _sector(given: TrialKnown) -> Found:
     """Half angle of the drum's sector."""
     start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, 174.0)
-    return given.moved("drum.sector_half_angle_deg", start, 1.0, ("wrap_left", "terminal_clears_input", "stop_slot"))
+    checks = ("wrap_left", "terminal_clears_input", "stop_slot", "terminal_angles")
+    return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)
 
 
 MOTOR_SHELF = Rule(

@@ -5,6 +5,7 @@ As in :mod:`mbcdm_cad.design.blocks`, the reference values with their sources ar
 
 from __future__ import annotations
 
+from mbcdm_cad.design.blocks import Cable
 from mbcdm_cad.design.fields import Block, EntryName, Number, choice, quantity
 
 
@@ -20,6 +21,19 @@ class SectorClearances(Block):
     land_edge_mm: Number = quantity("edge of a drum land to the next cable's contact line", unit="mm", ge=0.0, le=5.0)
     running_mm: Number = quantity(
         "gap between any moving part and any fixed part elsewhere", unit="mm", ge=0.01, le=5.0
+    )
+
+
+class SectorCable(Cable):
+    """A cable that ends in a terminal on the drum."""
+
+    terminal_angle_deg: Number | None = quantity(
+        "angle on the centred drum, from the direction of the pulley before it, at which the cable leaves its land for "
+        "its terminal; left out: as far out as the sector allows",
+        unit="deg",
+        default=None,
+        ge=1.0,
+        le=355.0,
     )
 
 

@@ -66,7 +66,8 @@ def _row(check: Check, design: DesignUnderTest) -> str:
     measure = check.measure.func if isinstance(check.measure, partial) else check.measure
     what = f"{check.title}. {_first_line(measure.__doc__)}."
     mark = " *(warn)*" if check.severity == "warn" else ""
-    return f"| `{check.id}`{mark} | {what} | {figures(run_check(check, design))} | {check.source} |"
+    figure = figures(run_check(check, design)) if check.asked_of(design.drive) else "does not apply"
+    return f"| `{check.id}`{mark} | {what} | {figure} | {check.source} |"
 
 
 if __name__ == "__main__":

@@ -84,6 +84,7 @@ COUPLED: dict[str, dict[Path, Any]] = {
         ],
     },
     "a cable's own preload": {("cables", 1, "preload_N"): 66.0},
+    "a terminal's angle": {("cables", 1, "terminal_angle_deg"): 55.0},
     "another termination": {("rope", "termination"): "soldered"},
     "a rope written out": {
         ("rope", "type"): None,

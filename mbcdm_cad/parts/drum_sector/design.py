@@ -15,6 +15,7 @@ class SectorRun(CableRun):
 
     drum_side: int  # +1: runs on the drum towards +x, -1: towards -x
     step: int  # from 1, the smallest
+    terminal_angle_rad: float | None  # where it is to leave its land, drum centred; None: as far out as possible
 
     @property
     def land_y_mm(self) -> float:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import radians
 from typing import Any, Protocol
 
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.rules import NamedEntry
-from mbcdm_cad.design.sector_blocks import SectorDrum, SteppedPulleys
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys
 from mbcdm_cad.parts.drum_sector.design import DrumSpec, InputPulleySpec
 
 
@@ -38,6 +39,11 @@ def sector_values(design: SectorBlocks, catalogue: Catalogue) -> dict[str, Any]:
             material=catalogue.material(design.input_pulleys.material), collar_screw=design.input_pulleys.collar_screw
         ),
     }
+
+
+def terminal_angle_rad(cable: SectorCable) -> float | None:
+    """Angle on the drum, rad, at which a cable is to leave its land; None if the file leaves it out."""
+    return None if cable.terminal_angle_deg is None else radians(cable.terminal_angle_deg)
 
 
 def sector_entries(design: SectorBlocks) -> Iterator[NamedEntry]:

@@ -138,7 +138,7 @@ def _opens(drive: SectorDrive, inner: Tensioner, outer_radius: float) -> bool:
 
 
 def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
-    """Place the terminals as far out as the sector allows; neighbours on one side are staggered.
+    """Place the terminals where the file asks, else as far out as the sector allows; neighbours are staggered.
 
     Where two cables of one side lie close in radius, the outer one's lug must end before the inner one's pocket
     begins: then it stands on solid rim, and a spanner reaches both nuts.
@@ -166,6 +166,9 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
             ):
                 pocket = inner.anchor_rad - radians(0.3)
                 limit = min(limit, pocket - atan2(lug_end, cable.drum_radius_mm))
+            furthest = limit
+            if cable.terminal_angle_rad is not None:
+                limit = min(limit, cable.terminal_angle_rad)
             floor = drive.drum.outer_face_y_mm - cable.land_y_mm - nut - drive.clearances.running_mm
             through = floor < MIN_FLOOR_MM
             pocket_end = _pocket_end(drive, cable, limit, tip)
@@ -176,6 +179,7 @@ def tensioners(drive: SectorDrive, way: TerminalWay) -> tuple[Tensioner, ...]:
                 radius_mm=cable.drum_radius_mm,
                 y_mm=cable.land_y_mm,
                 anchor_rad=limit,
+                furthest_rad=furthest,
                 swage_start=SWAGE_START_MM + moved,
                 cable_end=swage_end - SWAGE_FLOOR_MM + moved,
                 swage_end=swage_end + moved,

@@ -37,6 +37,7 @@ class Tensioner:
     radius_mm: float
     y_mm: float
     anchor_rad: float
+    furthest_rad: float  # where it would be if the file did not state its angle
     swage_start: float
     cable_end: float  # bottom of the swage's bore
     swage_end: float

@@ -125,6 +125,7 @@ WAYS: dict[str, Way] = {
     "stud_stress": Way(to("tensioner.stress_area_mm2"), 1.27, 0.1),
     "take_up": Way(to("tensioner.stud_length_mm"), 12.5, 9.0),
     "thread_at_end": Way(to("tensioner.lug_thickness_mm"), 1.8, 0.2),
+    "terminal_angles": Way(radius_of(0, "terminal_angle_rad"), 0.5, 2.0),
     "terminal_twist": Way(to("tensioner.swage_flats_mm"), 1.6, 1.9),
     "lug_stress": Way(to("drum.material.yield_MPa"), 503.0, 10.0),
     "walls": Way(to("support.rib_mm"), 3.0, 0.3),

@@ -10,7 +10,7 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.resolve import by_step, preload_N, shared_sigmas, shared_values
 from mbcdm_cad.parts.drum_sector.design import TransferClearances, WoundPulleySpec
-from mbcdm_cad.parts.drum_sector.resolve import sector_values
+from mbcdm_cad.parts.drum_sector.resolve import sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
 
@@ -75,6 +75,7 @@ def _cables(design: BevelDesign) -> tuple[d.BevelRun, ...]:
             guide_radius_mm=guide[cable.step - 1],
             drum_radius_mm=design.transmission.drum_radii_mm[cable.step - 1],
             preload_N=preload_N(design, cable),
+            terminal_angle_rad=terminal_angle_rad(cable),
         )
         for cable in (design.cables[k] for k in by_step(design.cables))
     )

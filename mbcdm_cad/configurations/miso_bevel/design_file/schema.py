@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, ESTIMATE, INPUTS
-from mbcdm_cad.design.blocks import Cable, Design, Input, Length, SpanLimits, WoundRope
+from mbcdm_cad.design.blocks import Design, Input, Length, SpanLimits, WoundRope
 from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import SectorClearances, SectorDrum, SteppedPulleys
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorClearances, SectorDrum, SteppedPulleys
 
 Side = Literal["-x", "+x"]
 
@@ -192,10 +192,10 @@ class BevelInput(Input):
     side: Side = choice("side of the guide on which it stands, at x = -L or +L", source="Fig. 2")
 
 
-class BevelCable(Cable):
+class BevelCable(SectorCable):
     """A cable from an input pulley over the guide to the drum."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N")
+    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N", "terminal_angle_deg")
 
     step: Integer = choice("step of guide and drum it runs on, 1 the smallest", source="Table 2", ge=1, le=4)
     drum_side: Side = choice("side to which it runs on the drum from the transfer point", source="Fig. 2")
@@ -238,7 +238,8 @@ class BevelDesign(Design):
         "input pulleys, one on each side", source="Fig. 2", reference=INPUTS, min_length=1, max_length=8
     )
     cables: tuple[BevelCable, ...] = choice(
-        "cables: which input each runs from and which way round the drum; preload_N may be given for each",
+        "cables: which input each runs from and which way round the drum; each may have a preload_N and a "
+        "terminal_angle_deg",
         source="Table 2 and Fig. 2",
         reference=CABLES,
         min_length=1,

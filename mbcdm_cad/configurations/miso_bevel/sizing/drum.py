@@ -11,7 +11,7 @@ from mbcdm_cad.checks.drum_sector import (
     SPIGOT_MM,
 )
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
-from mbcdm_cad.checks.terminals import LUG_SAFETY
+from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
 from mbcdm_cad.configurations.miso_bevel.checks.wraps import terminal_clears_guide
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
@@ -180,6 +180,9 @@ def _sector(given: BevelKnown) -> Found:
         driver: max(staggered, single) + SECTOR_MARGIN_DEG,
         "stop_slot": slot + stop,
     }
+    stated = [float(c["terminal_angle_deg"]) for c in given["cables"] if c.get("terminal_angle_deg") is not None]
+    if stated:
+        needs["terminal_angles"] = max(stated) + degrees(atan2(tip, radii[0])) + SECTOR_MARGIN_DEG
     if box is not None and box[0] < 2 * outer:
         # A sector wider than the target box would exceed it: the box takes precedence, and the checks show the effect.
         return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
@@ -188,7 +191,18 @@ def _sector(given: BevelKnown) -> Found:
     if not _travels(given, angle):
         # The outermost two terminals of a side are staggered too.
         angle = min(angle + rounded_up(degrees(atan2(tip, radii[0])), 0.5), WIDEST_DEG)
+    while stated and angle < WIDEST_DEG and not _reaches_stated(given, angle):
+        driver, angle = "terminal_angles", angle + 0.5
     return Found(angle, driver, "up to 0.5")
+
+
+def _reaches_stated(given: BevelKnown, angle_deg: float) -> bool:
+    """Whether the terminals whose angle is stated fit into a sector of this half angle, beside their neighbours."""
+    try:
+        trial = given.trial(**{**LATER, "drum__sector_half_angle_deg": angle_deg})
+        return terminal_angles(BevelUnderTest(trial)).holds
+    except NoFigureError:
+        return True
 
 
 def _travels(given: BevelKnown, angle_deg: float) -> bool:

@@ -30,7 +30,8 @@ class RoundDrumDesign(SpurBlocks):
         max_length=8,
     )
     cables: tuple[RoundDrumSide, ...] = choice(
-        "the two sides of each input's cable, or its two anchored cables; each may have a preload_N",
+        "the two sides of each input's cable, or its two anchored cables; each may have a preload_N "
+        "and a terminal_angle_deg",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,

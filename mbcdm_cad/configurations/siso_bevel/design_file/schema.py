@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from mbcdm_cad.configurations.siso_bevel.design_file.reference import CABLES, CHOSEN, ESTIMATE, INPUTS
-from mbcdm_cad.design.blocks import Cable, Design, Input, Length
+from mbcdm_cad.design.blocks import Design, Input, Length
 from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import SectorClearances, SectorDrum, SteppedPulleys
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorClearances, SectorDrum, SteppedPulleys
 
 
 class DirectTransmission(Block):
@@ -112,10 +112,10 @@ class ColumnSupport(Block):
     rib_mm: Number = quantity("side walls of the column", unit="mm", source=CHOSEN, reference=5.0, ge=0.3, le=50.0)
 
 
-class DirectCable(Cable):
+class DirectCable(SectorCable):
     """A cable from the input pulley to the drum."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N")
+    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N", "terminal_angle_deg")
 
     step: Integer = choice("step of input and drum, 1 the smaller", ge=1, le=2)
     drum_side: Literal["-x", "+x"] = choice("side of the drum, from the transfer point")
@@ -157,7 +157,7 @@ class DirectDesign(Design):
         "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
     )
     cables: tuple[DirectCable, ...] = choice(
-        "cables, each with its step and its side of the drum; each may have a preload_N",
+        "cables, each with its step and its side of the drum; each may have a preload_N and a terminal_angle_deg",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,

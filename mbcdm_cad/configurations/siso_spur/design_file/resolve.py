@@ -11,7 +11,7 @@ from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.design.lookup import Catalogue, copied
 from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
 from mbcdm_cad.parts.drum_sector.design import Clearances, WoundPulleySpec
-from mbcdm_cad.parts.drum_sector.resolve import sector_values
+from mbcdm_cad.parts.drum_sector.resolve import sector_values, terminal_angle_rad
 
 _SIGN = {"-x": -1, "+x": 1}
 # Step of a side, by the value of ``transmission.cables``. The side that runs to +x has the smaller y, of two anchored
@@ -61,6 +61,7 @@ def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldP
                     input_radius_mm=radius,
                     drum_radius_mm=transmission.drum_radius_mm,
                     preload_N=preload_N(design, cable),
+                    terminal_angle_rad=terminal_angle_rad(cable),
                     terminal_y_mm=0.0,
                 )
                 for cable in (design.cables[k] for k in places)

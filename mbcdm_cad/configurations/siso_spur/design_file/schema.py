@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from mbcdm_cad.configurations.siso_spur.design_file.reference import CABLES, ESTIMATE, INPUTS
-from mbcdm_cad.design.blocks import Cable, Design, Input, Length, Limits, Rope
+from mbcdm_cad.design.blocks import Design, Input, Length, Limits, Rope
 from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
-from mbcdm_cad.design.sector_blocks import SectorDrum, SteppedPulleys
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys
 
 
 class SpurTransmission(Block):
@@ -192,10 +192,10 @@ class SpurLimits(Limits):
     )
 
 
-class SpurSide(Cable):
+class SpurSide(SectorCable):
     """One side of the cable, or one of two anchored cables, from the input to the drum."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "drum_side", "preload_N")
+    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "drum_side", "preload_N", "terminal_angle_deg")
 
     drum_side: Literal["-x", "+x"] = choice("side of the drum, from the line of centres")
 
@@ -249,7 +249,7 @@ class SpurDesign(SpurBlocks):
     )
     cables: tuple[SpurSide, ...] = choice(
         "the two sides of the cable, or two anchored cables, and the side of the drum of each; each may have a "
-        "preload_N",
+        "preload_N and a terminal_angle_deg",
         source="Fig. 1",
         reference=CABLES,
         min_length=1,
