@@ -156,6 +156,8 @@ def _stated(drive: SectorDrive) -> bool:
 def terminal_angles(s: SectorUnderTest) -> Comparison:
     """Angles at which the file asks for terminals, against the furthest at which they are inside the sector."""
     asked = {c.name: c.terminal_angle_rad for c in s.drive.cables if c.terminal_angle_rad is not None}
+    if not asked:
+        return noted("no angle of a terminal is stated", 0.0, "")
     return worst(
         at_most(
             f"terminal of {name}, from the direction of {s.before_drum}",
