@@ -14,7 +14,6 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, polygon_gap
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.design.catalogue import package_entries
-from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.parts.terminal.dims import CHAMFER_MM, Tensioner
@@ -148,11 +147,6 @@ def lands_intact(s: SectorUnderTest) -> Comparison:
     return worst(found) if found else _ALONE
 
 
-def _stated(drive: SectorDrive) -> bool:
-    """Whether the file states the angle of any terminal."""
-    return any(c.terminal_angle_rad is not None for c in drive.cables)
-
-
 def terminal_angles(s: SectorUnderTest) -> Comparison:
     """Angles at which the file asks for terminals, against the furthest at which they are inside the sector."""
     asked = {c.name: c.terminal_angle_rad for c in s.drive.cables if c.terminal_angle_rad is not None}
@@ -250,7 +244,6 @@ CHECKS = (
         terminal_angles,
         adjust=(up("drum.sector_half_angle_deg"),),
         advice="state a smaller terminal_angle_deg for this cable, or leave it out",
-        applies=_stated,
     ),
     Check("lands_intact", "Lands and lugs stand on solid rim", "derived", lands_intact, adjust=_ROOM, advice=_SMALLER),
     Check(

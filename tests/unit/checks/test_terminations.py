@@ -8,7 +8,7 @@ import pytest
 from designs import reference
 
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.configurations.loader import load_text, new_design_text
 from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
@@ -31,7 +31,7 @@ def _with_rope(rope: str, termination: str = "") -> Drive:
 
 
 def _result(drive: Drive, check_id: str) -> CheckResult:
-    return run_check(next(c for c in CHECKS if c.id == check_id), BevelUnderTest(drive))
+    return next(r for r in run_all(CHECKS, BevelUnderTest(drive)) if r.id == check_id)
 
 
 @pytest.mark.parametrize("rope", ROPES)
