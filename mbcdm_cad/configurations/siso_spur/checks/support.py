@@ -25,6 +25,8 @@ def walls(s: SpurUnderTest) -> Comparison:
     found.append(at_least("wall of the motor head", head.outer_x - head.inner_x, limit, "mm"))
     found.append(at_least("encoder shelf under its bearing", f.seat_edge_z - f.shelf_bottom_z, limit, "mm"))
     found.append(at_least("encoder shelf beside its bearing", f.shelf_half_width - f.seat_radius, limit, "mm"))
+    heads = f.encoder_circle_radius + f.encoder_head_radius
+    found.append(at_least("encoder shelf beside the heads of its screws", f.shelf_half_width - heads, limit, "mm"))
     return worst(found)
 
 

@@ -180,7 +180,7 @@ def yoke(drive: SpurDrive, levels: SpurStack, head: Flange) -> YokeDims:
         boss=round_boss,
         axis_z=z,
         half_width=head.half_x,
-        shelf_half_width=encoder.diameter_mm / 2 + SHELF_MARGIN_MM,
+        shelf_half_width=max(encoder.diameter_mm / 2 + SHELF_MARGIN_MM, circle + head_radius + s.material.min_wall_mm),
         shelf_bottom_z=least_wall_z_mm(drive),
         bridge_bottom_z=bridge,
         top_z=bridge + s.bridge_mm,

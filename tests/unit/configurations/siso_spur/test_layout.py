@@ -208,3 +208,12 @@ def test_thicker_walls_turn_less(drive: SpurDrive) -> None:
     assert 30.0 < now < 50.0, f"{now} urad per N m"
     for walls in ({"plate_mm": 6.0}, {"bridge_mm": 5.0}, {"encoder_shelf_mm": 5.0}):
         assert windup(**walls) < now, walls
+
+
+def test_the_shelf_has_a_wall_beside_the_heads_of_the_encoder_screws(drive: SpurDrive) -> None:
+    """Of a material with thick walls, such as PLA, the shelf is wider than the encoder."""
+    for wall in (0.8, 1.2):
+        material = replace(drive.support.material, min_wall_mm=wall)
+        f = layout(replace(drive, support=replace(drive.support, material=material))).frame
+        beside = f.shelf_half_width - f.encoder_circle_radius - f.encoder_head_radius
+        assert beside >= wall - 1e-9, f"{beside} mm of {wall}"
