@@ -26,6 +26,9 @@ class Land:
 
 # The tool of a groove extends beyond the land by this share of its depth, so that no edge of it lies on the surface.
 _BEYOND_DEPTHS = 0.13
+# Longest piece of a groove that is one face, in turns; the second is tried if the first fails. Fewer and longer faces are
+# drawn faster, but a face of six turns takes the kernel up to a minute to test against the others.
+_PIECE_TURNS = (2.5, 1.0)
 # Allowed difference between the cut volume and that of the groove: more than rounding, less than a turn.
 _GROOVE_SHARE = 0.04
 
@@ -104,20 +107,20 @@ def _groove_tool(groove: Groove) -> cq.Solid:
 
 
 def _grooved(land: Land, dims: InputPulleyDims, name: str) -> cq.Solid:
-    """A land with its grooves: each is cut as a whole, or turn by turn if the kernel cuts a long one incompletely.
+    """A land with its grooves, each cut in short pieces, and in shorter ones if the kernel cuts those incompletely.
 
-    Raises ValueError if neither removes the volume that follows from the groove's cross section and length.
+    Raises ValueError if none of these removes the volume that follows from the groove's cross section and length.
     """
     body = cylinder_z(land.radius, 0, 0, land.bottom_z, land.top_z)
     for groove in dims.grooves:
         if not land.bottom_z <= (groove.start_z + groove.end_z) / 2 <= land.top_z:
             continue
         wanted = groove_mm3(groove)
-        for pieces in ([groove], list(_turns(groove))):
+        for turns in _PIECE_TURNS:
             left = body
-            # The kernel may also cut a long groove through the whole land.
+            # The kernel may also cut a groove through the whole land.
             with suppress(ValueError):
-                for piece in pieces:
+                for piece in _pieces(groove, turns):
                     left = cut(left, [_groove_tool(piece)], name)
             if abs(body.Volume() - left.Volume() - wanted) <= _GROOVE_SHARE * wanted:
                 body = left
@@ -127,9 +130,9 @@ def _grooved(land: Land, dims: InputPulleyDims, name: str) -> cq.Solid:
     return body
 
 
-def _turns(groove: Groove) -> Iterator[Groove]:
-    """The groove in pieces of no more than a turn."""
-    count = ceil(abs(groove.end_angle_rad - groove.start_angle_rad) / tau)
+def _pieces(groove: Groove, turns: float) -> Iterator[Groove]:
+    """The groove in equal pieces of no more than ``turns``."""
+    count = ceil(abs(groove.end_angle_rad - groove.start_angle_rad) / (tau * turns))
     angle, rise = (
         (end - start) / count
         for start, end in ((groove.start_angle_rad, groove.end_angle_rad), (groove.start_z, groove.end_z))
