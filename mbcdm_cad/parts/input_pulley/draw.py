@@ -26,8 +26,8 @@ class Land:
 
 # The tool of a groove extends beyond the land by this share of its depth, so that no edge of it lies on the surface.
 _BEYOND_DEPTHS = 0.13
-# Longest piece of a groove that is one face, in turns; the second is tried if the first fails. Fewer and longer faces are
-# drawn faster, but a face of six turns takes the kernel up to a minute to test against the others.
+# Longest piece of a groove that is one face, in turns; the second is tried if the first fails. Longer faces are drawn
+# faster, but a face of six turns takes the kernel up to a minute to test against the others.
 _PIECE_TURNS = (2.5, 1.0)
 # Allowed difference between the cut volume and that of the groove: more than rounding, less than a turn.
 _GROOVE_SHARE = 0.04
