@@ -16,7 +16,7 @@ from mbcdm_cad.parts.volume import groove_mm3
 
 
 @dataclass(frozen=True)
-class Land:
+class InputLand:
     """A cylinder that cables are wound on."""
 
     radius: float
@@ -59,13 +59,13 @@ def _above(d: InputPulleyDims) -> list[Point2]:
     ]
 
 
-def _lands(d: InputPulleyDims) -> list[Land]:
+def _lands(d: InputPulleyDims) -> list[InputLand]:
     """The two lands, or one where both have the same radius and a groove may run over both."""
     if d.lower_land_radius == d.upper_land_radius:
-        return [Land(d.lower_land_radius, d.land_bottom_z, d.land_top_z)]
+        return [InputLand(d.lower_land_radius, d.land_bottom_z, d.land_top_z)]
     return [
-        Land(d.lower_land_radius, d.land_bottom_z, d.wall_z),
-        Land(d.upper_land_radius, d.wall_z, d.land_top_z),
+        InputLand(d.lower_land_radius, d.land_bottom_z, d.wall_z),
+        InputLand(d.upper_land_radius, d.wall_z, d.land_top_z),
     ]
 
 
@@ -106,7 +106,7 @@ def _groove_tool(groove: Groove) -> cq.Solid:
     return one_solid(cq.Solid.sweep(profile, [], path, True, True, None, "right"), f"groove of {groove.cable_name}")
 
 
-def _grooved(land: Land, dims: InputPulleyDims, name: str) -> cq.Solid:
+def _grooved(land: InputLand, dims: InputPulleyDims, name: str) -> cq.Solid:
     """A land with its grooves, each cut in short pieces, and in shorter ones if the kernel cuts those incompletely.
 
     Raises ValueError if none of these removes the volume that follows from the groove's cross section and length.
