@@ -149,18 +149,17 @@ def lands_intact(s: SectorUnderTest) -> Comparison:
 
 def terminal_angles(s: SectorUnderTest) -> Comparison:
     """Angles at which the file asks for terminals, against the furthest at which they are inside the sector."""
-    asked = {c.name: c.terminal_angle_rad for c in s.drive.cables if c.terminal_angle_rad is not None}
-    if not asked:
-        return noted("no angle of a terminal is stated", 0.0, "")
-    return worst(
+    found = [
         at_most(
-            f"terminal of {name}, from the direction of {s.before_drum}",
-            degrees(angle),
-            degrees(next(t for t in s.terminals if t.cable_name == name).furthest_rad),
+            f"terminal of {c.name}, from the direction of {s.before_drum}",
+            degrees(c.terminal_angle_rad),
+            degrees(s.terminal_of(c).furthest_rad),
             "deg",
         )
-        for name, angle in asked.items()
-    )
+        for c in s.drive.cables
+        if c.terminal_angle_rad is not None
+    ]
+    return worst(found) if found else noted("no angle of a terminal is stated", 0.0, "")
 
 
 def outer_face(s: SectorUnderTest) -> Comparison:

@@ -72,8 +72,8 @@ def _lands(d: InputPulleyDims) -> list[InputLand]:
 def _body(d: InputPulleyDims) -> cq.Solid:
     """The pulley without bore, slit and slots.
 
-    Grooves are cut into the plain cylinder of their land, which is then joined to the rest: the kernel takes a quarter
-    of the time of a cut into the whole body, and that cut often fails.
+    Grooves are cut into the plain cylinder of their land, which is then joined to the rest: the kernel takes less
+    than half the time of a cut into the whole body, and that cut often fails.
     """
     name = f"input pulley {d.name}"
     lands = _lands(d)

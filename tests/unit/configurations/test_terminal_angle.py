@@ -21,10 +21,10 @@ LAYOUTS = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
 ASKED_DEG = {"mbcdm": 55.0, "siso_spur": 70.0, "miso_spur": 70.0, "siso_bevel": 55.0}
 
 
-def with_angle(name: str, angle_deg: float | None, index: int = 0) -> LoadedDesign:
+def with_angle(name: str, angle_deg: float | None) -> LoadedDesign:
     data = yaml.safe_load((PARAMS / f"{name}.yaml").read_text())
     if angle_deg is not None:
-        data["cables"][index]["terminal_angle_deg"] = angle_deg
+        data["cables"][0]["terminal_angle_deg"] = angle_deg
     return load_text(yaml.safe_dump(data, sort_keys=False))
 
 

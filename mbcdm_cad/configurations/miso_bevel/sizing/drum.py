@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import asin, atan2, degrees, hypot
 
+from mbcdm_cad.checks.comparison import Comparison
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.drum_sector import (
     HUB_DIAMETERS,
@@ -188,28 +190,19 @@ def _sector(given: BevelKnown) -> Found:
         return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
     driver = max(needs, key=lambda name: needs[name])
     angle = min(rounded_up(needs[driver], 0.5), WIDEST_DEG)
-    if not _travels(given, angle):
+    if not _holds(given, angle, wrap_left, terminal_clears_guide):
         # The outermost two terminals of a side are staggered too.
         angle = min(angle + rounded_up(degrees(atan2(tip, radii[0])), 0.5), WIDEST_DEG)
-    while stated and angle < WIDEST_DEG and not _reaches_stated(given, angle):
+    while stated and angle < WIDEST_DEG and not _holds(given, angle, terminal_angles):
         driver, angle = "terminal_angles", angle + 0.5
     return Found(angle, driver, "up to 0.5")
 
 
-def _reaches_stated(given: BevelKnown, angle_deg: float) -> bool:
-    """Whether the terminals whose angle is stated fit into a sector of this half angle, beside their neighbours."""
-    try:
-        trial = given.trial(**{**LATER, "drum__sector_half_angle_deg": angle_deg})
-        return terminal_angles(BevelUnderTest(trial)).holds
-    except NoFigureError:
-        return True
-
-
-def _travels(given: BevelKnown, angle_deg: float) -> bool:
-    """Whether a sector of this half angle leaves wrap at both ends of travel, its terminals clear of the guide."""
+def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelUnderTest], Comparison]) -> bool:
+    """Whether these checks hold with a sector of this half angle, or have no figure there."""
     try:
         trial = BevelUnderTest(given.trial(**{**LATER, "drum__sector_half_angle_deg": angle_deg}))
-        return wrap_left(trial).holds and terminal_clears_guide(trial).holds
+        return all(check(trial).holds for check in checks)
     except NoFigureError:
         return True
 
