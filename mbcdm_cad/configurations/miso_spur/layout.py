@@ -10,8 +10,7 @@ from mbcdm_cad.configurations.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.configurations.miso_spur.support.dims import StarDims
 from mbcdm_cad.configurations.siso_spur.layout import SpurLayout
 from mbcdm_cad.configurations.siso_spur.layout import layout as layout_of_one_input
-from mbcdm_cad.configurations.siso_spur.pulley import input_pulley
-from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
+from mbcdm_cad.configurations.siso_spur.stack import SpurStack
 from mbcdm_cad.configurations.siso_spur.support.dims import YokeDims
 from mbcdm_cad.parts.collar.dims import CollarDims
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
@@ -32,19 +31,34 @@ _FACE_DEG = (225.0, 315.0)
 class RoundDrumLayout:
     """Dimensions of every part of one design, mm, drum centred.
 
-    ``first``: those of the first input with its cable and sector, as a drive of siso_spur. ``drum`` is one sector; all
-    are equal. The face of the last one is the output.
+    ``first``: those of the first input with its cable and sector, as a drive of siso_spur. All sectors are equal; the
+    face of the last one is the output.
     """
 
     drive: RoundDrumDrive
     first: SpurLayout
-    drum: DrumDims
-    drum_shaft: DrumShaftDims
 
     @cached_property
     def units(self) -> tuple[SpurLayout, ...]:
         """Dimensions of each input, as of the first, turned so that it is above the drum; few checks need them."""
         return self.first, *(layout_of_one_input(self.drive.unit(k)) for k in range(1, self.drive.n_inputs))
+
+    @cached_property
+    def drum(self) -> DrumDims:
+        """One sector."""
+        return replace(self.first.drum, dowels=_dowels(self.first.drum, self.drive.n_inputs))
+
+    @cached_property
+    def drum_shaft(self) -> DrumShaftDims:
+        """Shaft of the drum. It ends in the last hub, whose set screws hold all of them."""
+        shaft, (near, far) = self.first.drum_shaft, SET_SCREW_ANGLES_DEG
+        last, turned = self.drive.levels_mm[-1], degrees(self.drive.angles_rad[-1])
+        return replace(
+            shaft,
+            y_end=shaft.y_end + last,
+            flat_y=shaft.flat_y + last,
+            flat_angles_deg=(near + turned, far + turned),
+        )
 
     @cached_property
     def star(self) -> StarDims:
@@ -63,12 +77,8 @@ class RoundDrumLayout:
 
     @cached_property
     def inputs(self) -> tuple[InputPulleyDims, ...]:
-        """The pulleys; each is longer by the distance of its cable from the first along the drum's axis.
-
-        Many checks need them, so that they do not wait for the other dimensions of the inputs after the first.
-        """
-        others = (self.drive.unit(k) for k in range(1, self.drive.n_inputs))
-        return *self.first.inputs, *(input_pulley(unit, spur_stack(unit)) for unit in others)
+        """The pulleys; each is longer by the distance of its cable from the first along the drum's axis."""
+        return tuple(unit.inputs[0] for unit in self.units)
 
     @property
     def collar(self) -> CollarDims:
@@ -123,19 +133,5 @@ def _dowels(sector: DrumDims, n_inputs: int) -> HubDowels:
 
 
 def layout(drive: RoundDrumDrive) -> RoundDrumLayout:
-    """Compute all dimensions. Raises ValueError only if no geometry exists (pulleys that overlap)."""
-    first = layout_of_one_input(drive.unit(0))
-    last, turned = drive.levels_mm[-1], degrees(drive.angles_rad[-1])
-    near, far = SET_SCREW_ANGLES_DEG
-    return RoundDrumLayout(
-        drive=drive,
-        first=first,
-        drum=replace(first.drum, dowels=_dowels(first.drum, drive.n_inputs)),
-        # It ends in the last hub, whose set screws hold all of them.
-        drum_shaft=replace(
-            first.drum_shaft,
-            y_end=first.drum_shaft.y_end + last,
-            flat_y=first.drum_shaft.flat_y + last,
-            flat_angles_deg=(near + turned, far + turned),
-        ),
-    )
+    """The dimensions of a drive. Raises ValueError only if no geometry exists (pulleys that overlap)."""
+    return RoundDrumLayout(drive, layout_of_one_input(drive.unit(0)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from mbcdm_cad.configurations.siso_bevel.cable_path import cable_path, longest_mm
 from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
@@ -21,17 +22,36 @@ from mbcdm_cad.routes.cable_path import CablePath
 
 @dataclass(frozen=True)
 class DirectLayout:
-    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along -Z."""
+    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along -Z.
+
+    Parts that exist for every drive are computed on first use: most trials of sizing need a few of them only.
+    """
 
     drive: DirectDrive
     levels: DirectStack
     drum: DrumDims
     drum_shaft: DrumShaftDims
-    preload_spring: PreloadSpringDims
-    inputs: tuple[InputPulleyDims, ...]
-    collar: CollarDims
     frame: ColumnDims
-    head: HeadDims
+
+    @cached_property
+    def preload_spring(self) -> PreloadSpringDims:
+        """Wave spring of the drum's bearings."""
+        return preload_spring(self.drive, self.drum_shaft)
+
+    @cached_property
+    def inputs(self) -> tuple[InputPulleyDims, ...]:
+        """The one input pulley."""
+        return (input_pulley(self.drive, self.levels),)
+
+    @cached_property
+    def collar(self) -> CollarDims:
+        """Clamp collar of the pulley."""
+        return collar(self.drive, *self.drive.collar_seat, self.levels.motor_shelf_top_z)
+
+    @cached_property
+    def head(self) -> HeadDims:
+        """Motor head."""
+        return head(self.drive, self.levels, flange(self.levels))
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
@@ -43,19 +63,11 @@ class DirectLayout:
 
 
 def layout(drive: DirectDrive) -> DirectLayout:
-    """Compute all dimensions. Raises ValueError only if no geometry exists (a pulley too small for a stop)."""
-    levels = direct_stack(drive)
-    frame, shaft = column(drive, levels), drum_shaft(drive, levels)
+    """The dimensions of a drive. Raises ValueError only if no geometry exists (a pulley too small for a stop)."""
+    # First, because it fails if the pulley is too small.
     furthest = furthest_anchor_rad(drive)
     way = terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
-    return DirectLayout(
-        drive=drive,
-        levels=levels,
-        drum=drum(drive, levels, frame.stop_pin_z, way),
-        drum_shaft=shaft,
-        preload_spring=preload_spring(drive, shaft),
-        inputs=(input_pulley(drive, levels),),
-        collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
-        frame=frame,
-        head=head(drive, levels, flange(levels)),
-    )
+    levels = direct_stack(drive)
+    shaft = drum_shaft(drive, levels)
+    frame = column(drive, levels, shaft)
+    return DirectLayout(drive, levels, drum(drive, levels, frame.stop_pin_z, way), shaft, frame)

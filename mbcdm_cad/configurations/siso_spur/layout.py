@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from mbcdm_cad.configurations.siso_spur.cable_path import cable_paths, longest_mm
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, laid
@@ -11,10 +12,10 @@ from mbcdm_cad.configurations.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.configurations.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import drum, drum_shaft, furthest_anchor_rad, preload_spring
+from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, drum_shaft, furthest_anchor_rad, preload_spring
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
-from mbcdm_cad.parts.motor_head.dims import HeadDims, head
+from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -23,18 +24,56 @@ from mbcdm_cad.routes.cable_path import CablePath
 class SpurLayout:
     """Dimensions of every part of one design, mm, drum centred; heights of pulley and collar are along +Y.
 
-    The drum is that of a cable at level 0, for any ``level_mm`` of the drive.
+    Each is computed on first use: most trials of sizing need a few parts only. ``terminal_way``: take-up of the
+    terminals. The drum is that of a cable at level 0, for any ``level_mm`` of the drive.
     """
 
     drive: SpurDrive
-    levels: SpurStack
-    drum: DrumDims
-    drum_shaft: DrumShaftDims
-    preload_spring: PreloadSpringDims
-    inputs: tuple[InputPulleyDims, ...]
-    collar: CollarDims
-    frame: YokeDims
-    head: HeadDims
+    terminal_way: TerminalWay
+
+    @cached_property
+    def levels(self) -> SpurStack:
+        """Levels along Y."""
+        return spur_stack(self.drive)
+
+    @cached_property
+    def drum(self) -> DrumDims:
+        """Drum sector."""
+        return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
+
+    @cached_property
+    def drum_shaft(self) -> DrumShaftDims:
+        """Shaft of the drum."""
+        return drum_shaft(self.drive, self.levels)
+
+    @cached_property
+    def preload_spring(self) -> PreloadSpringDims:
+        """Wave spring of the drum's bearings."""
+        return preload_spring(self.drive, self.drum_shaft)
+
+    @cached_property
+    def inputs(self) -> tuple[InputPulleyDims, ...]:
+        """The one input pulley."""
+        return (input_pulley(self.drive, self.levels),)
+
+    @cached_property
+    def collar(self) -> CollarDims:
+        """Clamp collar of the pulley."""
+        return collar(self.drive, *self.drive.collar_seat, self.levels.motor_shelf_top_z)
+
+    @cached_property
+    def frame(self) -> YokeDims:
+        """The frame."""
+        return yoke(self.drive, self.levels, self.drum_shaft, self._flange)
+
+    @cached_property
+    def head(self) -> HeadDims:
+        """Motor head."""
+        return head(self.drive, self.levels, self._flange)
+
+    @cached_property
+    def _flange(self) -> Flange:
+        return flange(self.drive)
 
     @property
     def anchors(self) -> dict[str, tuple[float, float]]:
@@ -47,29 +86,15 @@ class SpurLayout:
 
 
 def layout(drive: SpurDrive) -> SpurLayout:
-    """Compute all dimensions. Raises ValueError only if no geometry exists (pulleys that overlap)."""
+    """The dimensions of a drive. Raises ValueError only if no geometry exists (pulleys that overlap)."""
     if drive.free_span_mm <= 0.0:
         reach = drive.drum_radius_mm + drive.input_radius_mm
         raise ValueError(
             f"centre distance {drive.centre_distance_mm:g} mm does not exceed r_o + r_i = {reach:.4g} mm; raise "
             "transmission.centre_distance_mm"
         )
-    levels = spur_stack(drive)
-    shaft, head_flange = drum_shaft(drive, levels), flange(drive)
-    frame = yoke(drive, levels, head_flange)
-    furthest = furthest_anchor_rad(drive)
-    way = terminal_travel_mm(drive, {c.name: longest_mm(drive, furthest) for c in drive.cables})
-    return SpurLayout(
-        drive=drive,
-        levels=levels,
-        drum=drum(_at_level_0(drive), levels, frame.stop_pin_z, way),
-        drum_shaft=shaft,
-        preload_spring=preload_spring(drive, shaft),
-        inputs=(input_pulley(drive, levels),),
-        collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
-        frame=frame,
-        head=head(drive, levels, head_flange),
-    )
+    longest = longest_mm(drive, furthest_anchor_rad(drive))
+    return SpurLayout(drive, terminal_travel_mm(drive, {c.name: longest for c in drive.cables}))
 
 
 def _at_level_0(drive: SpurDrive) -> SpurDrive:

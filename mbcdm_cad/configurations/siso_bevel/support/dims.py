@@ -24,7 +24,7 @@ from mbcdm_cad.configurations.siso_bevel.drive import DirectDrive
 from mbcdm_cad.configurations.siso_bevel.stack import DirectStack, pocket_corner_radius_mm
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.boss.dims import BossDims, boss
-from mbcdm_cad.parts.drum_sector.sizes import drum_shaft
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import DOWEL_MM, Flange, dowel_length_mm
 from mbcdm_cad.parts.motor_head.dims import flange_screw as screw_of_flange
 
@@ -109,9 +109,9 @@ def flange(levels: DirectStack) -> Flange:
     )
 
 
-def column(drive: DirectDrive, levels: DirectStack) -> ColumnDims:
+def column(drive: DirectDrive, levels: DirectStack, shaft: DrumShaftDims) -> ColumnDims:
     """Dimensions of the frame."""
-    round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
+    round_boss = boss(drive, shaft, levels.back_y, levels.boss_front_y)
     encoder, upper = drive.encoder, drive.bearings.input_upper
     encoder_screw, flange_screw = drive.screw(encoder.screw), screw_of_flange(drive)
     insert = drive.insert(drive.support.material, flange_screw.thread_mm)

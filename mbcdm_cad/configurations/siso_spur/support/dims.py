@@ -23,7 +23,8 @@ from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, groove_depth_mm
 from mbcdm_cad.configurations.siso_spur.stack import SpurStack, least_wall_z_mm
 from mbcdm_cad.design.bought import InsertSpec, Screw
 from mbcdm_cad.parts.boss.dims import BossDims, boss
-from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM, drum_shaft
+from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
 from mbcdm_cad.parts.motor_head.dims import (
     DOWEL_MM,
     Flange,
@@ -157,11 +158,11 @@ def _stop_pin_z_mm(drive: SpurDrive, boss_radius_mm: float) -> float:
     return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside / STOP_STEP_MM) * STOP_STEP_MM)
 
 
-def yoke(drive: SpurDrive, levels: SpurStack, head: Flange) -> YokeDims:
+def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange) -> YokeDims:
     """Dimensions of the frame; ``head``: the flange of the motor head."""
     s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
     encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
-    round_boss = boss(drive, drum_shaft(drive, levels), levels.back_y, levels.boss_front_y)
+    round_boss = boss(drive, shaft, levels.back_y, levels.boss_front_y)
     z = drive.centre_distance_mm
     circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
     bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
