@@ -5,7 +5,6 @@ A broken rule is bad input. Clearances, strength and travel are judged by the ch
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -198,9 +197,8 @@ def _own_entries(design: Design) -> Iterator[Broken]:
 
 def unique(block: str, name: str, values: Sequence[str] | Sequence[int]) -> Iterator[Broken]:
     """The rule that ``values`` of the field ``name`` in a list of blocks are unique."""
-    counts = Counter(values)
     for k, value in enumerate(values):
-        if counts[value] > 1 and value in values[:k]:
+        if value in values[:k]:
             yield Broken(
                 (block, k, name),
                 "used twice",

@@ -43,7 +43,7 @@ class RoundDrumUnderTest(SpurUnderTest):
         """See the base class."""
         if self._given is not None:
             return self.layout.units[index].levels
-        return spur_stack(self.drive.unit(index))
+        return self.once(f"levels_{index}", lambda s: spur_stack(s.drive.unit(index)))
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length that each terminal tensions, mm: half of its cable."""

@@ -11,8 +11,10 @@ from functools import cached_property
 from math import tau
 
 from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
-from mbcdm_cad.configurations.siso_spur.stack import spur_stack
+from mbcdm_cad.configurations.siso_spur.stack import boss_front_y_mm
 from mbcdm_cad.design.drive import Drive
+
+_FIELDS = tuple(field.name for field in fields(SpurDrive))
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,7 @@ class RoundDrumDrive(SpurDrive):
     @cached_property
     def pitch_mm(self) -> float:
         """Distance between sectors along the axis, hub on hub."""
-        levels = spur_stack(self)
-        return levels.hub_face_y - levels.boss_front_y
+        return self.drum.hub_face_y_mm - boss_front_y_mm(self)
 
     @property
     def levels_mm(self) -> tuple[float, ...]:
@@ -51,7 +52,7 @@ class RoundDrumDrive(SpurDrive):
         return self._units[index]
 
     def _made_unit(self, index: int) -> SpurDrive:
-        own = {field.name: getattr(self, field.name) for field in fields(SpurDrive)}
+        own = {name: getattr(self, name) for name in _FIELDS}
         places = [j for j, cable in enumerate(self.cables) if cable.input_name == self.input_names[index]]
         cables = [self.cables[j] for j in places]
 
@@ -64,7 +65,7 @@ class RoundDrumDrive(SpurDrive):
             input_radius_mm=of(self.sigmas.input_radius_mm),
             drum_radius_mm=of(self.sigmas.drum_radius_mm),
         )
-        level = self.levels_mm[index]
+        level = index * self.pitch_mm
         return SpurDrive(
             **own
             | {

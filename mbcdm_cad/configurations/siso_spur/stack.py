@@ -55,12 +55,22 @@ def reach_mm(drive: SpurDrive) -> float:
     return drive.leave_mm + drive.walk_mm / 2 + run_out_mm(drive)
 
 
+def drum_inner_y_mm(drive: SpurDrive) -> float:
+    """Inner face of the drum's rim along y."""
+    return -drive.on_drum_mm - drive.cable.diameter_mm / 2 - drive.clearances.land_edge_mm
+
+
+def boss_front_y_mm(drive: SpurDrive) -> float:
+    """Front of the drum's boss along y, on which the hub stands."""
+    return drum_inner_y_mm(drive) - 3 * drive.clearances.running_mm
+
+
 def spur_stack(drive: SpurDrive) -> SpurStack:
     """Compute the levels of a design, without validation: the checks find levels that are impossible."""
-    flank, running, s = drive.cable.diameter_mm / 2, drive.clearances.running_mm, drive.support
+    running, s = drive.clearances.running_mm, drive.support
     land = reach_mm(drive) + (helix_stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
     plane = abs(drive.terminal_mm)
-    drum_inner = -drive.on_drum_mm - flank - drive.clearances.land_edge_mm
+    drum_inner = drum_inner_y_mm(drive)
     front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land) - running
     plate_back = front - s.plate_mm
     bearing_bottom = plate_back - s.bearing_shelf_mm
@@ -86,7 +96,7 @@ def spur_stack(drive: SpurDrive) -> SpurStack:
         drum_inner_y=drum_inner,
         drum_outer_y=drive.drum.outer_face_y_mm,
         hub_face_y=drive.drum.hub_face_y_mm,
-        boss_front_y=drum_inner - 3 * running,
+        boss_front_y=boss_front_y_mm(drive),
     )
 
 
