@@ -152,11 +152,14 @@ class TrialKnown(RopeKnown):
         """
         return self.drives.under_test(self._whole(field, value))
 
-    def margins(self, field: str, value: Any, checks: Iterable[str]) -> dict[str, Margin]:
-        """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there."""
+    def margins(self, field: str, value: Any, checks: Iterable[str], to_first_miss: bool = False) -> dict[str, Margin]:
+        """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there.
+
+        ``to_first_miss``: see :meth:`~mbcdm_cad.configurations.trial_drives.TrialDrives.margins`.
+        """
         for name in self.asked:
             self.get(name)
-        return self.drives.margins(self._whole(field, value), checks, self.checks())
+        return self.drives.margins(self._whole(field, value), checks, self.checks(), to_first_miss)
 
     def _whole(self, field: str, value: Any) -> dict[str, Any]:
         """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
@@ -220,24 +223,33 @@ class TrialKnown(RopeKnown):
         If there is none, checks that hold with no candidate are left out; if still none fits, the one that misses
         least. Raises ``ValueError`` if there is no candidate.
         """
-        driver, tried, checks = "", [], (*checks, *self.own_checks.get(field, ()))
+        checks, missed = (*checks, *self.own_checks.get(field, ())), list[Any]()
         for value in candidates:
-            margins = self.margins(field, value, checks)
-            tried.append((value, margins))
-            if len(tried) == _MOST_IDLE and all(_worst_margin(trial) == _best_margin(trial) == -inf for trial in tried):
+            margins = self.margins(field, value, checks, to_first_miss=True)
+            if _worst_margin((value, margins)) >= 0.0:
+                return Found(value, self._driver(field, missed[-1], checks) if missed else "", "first that does")
+            missed.append(value)
+            if len(missed) == _MOST_IDLE and not any(self._has_figure(field, each, checks) for each in missed):
                 break  # no candidate gives a figure for any check: another field is missing
-            worst = min(margins, key=lambda check: margins[check][0])
-            if margins[worst][0] >= 0.0:
-                return Found(value, driver, "first that does")
-            driver = worst
-        if not tried:
+        if not missed:
             raise ValueError("the catalogue has no entry that fits")
+        tried = [(value, self.margins(field, value, checks)) for value in missed]
+        driver = self._driver(field, missed[-1], checks)
         within = _within_reach(checks, tried)
         for value, margins in tried if within else ():
             if all(margins[name][0] >= 0.0 for name in within):
                 return Found(value, driver, "first that does; no candidate meets " + _others(checks, within))
         nearest, margins = max(tried, key=_worst_margin)
         return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no candidate does: the nearest")
+
+    def _driver(self, field: str, value: Any, checks: Iterable[str]) -> str:
+        """The check that ``value`` misses most."""
+        margins = self.margins(field, value, checks)
+        return min(margins, key=lambda name: margins[name][0])
+
+    def _has_figure(self, field: str, value: Any, checks: Iterable[str]) -> bool:
+        """Whether any of the checks has a figure with ``field`` at ``value``."""
+        return any(self.margins(field, value, (name,))[name][0] > -inf for name in checks)
 
 
 def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, ...]:
@@ -262,10 +274,6 @@ def _worst_margin(trial: Trial) -> float:
 
 def _missed(margins: Mapping[str, Margin]) -> dict[str, Margin]:
     return {name: margin for name, margin in margins.items() if margin[0] < 0.0}
-
-
-def _best_margin(trial: Trial) -> float:
-    return max(margin for margin, _ in trial[1].values())
 
 
 def _down(value: float, step: float) -> float:

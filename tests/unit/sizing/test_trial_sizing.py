@@ -13,7 +13,9 @@ from mbcdm_cad.configurations.siso_bevel.sizing.known import DirectKnown
 class Margins(DirectKnown):
     """Margins of a field by formula: ``near`` from 3 mm on, ``far`` from 5, ``never`` at no value."""
 
-    def margins(self, field: str, value: Any, checks: Iterable[str]) -> dict[str, tuple[float, str]]:
+    def margins(
+        self, field: str, value: Any, checks: Iterable[str], to_first_miss: bool = False
+    ) -> dict[str, tuple[float, str]]:
         known = {"near": value - 3.0, "far": value - 5.0, "never": -20.0 - value, "below": 4.0 - value}
         return {name: (known[name], "mm") for name in checks}
 
