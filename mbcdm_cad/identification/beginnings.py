@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.evidence import supported
 from mbcdm_cad.identification.fit import Fit, Fitter
 
 if TYPE_CHECKING:
@@ -23,10 +24,6 @@ WIDTHS = (0.15, 0.4)
 # Of fits whose mean squares differ by less than this share, the one with the smallest plays is taken: where a pulley
 # does not reach the far face of its play, any larger play fits as well.
 AS_GOOD = 0.01
-# Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
-# nothing above the noise. Each of two plays must reach it, because the test by sweeps and sectors cannot support a play
-# whose far face the pulley does not reach: its size has no slope.
-MUCH = 1.25
 
 
 def with_both_plays(search: Search, now: Fit) -> Fit:
@@ -34,12 +31,11 @@ def with_both_plays(search: Search, now: Fit) -> Fit:
     found = _both_plays(search)
     if found is None or any(map(search.impossible, found.effects, found.values)):
         return now
-    left = search.noise_left(found).total_rad
-    floor = min(search.floor_rad, left)
-    rms = search.held_rms(found)
     for effect in found.effects:
-        fall = search.held_rms(search.without(found, effect)) ** 2 - rms**2
-        if fall < (MUCH * floor) ** 2:
+        less = search.without(found, effect)
+        if not (search.enough(less, found) or search.enough_beside(less, found)):
+            return now
+        if not supported(search.fitter, less, found.with_last(effect), len(search.library)):
             return now
     fewer = len(found.effects) < len(now.effects) and not search.enough(found, now)
     if not (fewer or search.enough(now, found) or search.enough_beside(now, found)):

@@ -197,10 +197,15 @@ def separation(
     sizes = float(np.linalg.norm(first) * np.linalg.norm(second))
     if square <= 1e-12 * sizes:
         return Separation(0.5, np.inf)
-    noise = clustered_deviation(difference * residual, sweep, sector)
-    if noise == 0.0:
-        return Separation(0.0, 0.0)
-    reach = square / (2.0 * noise)
+    return separated(square, clustered_deviation(difference * residual, sweep, sector))
+
+
+def separated(square: float, deviation: float) -> Separation:
+    """Separation of two predictions whose difference d has the sum of squares ``square`` (rad^2), where the noise along
+    it, d . r, has this standard ``deviation`` (rad^2)."""
+    if deviation == 0.0:
+        return Separation(0.5, np.inf) if square == 0.0 else Separation(0.0, 0.0)
+    reach = square / (2.0 * deviation)
     return Separation(float(norm.sf(reach)), float(norm.isf(TOLD_APART) / reach))
 
 

@@ -15,6 +15,7 @@ from mbcdm_cad.identification.correction import correction_of
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.located import located
 from mbcdm_cad.identification.noise import doubt_of, runs_of
 from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.result import Evidence, Helpful, LoopResult, Named
@@ -71,7 +72,8 @@ class _Loop:
         judged, bare = fit, self.bare
         if self.whole is not self.fitter:
             bare = self.whole.fit(offsets=self.bare.offsets)
-            judged = self._located(fit)
+            # A single event may lie in a part that the search did not use.
+            judged = located(self.whole, fit) or self.whole.fit(fit.effects, fit.values, fit.offsets)
             unknown = unknown or self.judge.left(judged, self.whole)
         whole = self.whole.fit(
             judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
@@ -111,19 +113,6 @@ class _Loop:
             ),
             partial(correction_of, self.whole, judged, self.search.floor_rad),
         )
-
-    def _located(self, fit: Fit) -> Fit:
-        """The search's fit on the whole runs; a single event may lie in a part that the search did not use."""
-        values = list(fit.values)
-        for k, effect in enumerate(fit.effects):
-            if not effect.once:
-                continue
-            rest = [j for j in range(len(values)) if j != k]
-            less = self.whole.fit([fit.effects[j] for j in rest], [values[j] for j in rest], fit.offsets, fresh=False)
-            guess = np.array(effect.first_guesses(self.whole.base[0], less.residual[self.whole.parts[0]])[0])
-            values[k] = np.where(guess != 0.0, guess, values[k])
-        found = self.whole.tried(fit.effects, values, fit.offsets)
-        return found or self.whole.fit(fit.effects, fit.values, fit.offsets)
 
     def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
         """An effect with its figures from all data and the fall of the held-out error that it causes."""

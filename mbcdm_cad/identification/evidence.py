@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from mbcdm_cad.identification.clusters import cluster_estimate
+from mbcdm_cad.identification.clusters import cluster_estimate, clustered_deviation, separated
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.lines import line_of
+from mbcdm_cad.identification.noise import noise_of
 from mbcdm_cad.identification.prepared import SECTORS
 from mbcdm_cad.routes import Floats
 
@@ -42,9 +43,28 @@ def chance(fitter: Fitter, fit: Fit) -> float:
     return replace(found, freedom=max(found.freedom, SECTORS - 1)).probability(tested)
 
 
+def chance_without_slope(fitter: Fitter, less: Fit, fit: Fit) -> float:
+    """Probability that noise makes ``fit`` differ so from ``less``, the fit without one effect.
+
+    For an effect whose size has no slope: a pulley that does not reach the far face of its play fits equally well with
+    any larger play. So the change of the prediction is tested, against the noise that the effect leaves: white and
+    coloured noise along that change, and what whole sweeps and sectors show if that is more.
+    """
+    used = fitter.used
+    change = (less.residual - fit.residual)[used]
+    square = float(change @ change)
+    noise = noise_of(fitter.base, [fit.residual[part] for part in fitter.parts])
+    samples = 1.0 + 2.0 * noise.memory_s / min(p.step_s for p in fitter.runs)
+    along = np.sqrt(square * (noise.white_rad**2 + samples * noise.coloured_rad**2))
+    clusters = clustered_deviation(change * fit.residual[used], fitter.sweep[used], fitter.sector[used])
+    return separated(square, max(float(along), clusters)).probability
+
+
 def supported(fitter: Fitter, less: Fit, fit: Fit, candidates: int) -> bool:
     """Whether sweeps and sectors support the last effect of ``fit`` (``less``: without it), one of so many
     candidates."""
+    if fit.effects[-1].saturates:
+        return chance_without_slope(fitter, less, fit) <= ALPHA / max(candidates, 1)
     order = fit.effects[-1].order_index
     if order is not None and not is_line(fitter, less, float(fit.values[-1][order])):
         return False

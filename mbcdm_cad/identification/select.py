@@ -15,10 +15,11 @@ from queue import Queue
 
 import numpy as np
 
-from mbcdm_cad.identification.beginnings import MUCH, with_both_plays
+from mbcdm_cad.identification.beginnings import with_both_plays
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.evidence import supported
 from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.located import located
 from mbcdm_cad.identification.noise import Noise, noise_of
 from mbcdm_cad.identification.screening import Screened, Screening
 from mbcdm_cad.model.errors import ModelError
@@ -40,6 +41,9 @@ PROMISED_SHARE = 0.25
 MOST_FIRST = 3
 # Largest error beyond the floor that such a pair may leave, over the error that it explains.
 MOST_LEFT = 0.1
+# Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
+# nothing above the noise.
+MUCH = 1.25
 # An effect reduces noise, and does not only fit it, if at most this share of the noise is left.
 QUIETER = 0.9
 MOST_THREADS = 4
@@ -404,7 +408,11 @@ class Search:
         self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))
 
     def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
-        """Fits in which an effect of another name replaces ``effect``, best first."""
+        """Fits in which another effect, or another form of it, replaces ``effect``, best first."""
         less = self.without(fit, effect)
         found = self.refits(less, self.close(less, 0.5, effect.name), 0.5)
-        return [one for one in found if one.effects[-1].key != effect.key]
+        others = [one for one in found if one.effects[-1] is not effect]
+        if not any(one.once for one in less.effects):
+            return others
+        again = [min(filter(None, (one, located(self.fitter, one))), key=lambda fit: fit.square) for one in others]
+        return sorted(again, key=lambda one: one.square)

@@ -78,7 +78,7 @@ def _cut(sweep: NDArray[np.int64], load_Nm: Floats | None, stride: int, most: in
     count = int(np.clip(most * stride / (LEAST_SWEEPS * n / (turns.size + 1)), 1, stretches))
     length = most * stride // count
     # The first stretch begins with the run, the last ends with it; all others begin at a reversal of the drive.
-    begins = np.linspace(0, n - length, count).astype(np.int64)
+    begins = _with_extremes(np.linspace(0, n - length, count).astype(np.int64), length, turns, load_Nm)
     if turns.size:
         begins[1:] = turns[np.minimum(np.searchsorted(turns, begins[1:]), turns.size - 1)]
     pieces, leads, unknown, end = [], [], [], 0
@@ -93,6 +93,28 @@ def _cut(sweep: NDArray[np.int64], load_Nm: Floats | None, stride: int, most: in
         unknown += [np.ones(before.size, dtype=np.bool_), first]
     starts = np.cumsum([0, *(piece.size for piece in pieces[:-1])])[1::2]
     return Cut(np.concatenate(pieces), stride, starts, np.concatenate(leads), np.concatenate(unknown))
+
+
+def _with_extremes(
+    begins: NDArray[np.int64], length: int, turns: NDArray[np.int64], load_Nm: Floats | None
+) -> NDArray[np.int64]:
+    """``begins`` after a stretch was moved to each extreme of the load that no stretch has: play may be crossed only
+    there.
+
+    The first and the last stretch stay. The half sweep of the extreme is the second of its stretch, because the first
+    is discarded.
+    """
+    if load_Nm is None:
+        return begins
+    found, free = begins.copy(), list(range(1, begins.size - 1))
+    for extreme in (int(load_Nm.argmin()), int(load_Nm.argmax())):
+        if not free or np.any((found <= extreme) & (extreme < found + length)):
+            continue
+        nearest = min(free, key=lambda k: abs(int(found[k]) - extreme))
+        free.remove(nearest)
+        before = turns[turns <= extreme]
+        found[nearest] = before[-2] if before.size > 1 else max(0, extreme - length // 2)
+    return np.sort(found)
 
 
 def _turning_points(sweep: NDArray[np.int64], load_Nm: Floats | None, begin: int, end: int) -> NDArray[np.int64]:

@@ -17,6 +17,7 @@ from scipy.stats import t as t_distribution
 from mbcdm_cad.identification.account import INTERVAL
 from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
 from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.evidence import chance_without_slope
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.generic import regressors
 from mbcdm_cad.identification.select import LEAST_FALL, Search
@@ -31,7 +32,11 @@ from mbcdm_cad.routes import Floats
 ALIKE_ERRORS = 2.0
 ALIKE_SHARE = 0.12
 # An effect is not named if the unexplained error is at least this share of the error that the effect explains.
-BLAME_SHARE = 0.35
+BLAME_SHARE = 0.25
+# Fits whose mean squares differ by a smaller share are the same: the fits end within this of their least.
+SAME_FIT = 1e-4
+# Effects or forms that are exchanged after the search.
+MOST_EXCHANGES = 6
 # The intervals include smoothing windows found with the noise assumed so many times as large.
 WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
@@ -101,10 +106,15 @@ class Judge:
     def _settled(self) -> tuple[Fit, tuple[Group, ...]]:
         """The search's fit after each effect was compared with its alternatives."""
         fit = self.search.forward()
-        for _ in range(4):
+        for _ in range(MOST_EXCHANGES):
             groups, better = [], None
             for effect in fit.effects:
-                others = self.search.alternatives(fit, effect)
+                every = self.search.alternatives(fit, effect)
+                # The search chose the form of an effect before it knew the effects that it accepted later.
+                better = next((o for o in every if self._in_better_form(o, fit, effect)), None)
+                if better is not None:
+                    break
+                others = [o for o in every if o.effects[-1].key != effect.key]
                 if others and others[0].square < fit.square and not self._alike(fit, others[0]):
                     better = others[0]
                     break
@@ -116,8 +126,16 @@ class Judge:
                 groups.append(Group(effect, self._by_name(alike, effect)))
             if better is None:
                 return fit, tuple(groups)
-            fit = better
+            # Beside another effect the search may accept one that it withdrew before.
+            fit = self.search.taken(better) if self.search.too_much(better) else better
         return fit, tuple(groups)
+
+    def _in_better_form(self, other: Fit, fit: Fit, effect: Effect) -> bool:
+        """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better."""
+        last = other.effects[-1]
+        if last.key != effect.key or effect.inside or other.square >= (1.0 - SAME_FIT) * fit.square:
+            return False
+        return not self.search.impossible(last, other.values[-1])
 
     @staticmethod
     def _by_name(fits: Sequence[Fit], effect: Effect) -> tuple[Fit, ...]:
@@ -253,9 +271,8 @@ class Judge:
                 strength = float(values @ np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True) @ values)
                 chance = float(chi2.sf(strength, len(sizes)))
                 if group.effect.saturates:
-                    # The size of a play whose far face is not reached has no slope and so no scatter; there the half
-                    # sweeps that were held back tell whether there is a play.
-                    chance = min(chance, 1.0 / (1.0 + self._odds(self.search.without(fit, group.effect), fit)))
+                    without = self.search.without(fit, group.effect)
+                    chance = min(chance, chance_without_slope(self.fitter, without, fit))
                 chances.append(chance)
             worst = int(np.argmax(chances))
             if chances[worst] <= ZERO_CHANCE:

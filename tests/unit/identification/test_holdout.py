@@ -31,6 +31,20 @@ def test_loads_and_directions_are_those_of_the_whole(rhythm: int, count: int) ->
     )
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_loads_that_change_within_half_sweeps_are_all_held_back(seed: int) -> None:
+    """The loads jump at random times: half sweeps with the same mean load have different loads."""
+    rng = np.random.default_rng(seed)
+    sweep, output, _ = sweeps([0.0], 20)
+    jumps = np.sort(rng.choice(np.arange(1, sweep.size), 30, replace=False))
+    load = rng.uniform(-1.0, 1.0, 31)[np.searchsorted(jumps, np.arange(sweep.size), side="right")]
+    held = np.isin(sweep, held_sweeps(sweep, output, load))
+    edges = np.linspace(load.min(), load.max(), 5)
+    whole, there = (np.histogram(part, edges)[0] / part.size for part in (load, load[held]))
+    assert 0.15 <= held.mean() <= 0.35, held.mean()
+    assert np.abs(whole - there).sum() / 2 < 0.22, f"shares of four bins of the load: all {whole}, held back {there}"
+
+
 def test_few_or_unused_sweeps() -> None:
     sweep, output, load = sweeps([1.0], 3)
     assert held_sweeps(sweep, output, load).size == 1

@@ -62,6 +62,18 @@ def test_cuts_cover_the_run_in_order_and_keep_whole_half_sweeps(half_sweep: int,
     check(whole_cut(sweep, load, STEP_S), 250_000)
 
 
+@pytest.mark.parametrize("lowest", range(3, 57, 6))
+def test_the_extremes_of_the_load_are_searched(lowest: int) -> None:
+    """The lowest load occurs in one half sweep of sixty, the highest in another."""
+    sweep = np.arange(60_000) // 1000
+    highest = (lowest + 20) % 54 + 3
+    load = np.where(sweep == lowest, -1.0, np.where(sweep == highest, 0.9, 0.1 * np.cos(sweep)))
+    cut = search_cut(sweep, load)
+    assert cut is not None
+    judged = set(sweep[cut.index[~cut.unknown]].tolist())
+    assert {lowest, highest} <= judged, f"half sweeps {lowest} and {highest} are wanted, {sorted(judged)} are searched"
+
+
 def test_short_runs_are_not_cut() -> None:
     sweep = np.arange(16_000) // 500
     assert search_cut(sweep, None) is None

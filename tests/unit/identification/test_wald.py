@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from mbcdm_cad.identification.clusters import cell_grams, cluster_estimate
+from mbcdm_cad.identification.clusters import cell_grams, cluster_estimate, separated
 from mbcdm_cad.routes import Floats
 
 SWEEPS, SECTORS, IN_CELL = 20, 8, 40
@@ -78,3 +79,17 @@ def test_nuisance_takes_its_part_and_twins_are_not_told_apart() -> None:
     assert one.probability([0]) == one.probability([1]) == 1.0
     beside = cluster_estimate(np.column_stack([angle, angle + 1e-3 * np.sin(9.0 * angle)]), y, sweep, sector)
     assert beside.probability([0]) > 0.01
+
+
+@pytest.mark.parametrize("reach", [0.5, 1.0, 1.5])
+def test_separated_gives_the_share_of_wrong_choices(reach: float) -> None:
+    """Two predictions differ by d; the first is true. How often does the second fit white noise better?"""
+    rng = np.random.default_rng(8)
+    difference = np.sin(np.arange(60))
+    difference *= 2.0 * reach / np.linalg.norm(difference)
+    noise = rng.standard_normal((20_000, 60))
+    wrong = float(np.mean(((noise - difference) ** 2).sum(axis=1) < (noise**2).sum(axis=1)))
+    square = float(difference @ difference)
+    said = separated(square, float(np.sqrt(square)))
+    assert abs(said.probability - wrong) < 0.012, f"said {said.probability:.4f}, happened {wrong:.4f}"
+    assert said.factor * reach == pytest.approx(float(norm.isf(0.01)), rel=1e-9)
