@@ -1,4 +1,4 @@
-"""Selection of effects: forward by nonlinear refits of the best candidates, backward removal, and alternatives.
+"""Selection of effects: forward by nonlinear refits of the best candidates, and backward removal.
 
 A linear screening only says which candidates are worth a refit; it may rank the wrong pulley first. An effect is
 accepted only if the RMS on held-out samples falls by a stated share of the noise floor, in quadrature.
@@ -6,12 +6,9 @@ accepted only if the RMS on held-out samples falls by a stated share of the nois
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from queue import Queue
 
 import numpy as np
 
@@ -19,19 +16,13 @@ from mbcdm_cad.identification.beginnings import with_both_plays
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.evidence import supported
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.identification.located import located
 from mbcdm_cad.identification.noise import Noise, noise_of
-from mbcdm_cad.identification.screening import Screened, Screening
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.identification.screening import Screened
+from mbcdm_cad.identification.trials import MOST_REFITS, Trials
 from mbcdm_cad.routes import Floats
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
 LEAST_FALL = 0.45
-# Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
-CLOSE_SHARE = 0.3
-MOST_REFITS = 7
-# A refit that reaches less than this share of its predicted fall is begun again, if that is near the greatest one.
-LOST_SHARE = 0.5
 # After a better candidate was rejected, another is accepted only if it causes this share of the fall of the better one.
 RUNNER_UP = 0.8
 MOST_EFFECTS = 6
@@ -46,7 +37,6 @@ MOST_LEFT = 0.1
 MUCH = 1.25
 # An effect reduces noise, and does not only fit it, if at most this share of the noise is left.
 QUIETER = 0.9
-MOST_THREADS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +49,7 @@ class Step:
     after_rad: float
 
 
-class Search:
+class Search(Trials):
     """The search over one set of runs; ``bare`` is the fit without effects.
 
     ``noise`` does not repeat; falls of the error are compared with it. An effect that is not yet accepted may cause an
@@ -68,16 +58,14 @@ class Search:
     """
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect], bare: Fit) -> None:
-        self.fitter, self.bare = fitter, bare
         self.library = tuple(effect for effect in library if not effect.inside)
+        super().__init__(fitter, self.library)
+        self.bare = bare
         self.inside = tuple(effect for effect in library if effect.inside)
         self.noise = self.noise_left(bare)
-        self.twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
         self.steps: list[Step] = []
         # Reasons why fitted values are impossible: a sentence for each effect's label.
         self.doubts: dict[str, str] = {}
-        self.screening = Screening(fitter, self.library)
-        self._without: dict[tuple[Fit, Effect], Fit] = {}
         self._leaning: dict[Fit, list[Fit]] = {}
         self._tried: dict[Fit, list[Fit]] = {}
 
@@ -103,84 +91,6 @@ class Search:
         """Whether the held-out RMS falls by enough."""
         fall = self.held_rms(before) ** 2 - self.held_rms(after) ** 2
         return bool(fall >= (LEAST_FALL * self.floor_rad) ** 2)
-
-    def close(self, fit: Fit, share: float = CLOSE_SHARE, name: str | None = None, first: int = 0) -> list[Screened]:
-        """Candidates that are worth a refit, largest predicted fall first.
-
-        Candidates of ``name`` (other stages, other cables; by default the name of the first candidate) are included
-        however small their predicted fall. ``first``: rank from which on the others are considered.
-        """
-        screened = self.screening.screen(fit)
-        name = name or screened[first].effect.name
-        least = 0.0 if first else share * screened[0].fall
-        chosen = [c for c in screened[first : first + MOST_REFITS] if c.fall >= least]
-        names = {name, *(other for c in chosen[:1] for other in c.effect.after)}
-        return chosen + [c for c in screened if c.effect.name in names and c not in chosen]
-
-    def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
-        """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
-        own = sum(v.size for v in fit.values)
-        greatest = self.screening.screen(fit)[0].fall if chosen else 0.0
-
-        def few_steps(c: Screened, fitter: Fitter) -> Fit:
-            """A few steps with the slopes of the screening, or with new ones if those lead to nothing."""
-            begin = partial(
-                fitter.fit,
-                effects=(*fit.effects, c.effect),
-                values=(*fit.values, c.start),
-                offsets=fit.offsets,
-                iterations=4,
-                settled=1e-3,
-                fresh=False,
-            )
-            found = begin(slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]))
-            # The step to the start may be so long that the slopes of the screening point the wrong way there.
-            lost = fit.square - found.square < LOST_SHARE * c.fall and c.fall > LOST_SHARE * greatest
-            return min(found, begin(), key=lambda one: one.square) if lost else found
-
-        begun = self.each([partial(few_steps, c) for c in chosen])
-        # Fits that are far behind after a few steps cannot win; only the others are continued.
-        least = min(one.square for one in begun) if begun else 0.0
-        near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
-        ended = self.each(
-            [
-                partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
-                for one in near
-            ]
-        )
-        return sorted(ended, key=lambda one: one.square)
-
-    def each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
-        """Run fits in parallel threads: the simulation runs outside the interpreter's lock.
-
-        A candidate that cannot be simulated at its start (a slack cable, a negative radius) is left out.
-        """
-        twins = Queue[Fitter]()
-        for twin in self.twins:
-            twins.put(twin)
-
-        def one(fit: Callable[[Fitter], Fit]) -> Fit | None:
-            twin = twins.get()
-            try:
-                return fit(twin)
-            except ModelError:
-                return None
-            finally:
-                twins.put(twin)
-
-        with ThreadPoolExecutor(len(self.twins)) as pool:
-            return [fit for fit in pool.map(one, fits) if fit is not None]
-
-    def without(self, fit: Fit, effect: Effect) -> Fit:
-        """Refit with one effect left out."""
-        key = fit, effect
-        if key not in self._without:
-            rest = [e for e in fit.effects if e is not effect]
-            slopes = np.delete(fit.jacobian, fit.columns_of(effect), axis=1)
-            self._without[key] = self.fitter.fit(
-                rest, [fit.values_of(e) for e in rest], fit.offsets, slopes=slopes, fresh=False
-            )
-        return self._without[key]
 
     def forward(self) -> Fit:
         """Accept effects while the held-out RMS falls by enough, and withdraw those that are no longer needed.
@@ -406,13 +316,3 @@ class Search:
 
     def note(self, action: str, effect: Effect, before: Fit, after: Fit) -> None:
         self.steps.append(Step(action, effect, self.held_rms(before), self.held_rms(after)))
-
-    def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
-        """Fits in which another effect, or another form of it, replaces ``effect``, best first."""
-        less = self.without(fit, effect)
-        found = self.refits(less, self.close(less, 0.5, effect.name), 0.5)
-        others = [one for one in found if one.effects[-1] is not effect]
-        if not any(one.once for one in less.effects):
-            return others
-        again = [min(filter(None, (one, located(self.fitter, one))), key=lambda fit: fit.square) for one in others]
-        return sorted(again, key=lambda one: one.square)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.identification.noise import Noise, doubt_of, noise_of
-from mbcdm_cad.identification.prepared import Prepared, prepare, slow_difference, told_from_noise
+from mbcdm_cad.identification.prepared import Prepared, prepare
+from mbcdm_cad.identification.quiet import slow_difference, told_from_noise
 from mbcdm_cad.identification.setup import declared
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.routes import Floats
