@@ -18,7 +18,7 @@ from mbcdm_cad.identification.evidence import supported
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise, noise_of
 from mbcdm_cad.identification.screening import Screened
-from mbcdm_cad.identification.trials import MOST_REFITS, Trials
+from mbcdm_cad.identification.trial_fits import MOST_REFITS, TrialFits
 from mbcdm_cad.routes import Floats
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
@@ -49,7 +49,7 @@ class Step:
     after_rad: float
 
 
-class Search(Trials):
+class Search(TrialFits):
     """The search over one set of runs; ``bare`` is the fit without effects.
 
     ``noise`` does not repeat; falls of the error are compared with it. An effect that is not yet accepted may cause an

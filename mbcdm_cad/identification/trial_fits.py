@@ -24,7 +24,7 @@ LOST_SHARE = 0.5
 MOST_THREADS = 4
 
 
-class Trials:
+class TrialFits:
     """Fits of a library of effects to one set of runs; each fit without an effect is computed once."""
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect]) -> None:
