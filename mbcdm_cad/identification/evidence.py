@@ -13,7 +13,7 @@ import numpy as np
 from mbcdm_cad.identification.clusters import cluster_estimate, clustered_deviation, separated
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.lines import line_of
-from mbcdm_cad.identification.noise import noise_of
+from mbcdm_cad.identification.noise import Noise, noise_of
 from mbcdm_cad.identification.prepared import SECTORS
 from mbcdm_cad.routes import Floats
 
@@ -43,6 +43,11 @@ def chance(fitter: Fitter, fit: Fit) -> float:
     return replace(found, freedom=max(found.freedom, SECTORS - 1)).probability(tested)
 
 
+def noise_left(fitter: Fitter, fit: Fit) -> Noise:
+    """The noise in the residual of a fit."""
+    return noise_of(fitter.base, [fit.residual[part] for part in fitter.parts])
+
+
 def chance_without_slope(fitter: Fitter, less: Fit, fit: Fit) -> float:
     """Probability that noise makes ``fit`` differ so from ``less``, the fit without one effect.
 
@@ -53,7 +58,7 @@ def chance_without_slope(fitter: Fitter, less: Fit, fit: Fit) -> float:
     used = fitter.used
     change = (less.residual - fit.residual)[used]
     square = float(change @ change)
-    noise = noise_of(fitter.base, [fit.residual[part] for part in fitter.parts])
+    noise = noise_left(fitter, fit)
     samples = 1.0 + 2.0 * noise.memory_s / min(p.step_s for p in fitter.runs)
     along = np.sqrt(square * (noise.white_rad**2 + samples * noise.coloured_rad**2))
     clusters = clustered_deviation(change * fit.residual[used], fitter.sweep[used], fitter.sector[used])

@@ -14,9 +14,9 @@ import numpy as np
 
 from mbcdm_cad.identification.beginnings import with_both_plays
 from mbcdm_cad.identification.effect import Effect
-from mbcdm_cad.identification.evidence import supported
+from mbcdm_cad.identification.evidence import noise_left, supported
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.identification.noise import Noise, noise_of
+from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.screening import Screened
 from mbcdm_cad.identification.trial_fits import MOST_REFITS, TrialFits
 from mbcdm_cad.routes import Floats
@@ -81,7 +81,7 @@ class Search(TrialFits):
 
     def noise_left(self, fit: Fit) -> Noise:
         """The noise in the residual of a fit."""
-        return noise_of(self.fitter.base, [fit.residual[part] for part in self.fitter.parts])
+        return noise_left(self.fitter, fit)
 
     def held_rms(self, fit: Fit) -> float:
         """RMS on the held-out samples, rad, minus the mean of each run over its training samples."""
