@@ -197,7 +197,8 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
         sweep = np.minimum((time - time[0]) / (time[-1] - time[0]) * 8.0, 7.0).astype(np.int64)
     low, span = float(output.min()), float(np.ptp(output))
     sector = np.minimum((output - low) / span * SECTORS, SECTORS - 1).astype(np.int64)
-    held = held_sweeps(sweep, output, load)
+    searched = search_cut(sweep, load)
+    held = _held(sweep, output, load, searched)
     words = held_words(held, sweep, load)
     floor, input_step = sensor_floor_rad(run, ratio), input_step_rad(run)
     blind = np.zeros(time.size, dtype=np.bool_)
@@ -235,8 +236,22 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
         )
 
     whole = taken(whole_cut(sweep, load, step))
-    part = search_cut(sweep, load)
-    return (whole if part is None else taken(part)), whole
+    return (whole if searched is None else taken(searched)), whole
+
+
+def _held(
+    sweep: NDArray[np.int64], output_rad: Floats, load_Nm: Floats | None, searched: Cut | None
+) -> NDArray[np.int64]:
+    """Numbers of the half sweeps held back. The search judges an effect on its own half sweeps alone, so these and the
+    others each have their share."""
+    if searched is None:
+        return held_sweeps(sweep, output_rad, load_Nm)
+    inside = searched.index[~searched.unknown]
+    outside = np.flatnonzero(~np.isin(sweep, sweep[inside]))
+    found = [
+        held_sweeps(sweep[at], output_rad[at], None if load_Nm is None else load_Nm[at]) for at in (inside, outside)
+    ]
+    return np.union1d(*found)
 
 
 def sensor_floor_rad(run: Run, ratio: float) -> float:

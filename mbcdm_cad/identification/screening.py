@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -21,6 +22,15 @@ class Screened:
     start: Floats
     fall: float
     columns: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ScreenedPair:
+    """Two candidates, their starts, and the training mean square predicted by a linear step of both."""
+
+    effects: tuple[Effect, Effect]
+    starts: tuple[Floats, Floats]
+    square: float
 
 
 class Screening:
@@ -82,6 +92,50 @@ class Screening:
                 falls.append(fit.square - self._projected(fit, change, columns, basis)[0])
         return max(falls)
 
+    def pairs(self, fit: Fit) -> list[ScreenedPair]:
+        """All pairs of causes that ``fit`` does not contain, each pair of names once, least predicted square first.
+
+        Effects that may occur several times, or happened once, are left out: their starts hold only beside the effects
+        with which they were found.
+        """
+        f, mask = self.fitter, self.fitter.train
+        taken, basis = {e.key for e in fit.effects}, self._basis(fit)
+        one: list[tuple[Effect, Floats, slice]] = []
+        vectors = [f.centred(fit.residual, mask)[mask][:, None]]
+        wide = 1
+        for effect in self.library:
+            if effect.key in taken or effect.several or effect.once or effect.last:
+                continue
+            for guess in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                try:
+                    change, columns = self._slopes(fit, effect, np.array(guess))
+                except ModelError:
+                    continue
+                vectors += [f.centred(np.column_stack([change, columns]), mask)[mask]]
+                one.append((effect, np.array(guess), slice(wide, wide + 1 + columns.shape[1])))
+                wide = one[-1][2].stop
+        table = np.hstack(vectors)
+        table -= basis @ (basis.T @ table)
+        gram = table.T @ table / table.shape[0]
+        best: dict[frozenset[object], ScreenedPair] = {}
+        for (a, at_a, cols_a), (b, at_b, cols_b) in combinations(one, 2):
+            if a.key == b.key:
+                continue
+            known = np.zeros(wide)
+            known[[0, cols_a.start, cols_b.start]] = 1.0, -1.0, -1.0
+            free = [*range(cols_a.start + 1, cols_a.stop), *range(cols_b.start + 1, cols_b.stop)]
+            normal, slope = gram[np.ix_(free, free)], gram[free] @ known
+            size = np.sqrt(np.diag(normal))
+            size[size == 0.0] = 1.0
+            step = np.linalg.lstsq(normal / np.outer(size, size), slope / size, rcond=1e-8)[0] / size
+            square = float(known @ gram @ known - slope @ step)
+            names = frozenset((a.key, b.key))
+            if names not in best or square < best[names].square:
+                parts = np.split(step, [at_a.size])
+                starts = _begun(a, at_a, parts[0]), _begun(b, at_b, parts[1])
+                best[names] = ScreenedPair((a, b), starts, square)
+        return sorted(best.values(), key=lambda pair: pair.square)
+
     def _basis(self, fit: Fit) -> Floats:
         """Orthonormal basis of the changes that the parameters of ``fit`` make, on the training samples."""
         mask = self.fitter.train
@@ -126,12 +180,7 @@ class Screening:
     def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats) -> Screened:
         change, columns = self._slopes(fit, effect, start)
         square, step = self._projected(fit, change, columns, basis)
-        low = [p.low for p in effect.parameters]
-        high = [p.high for p in effect.parameters]
-        # Orders and times are only refined by the fit; a linear step would move them out of their minimum.
-        held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
-        first = np.clip(np.where(held, start, start + step), low, high)
-        return Screened(effect, first, fit.square - square, columns)
+        return Screened(effect, _begun(effect, start, step), fit.square - square, columns)
 
     def _projected(self, fit: Fit, change: Floats, columns: Floats, basis: Floats) -> tuple[float, Floats]:
         """Mean square after a linear step from ``change`` along ``columns`` added to a fit, and the step."""
@@ -148,3 +197,12 @@ class Screening:
             r = r - new @ solved
             step[size > 0.0] = solved / size[size > 0.0]
         return float(np.mean(r**2)), step
+
+
+def _begun(effect: Effect, start: Floats, step: Floats) -> Floats:
+    """Values from which a refit begins, after a linear step from ``start``."""
+    low = [p.low for p in effect.parameters]
+    high = [p.high for p in effect.parameters]
+    # Orders and times are only refined by the fit; a linear step would move them out of their minimum.
+    held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
+    return np.asarray(np.clip(np.where(held, start, start + step), low, high))

@@ -7,6 +7,7 @@ stretch, so the turning points of the part that is left out are simulated before
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.routes import Floats
 
-# Samples that the search uses, and samples of a half sweep that are kept for it: fast lines need them.
+# Samples that the search uses, and the most of a half sweep that it keeps. Half as many are enough for fast lines;
+# more half sweeps say more than more samples of each.
 SEARCH_SAMPLES = 20_000
 SEARCH_IN_SWEEP = 1250
 SEARCH_STRETCHES = 4
@@ -55,7 +57,7 @@ def search_cut(sweep: NDArray[np.int64], load_Nm: Floats | None) -> Cut | None:
     """The samples that the search uses; None if that is the whole run. ``sweep`` (n,): half sweeps, ascending."""
     if sweep.size <= SEARCH_SAMPLES * 1.25:
         return None
-    return _cut(sweep, load_Nm, max(1, _in_sweep(sweep) // SEARCH_IN_SWEEP), SEARCH_SAMPLES, SEARCH_STRETCHES)
+    return _cut(sweep, load_Nm, math.ceil(_in_sweep(sweep) / SEARCH_IN_SWEEP), SEARCH_SAMPLES, SEARCH_STRETCHES)
 
 
 def whole_cut(sweep: NDArray[np.int64], load_Nm: Floats | None, step_s: float) -> Cut:

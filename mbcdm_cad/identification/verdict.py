@@ -18,6 +18,7 @@ from mbcdm_cad.identification.account import INTERVAL
 from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.evidence import chance_without_slope
+from mbcdm_cad.identification.exchange import other_pairs
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.generic import regressors
 from mbcdm_cad.identification.select import LEAST_FALL, Search
@@ -125,10 +126,17 @@ class Judge:
                 alike = [o for o in alike if not self._coincidence(fit, effect, o, o.effects[-1])]
                 groups.append(Group(effect, self._by_name(alike, effect)))
             if better is None:
+                better = self._other_pair(fit)
+            if better is None:
                 return fit, tuple(groups)
             # Beside another effect the search may accept one that it withdrew before.
             fit = self.search.taken(better) if self.search.too_much(better) else better
         return fit, tuple(groups)
+
+    def _other_pair(self, fit: Fit) -> Fit | None:
+        """The best fit with two other effects in place of two of ``fit`` if the data separate it from ``fit``."""
+        found = other_pairs(self.search, fit)
+        return found[0] if found and found[0].square < fit.square and not self._alike(fit, found[0]) else None
 
     def _in_better_form(self, other: Fit, fit: Fit, effect: Effect) -> bool:
         """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better."""
