@@ -22,6 +22,12 @@ SLOW = [
     ("slip_mount+ratio_encoder", 3102, "exact"),
     # The ripple is withdrawn together with a form that moves the cables, and is accepted again.
     ("ripple_fast+friction", 3100, "exact"),
+    # Runout of both inputs resembles the guide beside a wrong ratio: both names have to be exchanged at once.
+    ("pulley_guide+ratio_encoder", 12008, "exact"),
+    # The search uses a part of the run; the half sweeps held back in it had one load only.
+    ("stiffness_modulus", 12003, "exact"),
+    # Half sweeps of 2000 samples: half of them say too little of the ripple, all of them thinned say enough.
+    ("stiffness_modulus+ripple_slow", 12008, "exact"),
 ]
 
 

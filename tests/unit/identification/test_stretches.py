@@ -105,3 +105,23 @@ def test_stretches_remember_what_the_whole_remembers() -> None:
     typical, worst = float(np.sqrt(np.mean(off[part.used] ** 2))), float(off[level].max())
     assert typical < 0.3, typical
     assert worst < 1.0, worst
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_searched_part_holds_back_its_own_share_of_loads_and_directions(seed: int) -> None:
+    """Each half sweep has a load of its own, in no rhythm; the search sees a part of them."""
+    rng = np.random.default_rng(seed)
+    output = triangle(30, 1600)
+    sweep = np.maximum(0, half_sweeps(output) - 1)
+    load = rng.uniform(-1.0, 1.0, 64)[sweep]
+    time_s = np.arange(output.size) * STEP_S
+    part, whole = prepare(Run(time_s, RATIO * np.stack([output, output]), output, load), RATIO)
+    assert part is not whole
+    for one in (part, whole):
+        share = one.test.sum() / one.used.sum()
+        ups = {bool(v) for v in np.sign(one.speed_rad_s[one.test]) > 0.0}
+        spread = float(np.std(one.load_Nm[one.test]) / np.std(one.load_Nm[one.used]))  # type: ignore[index]
+        assert 0.12 <= share <= 0.38, f"{share:.2f} of the samples are held back"
+        assert ups == {True, False}
+        assert spread >= 0.5, f"the spread of the held back loads is {spread:.2f} of that of all"
+    assert set(np.unique(part.sweep[part.test])) <= set(np.unique(whole.sweep[whole.test]))
