@@ -63,8 +63,7 @@ def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
         shown = f"add it, for example {path[-1]}: {flow(example)}" if _simple(example) else "add it"
         return Problem(file, line, where, "missing", "", limit, f"{shown}{_meaning(node)}", missing=True)
     if kind == "extra_forbidden":
-        known = (node_at(path[:-1]) or {}).get("properties", {})
-        return Problem(file, line, where, "unknown field", remedy=did_you_mean(str(path[-1]), known))
+        return Problem(file, line, where, "unknown field", remedy=_unknown_remedy(path, node_at))
     if kind == "string_pattern_mismatch":
         signs = PATTERN_WORDS[item["ctx"]["pattern"]]
         return Problem(file, line, where, "not a plain name", shortened(value), signs, "use these signs only")
@@ -93,6 +92,17 @@ def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
         limit,
         f"choose a value within the limit{_meaning(node)}",
     )
+
+
+def _unknown_remedy(path: FieldPath, node_at: NodeAt) -> str:
+    """The similar field, or the neighbouring block that has a field of this name."""
+    known = (node_at(path[:-1]) or {}).get("properties", {})
+    for block in known:
+        node = node_at((*path[:-1], block)) or {}
+        if path[-1] in node.get("properties", {}):
+            entry = f"name a catalogue entry with type:, or write {path[-1]} under {block}:" if "type" in known else ""
+            return (entry or f"write it under {block}:") + _meaning(node)
+    return did_you_mean(str(path[-1]), known)
 
 
 def _length(item: Any, limit: str) -> str:

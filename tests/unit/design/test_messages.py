@@ -51,6 +51,16 @@ def edited(old: str, new: str) -> tuple[str, int]:
             "bearing: 618/88",
             "drum.bearing: not in the catalogue of bearings (value '618/88'); did you mean 618/8?",
         ),
+        (
+            "type: FF-081",
+            "diameter_mm: 1.0",
+            "rope.diameter_mm: unknown field; name a catalogue entry with type:, or write diameter_mm under inline:",
+        ),
+        (
+            "name: trial",
+            "centre_distance_mm: 40\nname: trial",
+            "centre_distance_mm: unknown field; write it under transmission: (",
+        ),
         ("gearhead: gearhead-76-16", "gearhead: gearhed-76-16", "did you mean gearhead-76-16?"),
         ("material: aluminium-7075", "material: wood", "drum.material: not in the catalogue of materials"),
         ("name: trial", "name: ../../etc", "name: not a plain name (value '../../etc', limit 1 to 64 of a-z"),
