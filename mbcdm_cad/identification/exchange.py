@@ -7,7 +7,7 @@ two that are present.
 
 from __future__ import annotations
 
-from functools import partial
+from functools import partial, reduce
 from itertools import combinations
 
 from mbcdm_cad.identification.fit import Fit, Fitter
@@ -19,10 +19,13 @@ MOST_PAIRS, MOST_FINISHED = 6, 2
 
 
 def other_pairs(search: Search, fit: Fit) -> list[Fit]:
-    """Fits in which two other effects replace two of ``fit``, best first; none that no bench can have."""
+    """Fits in which two other effects replace two of ``fit``, best first; none that no bench can have.
+
+    Where more than the floor is left, they may also replace one.
+    """
     begun = []
-    for gone in combinations(fit.effects, 2):
-        less = search.without(search.without(fit, gone[0]), gone[1])
+    for gone in [*combinations(fit.effects, 2), *([(one,) for one in fit.effects] if search.too_much(fit) else [])]:
+        less = reduce(search.without, gone, fit)
         names = {effect.key for effect in gone}
         pairs = [pair for pair in search.screening.pairs(less) if {effect.key for effect in pair.effects} != names]
         begun += [

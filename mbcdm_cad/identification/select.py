@@ -93,32 +93,11 @@ class Search(TrialFits):
         return bool(fall >= (LEAST_FALL * self.floor_rad) ** 2)
 
     def forward(self) -> Fit:
-        """Accept effects while the held-out RMS falls by enough, and withdraw those that are no longer needed.
-
-        The form of an effect is chosen when the other effects are not yet accepted. If more than the floor is left at
-        the end, its other forms are tried again.
-        """
+        """Accept effects while the held-out RMS falls by enough, and withdraw those that are no longer needed."""
         now = self._grown(self.bare)
         now = self._from_inside(now)
         if self.too_much(now):
             now = self._gone_on(now)
-        for effect in now.effects:
-            if not self.too_much(now):
-                break
-            for sibling in self.library:
-                if sibling.key != effect.key or sibling.form == effect.form or effect.several:
-                    continue
-                if effect not in now.effects:  # another form has taken its place
-                    break
-                less = self.without(now, effect)
-                start = sibling.first_guesses(self.fitter.base[0], less.residual[self.fitter.parts[0]])[0]
-                begun = self.fitter.tried((*less.effects, sibling), (*less.values, start), less.offsets)
-                if begun is None:
-                    continue
-                other = self._grown(begun)
-                if other.square < now.square and self.enough(now, other):
-                    self.note("in another form", sibling, now, other)
-                    now = other
         if self._plays_suspected(now):
             now = with_both_plays(self, now)
         return now
@@ -237,8 +216,9 @@ class Search(TrialFits):
         found: Fit | None = None
         for first in range(0, len(self.screening.screen(now)), MOST_REFITS):
             chosen = [c for c in self.close(now, first=first) if c not in done]
-            if not self.too_much(now):
-                chosen = [c for c in chosen if c.fall > PROMISED_SHARE * (LEAST_FALL * self.least_floor_rad) ** 2]
+            if first or not self.too_much(now):
+                floor = self.floor_rad if first else self.least_floor_rad
+                chosen = [c for c in chosen if c.fall > PROMISED_SHARE * (LEAST_FALL * floor) ** 2]
             done += chosen
             new = self.refits(now, chosen)
             tried += new

@@ -134,9 +134,12 @@ class Judge:
         return fit, tuple(groups)
 
     def _other_pair(self, fit: Fit) -> Fit | None:
-        """The best fit with two other effects in place of two of ``fit`` if the data separate it from ``fit``."""
-        found = other_pairs(self.search, fit)
-        return found[0] if found and found[0].square < fit.square and not self._alike(fit, found[0]) else None
+        """The best fit with two other effects in place of one or two of ``fit``, if the data separate the two fits."""
+        found = next(iter(other_pairs(self.search, fit)), None)
+        if found is None or found.square >= fit.square or self._alike(fit, found):
+            return None
+        more = len(found.effects) > len(fit.effects)
+        return found if not more or self.search.enough(fit, found) else None
 
     def _in_better_form(self, other: Fit, fit: Fit, effect: Effect) -> bool:
         """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better."""
