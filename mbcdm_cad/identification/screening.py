@@ -99,41 +99,35 @@ class Screening:
         with which they were found.
         """
         f, mask = self.fitter, self.fitter.train
-        taken, basis = {e.key for e in fit.effects}, self._basis(fit)
-        one: list[tuple[Effect, Floats, slice]] = []
+        taken = {e.key for e in fit.effects}
+        offered: list[tuple[Effect, Floats, slice]] = []
         vectors = [f.centred(fit.residual, mask)[mask][:, None]]
         wide = 1
         for effect in self.library:
             if effect.key in taken or effect.several or effect.once or effect.last:
                 continue
             for guess in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                start = np.array(guess)
                 try:
-                    change, columns = self._slopes(fit, effect, np.array(guess))
+                    change, columns = self._slopes(fit, effect, start)
                 except ModelError:
                     continue
-                vectors += [f.centred(np.column_stack([change, columns]), mask)[mask]]
-                one.append((effect, np.array(guess), slice(wide, wide + 1 + columns.shape[1])))
-                wide = one[-1][2].stop
-        table = np.hstack(vectors)
+                vectors.append(f.centred(np.column_stack([change, columns]), mask)[mask])
+                offered.append((effect, start, slice(wide, wide + 1 + columns.shape[1])))
+                wide = offered[-1][2].stop
+        table, basis = np.hstack(vectors), self._basis(fit)
         table -= basis @ (basis.T @ table)
         gram = table.T @ table / table.shape[0]
         best: dict[frozenset[object], ScreenedPair] = {}
-        for (a, at_a, cols_a), (b, at_b, cols_b) in combinations(one, 2):
-            if a.key == b.key:
+        for (one, start, own), (other, others_start, others) in combinations(offered, 2):
+            if one.key == other.key:
                 continue
-            known = np.zeros(wide)
-            known[[0, cols_a.start, cols_b.start]] = 1.0, -1.0, -1.0
-            free = [*range(cols_a.start + 1, cols_a.stop), *range(cols_b.start + 1, cols_b.stop)]
-            normal, slope = gram[np.ix_(free, free)], gram[free] @ known
-            size = np.sqrt(np.diag(normal))
-            size[size == 0.0] = 1.0
-            step = np.linalg.lstsq(normal / np.outer(size, size), slope / size, rcond=1e-8)[0] / size
-            square = float(known @ gram @ known - slope @ step)
-            names = frozenset((a.key, b.key))
+            square, step = _jointly(gram, own, others)
+            names = frozenset((one.key, other.key))
             if names not in best or square < best[names].square:
-                parts = np.split(step, [at_a.size])
-                starts = _begun(a, at_a, parts[0]), _begun(b, at_b, parts[1])
-                best[names] = ScreenedPair((a, b), starts, square)
+                mine, rest = np.split(step, [start.size])
+                starts = _begun(one, start, mine), _begun(other, others_start, rest)
+                best[names] = ScreenedPair((one, other), starts, square)
         return sorted(best.values(), key=lambda pair: pair.square)
 
     def _basis(self, fit: Fit) -> Floats:
@@ -197,6 +191,21 @@ class Screening:
             r = r - new @ solved
             step[size > 0.0] = solved / size[size > 0.0]
         return float(np.mean(r**2)), step
+
+
+def _jointly(gram: Floats, one: slice, other: slice) -> tuple[float, Floats]:
+    """Mean square after a linear step of two candidates, and the step.
+
+    ``gram``: mean products of the residual (first), and of each candidate's change at its start and slopes (its slice).
+    """
+    known = np.zeros(gram.shape[0])
+    known[[0, one.start, other.start]] = 1.0, -1.0, -1.0
+    free = [*range(one.start + 1, one.stop), *range(other.start + 1, other.stop)]
+    normal, slope = gram[np.ix_(free, free)], gram[free] @ known
+    size = np.sqrt(np.diag(normal))
+    size[size == 0.0] = 1.0
+    step = np.linalg.lstsq(normal / np.outer(size, size), slope / size, rcond=1e-8)[0] / size
+    return float(known @ gram @ known - slope @ step), step
 
 
 def _begun(effect: Effect, start: Floats, step: Floats) -> Floats:
