@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
@@ -192,18 +193,30 @@ def counting(noise: Noise, step_s: float) -> float:
 
 
 def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: float) -> tuple[float, float]:
-    """RMS over the floor that is named with ``power``, and RMS that one unit of the size causes at its worst phase."""
-    n = columns.shape[0] * counting(noise, p.step_s)
-    held = max(4.0, n * float(p.test.sum()) / max(float(p.used.sum()), 1.0))
+    """RMS over the floor that is named with ``power``, and RMS that one unit of the size causes at its worst phase.
+
+    The half sweeps held back must show the effect, and the others must support it. Where the load differs from sweep to
+    sweep, either may show less of it than all do.
+    """
+    share = counting(noise, p.step_s)
+    test = p.test[p.used]
+    held, trained = max(4.0, share * float(test.sum())), max(4.0, share * float((~test).sum()))
     sure = float(norm.ppf(power))
     # The fall of the held-out mean square, reduced by the error of a fit to noise, must be LEAST_FALL of the floor's.
     chance = sure / np.sqrt(held)
     by_size = chance + np.sqrt(chance**2 + LEAST_FALL**2)
     freedom, k = SECTORS - 1, columns.shape[1]
     critical = k * float(f_distribution.isf(ALPHA / candidates, k, max(freedom - k + 1, 1)))
-    by_test = (np.sqrt(critical) + sure) / np.sqrt(n)
-    unit = float(np.linalg.svd(columns, compute_uv=False)[-1]) / np.sqrt(columns.shape[0])
-    return float(max(by_size, by_test)), unit
+    by_test = (np.sqrt(critical) + sure) / np.sqrt(trained)
+
+    def of_unit(chosen: NDArray[np.bool_]) -> float:
+        part = columns[chosen]
+        return float(np.linalg.svd(part, compute_uv=False)[-1]) / np.sqrt(part.shape[0]) if len(part) >= k else 0.0
+
+    unit, shown, supporting = of_unit(np.ones_like(test)), of_unit(test), of_unit(~test)
+    if min(shown, supporting) <= 0.0:
+        return np.inf, 0.0
+    return float(max(by_size * unit / shown, by_test * unit / supporting)), unit
 
 
 def _apart(columns: Floats, others: Floats, noise: Noise, p: Prepared) -> float:
