@@ -32,7 +32,7 @@ def other_pairs(search: Search, fit: Fit) -> list[Fit]:
             partial(
                 Fitter.fit,
                 effects=(*less.effects, *pair.effects),
-                values=(*less.values, *pair.starts),
+                values=(*map(fit.values_of, less.effects), *pair.starts),
                 offsets=less.offsets,
                 iterations=4,
                 settled=1e-3,

@@ -290,6 +290,15 @@ class Search(TrialFits):
                 return self.backward(less)
         return fit
 
+    def needed(self, fit: Fit) -> Fit:
+        """``fit`` without the effects that the others explain as well, also where what they do does not repeat."""
+        for effect in fit.effects if len(fit.effects) > 1 else ():
+            less = self.without(fit, effect)
+            if not self.enough(less, fit) and not self.enough_beside(less, fit):
+                self.note("withdrawn: not needed", effect, fit, less)
+                return self.needed(less)
+        return fit
+
     def give_back(self, why: str, effect: Effect, fit: Fit) -> None:
         """Record that an effect of ``fit`` is withdrawn."""
         self.note(why, effect, fit, self.without(fit, effect))

@@ -69,6 +69,10 @@ class TakenBack:
     odds: float
 
 
+def _square(fit: Fit) -> float:
+    return fit.square
+
+
 class Judge:
     """Judges the fits of one search."""
 
@@ -112,7 +116,8 @@ class Judge:
             for effect in fit.effects:
                 every = self.search.alternatives(fit, effect)
                 # The search chose the form of an effect before it knew the effects that it accepted later.
-                better = next((o for o in every if self._in_better_form(o, fit, effect)), None)
+                forms = [o for o in every if self._in_better_form(o, fit, effect)]
+                better = min(forms, key=self.search.held_rms if effect.once else _square, default=None)
                 if better is not None:
                     break
                 others = [o for o in every if o.effects[-1].key != effect.key]
@@ -129,8 +134,8 @@ class Judge:
                 better = self._other_pair(fit)
             if better is None:
                 return fit, tuple(groups)
-            # Beside another effect the search may accept one that it withdrew before.
-            fit = self.search.taken(better) if self.search.too_much(better) else better
+            # Beside another effect the search may accept one that it withdrew before, and one may no longer be needed.
+            fit = self.search.needed(self.search.taken(better) if self.search.too_much(better) else better)
         return fit, tuple(groups)
 
     def _other_pair(self, fit: Fit) -> Fit | None:
@@ -142,11 +147,18 @@ class Judge:
         return found if not more or self.search.enough(fit, found) else None
 
     def _in_better_form(self, other: Fit, fit: Fit, effect: Effect) -> bool:
-        """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better."""
+        """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better.
+
+        An event within a half sweep held back leaves its time open: of equal fits, that with the lower held-out error.
+        """
         last = other.effects[-1]
-        if last.key != effect.key or effect.inside or other.square >= (1.0 - SAME_FIT) * fit.square:
+        if last.key != effect.key or effect.inside:
             return False
-        return not self.search.impossible(last, other.values[-1])
+        better = other.square < (1.0 - SAME_FIT) * fit.square
+        if effect.once:
+            alike = self._alike(other, fit)
+            better = self.search.enough(fit, other) if alike else better
+        return better and not self.search.impossible(last, other.values[-1])
 
     @staticmethod
     def _by_name(fits: Sequence[Fit], effect: Effect) -> tuple[Fit, ...]:
