@@ -293,7 +293,8 @@ class Judge:
                 values = fit.values_of(group.effect)[sizes]
                 strength = float(values @ np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True) @ values)
                 chance = float(chi2.sf(strength, len(sizes)))
-                if group.effect.saturates:
+                # Scatter says nothing of a size without a slope, or beside an uncertain time of an event.
+                if group.effect.saturates or group.effect.once:
                     without = self.search.without(fit, group.effect)
                     chance = min(chance, chance_without_slope(self.fitter, without, fit))
                 chances.append(chance)
