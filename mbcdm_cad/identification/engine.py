@@ -14,13 +14,14 @@ from mbcdm_cad.identification.account import INTERVAL, chain_orders, errors, int
 from mbcdm_cad.identification.correction import correction_of
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
+from mbcdm_cad.identification.exchange import Group
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.located import located
 from mbcdm_cad.identification.noise import doubt_of, runs_of
 from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.result import Evidence, Helpful, LoopResult, Named
 from mbcdm_cad.identification.select import Search
-from mbcdm_cad.identification.verdict import Group, Judge
+from mbcdm_cad.identification.verdict import Judge
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import DriveSI, to_si

@@ -20,12 +20,12 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.evidence import ALPHA
+from mbcdm_cad.identification.exchange import ALIKE_SHARE
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise, noise_of
 from mbcdm_cad.identification.prepared import SECTORS, Prepared, prepare
 from mbcdm_cad.identification.result import readable
 from mbcdm_cad.identification.select import LEAST_FALL
-from mbcdm_cad.identification.verdict import ALIKE_SHARE
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.errors import ModelError

@@ -15,11 +15,11 @@ from scipy.stats import norm
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
+from mbcdm_cad.identification.exchange import ALIKE_SHARE
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.plan import counting, planned_fitter
 from mbcdm_cad.identification.result import Named
-from mbcdm_cad.identification.verdict import ALIKE_SHARE
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.routes import Floats

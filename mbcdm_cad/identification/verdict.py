@@ -1,13 +1,11 @@
-"""Verify the result of the search: alternatives, effects that may be zero, names that an unknown error only resembles.
+"""Verify the result of the search: effects that may be zero, names that an unknown error only resembles.
 
-Each effect of the search's fit is compared with others that have a similar signature; effects that cannot be separated
-form a set. Then names are withdrawn if their size may be zero, if they may only resemble an unknown error, or if one
-plain curve of load or speed explains as much.
+Each effect of the search's fit was compared with others (``exchange``). Names are withdrawn if their size may be zero,
+if they may only resemble an unknown error, or if one plain curve of load or speed explains as much.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +13,9 @@ from scipy.stats import chi2
 from scipy.stats import t as t_distribution
 
 from mbcdm_cad.identification.account import INTERVAL
-from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.evidence import chance_without_slope
-from mbcdm_cad.identification.exchange import other_pairs
+from mbcdm_cad.identification.exchange import Exchanges, Group
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.generic import regressors
 from mbcdm_cad.identification.select import LEAST_FALL, Search
@@ -27,17 +24,8 @@ from mbcdm_cad.measurement.sweeps import smoothed
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.routes import Floats
 
-# Two candidates are alike if the better one could be the wrong one (see ``clusters``), if their errors differ by less
-# than this many standard errors over the cells of sweep and sector, or by less than this share of the floor in
-# quadrature: so small a difference may be an error of the model.
-ALIKE_ERRORS = 2.0
-ALIKE_SHARE = 0.12
 # An effect is not named if the unexplained error is at least this share of the error that the effect explains.
 BLAME_SHARE = 0.25
-# Fits whose mean squares differ by a smaller share are the same: the fits end within this of their least.
-SAME_FIT = 1e-4
-# Effects or forms that are exchanged after the search.
-MOST_EXCHANGES = 6
 # The intervals include smoothing windows found with the noise assumed so many times as large.
 WINDOWS = (0.5, 2.0)
 SLOW_S = 0.3
@@ -47,14 +35,6 @@ LEAST_ODDS = 20.0
 MOST_OF = 0.75
 # A size counts as possibly zero if it is zero with this probability.
 ZERO_CHANCE = 0.05
-
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """One effect of the final fit and the fits that explain the run as well without it."""
-
-    effect: Effect
-    alike: tuple[Fit, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,23 +49,18 @@ class TakenBack:
     odds: float
 
 
-def _square(fit: Fit) -> float:
-    return fit.square
-
-
-class Judge:
+class Judge(Exchanges):
     """Judges the fits of one search."""
 
     def __init__(self, search: Search) -> None:
-        self.search, self.fitter = search, search.fitter
+        super().__init__(search)
         self.helpful: list[TakenBack] = []
         # Names withdrawn because a quantity that the runs did not measure explains the error as well.
         self.unmeasured: list[str] = []
-        self._estimates: dict[Fit, Estimate] = {}
 
     def judged(self) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
         """The final fit, its effects with their alternatives, and the unexplained part."""
-        fit, groups = self._settled()
+        fit, groups = self.settled()
         fit, groups = self._certain(fit, groups)
         unknown = self.left(fit)
         if unknown is not None:
@@ -107,106 +82,6 @@ class Judge:
             self.helpful.append(TakenBack(group.effect, fit.values_of(group.effect), block, fall, odds))
             self.unmeasured += [f"{member.name} ({member.form})" for member in members]
         return tuple(kept)
-
-    def _settled(self) -> tuple[Fit, tuple[Group, ...]]:
-        """The search's fit after each effect was compared with its alternatives."""
-        fit = self.search.forward()
-        for _ in range(MOST_EXCHANGES):
-            groups, better = [], None
-            for effect in fit.effects:
-                every = self.search.alternatives(fit, effect)
-                # The search chose the form of an effect before it knew the effects that it accepted later.
-                forms = [o for o in every if self._in_better_form(o, fit, effect)]
-                better = min(forms, key=self.search.held_rms if effect.once else _square, default=None)
-                if better is not None:
-                    break
-                others = [o for o in every if o.effects[-1].key != effect.key]
-                if others and others[0].square < fit.square and not self._alike(fit, others[0]):
-                    better = others[0]
-                    break
-                alike = [o for o in others if self._alike(o, fit)]
-                better = next((o for o in alike if self._coincidence(o, o.effects[-1], fit, effect)), None)
-                if better is not None:
-                    break
-                alike = [o for o in alike if not self._coincidence(fit, effect, o, o.effects[-1])]
-                groups.append(Group(effect, self._by_name(alike, effect)))
-            if better is None:
-                better = self._other_pair(fit)
-            if better is None:
-                return fit, tuple(groups)
-            # Beside another effect the search may accept one that it withdrew before, and one may no longer be needed.
-            fit = self.search.needed(self.search.taken(better) if self.search.too_much(better) else better)
-        return fit, tuple(groups)
-
-    def _other_pair(self, fit: Fit) -> Fit | None:
-        """The best fit with two other effects in place of one or two of ``fit``, if the data separate the two fits."""
-        found = next(iter(other_pairs(self.search, fit)), None)
-        if found is None or found.square >= fit.square or self._alike(fit, found):
-            return None
-        more = len(found.effects) > len(fit.effects)
-        return found if not more or self.search.enough(fit, found) else None
-
-    def _in_better_form(self, other: Fit, fit: Fit, effect: Effect) -> bool:
-        """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better.
-
-        An event within a half sweep held back leaves its time open: of equal fits, that with the lower held-out error.
-        """
-        last = other.effects[-1]
-        if last.key != effect.key or effect.inside:
-            return False
-        better = other.square < (1.0 - SAME_FIT) * fit.square
-        if effect.once:
-            alike = self._alike(other, fit)
-            better = self.search.enough(fit, other) if alike else better
-        return better and not self.search.impossible(last, other.values[-1])
-
-    @staticmethod
-    def _by_name(fits: Sequence[Fit], effect: Effect) -> tuple[Fit, ...]:
-        """The best fit of each name other than the effect's own."""
-        best: dict[object, Fit] = {}
-        for one in fits:
-            key = one.effects[-1].key
-            if key != effect.key and (key not in best or one.square < best[key].square):
-                best[key] = one
-        return tuple(best.values())
-
-    def _coincidence(self, simpler: Fit, simple: Effect, fit: Fit, two: Effect) -> bool:
-        """Whether ``two`` of ``fit`` looks like ``simple`` of ``simpler`` only because of its phase.
-
-        All phases of a wave are equally likely. A phase that agrees with the simpler effect within its standard
-        deviation s is s / sqrt(2 pi) as likely as the simpler effect itself, times the odds of the two fits (Bayes
-        factor).
-        """
-        if len(two.parameters) <= len(simple.parameters):
-            return False
-        values = fit.values_of(two)
-        deviation = float(np.sqrt(np.diag(self.spread(fit, two, self.fitter))[:2].max()) / np.hypot(*values[:2]))
-        worse, better = (simpler, fit) if fit.square < simpler.square else (fit, simpler)
-        wrong = self.apart(worse, better).probability
-        odds = (1.0 - wrong) / max(wrong, 1e-300) if better is fit else wrong / (1.0 - wrong)
-        return bool(deviation / np.sqrt(2.0 * np.pi) * odds < TOLD_APART)
-
-    def apart(self, worse: Fit, better: Fit) -> Separation:
-        """How well two fits are separated."""
-        used, f = self.fitter.used, self.fitter
-        here = better.residual[used]
-        return separation(-here, -worse.residual[used], here, f.sweep[used], f.sector[used])
-
-    def _alike(self, worse: Fit, better: Fit) -> bool:
-        """Whether the first is as good as the second, as far as sweeps and sectors can show."""
-        used = self.fitter.used
-        excess = (worse.residual**2 - better.residual**2)[used]
-        # A failed fit has very large errors in a few cells, and a test by the scatter of the cells would accept it.
-        if float(np.mean(excess)) > max(self.search.floor_rad**2, float(np.mean(better.residual[used] ** 2))):
-            return False
-        if float(np.mean(excess)) < (ALIKE_SHARE * self.search.floor_rad) ** 2:
-            return True
-        if not self.apart(worse, better).apart:
-            return True
-        sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
-        cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
-        sums = np.bincount(cell, excess)
-        return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
 
     def left(self, fit: Fit, fitter: Fitter | None = None) -> Unknown | None:
         """The unexplained part if it is above the floor, else None; ``fitter`` is the search's by default."""
@@ -320,27 +195,11 @@ class Judge:
             trial = self.fitter.tried((*effects, regressor), (*values, [0.0]), fit.offsets)
             if trial is None:
                 continue
-            better = trial.square < fit.square and not self._alike(fit, trial)
-            if better or (len(mistaken) > 1 and self._alike(trial, fit)):
+            better = trial.square < fit.square and not self.alike(fit, trial)
+            if better or (len(mistaken) > 1 and self.alike(trial, fit)):
                 less = self.fitter.fit(effects, values, fit.offsets)
                 return less, kept, self.left(less) or unknown
         return fit, groups, unknown
-
-    def spread(self, fit: Fit, effect: Effect, fitter: Fitter) -> Floats:
-        """Covariance of one effect's parameters, scaled so that 1.96 standard deviations make a 95 % interval.
-
-        Clustered by sweep and sector, on all samples in use.
-        """
-        if fit not in self._estimates:
-            used = fitter.used
-            columns = fitter.centred(fit.jacobian, used)[used]
-            found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
-            self._estimates[fit] = found
-        estimate = self._estimates[fit]
-        wider = (float(t_distribution.ppf(0.975, estimate.freedom)) / INTERVAL) ** 2
-        block = estimate.covariance[fit.columns_of(effect), fit.columns_of(effect)]
-        # A parameter without influence on the prediction has no interval by linear theory; use its own size instead.
-        return np.asarray(wider * np.where(np.isfinite(block), block, np.max(np.abs(fit.values_of(effect))) ** 2))
 
     def shift_by_window(self, fit: Fit) -> list[Floats]:
         """Change of every parameter of the search's fit with the smoothing windows; as many arrays as effects."""
