@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 # If an effect so many times as large changes the prediction by no more than this share of the floor (RMS), the data
 # give only a lower bound of its size.
 LARGER, UNCHANGED_SHARE = 1.5, 0.1
+# This bound is searched in steps by the first factor, down to the least share of the fitted size, then to within the
+# last factor.
+FIRST_STEP, LEAST_SHARE, LEAST_STEP = 16.0, 1e-12, 1.05
 
 
 def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
@@ -121,22 +124,36 @@ class _Loop:
         block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
         less = self.search.without(fit, effect)
         fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
-        named = self._as_named(effect, whole.values[k], block, float(fall))
-        if not self._may_be_larger(whole, k):
-            return named
-        opened = {name: replace(value, high=np.inf) for name, value in named.parameters.items()}
+        share = self._least_share(whole, k)
+        if share is None:
+            return self._as_named(effect, whole.values[k], block, float(fall))
+        sizes = np.array([parameter.role == "size" for parameter in effect.parameters])
+        named = self._as_named(effect, np.where(sizes, share, 1.0) * whole.values[k], block, float(fall))
+        opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 
-    def _may_be_larger(self, whole: Fit, k: int) -> bool:
-        """Whether a larger size of an effect changes nothing: a pulley may never reach the other flank of its play."""
-        effect, values = whole.effects[k], list(whole.values)
-        if not effect.saturates:
-            return False
-        sizes = np.array([parameter.role == "size" for parameter in effect.parameters])
-        values[k] = np.where(sizes, LARGER, 1.0) * values[k]
+    def _least_share(self, whole: Fit, k: int) -> float | None:
+        """The least share of a fitted size with which an effect does the same, if a larger size changes nothing: a
+        pulley may never reach the other flank of its play. Else None."""
+        effect = whole.effects[k]
+        if not effect.saturates or self._changes(whole, k, LARGER):
+            return None
+        low, high = 1.0, 1.0
+        while low > LEAST_SHARE and not self._changes(whole, k, low):
+            low, high = low / FIRST_STEP, low
+        while high > low * LEAST_STEP:
+            middle = float(np.sqrt(low * high))
+            low, high = (middle, high) if self._changes(whole, k, middle) else (low, middle)
+        return high
+
+    def _changes(self, whole: Fit, k: int, share: float) -> bool:
+        """Whether an effect of ``share`` times its fitted size changes the prediction noticeably."""
+        sizes = np.array([parameter.role == "size" for parameter in whole.effects[k].parameters])
+        values = list(whole.values)
+        values[k] = np.where(sizes, share, 1.0) * values[k]
         change = self.whole.output - self.whole.predict(whole.effects, values, whole.offsets) - whole.residual
         used = self.whole.used
-        return bool(np.std(self.whole.centred(change, used)[used]) < UNCHANGED_SHARE * self.search.floor_rad)
+        return bool(np.std(self.whole.centred(change, used)[used]) >= UNCHANGED_SHARE * self.search.floor_rad)
 
     def _other(self, fit: Fit) -> Named:
         """An alternative that fits as well, from the training samples."""

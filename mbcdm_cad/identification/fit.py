@@ -116,10 +116,15 @@ class Fitter:
         self.apart = max(1, self.runs[0].angle_rad.shape[0] - 1)
         strained = d is not None and d.n_inputs > 1
         self.free = np.repeat([strained and p.load_Nm is not None for p in self.runs], self.apart)
-        self.limit = np.repeat([APART_COUNTS * p.input_step_rad for p in self.runs], self.apart)
+        self.limit = np.repeat([self._offset_limit_rad(p) for p in self.runs], self.apart)
         self._most = max(8, REMEMBERED_BYTES // (64 * self.output.size))
         self._changed: dict[tuple[Any, ...], Setup] = {}
         self._kinds: dict[Effect, int] = {}
+
+    @staticmethod
+    def _offset_limit_rad(p: Prepared) -> float:
+        """Largest offset between two input encoders: some counts, or what zeros taken from the data may be wrong by."""
+        return max(APART_COUNTS * p.input_step_rad, p.run.zeros.apart_unsure_rad if p.run.zeros else 0.0)
 
     def twin(self) -> Fitter:
         """The same fitter with its own cache, for another thread."""

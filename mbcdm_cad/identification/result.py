@@ -244,7 +244,8 @@ class LoopResult:
         figures = []
         for name, value in named.parameters.items():
             word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
-            figures.append(f"{word} {middle} ({low.split(' ')[0]} to {high})")
+            bounded = f"{middle} ({low.split(' ')[0]} to {high})"
+            figures.append(f"{word} {bounded if math.isfinite(value.high) else f'{low} or more'}")
         return f"{named.words} [{named.form}: {', '.join(figures)}]"
 
 
@@ -319,7 +320,8 @@ def named_lines(named: Named) -> list[str]:
     lines = [f"{named.words} ({named.form}): {named.physics}"]
     for name, value in named.parameters.items():
         word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
-        lines.append(f"  {word} {middle} (95 %: {low} to {high})")
+        bounded = f"{middle} (95 %: {low} to {high})"
+        lines.append(f"  {word} {bounded if math.isfinite(value.high) else f'{low} or more'}")
     for name, figure in named.physical.items():
         if name not in named.parameters:
             lines.append("  {} {}".format(*_one(name, figure)))

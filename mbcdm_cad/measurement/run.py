@@ -27,6 +27,16 @@ class Sensors:
     output_noise_rad: float | None = None
 
 
+@dataclass(frozen=True)
+class ZerosFound:
+    """Zeros of the inputs that were taken from the data, rad: largest difference between two inputs that was removed,
+    how wrong that may be, and the angle of all inputs that was removed."""
+
+    apart_rad: float
+    apart_unsure_rad: float
+    centre_rad: float
+
+
 @dataclass(frozen=True, eq=False)
 class Run:
     """A measured run. Arrays have one column a sample; inputs are positive when they drive the drum positive.
@@ -35,6 +45,7 @@ class Run:
     None. ``load_Nm`` > 0 opposes positive rotation. ``ratio`` is the total ratio of a drive of which nothing else is
     known, else None. ``motor_side`` says of each input whether its encoder sits on the motor, before the gearhead:
     then its angle is the motor's until the run is compared with a design (:func:`mbcdm_cad.measurement.vet.arranged`).
+    ``zeros``: those of the inputs that the file does not give (:mod:`mbcdm_cad.measurement.zeros`).
     """
 
     time_s: Floats
@@ -48,6 +59,7 @@ class Run:
     sha256: str = ""
     ratio: float | None = None
     motor_side: tuple[bool, ...] = ()
+    zeros: ZerosFound | None = None
 
     @cached_property
     def step_s(self) -> float:

@@ -12,6 +12,7 @@ from mbcdm_cad.measurement.run import Run, VettingNote, column_of
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_reach import reach_findings
 from mbcdm_cad.measurement.vet_signals import signal_findings
+from mbcdm_cad.measurement.zeros import zeroed
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import input_body
@@ -51,6 +52,7 @@ def arranged(run: Run, drive: Drive) -> Run:
     Inputs are identified by name, else left and right by their side.
     """
     run = _after_gearhead(run, drive.gearhead.ratio)
+    run = zeroed(run, to_si(drive), float(np.radians(drive.half_travel_deg)))
     names = run.input_names
     if sorted(names) == sorted(drive.input_names):
         rows = [names.index(name) for name in drive.input_names]
@@ -98,10 +100,28 @@ def vet(run: Run, drive: Drive | None) -> list[VettingNote]:
     if not refusals(found):  # an angle that jumps has no meaningful slope
         notes = column_findings(thin, known.ratio, known.travel_rad, known.d)
         found += [_on_the_motor(note, thin, known) for note in notes]
+    found += _zeros(run)
     if not any(finding.level == "refused" for finding in found):
         found += reach_findings(thin, known.ratio, known.d)
     order = ("refused", "doubt", "fact")
     return sorted(found, key=lambda finding: order.index(finding.level))
+
+
+def _zeros(run: Run) -> list[VettingNote]:
+    """Facts about zeros that were taken from the data."""
+    found, zeros = [], run.zeros
+    if zeros is not None and zeros.apart_rad:
+        text = (
+            f"the inputs' zeros are {zeros.apart_rad:.3g} rad apart, which the cables could not bear: they are taken "
+            "from the run, as if the inputs agreed on average"
+        )
+        found.append(VettingNote("zeros_apart", "fact", text, "where the true zeros are known, give them as zero"))
+    if zeros is not None and zeros.centre_rad:
+        text = (
+            f"the inputs are {zeros.centre_rad:.3g} rad from zero, beyond the travel: zero is the middle of their range"
+        )
+        found.append(VettingNote("zeros_centre", "fact", text, "where the true zeros are known, give them as zero"))
+    return found
 
 
 def _on_the_motor(note: VettingNote, run: Run, known: Declared) -> VettingNote:

@@ -10,12 +10,14 @@ import pytest
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects.lash import offer
+from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.prepared import Prepared, prepare
-from mbcdm_cad.identification.setup import Setup, Simulator, declared, input_torque_Nm, taken_up
-from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.identification.setup import Setup, Simulator, declared, input_torque_Nm, respond, taken_up
+from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.si import DriveSI, to_si
 
-D: DriveSI = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)
+DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
+D: DriveSI = to_si(DRIVE)
 PLAY = 1e-3
 
 
@@ -78,3 +80,24 @@ def test_with_play_at_both_inputs_both_pulleys_are_on_a_face_or_without_torque()
         print(f"input {index}: floats in {inside.mean():.0%}, torque there at most {left:.2f} mN m")
         assert left < 0.05e3 * np.abs(torque).max()
         assert (torque[lag > 0.499 * PLAY] > -1e-3).all() and (torque[lag < -0.499 * PLAY] < 1e-3).all()
+
+
+def test_play_that_is_never_crossed_is_given_as_at_least_what_was_crossed() -> None:
+    """Any larger play fits as well, so the fit may end anywhere above; the result states the smallest that does."""
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 120.0, 0.04)
+    angle = 0.45 * np.sin(2.0 * np.pi * t / 9.0)
+    load = 0.8 * np.tanh(np.cos(2.0 * np.pi * t / 9.0) / 0.05) + 0.3 * np.sin(2.0 * np.pi * t / 31.0)
+    whole = prepare(Run(t, np.stack([9.0 * angle, 9.0 * angle]), angle, load), 9.0)[1]
+    setup = declared(D, 9.0, whole)
+    true = 2e-2
+    drum = respond(at_input(D.input_names[0], whole).apply(setup, np.array([true, 0.0]), Simulator()))
+    read = np.interp(t, whole.time_s, drum) + 4e-6 * rng.standard_normal(t.size)
+    inputs = np.stack([9.0 * angle, 9.0 * angle])
+    result = close_loop(DRIVE, [Run(t, inputs, read, load, sensors=Sensors(2e-5, 1e-6, 0.005))])
+    (found,) = result.effects
+    play = found.parameters["play_rad"]
+    assert (found.name, found.stage) == ("lash", "input_left"), result.sentence
+    assert np.isinf(play.high) and play.low == play.value, play
+    assert 2e-4 < play.low <= 1.05 * true, f"at least {1e3 * play.low:.3f} mrad, true {1e3 * true} mrad"
+    assert "or more" in result.sentence, result.sentence
