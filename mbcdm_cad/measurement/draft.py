@@ -212,9 +212,10 @@ def _sold(counts: float) -> float:
 
 
 def _plain(column: _Column, units: Mapping[str, object], otherwise: str) -> None:
-    unit = column.unit if column.unit in units else ""
+    unit = _said(column, units)
     column.fields["unit"] = unit or otherwise
-    column.reasons.append("as its header says" if unit else f"{otherwise} is assumed")
+    if not unit:
+        column.reasons.append(f"{otherwise} is assumed")
     if unit in FORCE:
         column.fields["lever_arm_mm"] = "?"
         column.reasons.append("a force: put the arm of the load cell in mm in place of ?")
@@ -225,10 +226,12 @@ def _said(column: _Column, units: Mapping[str, object]) -> str:
     if column.unit in units:
         column.reasons.append("unit as its header says")
         return column.unit
-    ending = str(column.name).lower().rsplit("_", 1)[-1]
-    if ending in units and "_" in str(column.name):
+    ending = str(column.name).rsplit("_", 1)[-1]
+    # As it is written first: N is a newton, n is none.
+    unit = next((word for word in (ending, ending.lower()) if word in units), "")
+    if unit and "_" in str(column.name):
         column.reasons.append("unit by the end of its name")
-        return ending
+        return unit
     return ""
 
 

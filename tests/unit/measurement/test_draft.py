@@ -91,3 +91,10 @@ def test_what_is_no_run_is_refused_and_nothing_is_overwritten(
     assert "exists already" in capsys.readouterr().err and (tmp_path / "run.yaml").read_bytes() == before
     assert mbcdm(["measurement-init", str(tmp_path / "run.csv"), str(DESIGN), "--out", str(tmp_path / "new.yaml")]) == 0
     assert mbcdm(["measurement-init", str(tmp_path / "none.csv"), str(DESIGN)]) == 2
+
+
+@pytest.mark.parametrize(("name", "unit"), [("cell_N", "N"), ("torque_Nm", "Nm"), ("load_n", "N*m")])
+def test_the_end_of_a_name_states_the_unit_of_the_load(tmp_path: Path, name: str, unit: str) -> None:
+    columns = {"t": RUN.time_s, "left": RUN.input_rad[0], "right": RUN.input_rad[1], "drum": RUN.output_rad}
+    draft, _ = drafted(tmp_path, {**columns, name: RUN.load_Nm})
+    assert f'"{name}", unit: {unit}' in draft, draft
