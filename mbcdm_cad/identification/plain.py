@@ -75,6 +75,8 @@ def described(named: Named) -> str:
 def rounded(name: str, value: Value) -> str:
     """The size of a figure with its unit, rounded to the digits that its interval supports."""
     factor, unit = size_of(name, [value.value, value.low, value.high])
+    if math.isinf(value.high):
+        return f"at least {value.low / factor:.2g} {unit}".strip()
     size, half = abs(value.value) / factor, 0.5 * abs(value.high - value.low) / factor
     return f"{_to_place(size, half)} {unit}".strip()
 
@@ -92,7 +94,7 @@ def _interval(named: Named) -> str:
         if f"{{{name}}}" in named.plain:
             factor, unit = size_of(name, [value.value, value.low, value.high])
             if math.isinf(value.high):
-                return f"With 95 % certainty it is {value.low / factor:.3g} {unit}".rstrip() + " or more."
+                return "A larger size would do the same in this run, so it may be any."
             half = 0.5 * abs(value.high - value.low) / factor
             low, high = sorted(abs(v) / factor for v in (value.low, value.high))
             return f"With 95 % certainty it is {_to_place(low, half)} to {_to_place(high, half)} {unit}".strip() + "."

@@ -57,6 +57,7 @@ def test_every_effect_has_a_clause_without_identifiers(label: str) -> None:
     [
         ("share", Value(-0.39963, -0.40134, -0.39785), "40.0 %"),
         ("play_rad", Value(1.2344e-3, 1.1e-3, 1.4e-3), "1.2 mrad"),
+        ("play_rad", Value(3.014e-3, 3.014e-3, float("inf")), "at least 3 mrad"),
         ("eccentricity_m", Value(9.948e-6, 9.878e-6, 10.02e-6), "9.95 um"),
         ("torque_Nm", Value(0.1203, 0.1203, 0.1203), "120 mN m"),
     ],
