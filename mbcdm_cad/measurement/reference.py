@@ -55,6 +55,11 @@ whatever their names are.
 Each number of a column becomes `(number - zero) * scale` in the column's unit. Inputs are positive when they drive the
 drum positive.
 
+Counters of the inputs may begin anywhere. If the inputs are so far apart that a cable would gain or lose half of its
+preload, their zeros are taken from the run, as if the inputs agreed on average. If they lie far outside the travel,
+zero is the middle of their range. Both are listed as facts of the run. Where the true zeros are known, give them as
+`zero`: the run then also shows a difference that the servos hold.
+
 The data file may have comments and blank lines anywhere, cells in quotes, and the line ends of any system. Bytes beyond
 ASCII matter only in names. A row of units below the names is left out. Where this row, or brackets in a name, state
 another unit than the measurement file, the loop reports a doubt.
