@@ -20,7 +20,7 @@ from mbcdm_cad.identification.account import INTERVAL
 from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.identification.select import Search
+from mbcdm_cad.identification.select import MUCH, Search
 from mbcdm_cad.routes import Floats
 
 # Two candidates are alike if the better one could be the wrong one (see ``clusters``), if their errors differ by less
@@ -91,8 +91,11 @@ class Exchanges:
         found = next(iter(other_pairs(self.search, fit)), None)
         if found is None or found.square >= fit.square or self.alike(fit, found):
             return None
-        more = len(found.effects) > len(fit.effects)
-        return found if not more or self.search.enough(fit, found) else None
+        if len(found.effects) == len(fit.effects):
+            return found
+        # One effect more makes it easier to imitate a cause that the library does not have.
+        fall = self.search.held_rms(fit) ** 2 - self.search.held_rms(found) ** 2
+        return found if fall > (MUCH * self.search.floor_rad) ** 2 and not self.search.too_much(found) else None
 
     def _in_better_form(self, other: Fit, fit: Fit, effect: Effect) -> bool:
         """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better.
