@@ -100,8 +100,9 @@ def _unknown_remedy(path: FieldPath, node_at: NodeAt) -> str:
     for block in known:
         node = node_at((*path[:-1], block)) or {}
         if path[-1] in node.get("properties", {}):
-            entry = f"name a catalogue entry with type:, or write {path[-1]} under {block}:" if "type" in known else ""
-            return (entry or f"write it under {block}:") + _meaning(node)
+            if "type" in known:
+                return f"name a catalogue entry with type:, or write {path[-1]} under {block}:{_meaning(node)}"
+            return f"write it under {block}:{_meaning(node)}"
     return did_you_mean(str(path[-1]), known)
 
 

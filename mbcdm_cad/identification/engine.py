@@ -127,8 +127,7 @@ class _Loop:
         share = self._least_share(whole, k)
         if share is None:
             return self._as_named(effect, whole.values[k], block, float(fall))
-        sizes = np.array([parameter.role == "size" for parameter in effect.parameters])
-        named = self._as_named(effect, np.where(sizes, share, 1.0) * whole.values[k], block, float(fall))
+        named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, float(fall))
         opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
         return replace(named, parameters=opened)
 
@@ -148,9 +147,8 @@ class _Loop:
 
     def _changes(self, whole: Fit, k: int, share: float) -> bool:
         """Whether an effect of ``share`` times its fitted size changes the prediction noticeably."""
-        sizes = np.array([parameter.role == "size" for parameter in whole.effects[k].parameters])
         values = list(whole.values)
-        values[k] = np.where(sizes, share, 1.0) * values[k]
+        values[k] = _scaled(whole.effects[k], values[k], share)
         change = self.whole.output - self.whole.predict(whole.effects, values, whole.offsets) - whole.residual
         used = self.whole.used
         return bool(np.std(self.whole.centred(change, used)[used]) >= UNCHANGED_SHARE * self.search.floor_rad)
@@ -212,3 +210,9 @@ class _Loop:
             Evidence(s.effect.label, rms, float(np.sqrt(max(0.0, s.fall))), "too small to name")
             for s in self.search.screening.screen(fit)[:most]
         )
+
+
+def _scaled(effect: Effect, values: Floats, share: float) -> Floats:
+    """Values of an effect with its sizes multiplied by ``share``; places and orders stay."""
+    sizes = np.array([parameter.role == "size" for parameter in effect.parameters])
+    return np.asarray(np.where(sizes, share, 1.0) * values)
