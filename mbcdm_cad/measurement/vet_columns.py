@@ -8,6 +8,7 @@ import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
 from mbcdm_cad.measurement.run import Run, VettingNote, column_of
+from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, smoothed
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 
@@ -190,8 +191,11 @@ def _load_sign(run: Run, ratio: float, d: DriveSI | None) -> list[VettingNote]:
         return []
     # The smallest compliance at the drum, nothing slipping: rad per N m.
     compliance = 1.0 / float(np.sum(d.axial_stiffness_N * d.drum_radius_m**2 / d.free_span_m))
-    away = run.output_rad - run.input_rad.mean(axis=0) / ratio
-    known = np.stack([np.ones_like(away), run.output_rad], axis=1)
+    turned = run.input_rad.mean(axis=0) / ratio
+    away = run.output_rad - turned
+    # A late sensor adds a share of the speed, which may follow the load as closely as the deflection does.
+    speed = smoothed(np.gradient(turned, run.time_s), SPEED_WINDOW_S, float(np.median(np.diff(run.time_s))))
+    known = np.stack([np.ones_like(away), run.output_rad, speed], axis=1)
     basis = np.linalg.qr(known)[0]
     give, load = away - basis @ (basis.T @ away), run.load_Nm - basis @ (basis.T @ run.load_Nm)
     together = float(np.corrcoef(give, load)[0, 1]) if np.ptp(give) > 0.0 else 0.0

@@ -11,8 +11,10 @@ from sound_runs import DRIVE, sound_run
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
 from mbcdm_cad.measurement.vet_reach import load_levels, order_left
+from mbcdm_cad.model.si import to_si
 
 RUN = sound_run()
+RATIO = float(np.mean(to_si(DRIVE).total_ratio))
 
 
 def kinds(run: Run, level: str | None = None) -> set[str]:
@@ -111,6 +113,16 @@ def test_wrong_columns_are_refused_with_field_and_remedy(run: Run, kind: str, fi
     assert all(finding.remedy for finding in found), said
     others = {"reversed_output", "reversed_input", "unit", "swapped", "travel", "reversed_load"} - {kind}
     assert not [finding.kind for finding in found if finding.kind in others], said
+
+
+def test_a_late_sensor_is_not_a_load_of_the_wrong_sign() -> None:
+    """A motor that helps the motion: the load is least where the late output is farthest behind."""
+    speed = np.gradient(RUN.input_rad[0], RUN.time_s)
+    load = 0.5 - 0.6 * speed / np.abs(speed).max()
+    now = RUN.input_rad.mean(axis=0) / RATIO - 1e-4 * load
+    late = np.interp(RUN.time_s - 5e-3, RUN.time_s, now)
+    found = vet(replace(RUN, output_rad=late, load_Nm=load), DRIVE)
+    assert not [str(f) for f in found if f.kind in ("reversed_load", "load", "unit")], [str(f) for f in found]
 
 
 def clipped(run: Run) -> Run:
