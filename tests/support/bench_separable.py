@@ -14,9 +14,9 @@ samples, as many as are held back; the floor is that of the true noise.
 *Separable*: each rival, an effect of the vocabulary with another name, is fitted to the change by least squares,
 together with the zeros and the other effects. With d what it leaves, and C the covariance of the true noise with its
 memory, the wrong one of the two fits better with a probability of Phi(-d.d / (2 sqrt(d.C.d))). A run is separable if
-this is below 1 % for every rival. Rivals act in proportion to their size at first; those that come nearest and strain
-the cables are simulated again until their size fits best, so that large changes are compared with large changes. A size
-beyond the bounds that a bench can have is cut to the bound.
+this is below 1 % for every rival. Rivals act in proportion to their size at first; those that come nearest are
+simulated again with the sizes that fit best, within the bounds that a bench can have: what strains the cables is not
+proportional to its size, and small differences from it are what tells the runout of one input from that of the other.
 
 Every eighth sample of the true signals is used: the cables follow the path of the inputs, not its pace.
 """
@@ -32,6 +32,7 @@ from bench_effects import ALL, Effect
 from bench_motion import RATE_HZ, Bench
 from bench_real import DECLARED_FLOOR_RAD, Traits, Truth
 from bench_score import same
+from scipy.optimize import least_squares
 from scipy.signal import lfilter
 from scipy.stats import norm
 
@@ -40,10 +41,11 @@ PIECE_RAD = 8e-3
 # The steps of the encoders make an error that is white up to about this rate.
 STEPS_HZ = 200.0
 LEAST_GAIN, POWER, CONFUSION, HELD_SHARE = 0.45, 0.95, 0.01, 0.25
-# Rivals that are simulated again, each at so many sizes at most, until the factor of the size differs from one by less
-# than this.
-AGAIN, ROUNDS, SETTLED = 3, 8, 0.02
-# Effects that strain the cables, with one size whose bounds are known.
+# Rivals that are simulated again, with so many steps of their sizes at most.
+AGAIN, ROUNDS = 3, 20
+# Factor by which a rival that cannot be simulated counts as worse than none.
+FAR = 100.0
+# Effects with one size whose bounds are known.
 BOUNDS = {
     "preload": ("share", -0.8, 4.0),
     "mu": ("share", -0.8, 4.0),
@@ -208,9 +210,8 @@ class _View:
             left = min((self._left(basis, change, columns)[0] for columns in choices), key=lambda d: float(d @ d))
             ranked.append((self._confusion(left), rival))
         ranked.sort(key=lambda pair: -pair[0])
-        again = [r for _, r in ranked if len(r.parts) == 1 and r.parts[0].kind in BOUNDS][:AGAIN]
-        for rival in again:
-            left = self._refitted(basis, change, rest, others, rival.parts[0])
+        for rival in [r for _, r in ranked if r.parts and r.parts[0].size][:AGAIN]:
+            left = self._refitted(basis, change, rest, others, rival)
             ranked = [(c, r) for c, r in ranked if r is not rival] + [(self._confusion(left), rival)]
         worst, rival = max(ranked, key=lambda pair: pair[0])
         words = " ".join(str(rival.label.get(key)) for key in ("name", "stage") if rival.label.get(key))
@@ -227,49 +228,34 @@ class _View:
         return (self.full - self.drum([one for one in self.truth.effects if one is not effect]))[:, None]
 
     def _refitted(
-        self, basis: np.ndarray, change: np.ndarray, rest: np.ndarray, others: Sequence[Effect], part: Effect
+        self, basis: np.ndarray, change: np.ndarray, rest: np.ndarray, others: Sequence[Effect], rival: Rival
     ) -> np.ndarray:
-        """What a rival leaves of the change at the size that fits best, within its bounds.
+        """What a rival leaves of the change with its best sizes, within their bounds.
 
-        A rival need not act in proportion to its size: the slip from cable friction grows with its square. So the size
-        is sought at which least squares would not change it, by a secant of the logarithms, between the largest size
-        that is known to be too small and the smallest that is too large.
+        A rival need not act in proportion to its size: the slip from cable friction grows with its square, and runout
+        moves the load between the cables.
         """
-        key, low, high = BOUNDS[part.kind]
-        size, best = part.size[key], self._without(basis, change)
-        small, large = 0.0, np.inf
-        before: tuple[float, float] | None = None
-        for _ in range(ROUNDS):
+        parts = [(part, *BOUNDS.get(part.kind, (next(iter(part.size)), -np.inf, np.inf))) for part in rival.parts]
+        unit = np.array([abs(part.size[key]) for part, key, _, _ in parts])
+        low, high = (np.array([bound[k] for bound in parts]) / unit for k in (2, 3))
+        slack = FAR * self._without(basis, change)
+
+        def left(factors: np.ndarray) -> np.ndarray:
+            made = [
+                replace(part, size={**part.size, key: float(factor * size)})
+                for (part, key, _, _), factor, size in zip(parts, factors, unit, strict=True)
+            ]
             try:
-                column = self.drum((*others, replace(part, size={key: size}))) - rest
-            except ValueError:  # a size at which the cables go slack
-                large = abs(size)
-                size = float(np.sign(size)) * 0.5 * (small + large)
-                continue
-            here = self._without(basis, change - column)
-            left, factors = self._left(basis, change, column[:, None])
-            factor = float(factors[0])
-            near = abs(factor - 1.0) < SETTLED
-            best = min(best, left if near else here, key=lambda one: float(one @ one))
-            wanted = float(np.clip(size * factor, low, high))
-            if near or wanted in (0.0, size):
-                break
-            if factor < 0.0 and before is None:  # the start has the other sign than the rival
-                size, before = wanted, (np.inf, np.inf)
-                continue
-            if factor > 1.0:
-                small = abs(size)
-            else:
-                large = abs(size)
-            now = float(np.log(abs(size))), float(np.log(max(factor, 1e-3)))
-            if before is not None and np.isfinite(before[0]) and now[1] != before[1]:
-                logarithm = now[0] - now[1] * (now[0] - before[0]) / (now[1] - before[1])
-                wanted = float(np.clip(np.sign(size) * np.exp(np.clip(logarithm, -30.0, 30.0)), low, high))
-            if not small < abs(wanted) < large:
-                middle = 0.5 * (small + large) if np.isfinite(large) else 2.0 * small
-                wanted = float(np.clip(np.sign(size) * middle, low, high))
-            size, before = wanted, now
-        return best
+                return self._without(basis, change - (self.drum((*others, *made)) - rest))
+            except ValueError:  # sizes at which the cables go slack
+                return slack
+
+        columns = np.stack([self.drum((*others, part)) - rest for part in rival.parts], axis=1)
+        begin = np.clip(self._left(basis, change, columns)[1], 0.99 * low, 0.99 * high)
+        while left(begin) is slack:
+            begin = 0.5 * begin
+        found = least_squares(left, begin, bounds=(low, high), diff_step=0.01, xtol=1e-3, max_nfev=ROUNDS)
+        return np.asarray(found.fun)
 
     def _basis(self, columns: Sequence[np.ndarray]) -> np.ndarray:
         table = np.hstack(list(columns))[self.used]
