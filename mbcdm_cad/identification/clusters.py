@@ -163,16 +163,30 @@ class Separation:
     """How well two effects are separated.
 
     ``probability`` of choosing the wrong one (0.5: pure chance); ``factor`` by which the effect must be larger, all
-    else equal, to be separated at 1 % (below 1: these data separate them).
+    else equal, to be separated at 1 % (below 1: these data separate them). ``reach``: half the sum of squares of the
+    difference d of the two predictions over the standard deviation of d . r, and ``square`` (rad^2) that sum.
     """
 
     probability: float
     factor: float
+    reach: float
+    square: float
 
     @property
     def apart(self) -> bool:
         """Whether these data separate them."""
         return self.probability <= TOLD_APART
+
+    def log_odds(self, excess: float) -> float:
+        """Logarithm of the odds of the better fit, both equally likely before; ``excess`` (rad^2) is the sum of squares
+        of the worse one less that of the better one.
+
+        With d = a - b and normal noise of variance s^2 along d, exp(-|r|^2 / 2) of the two fits along d gives
+        excess |d|^2 / (2 s^2); |d|^2 / s is twice the reach.
+        """
+        if self.square == 0.0:
+            return 0.0
+        return 2.0 * self.reach**2 * excess / self.square
 
     @property
     def words(self) -> str:
@@ -196,17 +210,19 @@ def separation(
     square = float(difference @ difference)
     sizes = float(np.linalg.norm(first) * np.linalg.norm(second))
     if square <= 1e-12 * sizes:
-        return Separation(0.5, np.inf)
+        return Separation(0.5, np.inf, 0.0, 0.0)
     return separated(square, clustered_deviation(difference * residual, sweep, sector))
 
 
 def separated(square: float, deviation: float) -> Separation:
     """Separation of two predictions whose difference d has the sum of squares ``square`` (rad^2), where the noise along
     it, d . r, has this standard ``deviation`` (rad^2)."""
+    if square == 0.0:
+        return Separation(0.5, np.inf, 0.0, 0.0)
     if deviation == 0.0:
-        return Separation(0.5, np.inf) if square == 0.0 else Separation(0.0, 0.0)
+        return Separation(0.0, 0.0, np.inf, square)
     reach = square / (2.0 * deviation)
-    return Separation(float(norm.sf(reach)), float(norm.isf(TOLD_APART) / reach))
+    return Separation(float(norm.sf(reach)), float(norm.isf(TOLD_APART) / reach), reach, square)
 
 
 def clustered_deviation(terms: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> float:

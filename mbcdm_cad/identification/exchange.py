@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
 from itertools import combinations
+from math import log
 
 import numpy as np
 from scipy.stats import t as t_distribution
@@ -23,11 +24,13 @@ from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.select import MUCH, Search
 from mbcdm_cad.routes import Floats
 
-# Two candidates are alike if the better one could be the wrong one (see ``clusters``), if their errors differ by less
-# than this many standard errors over the cells of sweep and sector, or by less than this share of the floor in
-# quadrature: so small a difference may be an error of the model.
-ALIKE_ERRORS = 2.0
+# Two fits are alike if their errors differ by less than this share of the floor in quadrature: so small a difference
+# may be an error of the model. They are apart if the data can separate them (see ``clusters``) and their errors differ
+# by so many standard errors over the cells of sweep and sector; or by fewer, if the odds of the better one are those
+# of ``TOLD_APART``.
 ALIKE_SHARE = 0.12
+CLEAR_ERRORS, LEAST_ERRORS = 2.0, 1.0
+LOG_ODDS = log(1.0 / TOLD_APART - 1.0)
 # Fits whose mean squares differ by a smaller share are the same: the fits end within this of their least.
 SAME_FIT = 1e-4
 # Effects or forms that are exchanged after the search.
@@ -152,12 +155,16 @@ class Exchanges:
             return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.search.floor_rad) ** 2:
             return True
-        if not self.apart(worse, better).apart:
-            return True
-        sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
-        cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
+        cell = np.unique(
+            self.fitter.sweep[used] * (int(self.fitter.sector.max()) + 1) + self.fitter.sector[used],
+            return_inverse=True,
+        )[1]
         sums = np.bincount(cell, excess)
-        return bool(sums.sum() < ALIKE_ERRORS * np.sqrt(np.sum(sums**2)))
+        errors = float(sums.sum() / np.sqrt(np.sum(sums**2)))
+        told = self.apart(worse, better)
+        if told.apart and errors >= CLEAR_ERRORS:
+            return False
+        return errors < LEAST_ERRORS or told.log_odds(float(sums.sum())) < LOG_ODDS
 
     def spread(self, fit: Fit, effect: Effect, fitter: Fitter) -> Floats:
         """Covariance of one effect's parameters, scaled so that 1.96 standard deviations make a 95 % interval.

@@ -178,9 +178,10 @@ class Search(TrialFits):
         for one in self._promising(now)[:MOST_FIRST]:
             grown = self._grown(one)
             explained = self.held_rms(now) ** 2 - self.held_rms(grown) ** 2
-            if self.held_rms(grown) ** 2 - self.floor_rad**2 > MOST_LEFT**2 * explained:
+            beyond = self.held_rms(grown) ** 2 - self.floor_rad**2
+            if self.too_much(grown) and beyond > MOST_LEFT**2 * explained:
                 continue
-            if all(self._borne_out(grown, effect) for effect in grown.effects):
+            if all(self._borne_out(grown, effect) or self._much(grown, effect) for effect in grown.effects):
                 self.note("supported together with the others", one.effects[-1], now, grown)
                 return grown
         return now
@@ -201,6 +202,11 @@ class Search(TrialFits):
             return one.square - self.screening.best_known_fall(one)
 
         return sorted(each.values(), key=promised)
+
+    def _much(self, fit: Fit, effect: Effect) -> bool:
+        """Whether ``fit`` leaves nothing above the noise, and much more without the effect."""
+        fall = self.held_rms(self.without(fit, effect)) ** 2 - self.held_rms(fit) ** 2
+        return fall > (MUCH * self.floor_rad) ** 2 and not self.too_much(fit)
 
     def _borne_out(self, fit: Fit, effect: Effect) -> bool:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))

@@ -22,8 +22,9 @@ MOST_REFITS = 7
 # A refit that reaches less than this share of its predicted fall is begun again, if that is near the greatest one.
 LOST_SHARE = 0.5
 MOST_THREADS = 4
-# Alternatives to an effect, the best first, that are fitted again beside a line or an event.
-MOST_AGAIN = 4
+# Alternatives to an effect, the best first, that are fitted again beside a line or an event, or if a shared effect has
+# moved by more than this share of its size.
+MOST_AGAIN, MOVED_SHARE = 4, 0.1
 
 
 class TrialFits:
@@ -119,16 +120,17 @@ class TrialFits:
         less = self.without(fit, effect)
         found = self.refits(less, self.close(less, 0.5, effect.name), 0.5)
         others = [one for one in found if one.effects[-1] is not effect]
-        if not any(one.once or one.order_index is not None for one in less.effects):
-            return others
-        begun = [partial(self._begun_at, fit, one) for one in others[:MOST_AGAIN]]
-        return sorted([*self.each(begun), *others[MOST_AGAIN:]], key=lambda one: one.square)
+        placed = any(one.once or one.order_index is not None for one in less.effects)
+        again = [one for one in others[:MOST_AGAIN] if placed or _moved(fit, one)]
+        begun = self.each([partial(self._begun_at, fit, one) for one in again])
+        return sorted([*begun, *(one for one in others if one not in again)], key=lambda one: one.square)
 
     @staticmethod
     def _begun_at(fit: Fit, one: Fit, fitter: Fitter) -> Fit:
         """The best of ``one``, a fit begun where the shared effects are in ``fit``, and one with their times searched.
 
-        Without the effect that is replaced, an order or a time may move so far that no fit finds the way back.
+        Without the effect that is replaced, an order, a time, or the friction of the cables may move so far that no fit
+        finds the way back.
         """
         shared = [fit.values_of(effect) for effect in one.effects[:-1]]
         begun = fitter.tried(one.effects, (*shared, one.values[-1]), one.offsets)
@@ -136,3 +138,10 @@ class TrialFits:
         if not any(effect.once for effect in one.effects):
             return best
         return min(filter(None, (best, located(fitter, best))), key=lambda each: each.square)
+
+
+def _moved(fit: Fit, one: Fit) -> bool:
+    """Whether an effect that ``one`` shares with ``fit`` is far from where it is there."""
+    return not all(
+        np.allclose(one.values_of(effect), fit.values_of(effect), rtol=MOVED_SHARE) for effect in one.effects[:-1]
+    )
