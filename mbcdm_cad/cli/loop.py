@@ -71,6 +71,8 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         following = next_run(loaded.drive, [one.run for one in vetted], report.result)
         if following is None:
             click.echo(f"\nno set of possible effects is left: {wanted.next} is not written")
+        elif not following.useful:
+            click.echo(f"\n{following.words()}\n{wanted.next} is not written")
         else:
             outputs[wanted.next] = following.text().encode()
             click.echo(f"\nnext run, {following.words()}")

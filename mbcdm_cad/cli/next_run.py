@@ -23,8 +23,9 @@ from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError
 
-# Below this probability of a wrong choice the first run of the list, which is the simplest, is good enough.
-SURE = 1e-3
+# Below this probability of a wrong choice the first run of the list, which is the simplest, is good enough. From the
+# other on a run is no better than what is known already, and is not proposed.
+SURE, USELESS = 1e-3, 0.2
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,17 @@ class NextRun:
     wrong_before: float
     wrong_after: float
 
+    @property
+    def useful(self) -> bool:
+        """Whether the run is likely to separate them."""
+        return self.wrong_after < USELESS
+
     def words(self) -> str:
         """The result as one sentence."""
         names = " from ".join(named.words for named in self.members)
+        if not self.useful:
+            ways = "; or ".join(dict.fromkeys(one.separate_by for one in self.members))
+            return f"no run within the travel, loads and time so far is likely to tell {names}. What would: {ways}"
         how = f"{self.experiment.about}: expected odds {odds(self.wrong_after)}, {odds(self.wrong_before)} so far"
         return f"to tell {names}: {how}"
 
@@ -53,18 +62,26 @@ def odds(wrong: float) -> str:
 
 
 def next_run(drive: Drive, runs: Sequence[Run], result: LoopResult) -> NextRun | None:
-    """The run that separates the first set of ``result`` best; None if there is no set."""
+    """The run that separates the first set of ``result`` that a run can separate; None if there is no set.
+
+    If no run can separate any, that which comes nearest.
+    """
     if not result.one_of or result.noise is None:
         return None
-    members, noise = result.one_of[0], result.noise
     step = float(np.median([run.step_s for run in runs]))
-    before = min(_wrong(drive, run, members, noise, run.step_s) for run in runs)
     limits = _limits(drive, runs, step)
-    tried = [(_wrong(drive, _planned(drive, one), members, noise, step), one) for one in candidates(drive, limits)]
-    sure = (pair for pair in tried if pair[0] < SURE)
-    wrong, best = next(sure, None) or min(tried, key=lambda pair: pair[0])
-    best = best.model_copy(update={"name": "next-run", "sample_rate_Hz": limits.sample_rate_Hz})
-    return NextRun(best, members, before, wrong)
+    planned = [(one, _planned(drive, one)) for one in candidates(drive, limits)]
+    found = []
+    for members in result.one_of:
+        tried = [(_wrong(drive, run, members, result.noise, step), one) for one, run in planned]
+        sure = (pair for pair in tried if pair[0] < SURE)
+        wrong, best = next(sure, None) or min(tried, key=lambda pair: pair[0])
+        before = min(_wrong(drive, run, members, result.noise, run.step_s) for run in runs)
+        best = best.model_copy(update={"name": "next-run", "sample_rate_Hz": limits.sample_rate_Hz})
+        found.append(NextRun(best, members, before, wrong))
+        if found[-1].useful:
+            break
+    return min(found, key=lambda one: one.wrong_after)
 
 
 def _limits(drive: Drive, runs: Sequence[Run], step_s: float) -> BenchLimits:

@@ -28,6 +28,12 @@ SLOW = [
     ("stiffness_modulus", 12003, "exact"),
     # Half sweeps of 2000 samples: half of them say too little of the ripple, all of them thinned say enough.
     ("stiffness_modulus+ripple_slow", 12008, "exact"),
+    # Ten half sweeps cannot support each of two large effects, but nothing above the noise is left beside both.
+    ("modulus_low+encoder_left", 18000, "exact"),
+    # Without the ratio the friction moves so far that a fit with the ratio has to begin where the friction was.
+    ("mu_low+ratio_radii", 18001, "set"),
+    # The odds of the right input are some 1e3 to 1, though its errors differ by less than two standard errors.
+    ("encoder_left", 17003, "exact"),
 ]
 
 

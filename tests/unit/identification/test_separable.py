@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import norm
+from scipy.stats import binom, norm
 
 from mbcdm_cad.identification.clusters import separation
 
@@ -64,3 +64,37 @@ def test_twins_are_never_told() -> None:
     twins = separation(first, first.copy(), np.ones(N), SWEEP, SECTOR)
     assert twins.probability == 0.5
     assert "at any size" in twins.words
+
+
+@pytest.mark.parametrize("strength", [2.0, 3.5, 5.0])
+def test_of_choices_at_odds_of_99_to_1_at_most_one_in_a_hundred_is_wrong(strength: float) -> None:
+    """Either effect may be true; the odds are counted where they are large enough, over 4000 runs."""
+    effects = pair(0.8, strength)
+    rng = np.random.default_rng(5)
+    right = wrong = 0
+    for k in range(4000):
+        noise = rng.standard_normal(N)
+        true, other = effects if k % 2 else effects[::-1]
+        squares = float((noise**2).sum()), float(((true + noise - other) ** 2).sum())
+        better = noise if squares[0] < squares[1] else true + noise - other
+        told = separation(true, other, better, SWEEP, SECTOR)
+        if told.log_odds(abs(squares[1] - squares[0])) >= np.log(99.0):
+            right, wrong = right + (squares[0] < squares[1]), wrong + (squares[0] > squares[1])
+    exact = sum(abs(squares_difference(effects, rng)) >= 2.0 * np.log(99.0) for _ in range(4000))
+    figures = f"right {right}, wrong {wrong}; decided with the noise known exactly {exact}"
+    print(figures)
+    assert wrong <= binom.ppf(0.999, right + wrong, 0.01), figures
+    # Noise that is estimated from clusters decides less often, not more often.
+    assert 0.25 * exact - 10 < right + wrong < 1.1 * exact + 20, figures
+
+
+def squares_difference(effects: tuple[np.ndarray, np.ndarray], rng: np.random.Generator) -> float:
+    """Sum of squares that the wrong effect leaves, less that of the right one, with white noise of one."""
+    first, second = effects
+    noise = rng.standard_normal(N)
+    return float(((first + noise - second) ** 2).sum() - (noise**2).sum())
+
+
+def test_twins_have_even_odds() -> None:
+    first, _ = pair(0.5, 5.0)
+    assert separation(first, first.copy(), np.ones(N), SWEEP, SECTOR).log_odds(0.0) == 0.0

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from mbcdm_cad.cli.next_run import next_run
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.noise import Noise
@@ -34,12 +36,14 @@ def planned(amplitude_rad: float, load_Nm: float | None = 0.9) -> Run:
 def named(name: str, stage: str | None, fitted: dict[str, float]) -> Named:
     run = prepare(planned(0.1), 9.0)[0]
     one = next(e for e in library(to_si(DRIVE), run) if e.name == name and e.stage == stage)
-    return Named(name, one.form, stage, one.cables, {}, {}, (), "", "", "", 0.0, fitted)
+    return Named(name, one.form, stage, one.cables, {}, {}, (), "", one.separate_by, "", 0.0, fitted)
 
 
 RATIO = named("ratio_error", None, {"share": 3e-4})
 DRUM = named("once_per_rev", "drum", {"cosine_rad": 0.0, "sine_rad": 3e-4})
 SOFT = named("stiffness_error", None, {"share": -0.3})
+EASY = named("cable_friction", None, {"share": -0.05})
+TENSE = named("preload_error", None, {"share": -0.05})
 
 
 @pytest.mark.parametrize("members", [(RATIO, DRUM), (DRUM, RATIO)])
@@ -61,3 +65,21 @@ def test_more_noise_tells_less_and_more_samples_more() -> None:
 def test_what_a_run_cannot_show_it_cannot_tell() -> None:
     assert wrong_choice(DRIVE, planned(0.4, None), (RATIO, SOFT), NOISE, STEP_S) == 0.5
     assert wrong_choice(DRIVE, planned(0.4), (RATIO, SOFT), NOISE, STEP_S) < 1e-6
+
+
+def proposed(*sets: tuple[Named, ...]) -> object:
+    """What ``--next`` proposes after a run of 90 s."""
+    return next_run(DRIVE, [planned(0.1)], SimpleNamespace(one_of=sets, noise=NOISE))
+
+
+def test_a_set_that_no_run_separates_gets_no_proposal_but_what_would_help() -> None:
+    following = proposed((EASY, TENSE))
+    print(following.words())
+    assert not following.useful and following.wrong_after > 0.2
+    assert following.words().startswith("no run within") and EASY.separate_by in following.words()
+
+
+def test_of_two_sets_the_proposed_run_settles_the_one_that_it_can() -> None:
+    following = proposed((EASY, TENSE), (RATIO, DRUM))
+    print(following.words())
+    assert following.useful and following.members == (RATIO, DRUM)

@@ -1,0 +1,162 @@
+"""How often the run that ``mbcdm loop --next`` proposes settles a set of effects, on simulated benches.
+
+    python tests/next_study.py --of out/bench-study.jsonl --store out/next-study.jsonl --jobs 2
+    python tests/next_study.py --store out/next-study.jsonl --table docs/next-run.md
+
+Taken are the runs of a bench study (tests/bench_study.py) that ended in a set with the true effect in it. Each is made
+again, the loop proposes the next run, the same bench makes it (the same servos, sensors and physics, other noise), and
+the loop judges both together. What happened in the first run stays: a cable that slipped has slipped, a rope that
+settles goes on settling.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import beta
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+
+from bench_data import Simulated, drum_angle, stream, write_run  # noqa: E402
+from bench_effects import Effect  # noqa: E402
+from bench_motion import RATE_HZ, Bench  # noqa: E402
+from bench_real import Truth, logged, simulate_real, tracked, truth_of  # noqa: E402
+from bench_score import outcome_of, said_of, same  # noqa: E402
+from scipy.ndimage import uniform_filter1d  # noqa: E402
+
+from mbcdm_cad.cli.next_run import next_run  # noqa: E402
+from mbcdm_cad.configurations.loader import load_design  # noqa: E402
+from mbcdm_cad.identification.engine import close_loop  # noqa: E402
+from mbcdm_cad.measurement.reading import load_measurement  # noqa: E402
+from mbcdm_cad.measurement.run import Run  # noqa: E402
+from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
+
+DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
+# Below this expected probability of a wrong choice the proposal promises to settle the set.
+PROMISED = 0.05
+# A load follows its command over this time, s; between the runs the bench stands for so long.
+LOAD_S, PAUSE_S = 0.2, 120.0
+
+
+def made(truth: Truth, experiment: Experiment, case: str, seed: int) -> Simulated:
+    """The proposed run on the bench of ``truth``."""
+    key = f"next/{case}"
+    rng = stream(key, seed, "motion")
+    time = np.arange(round(experiment.duration_s * RATE_HZ)) / RATE_HZ
+    drum = experiment.motion.drum_rad(time)
+    load = experiment.load.torque_Nm(time, drum, experiment.motion.period_s)
+    load = uniform_filter1d(load, round(LOAD_S * RATE_HZ), mode="nearest")
+    names = DRIVE.input_names
+    apart = [
+        sum(rng.normal(0.0, 2e-5) * np.sin(2.0 * np.pi * time / rng.uniform(30.0, 90.0)) for _ in range(3))
+        for _ in names
+    ]
+    air = 21.0 + rng.uniform(1.5, 3.0) * (1.0 - np.exp(-time / rng.uniform(50.0, 90.0)))
+    bench = Bench(time, np.array([truth.ratio * drum + one for one in apart]), load, np.gradient(drum, time), air)
+    bench = tracked(bench, truth.ratio, truth.traits, stream(key, seed, "tracking"))
+    later = tuple(_later(effect, truth.bench.time_s[-1] + PAUSE_S) for effect in truth.effects)
+    angle = drum_angle(truth.chain, names, bench, later, stream(key, seed, "wander"))
+    columns = ("inputs", "output", "torque", *(("temperature",) if truth.temperature else ()))
+    run = Simulated(truth.plan, bench, angle, {}, later, columns)
+    times, sensed = logged(run, truth.traits, truth.ratio, stream(key, seed, "sensors"))
+    shown = Bench(times, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
+    return Simulated(truth.plan, shown, sensed["output"], sensed, later, columns)
+
+
+def _later(effect: Effect, after_s: float) -> Effect:
+    """The effect in a run that begins ``after_s`` after the first one began."""
+    if "at_s" in effect.size:  # it has happened
+        return replace(effect, size={**effect.size, "at_s": -after_s})
+    if effect.kind == "settling":  # log(1 + (t + T) / t0) is log(1 + t / (t0 + T)) and a constant
+        return replace(effect, size={**effect.size, "time_s": effect.size["time_s"] + after_s})
+    return effect
+
+
+def _read(run: Simulated) -> Run:
+    with tempfile.TemporaryDirectory() as folder:
+        write_run(Path(folder), "run", run, DRIVE.input_names)
+        return load_measurement(Path(folder) / "run.yaml")
+
+
+def judged(task: tuple[str, int]) -> dict[str, Any]:
+    """The first run, the proposed one, and what the loop says of both."""
+    case, seed = task
+    truth = truth_of(DRIVE, case, seed)
+    first = _read(simulate_real(DRIVE, case, seed))
+    found = close_loop(DRIVE, [first])
+    row: dict[str, Any] = {"case": case, "seed": seed, "first": said_of(found.to_json())}
+    following = next_run(DRIVE, [first], found)
+    if following is None:
+        return row | {"settled": None}
+    second = _read(made(truth, following.experiment, case, seed))
+    members = [{"name": one.name, "stage": one.stage, "cables": one.cables} for one in following.members]
+    asked = next((effect for effect in truth.effects if any(same(one, effect) for one in members)), None)
+    result = close_loop(DRIVE, [first, second]).to_json()
+    return row | {
+        "asked": None if asked is None else asked.name,
+        "proposed": following.experiment.about,
+        "wrong_before": following.wrong_before,
+        "wrong_after": following.wrong_after,
+        "both": said_of(result),
+        "outcome": outcome_of(result, truth.effects),
+        "settled": asked is not None and any(same(one, asked) for one in result["effects"]),
+    }
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    """Settled sets by what the proposal expected, as Markdown."""
+    lines = [
+        "| the proposal expects | sets | settled rightly | share | 95 % | wrong name or wrong set |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    tests = (
+        ("a wrong choice in less than 5 %", lambda r: r["wrong_after"] < PROMISED),
+        ("more", lambda r: r["wrong_after"] >= PROMISED),
+        ("**all**", lambda r: True),
+    )
+    for words, chosen in tests:
+        some = [r for r in rows if chosen(r)]
+        right = sum(r["settled"] for r in some)
+        wrong = sum(r["outcome"] in ("wrong", "wrong set") for r in some)
+        if some:
+            low = float(beta.ppf(0.025, right, len(some) - right + 1)) if right else 0.0
+            high = float(beta.ppf(0.975, right + 1, len(some) - right)) if right < len(some) else 1.0
+            share = f"{right / len(some):.0%} | {low:.0%} to {high:.0%}"
+            lines.append(f"| {words} | {len(some)} | {right} | {share} | {wrong} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Parse and do."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--of", type=Path, help="store of a bench study")
+    parser.add_argument("--count", type=int, default=1000, help="at most so many sets")
+    parser.add_argument("--store", type=Path, default=ROOT / "out" / "next-study.jsonl")
+    parser.add_argument("--jobs", type=int, default=1)
+    options = parser.parse_args()
+    rows = [json.loads(line) for line in options.store.read_text().splitlines()] if options.store.exists() else []
+    done = {(r["case"], r["seed"]) for r in rows}
+    studied = [json.loads(line) for line in options.of.read_text().splitlines()] if options.of else []
+    ended = [(r["case"], r["seed"]) for r in studied if r["outcome"] == "set"]
+    wanted = [task for task in ended if task not in done][: options.count]
+    options.store.parent.mkdir(parents=True, exist_ok=True)
+    with options.store.open("a") as kept, multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
+        for row in pool.imap_unordered(judged, wanted):
+            rows.append(row)
+            kept.write(json.dumps(row) + "\n")
+            kept.flush()
+            print(json.dumps(row), flush=True)
+    print(table([r for r in rows if r["settled"] is not None]))
+
+
+if __name__ == "__main__":
+    main()
