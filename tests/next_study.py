@@ -43,12 +43,12 @@ from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 PAGE = """# Does the proposed run settle a set?
 
-Made by `{command}`: {runs} runs of the
-[study of benches](loop-benches.md) that ended in a set with the true effect in it. For each, `loop --next` proposed a run,
-the same simulated bench made it (same servos, sensors and physics, other noise), and the loop judged both runs together. A
-rope that settles goes on settling in the second run, a cable that slipped has slipped. *Settled rightly*: the true effect is
-named. Where the expected probability of a wrong choice is {useless:g} or more, the command proposes no run and says what would
-separate the effects; for this page the nearest run was made nevertheless.
+Made by `{command}`: {runs} runs of the [study of benches](loop-benches.md) that ended in a set with the true
+effect in it. For each, `loop --next` proposed a run, the same simulated bench made it (same servos, sensors and
+physics, other noise), and the loop judged both runs together. A rope that settles goes on settling in the
+second run, a cable that slipped has slipped. *Settled rightly*: the true effect is named. Where the expected
+probability of a wrong choice is {useless:g} or more, the command proposes no run and says what would separate
+the effects; for this page the nearest run was made nevertheless.
 
 {table}
 
