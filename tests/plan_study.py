@@ -186,13 +186,14 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 def page(rows: list[dict[str, Any]]) -> str:
     """The page of docs/."""
-    benches = len({r["bench"] for r in rows})
+    benches = sorted({r["bench"] for r in rows})
     return "\n".join(
         [
             "# Does a plan keep its promises?",
             "",
-            f"Made by `python tests/plan_study.py --benches 0:{benches}`: {len(rows)} runs on {benches} simulated",
-            "benches. The noise of each bench is 1.3 to 3 times what its declared encoder steps make; its two servos",
+            f"Made by `python tests/plan_study.py --benches {benches[0]}:{benches[-1] + 1}`: {len(rows)} runs on",
+            f"{len(benches)} simulated benches. The noise of each bench is 1.3 to 3 times what its declared encoder",
+            "steps make; its two servos",
             "track unlike; its cables are chains of pieces with Coulomb friction, not the equations of the model.",
             "",
             "On each bench a pilot run without an effect gives the noise (`mbcdm plan --noise-from`). The plan gives,",
