@@ -21,15 +21,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 from bench_data import Simulated, drum_angle, stream, write_run  # noqa: E402
 from bench_effects import Effect  # noqa: E402
-from bench_motion import RATE_HZ, Bench  # noqa: E402
-from bench_real import Truth, logged, simulate_real, tracked, truth_of  # noqa: E402
+from bench_motion import RATE_HZ, Bench, stray, warming_air  # noqa: E402
+from bench_page import interval  # noqa: E402
+from bench_real import Truth, shown, simulate_real, tracked, truth_of  # noqa: E402
 from bench_score import outcome_of, said_of, same  # noqa: E402
 from scipy.ndimage import uniform_filter1d  # noqa: E402
 
@@ -69,20 +69,12 @@ def made(truth: Truth, experiment: Experiment, case: str, seed: int) -> Simulate
     load = experiment.load.torque_Nm(time, drum, experiment.motion.period_s)
     load = uniform_filter1d(load, round(LOAD_S * RATE_HZ), mode="nearest")
     names = DRIVE.input_names
-    apart = [
-        sum(rng.normal(0.0, 2e-5) * np.sin(2.0 * np.pi * time / rng.uniform(30.0, 90.0)) for _ in range(3))
-        for _ in names
-    ]
-    air = 21.0 + rng.uniform(1.5, 3.0) * (1.0 - np.exp(-time / rng.uniform(50.0, 90.0)))
-    bench = Bench(time, np.array([truth.ratio * drum + one for one in apart]), load, np.gradient(drum, time), air)
+    inputs = np.array([truth.ratio * drum + stray(time, rng) for _ in names])
+    bench = Bench(time, inputs, load, np.gradient(drum, time), warming_air(time, rng))
     bench = tracked(bench, truth.ratio, truth.traits, stream(key, seed, "tracking"))
     later = tuple(_later(effect, truth.bench.time_s[-1] + PAUSE_S) for effect in truth.effects)
     angle = drum_angle(truth.chain, names, bench, later, stream(key, seed, "wander"))
-    columns = ("inputs", "output", "torque", *(("temperature",) if truth.temperature else ()))
-    run = Simulated(truth.plan, bench, angle, {}, later, columns)
-    times, sensed = logged(run, truth.traits, truth.ratio, stream(key, seed, "sensors"))
-    shown = Bench(times, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
-    return Simulated(truth.plan, shown, sensed["output"], sensed, later, columns)
+    return shown(truth, bench, angle, later, stream(key, seed, "sensors"))
 
 
 def _later(effect: Effect, after_s: float) -> Effect:
@@ -143,8 +135,7 @@ def table(rows: list[dict[str, Any]]) -> str:
         right = sum(r["settled"] for r in some)
         wrong = sum(r["outcome"] in ("wrong", "wrong set") for r in some)
         if some:
-            low = float(beta.ppf(0.025, right, len(some) - right + 1)) if right else 0.0
-            high = float(beta.ppf(0.975, right + 1, len(some) - right)) if right < len(some) else 1.0
+            low, high = interval(right, len(some))
             share = f"{right / len(some):.0%} | {low:.0%} to {high:.0%}"
             lines.append(f"| {words} | {len(some)} | {right} | {share} | {wrong} |")
     return "\n".join(lines)

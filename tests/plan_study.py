@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
@@ -30,6 +29,7 @@ from bench_data import Simulated, drum_angle, stream, write_run  # noqa: E402
 from bench_effects import ALL, Effect  # noqa: E402
 from bench_geometry import chain_of  # noqa: E402
 from bench_motion import Bench, Plan, bench_run  # noqa: E402
+from bench_page import interval  # noqa: E402
 from bench_real import Traits, draw_traits, logged, tracked  # noqa: E402
 from bench_score import outcome_of, said_of  # noqa: E402
 
@@ -153,13 +153,6 @@ def judged(number: int) -> Iterator[dict[str, Any]]:
                     "said": said_of(result),
                     "seconds": time.process_time() - start,
                 }
-
-
-def interval(right: int, of: int) -> tuple[float, float]:
-    """95 % interval of a share (Clopper and Pearson)."""
-    low = float(beta.ppf(0.025, right, of - right + 1)) if right else 0.0
-    high = float(beta.ppf(0.975, right + 1, of - right)) if right < of else 1.0
-    return low, high
 
 
 def table(rows: list[dict[str, Any]]) -> str:

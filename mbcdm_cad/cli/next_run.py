@@ -15,7 +15,7 @@ import numpy as np
 from mbcdm_cad.cli.bench_runs import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.identification.noise import Noise
-from mbcdm_cad.identification.result import LoopResult, Named
+from mbcdm_cad.identification.result import LoopResult, Named, ways_apart
 from mbcdm_cad.identification.separating import wrong_choice
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.errors import ModelError
@@ -23,8 +23,8 @@ from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.result import RigError
 
-# Below this probability of a wrong choice the first run of the list, which is the simplest, is good enough. From the
-# other on a run is no better than what is known already, and is not proposed.
+# Below the first probability of a wrong choice the first run of the list, which is the simplest, is good enough. From
+# the second on (odds of 4 to 1) a run is unlikely to settle the set, and is not proposed.
 SURE, USELESS = 1e-3, 0.2
 
 
@@ -46,8 +46,8 @@ class NextRun:
         """The result as one sentence."""
         names = " from ".join(named.words for named in self.members)
         if not self.useful:
-            ways = "; or ".join(dict.fromkeys(one.separate_by for one in self.members))
-            return f"no run within the travel, loads and time so far is likely to tell {names}. What would: {ways}"
+            limits = "within the travel, loads and time so far"
+            return f"no run {limits} is likely to tell {names}. What would: {ways_apart(self.members)}"
         how = f"{self.experiment.about}: expected odds {odds(self.wrong_after)}, {odds(self.wrong_before)} so far"
         return f"to tell {names}: {how}"
 
@@ -64,7 +64,7 @@ def odds(wrong: float) -> str:
 def next_run(drive: Drive, runs: Sequence[Run], result: LoopResult) -> NextRun | None:
     """The run that separates the first set of ``result`` that a run can separate; None if there is no set.
 
-    If no run can separate any, that which comes nearest.
+    If no run can separate any of them, the one that comes nearest.
     """
     if not result.one_of or result.noise is None:
         return None

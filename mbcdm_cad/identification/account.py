@@ -10,7 +10,7 @@ from mbcdm_cad.identification.effect import Effect, Figure
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.lines import order_spectrum
 from mbcdm_cad.identification.prepared import Prepared
-from mbcdm_cad.identification.result import Errors, Named, Traces, Value
+from mbcdm_cad.identification.result import Errors, Named, Traces, Value, ways_apart
 from mbcdm_cad.identification.unknown import Unknown
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
@@ -79,7 +79,7 @@ def next_steps(named: Sequence[Named], sets: Sequence[Sequence[Named]], unknown:
     """What to look at, and what would separate the members of a set."""
     steps = [f"{one.words}: look at {one.where_to_look}" for one in named]
     for group in sets:
-        ways = "; or ".join(dict.fromkeys(one.separate_by for one in group))
+        ways = ways_apart(group)
         steps.append(f"to tell {' from '.join(one.words for one in group)}: {ways}")
     if unknown is not None:
         steps.append("something unknown: repeat the run at another load and speed, and see whether it repeats")

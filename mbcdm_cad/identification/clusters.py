@@ -162,15 +162,22 @@ def _at_least(covariance: Floats, least: Floats) -> Floats:
 class Separation:
     """How well two effects are separated.
 
-    ``probability`` of choosing the wrong one (0.5: pure chance); ``factor`` by which the effect must be larger, all
-    else equal, to be separated at 1 % (below 1: these data separate them). ``reach``: half the sum of squares of the
-    difference d of the two predictions over the standard deviation of d . r, and ``square`` (rad^2) that sum.
+    ``reach``: half the sum of squares of the difference d of the two predictions over the standard deviation of d . r;
+    ``square`` (rad^2): that sum.
     """
 
-    probability: float
-    factor: float
     reach: float
     square: float
+
+    @property
+    def probability(self) -> float:
+        """Probability of choosing the wrong one, 0.5: pure chance."""
+        return float(norm.sf(self.reach))
+
+    @property
+    def factor(self) -> float:
+        """How many times as large the effect must be, all else equal, to be separated at 1 %; below 1: it is."""
+        return float(norm.isf(TOLD_APART) / self.reach) if self.reach > 0.0 else np.inf
 
     @property
     def apart(self) -> bool:
@@ -210,7 +217,7 @@ def separation(
     square = float(difference @ difference)
     sizes = float(np.linalg.norm(first) * np.linalg.norm(second))
     if square <= 1e-12 * sizes:
-        return Separation(0.5, np.inf, 0.0, 0.0)
+        return Separation(0.0, 0.0)
     return separated(square, clustered_deviation(difference * residual, sweep, sector))
 
 
@@ -218,11 +225,8 @@ def separated(square: float, deviation: float) -> Separation:
     """Separation of two predictions whose difference d has the sum of squares ``square`` (rad^2), where the noise along
     it, d . r, has this standard ``deviation`` (rad^2)."""
     if square == 0.0:
-        return Separation(0.5, np.inf, 0.0, 0.0)
-    if deviation == 0.0:
-        return Separation(0.0, 0.0, np.inf, square)
-    reach = square / (2.0 * deviation)
-    return Separation(float(norm.sf(reach)), float(norm.isf(TOLD_APART) / reach), reach, square)
+        return Separation(0.0, 0.0)
+    return Separation(square / (2.0 * deviation) if deviation > 0.0 else np.inf, square)
 
 
 def clustered_deviation(terms: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]) -> float:

@@ -21,7 +21,7 @@ from mbcdm_cad.identification.account import INTERVAL
 from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.identification.select import MUCH, Search
+from mbcdm_cad.identification.select import Search
 from mbcdm_cad.routes import Floats
 
 # Two fits are alike if their errors differ by less than this share of the floor in quadrature: so small a difference
@@ -97,8 +97,7 @@ class Exchanges:
         if len(found.effects) == len(fit.effects):
             return found
         # One effect more makes it easier to imitate a cause that the library does not have.
-        fall = self.search.held_rms(fit) ** 2 - self.search.held_rms(found) ** 2
-        return found if fall > (MUCH * self.search.floor_rad) ** 2 and not self.search.too_much(found) else None
+        return found if self.search.explained_by(found, fit, self.search.floor_rad) else None
 
     def _in_better_form(self, other: Fit, fit: Fit, effect: Effect) -> bool:
         """Whether ``other`` has ``effect`` in another form that no bench rules out, and fits better.
@@ -155,10 +154,8 @@ class Exchanges:
             return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.search.floor_rad) ** 2:
             return True
-        cell = np.unique(
-            self.fitter.sweep[used] * (int(self.fitter.sector.max()) + 1) + self.fitter.sector[used],
-            return_inverse=True,
-        )[1]
+        sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
+        cell = np.unique(sweep * (int(sector.max()) + 1) + sector, return_inverse=True)[1]
         sums = np.bincount(cell, excess)
         errors = float(sums.sum() / np.sqrt(np.sum(sums**2)))
         told = self.apart(worse, better)

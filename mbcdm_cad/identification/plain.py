@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from mbcdm_cad.identification.result import LoopResult, Named, Value, size_of
+from mbcdm_cad.identification.result import LoopResult, Named, Value, size_of, ways_apart
 
 
 def finding(result: LoopResult) -> str:
@@ -53,7 +53,7 @@ def steps(result: LoopResult) -> list[str]:
     """What to do next."""
     found = [_sentence(f"look at: {named.where_to_look}") for named in result.effects]
     for group in result.one_of:
-        ways = "; or ".join(dict.fromkeys(one.separate_by for one in group))
+        ways = ways_apart(group)
         found.append(_sentence(f"to find out which it is: {ways}, or let 'mbcdm loop --next' plan the run"))
     found += [_sentence(f"look at: {one.named.where_to_look}") for one in result.helpful]
     if result.unknown is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -92,6 +92,11 @@ class Named:
             "explains_rms_rad": self.fall_rad,
         }
         return found
+
+
+def ways_apart(members: Iterable[Named]) -> str:
+    """What would separate the members of a set, each way once."""
+    return "; or ".join(dict.fromkeys(one.separate_by for one in members))
 
 
 @dataclass(frozen=True)

@@ -171,8 +171,7 @@ class Search(TrialFits):
             # left. What it does may not repeat and stand in the floor, so the noise that it leaves counts where that is
             # less.
             floor = min(self.floor_rad, self.noise_left(one).total_rad)
-            much = self.held_rms(now) ** 2 - self.held_rms(one) ** 2 > (MUCH * floor) ** 2
-            if much and not self.too_much(one):
+            if self.explained_by(one, now, floor):
                 self.note("leaves only noise", one.effects[-1], now, one)
                 return self.backward(one)
         for one in self._promising(now)[:MOST_FIRST]:
@@ -181,7 +180,7 @@ class Search(TrialFits):
             beyond = self.held_rms(grown) ** 2 - self.floor_rad**2
             if self.too_much(grown) and beyond > MOST_LEFT**2 * explained:
                 continue
-            if all(self._borne_out(grown, effect) or self._much(grown, effect) for effect in grown.effects):
+            if all(self._borne_out(grown, effect) or self._explains_much(grown, effect) for effect in grown.effects):
                 self.note("supported together with the others", one.effects[-1], now, grown)
                 return grown
         return now
@@ -203,10 +202,14 @@ class Search(TrialFits):
 
         return sorted(each.values(), key=promised)
 
-    def _much(self, fit: Fit, effect: Effect) -> bool:
-        """Whether ``fit`` leaves nothing above the noise, and much more without the effect."""
-        fall = self.held_rms(self.without(fit, effect)) ** 2 - self.held_rms(fit) ** 2
-        return fall > (MUCH * self.floor_rad) ** 2 and not self.too_much(fit)
+    def explained_by(self, fit: Fit, less: Fit, floor_rad: float) -> bool:
+        """Whether ``fit`` leaves nothing above the noise and explains much that ``less`` does not, compared with a
+        floor."""
+        fall = self.held_rms(less) ** 2 - self.held_rms(fit) ** 2
+        return fall > (MUCH * floor_rad) ** 2 and not self.too_much(fit)
+
+    def _explains_much(self, fit: Fit, effect: Effect) -> bool:
+        return self.explained_by(fit, self.without(fit, effect), self.floor_rad)
 
     def _borne_out(self, fit: Fit, effect: Effect) -> bool:
         return supported(self.fitter, self.without(fit, effect), fit.with_last(effect), len(self.library))

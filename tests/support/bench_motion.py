@@ -53,10 +53,7 @@ def bench_run(plan: Plan, ratio: float, inputs: int, rng: np.random.Generator) -
     shape = np.sin(phase) if plan.wave in ("sine", "paced") else 2.0 / np.pi * np.arcsin(np.sin(phase))
     drum = plan.amplitude_rad * (_soft(shape, 0.1) - _soft(shape, 0.1)[0])
     common = ratio * drum
-    pairs = []
-    for _ in range(inputs):
-        slow = sum(rng.normal(0.0, 2e-5) * np.sin(2.0 * np.pi * t / rng.uniform(30.0, 90.0)) for _ in range(3))
-        pairs.append(common + slow)
+    pairs = [common + stray(t, rng) for _ in range(inputs)]
     speed = np.gradient(drum, t)
     forward = np.tanh(speed / (0.02 * plan.amplitude_rad * plan.frequency_hz * 4.0))
     sweep = np.floor(2.0 * plan.frequency_hz * t + 0.5).astype(int)
@@ -75,8 +72,18 @@ def bench_run(plan: Plan, ratio: float, inputs: int, rng: np.random.Generator) -
         load = np.zeros(n)
     load = _soft(load, 0.2)
     load = load - load[0] * np.exp(-t / 0.1)
-    air = 21.0 + rng.uniform(1.5, 3.0) * (1.0 - np.exp(-t / rng.uniform(50.0, 90.0)))
-    return Bench(t, np.array(pairs), load, speed, air)
+    return Bench(t, np.array(pairs), load, speed, warming_air(t, rng))
+
+
+def stray(time_s: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Slow deviation of one servo from its command, rad at the input."""
+    waves = (rng.normal(0.0, 2e-5) * np.sin(2.0 * np.pi * time_s / rng.uniform(30.0, 90.0)) for _ in range(3))
+    return np.asarray(sum(waves))
+
+
+def warming_air(time_s: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Temperature of the air, degC."""
+    return 21.0 + rng.uniform(1.5, 3.0) * (1.0 - np.exp(-time_s / rng.uniform(50.0, 90.0)))
 
 
 def read_sensors(bench: Bench, drum_rad: np.ndarray, rng: np.random.Generator) -> dict[str, np.ndarray]:

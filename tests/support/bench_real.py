@@ -343,8 +343,15 @@ def simulate_real(drive: Drive, name: str, seed: int, without_effects: bool = Fa
     truth, key = truth_of(drive, name, seed), f"real/{name}"
     effects = () if without_effects else truth.effects
     drum = drum_angle(truth.chain, drive.input_names, truth.bench, effects, stream(key, seed, "wander"))
+    return shown(truth, truth.bench, drum, effects, stream(key, seed, "sensors"))
+
+
+def shown(
+    truth: Truth, bench: Bench, drum_rad: np.ndarray, effects: tuple[Effect, ...], rng: np.random.Generator
+) -> Simulated:
+    """A run as the logger of the bench of ``truth`` shows it."""
     columns = ("inputs", "output", "torque", *(("temperature",) if truth.temperature else ()))
-    run = Simulated(truth.plan, truth.bench, drum, {}, effects, columns)
-    time, sensed = logged(run, truth.traits, truth.ratio, stream(key, seed, "sensors"))
-    shown = Bench(time, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
-    return Simulated(truth.plan, shown, sensed["output"], sensed, effects, columns)
+    run = Simulated(truth.plan, bench, drum_rad, {}, effects, columns)
+    time, sensed = logged(run, truth.traits, truth.ratio, rng)
+    seen = Bench(time, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
+    return Simulated(truth.plan, seen, sensed["output"], sensed, effects, columns)
