@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from functools import partial
 from math import sqrt
-from operator import itemgetter
-from typing import Any
 
 from mbcdm_cad.checks.fixings import CLAMP_SAFETY, FRICTION, clamp_force_N, grip_Nmm
 from mbcdm_cad.checks.input_pulley import FIT_MM, SHOULDER_MM
@@ -16,14 +14,24 @@ from mbcdm_cad.configurations.common_rules import COLLAR_SCREWS
 from mbcdm_cad.configurations.miso_bevel.checks.guide_fits import STRESS_SAFETY
 from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
+from mbcdm_cad.configurations.miso_bevel.sizing.picking import (
+    Entry,
+    Margins,
+    by_mass,
+    careful,
+    first,
+    lightest,
+    ordered,
+    with_partner,
+)
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_step_mm, take_up_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, DOWEL_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.parts.collar.dims import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm
-from mbcdm_cad.sizing.arithmetic import PerDesign, greatest, index_of_greatest, least, number
-from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
+from mbcdm_cad.sizing.arithmetic import greatest, least, number
+from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
 
 # An input carries half the peak torque, a little more in the direction of the bias of its preload.
 TORQUE_SPARE = 1.095
@@ -49,85 +57,8 @@ STUD_SPARE = 1.2
 
 # Thickness of the top plate over the width of the upper bearing, besides the wall of its shoulder.
 PLATE_SPARE_MM = 0.3
-# Texts of a choice that meets all margins.
-LIGHTEST = "lightest of the catalogue"
 # Gap from swage to lug with the terminal drawn in: the rounded corner of the pocket and a clearance.
 END_ROOM_MM = 0.5
-
-Entry = Mapping[str, Any]
-# Margins by check, as shares of its limit; negative if it fails.
-Margins = Mapping[str, float]
-
-
-def _kept(margins: Margins) -> bool:
-    """Whether no margin is negative; margins that are equal for all designs are tested first."""
-    return all(m >= 0.0 for m in margins.values() if not isinstance(m, PerDesign)) and bool(
-        least(*margins.values()) >= 0.0
-    )
-
-
-def _first(candidates: Iterable[tuple[str, Callable[[], Margins]]]) -> Found:
-    """The first candidate whose margins are all kept; else the one that misses least.
-
-    A candidate is (name, function that computes its margins), the lightest first; later ones than the result are not
-    computed.
-    """
-    refused: list[tuple[str, Margins]] = []
-    for name, worked_out in candidates:
-        margins = worked_out()
-        if _kept(margins):
-            return Found(name, driver_of(refused[-1][1], min) if refused else "", LIGHTEST)
-        refused.append((name, margins))
-    name, margins = refused[index_of_greatest([least(*margins.values()) for _, margins in refused])]
-    return Found(name, driver_of(margins, min), "nothing in the catalogue does: the nearest")
-
-
-def _careful(factors: tuple[float, float], pick: Callable[[float], Found]) -> Found:
-    """The choice with the first factor on the load, or with the second if no part carries the first."""
-    found = pick(factors[0])
-    return found if found.rounding == LIGHTEST else pick(factors[1])
-
-
-def _by_mass(entry: Entry, other: Entry) -> float:
-    return float(entry["mass_g"] + other["mass_g"])
-
-
-def _with_partner(
-    given: BevelKnown,
-    kind: str,
-    partner: tuple[str, str],
-    margins: Callable[[Entry, Entry], Margins],
-    order: Callable[[Entry, Entry], float] = _by_mass,
-) -> Found:
-    """The entry of a kind that is first in ``order`` together with a partner (its kind, its field).
-
-    A given partner is kept.
-    """
-    other_kind, field = partner
-    others = given.entries(other_kind)
-    if given.has(field):
-        others = {given[field]: given.entry(other_kind, field)}
-    pairs = [
-        (order(entry, other), f"{name} {other_name}", entry, other)
-        for name, entry in given.entries(kind).items()
-        # A motor with its own shaft is chosen if the file wants no gearhead.
-        if "shaft_diameter_mm" not in entry
-        for other_name, other in others.items()
-    ]
-    pairs.sort(key=itemgetter(0, 1))
-    best = _first((names, partial(margins, entry, other)) for _, names, entry, other in pairs)
-    return Found(best.value.split(" ")[0], best.driver, best.rounding)
-
-
-def _lightest(given: BevelKnown, kind: str, margins: Callable[[Entry], Margins]) -> Found:
-    """The lightest entry of a kind whose margins are all kept."""
-    return _ordered(given.entries(kind), "mass_g", margins)
-
-
-def _ordered(entries: Mapping[str, Entry], by: str, margins: Callable[[Entry], Margins]) -> Found:
-    """The first of the entries whose margins are all kept, the smallest ``by`` one of their fields first."""
-    listed = sorted((entry[by], name) for name, entry in entries.items())
-    return _first((name, partial(margins, entries[name])) for _, name in listed)
 
 
 def _share_N(given: BevelKnown) -> float:
@@ -171,16 +102,16 @@ def _motor(given: BevelKnown) -> Found:
     if given.get("drive.gearhead") == NO_GEARHEAD:
         faces = given.motors_with_faces()
         motors = {name: motor for name, (motor, _) in faces.items()}
-        return _first(
+        return first(
             (name, partial(_motor_margins, given, *faces[name]))
             for name in sorted(motors, key=lambda name: (motors[name]["mass_g"], name))
         )
-    return _with_partner(given, "motors", ("gearheads", "drive.gearhead"), partial(_motor_margins, given))
+    return with_partner(given, "motors", ("gearheads", "drive.gearhead"), partial(_motor_margins, given))
 
 
 def _gearhead(given: BevelKnown) -> Found:
     motor = given.entry("motors", "drive.motor")
-    return _lightest(given, "gearheads", lambda head: _motor_margins(given, motor, head))
+    return lightest(given, "gearheads", lambda head: _motor_margins(given, motor, head))
 
 
 def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
@@ -204,7 +135,7 @@ def _tensioner(given: BevelKnown) -> Found:
             "take_up": entry["stud_length_mm"] / _stud_needed_mm(given, entry) - 1.0,
         }
 
-    return _ordered(given.entries("tensioners"), "stud_length_mm", margins)
+    return ordered(given.entries("tensioners"), "stud_length_mm", margins)
 
 
 def _smallest_input_mm(given: BevelKnown) -> float:
@@ -236,7 +167,7 @@ def _lower(given: BevelKnown) -> Found:
             "input_bearings": bearing["static_rating_N"] / (load_factor * preload) - 1.0,
         }
 
-    return _careful(INPUT_PRELOADS, lambda factor: _lightest(given, "bearings", partial(margins, factor)))
+    return careful(INPUT_PRELOADS, lambda factor: lightest(given, "bearings", partial(margins, factor)))
 
 
 def _upper_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, Entry], Margins]:
@@ -264,15 +195,15 @@ def _upper_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, En
 
 def _upper(given: BevelKnown) -> Found:
     partner = ("encoders", "drive.encoder")
-    return _careful(
-        INPUT_PRELOADS, lambda factor: _with_partner(given, "bearings", partner, _upper_margins(given, factor))
+    return careful(
+        INPUT_PRELOADS, lambda factor: with_partner(given, "bearings", partner, _upper_margins(given, factor))
     )
 
 
 def _encoder(given: BevelKnown) -> Found:
     bearing = given.entry("bearings", "input_pulleys.upper_bearing")
     margins = _upper_margins(given, INPUT_PRELOADS[-1])
-    return _lightest(given, "encoders", lambda entry: margins(bearing, entry))
+    return lightest(given, "encoders", lambda entry: margins(bearing, entry))
 
 
 def _collar_screw(given: BevelKnown) -> Found:
@@ -318,16 +249,16 @@ def _by_boss(bearing: Entry, ring: Entry) -> float:
 
 
 def _drum_bearing(given: BevelKnown) -> Found:
-    partner, order = ("encoders", "drive.drum_encoder"), _by_boss if _is_small(given) else _by_mass
-    return _careful(
-        DRUM_TENSIONS, lambda factor: _with_partner(given, "bearings", partner, _drum_margins(given, factor), order)
+    partner, order = ("encoders", "drive.drum_encoder"), _by_boss if _is_small(given) else by_mass
+    return careful(
+        DRUM_TENSIONS, lambda factor: with_partner(given, "bearings", partner, _drum_margins(given, factor), order)
     )
 
 
 def _drum_encoder(given: BevelKnown) -> Found:
     bearing, margins = given.entry("bearings", "drum.bearing"), _drum_margins(given, DRUM_TENSIONS[-1])
     by = "bolt_circle_mm" if _is_small(given) else "mass_g"
-    return _ordered(given.entries("encoders"), by, lambda entry: margins(bearing, entry))
+    return ordered(given.entries("encoders"), by, lambda entry: margins(bearing, entry))
 
 
 def _guide_bearing(given: BevelKnown) -> Found:
@@ -345,7 +276,7 @@ def _guide_bearing(given: BevelKnown) -> Found:
             found["guide_wall"] = room / bearing["outer_diameter_mm"] - 1.0
         return found
 
-    return _lightest(given, "bearings", margins)
+    return lightest(given, "bearings", margins)
 
 
 TENSIONER = (
