@@ -273,10 +273,37 @@ class Design(Block):
     """A cable drive.
 
     A configuration's own schema extends it: ``configuration`` becomes the one word that names it, ``inputs`` and
-    ``cables`` get the fields that it needs of each, and ``ORDER`` says where its own blocks stand in the file.
+    ``cables`` get the fields that it needs of each. ``ORDER`` also names the blocks that only some configurations have;
+    a block that it does not name comes last.
     """
 
     model_config = ConfigDict(title="Design")
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "schema_version",
+        "name",
+        "configuration",
+        "travel",
+        "transmission",
+        "inputs",
+        "cables",
+        "rope",
+        "clearances",
+        "drive",
+        "drum",
+        "guide",
+        "input_pulleys",
+        "support",
+        "loads",
+        "limits",
+        "making",
+        "printing",
+        "targets",
+        "export",
+        "waivers",
+        "as_built",
+        "catalogue",
+    )
 
     schema_version: Annotated[Integer, Field(ge=1, le=1)] = choice("version of this file's layout")
     name: Slug = choice("name of the design and of its output folder: a-z, 0-9, _ and -")

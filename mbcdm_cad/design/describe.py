@@ -22,7 +22,7 @@ _PLAIN = re.compile(
 
 
 class _InOrder(GenerateJsonSchema):
-    """Keeps the order of the schema's source, also of examples; blocks with an ``ORDER`` begin with its fields."""
+    """Keeps the order of the schema's source, also of examples; ``ORDER`` says which fields of a block come first."""
 
     def sort(self, value: Any, parent_key: str | None = None) -> Any:
         return value
@@ -31,7 +31,7 @@ class _InOrder(GenerateJsonSchema):
         node = super().model_schema(schema)
         first = getattr(schema["cls"], "ORDER", ())
         if first:
-            order = dict.fromkeys([*first, *node["properties"]])
+            order = dict.fromkeys([*(name for name in first if name in node["properties"]), *node["properties"]])
             node["properties"] = {name: node["properties"][name] for name in order}
             node["required"] = [name for name in order if name in node["required"]]
         return node

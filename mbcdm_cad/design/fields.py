@@ -27,7 +27,7 @@ class Block(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
-    # Order of the fields in files and on pages, where a block that extends another puts its own between them.
+    # The first fields in files and on pages, with those that a block which extends this one may put between them.
     ORDER: ClassVar[tuple[str, ...]] = ()
 
 

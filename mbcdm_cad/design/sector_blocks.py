@@ -5,6 +5,8 @@ As in :mod:`mbcdm_cad.design.blocks`, the reference values with their sources ar
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from mbcdm_cad.design.blocks import Cable
 from mbcdm_cad.design.fields import Block, EntryName, Number, choice, quantity
 
@@ -26,6 +28,8 @@ class SectorClearances(Block):
 
 class SectorCable(Cable):
     """A cable that ends in a terminal on the drum."""
+
+    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N", "terminal_angle_deg")
 
     terminal_angle_deg: Number | None = quantity(
         "angle on the centred drum, from the direction of the pulley before it, at which the cable leaves its land for "
@@ -62,6 +66,8 @@ class SectorDrum(Block):
 
 class SteppedPulleys(Block):
     """Input pulleys, carried by a bearing at both ends."""
+
+    ORDER: ClassVar[tuple[str, ...]] = ("material", "surface", "lower_bearing", "upper_bearing")
 
     material: EntryName = choice("material of the pulleys")
     lower_bearing: EntryName = choice("bearing towards the gearhead")

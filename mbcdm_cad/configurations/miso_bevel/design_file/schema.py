@@ -6,7 +6,7 @@ blocks that all configurations share are in :mod:`mbcdm_cad.configurations.miso_
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, ESTIMATE, INPUTS
 from mbcdm_cad.design.blocks import Design, Input, Length, SpanLimits, WoundRope
@@ -128,8 +128,6 @@ class Guide(Block):
 class InputPulleys(SteppedPulleys):
     """Input pulleys, carried by a bearing at both ends."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("material", "surface", "lower_bearing", "upper_bearing")
-
     material: EntryName = choice("material of both pulleys")
     surface: Literal["smooth", "grooved"] = choice(
         "smooth lands, or a helical groove for each cable, which allows limits.fleet_angle_grooved_max_deg",
@@ -195,40 +193,12 @@ class BevelInput(Input):
 class BevelCable(SectorCable):
     """A cable from an input pulley over the guide to the drum."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N", "terminal_angle_deg")
-
     step: Integer = choice("step of guide and drum it runs on, 1 the smallest", source="Table 2", ge=1, le=4)
     drum_side: Side = choice("side to which it runs on the drum from the transfer point", source="Fig. 2")
 
 
 class BevelDesign(Design):
     """A cable drive."""
-
-    ORDER: ClassVar[tuple[str, ...]] = (
-        "schema_version",
-        "name",
-        "configuration",
-        "travel",
-        "transmission",
-        "inputs",
-        "cables",
-        "rope",
-        "clearances",
-        "drive",
-        "drum",
-        "guide",
-        "input_pulleys",
-        "support",
-        "loads",
-        "limits",
-        "making",
-        "printing",
-        "targets",
-        "export",
-        "waivers",
-        "as_built",
-        "catalogue",
-    )
 
     configuration: Literal["miso_bevel"] = choice(
         "layout: miso_bevel is (d) of Fig. 1, two inputs and a bevel transfer", source="Fig. 1", reference="miso_bevel"

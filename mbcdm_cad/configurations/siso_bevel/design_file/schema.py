@@ -5,7 +5,7 @@ Reference values of shared blocks are in :mod:`mbcdm_cad.configurations.siso_bev
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from mbcdm_cad.configurations.siso_bevel.design_file.reference import CABLES, CHOSEN, ESTIMATE, INPUTS
 from mbcdm_cad.design.blocks import Design, Input, Length
@@ -115,39 +115,12 @@ class ColumnSupport(Block):
 class DirectCable(SectorCable):
     """A cable from the input pulley to the drum."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "step", "drum_side", "preload_N", "terminal_angle_deg")
-
     step: Integer = choice("step of input and drum, 1 the smaller", ge=1, le=2)
     drum_side: Literal["-x", "+x"] = choice("side of the drum, from the transfer point")
 
 
 class DirectDesign(Design):
     """A cable drive."""
-
-    ORDER: ClassVar[tuple[str, ...]] = (
-        "schema_version",
-        "name",
-        "configuration",
-        "travel",
-        "transmission",
-        "inputs",
-        "cables",
-        "rope",
-        "clearances",
-        "drive",
-        "drum",
-        "input_pulleys",
-        "support",
-        "loads",
-        "limits",
-        "making",
-        "printing",
-        "targets",
-        "export",
-        "waivers",
-        "as_built",
-        "catalogue",
-    )
 
     configuration: Literal["siso_bevel"] = choice(
         "layout: siso_bevel is (c) of Fig. 1, one input straight onto the drum", source="Fig. 1", reference="siso_bevel"

@@ -107,8 +107,6 @@ class SpurDrum(SectorDrum):
 class SpurPulleys(SteppedPulleys):
     """The input pulley, carried by a bearing at both ends."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("material", "surface", "lower_bearing", "upper_bearing")
-
     surface: Literal["smooth", "grooved"] = choice(
         "a smooth land, or a helical groove that leads each cable",
         source="usual in built capstan drives",
@@ -195,38 +193,11 @@ class SpurLimits(Limits):
 class SpurSide(SectorCable):
     """One side of the cable, or one of two anchored cables, from the input to the drum."""
 
-    ORDER: ClassVar[tuple[str, ...]] = ("name", "input", "drum_side", "preload_N", "terminal_angle_deg")
-
     drum_side: Literal["-x", "+x"] = choice("side of the drum, from the line of centres")
 
 
 class SpurBlocks(Design):
     """The blocks of a drive whose cables go round inputs beside the drum."""
-
-    ORDER: ClassVar[tuple[str, ...]] = (
-        "schema_version",
-        "name",
-        "configuration",
-        "travel",
-        "transmission",
-        "inputs",
-        "cables",
-        "rope",
-        "clearances",
-        "drive",
-        "drum",
-        "input_pulleys",
-        "support",
-        "loads",
-        "limits",
-        "making",
-        "printing",
-        "targets",
-        "export",
-        "waivers",
-        "as_built",
-        "catalogue",
-    )
 
     transmission: SpurTransmission
     cables: tuple[SpurSide, ...]
