@@ -34,10 +34,12 @@ $(VENV)/.ready: requirements.lock pyproject.toml
 picture: setup
 	$(BIN)/mbcdm picture $(DESIGN) docs/pictures/assembly.png
 
-# Pages written from schema and catalogue: the reference page and the list of entries.
+# Pages written from the package: both references, the list of catalogue entries, the checks.
 docs: setup
 	$(BIN)/mbcdm schema --reference > docs/design-file.md
+	$(BIN)/mbcdm schema --reference --measurement > docs/measurement-file.md
 	$(BIN)/mbcdm catalogue --markdown > docs/catalogue.md
+	$(BIN)/python -m mbcdm_cad.report.checks_page > docs/checks.md
 
 # The drives of params/gallery with their pictures and key figures.
 gallery: setup

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from math import sqrt
 
@@ -28,8 +27,6 @@ _COARSE_MM = {
 _TRIANGLE = sqrt(3.0) / 2.0
 # A bottoming tap cuts no full thread on its last turns.
 TAP_LEAD_PITCHES = 2.0
-# Length of engagement, in diameters, at which the screw breaks before the thread of the nut material strips.
-ENGAGEMENT_DIAMETERS = {"steel": 1.0, "aluminium": 1.5, "plastic": 2.0}
 
 
 @dataclass(frozen=True)
@@ -69,10 +66,6 @@ class Thread:
         """Depth of full thread in a blind hole drilled to ``drilled_mm``."""
         return max(0.0, drilled_mm - TAP_LEAD_PITCHES * self.pitch_mm)
 
-    def engagement_mm(self, material_kind: str) -> float:
-        """Required length of engagement in ``steel``, ``aluminium`` or ``plastic``, mm."""
-        return ENGAGEMENT_DIAMETERS[material_kind] * self.nominal_mm
-
 
 def thread(nominal_mm: float) -> Thread:
     """The coarse thread of a nominal diameter. Raises ``ValueError`` naming the sizes there are."""
@@ -81,11 +74,3 @@ def thread(nominal_mm: float) -> Thread:
         sizes = ", ".join(f"{d:g}" for d in _COARSE_MM)
         raise ValueError(f"thread M{nominal_mm:g}: not a coarse thread of the table; choose one of {sizes} mm")
     return Thread(found[0], *found[1])
-
-
-def thread_named(name: str) -> Thread:
-    """The thread of a designation such as ``M2.5`` (anything after ``x`` or ``-`` is left aside)."""
-    found = re.match(r"M(\d+(?:\.\d+)?)", name)
-    if found is None:
-        raise ValueError(f"thread {name!r}: not a metric thread; write it as M2.5")
-    return thread(float(found.group(1)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mbcdm_cad.parts.threads import thread, thread_named
+from mbcdm_cad.parts.threads import thread
 
 # Nominal: pitch, d2, D1, tap drill, stress area (ISO 261, 724, 2306, 898-1).
 PRINTED = {
@@ -36,10 +36,7 @@ def test_tap_drill_leaves_thread_and_clears_its_root(nominal: float) -> None:
 
 
 def test_names() -> None:
-    assert thread_named("M2.5x6").nominal_mm == 2.5
     assert thread(2.0).name == "M2"
-    with pytest.raises(ValueError, match="not a metric thread"):
-        thread_named("UNC 4-40")
     with pytest.raises(ValueError, match=r"M2\.7"):
         thread(2.7)
 
@@ -47,4 +44,3 @@ def test_names() -> None:
 def test_depths() -> None:
     found = thread(2.0)
     assert found.full_thread_mm(4.9) == pytest.approx(4.1)
-    assert found.engagement_mm("aluminium") == 3.0

@@ -137,11 +137,6 @@ def frame_compliance(layout: Layout) -> FrameCompliance:
     return FrameCompliance(sum(shares.values()), shares)
 
 
-def frame_windup_mrad(layout: Layout, torque_Nm: float) -> float:
-    """Rotation of the drum by the support's deflection under ``torque_Nm`` on the drum, mrad."""
-    return frame_compliance(layout).windup_mrad(torque_Nm)
-
-
 def frame_study(layout: Layout) -> FrameStudy:
     """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
 
