@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mbcdm_cad.identification.clusters import cluster_estimate, clustered_deviation, separated
+from mbcdm_cad.identification.clusters import Separation, cluster_estimate, clustered_deviation, separated, separation
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.lines import line_of
 from mbcdm_cad.identification.noise import Noise, noise_of
@@ -46,6 +46,19 @@ def chance(fitter: Fitter, fit: Fit) -> float:
 def noise_left(fitter: Fitter, fit: Fit) -> Noise:
     """The noise in the residual of a fit."""
     return noise_of(fitter.base, [fit.residual[part] for part in fitter.parts])
+
+
+def separation_of(fitter: Fitter, worse: Fit, better: Fit) -> Separation:
+    """How well the data separate two fits."""
+    used = fitter.used
+    here = better.residual[used]
+    return separation(-here, -worse.residual[used], here, fitter.sweep[used], fitter.sector[used])
+
+
+def log_odds(fitter: Fitter, worse: Fit, better: Fit) -> float:
+    """Logarithm of the odds of the better of two fits, both equally likely before."""
+    excess = float(np.sum((worse.residual**2 - better.residual**2)[fitter.used]))
+    return separation_of(fitter, worse, better).log_odds(excess)
 
 
 def chance_without_slope(fitter: Fitter, less: Fit, fit: Fit) -> float:

@@ -18,8 +18,9 @@ import numpy as np
 from scipy.stats import t as t_distribution
 
 from mbcdm_cad.identification.account import INTERVAL
-from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate, separation
+from mbcdm_cad.identification.clusters import TOLD_APART, Estimate, Separation, cluster_estimate
 from mbcdm_cad.identification.effect import Effect
+from mbcdm_cad.identification.evidence import log_odds, separation_of
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.select import Search
 from mbcdm_cad.routes import Floats
@@ -27,9 +28,10 @@ from mbcdm_cad.routes import Floats
 # Two fits are alike if their errors differ by less than this share of the floor in quadrature: so small a difference
 # may be an error of the model. They are apart if the data can separate them (see ``clusters``) and their errors differ
 # by so many standard errors over the cells of sweep and sector; or by fewer, if the odds of the better one are those
-# of ``TOLD_APART``.
+# of ``TOLD_APART`` and the data can separate them nearly so well.
 ALIKE_SHARE = 0.12
 CLEAR_ERRORS, LEAST_ERRORS = 2.0, 1.0
+NEARLY_APART = 0.05
 LOG_ODDS = log(1.0 / TOLD_APART - 1.0)
 # Fits whose mean squares differ by a smaller share are the same: the fits end within this of their least.
 SAME_FIT = 1e-4
@@ -75,7 +77,7 @@ class Exchanges:
                 if others and others[0].square < fit.square and not self.alike(fit, others[0]):
                     better = others[0]
                     break
-                alike = [o for o in others if self.alike(o, fit)]
+                alike = [o for o in others if self.alike(o, fit) or self._by_its_phase(o, fit, effect)]
                 better = next((o for o in alike if self._coincidence(o, o.effects[-1], fit, effect)), None)
                 if better is not None:
                     break
@@ -124,34 +126,43 @@ class Exchanges:
         return tuple(best.values())
 
     def _coincidence(self, simpler: Fit, simple: Effect, fit: Fit, two: Effect) -> bool:
-        """Whether ``two`` of ``fit`` looks like ``simple`` of ``simpler`` only because of its phase.
+        """Whether ``two`` of ``fit`` looks like ``simple`` of ``simpler`` only because of its phase."""
+        if len(two.parameters) <= len(simple.parameters):
+            return False
+        worse, better = (simpler, fit) if fit.square < simpler.square else (fit, simpler)
+        wrong = self.apart(worse, better).probability
+        odds = (1.0 - wrong) / max(wrong, 1e-300) if better is fit else wrong / (1.0 - wrong)
+        return bool(self._phase_likelihood(fit, two) * odds < TOLD_APART)
+
+    def _by_its_phase(self, simpler: Fit, fit: Fit, two: Effect) -> bool:
+        """Whether ``two`` of ``fit``, a wave, may look better than the last effect of ``simpler`` only because of its
+        phase."""
+        wave = [p.role for p in two.parameters] == ["size", "size"] and not two.last
+        if not wave or len(simpler.effects[-1].parameters) > 1 or self._failed(simpler, fit):
+            return False
+        return log_odds(self.fitter, simpler, fit) + log(self._phase_likelihood(fit, two)) < LOG_ODDS
+
+    def _phase_likelihood(self, fit: Fit, wave: Effect) -> float:
+        """How likely a phase as near to that of a simpler effect is, over the simpler effect itself.
 
         All phases of a wave are equally likely. A phase that agrees with the simpler effect within its standard
         deviation s is s / sqrt(2 pi) as likely as the simpler effect itself, times the odds of the two fits (Bayes
         factor).
         """
-        if len(two.parameters) <= len(simple.parameters):
-            return False
-        values = fit.values_of(two)
-        deviation = float(np.sqrt(np.diag(self.spread(fit, two, self.fitter))[:2].max()) / np.hypot(*values[:2]))
-        worse, better = (simpler, fit) if fit.square < simpler.square else (fit, simpler)
-        wrong = self.apart(worse, better).probability
-        odds = (1.0 - wrong) / max(wrong, 1e-300) if better is fit else wrong / (1.0 - wrong)
-        return bool(deviation / np.sqrt(2.0 * np.pi) * odds < TOLD_APART)
+        values = fit.values_of(wave)
+        deviation = np.sqrt(np.diag(self.spread(fit, wave, self.fitter))[:2].max()) / np.hypot(*values[:2])
+        return float(deviation / np.sqrt(2.0 * np.pi))
 
     def apart(self, worse: Fit, better: Fit) -> Separation:
         """How well two fits are separated."""
-        used, f = self.fitter.used, self.fitter
-        here = better.residual[used]
-        return separation(-here, -worse.residual[used], here, f.sweep[used], f.sector[used])
+        return separation_of(self.fitter, worse, better)
 
     def alike(self, worse: Fit, better: Fit) -> bool:
         """Whether the first is as good as the second, as far as sweeps and sectors can show."""
+        if self._failed(worse, better):
+            return False
         used = self.fitter.used
         excess = (worse.residual**2 - better.residual**2)[used]
-        # A failed fit has very large errors in a few cells, and a test by the scatter of the cells would accept it.
-        if float(np.mean(excess)) > max(self.search.floor_rad**2, float(np.mean(better.residual[used] ** 2))):
-            return False
         if float(np.mean(excess)) < (ALIKE_SHARE * self.search.floor_rad) ** 2:
             return True
         sweep, sector = self.fitter.sweep[used], self.fitter.sector[used]
@@ -161,7 +172,18 @@ class Exchanges:
         told = self.apart(worse, better)
         if told.apart and errors >= CLEAR_ERRORS:
             return False
-        return errors < LEAST_ERRORS or told.log_odds(float(sums.sum())) < LOG_ODDS
+        nearly = told.probability <= NEARLY_APART and errors >= LEAST_ERRORS
+        return not nearly or told.log_odds(float(sums.sum())) < LOG_ODDS
+
+    def _failed(self, worse: Fit, better: Fit) -> bool:
+        """Whether the first fit leaves far more than the second.
+
+        A failed fit has very large errors in a few cells, and a test by the scatter of the cells would accept it.
+        """
+        used = self.fitter.used
+        left = float(np.mean(better.residual[used] ** 2))
+        excess = float(np.mean(worse.residual[used] ** 2)) - left
+        return excess > max(self.search.floor_rad**2, left)
 
     def spread(self, fit: Fit, effect: Effect, fitter: Fitter) -> Floats:
         """Covariance of one effect's parameters, scaled so that 1.96 standard deviations make a 95 % interval.

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import log
 
 import numpy as np
 
 from mbcdm_cad.identification.beginnings import with_both_plays
 from mbcdm_cad.identification.effect import Effect
-from mbcdm_cad.identification.evidence import noise_left, supported
+from mbcdm_cad.identification.evidence import log_odds, noise_left, supported
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.screening import Screened
@@ -28,8 +29,13 @@ RUNNER_UP = 0.8
 MOST_EFFECTS = 6
 # If no more than the floor is left, a candidate is refitted if its predicted fall is this share of the required one.
 PROMISED_SHARE = 0.25
+# Of two fits that differ by less than the required fall that with fewer effects is preferred, unless the odds against
+# it are larger.
+FEWER_LOG_ODDS = log(1e5)
 # Number of effects that were rejected alone and are tried again together with a second one.
 MOST_FIRST = 3
+# Number of other forms of accepted effects from which the search is begun again.
+MOST_FORMS = 2
 # Largest error beyond the floor that such a pair may leave, over the error that it explains.
 MOST_LEFT = 0.1
 # Fall of the held-out RMS, over the floor, from which an effect supported by one place only is accepted if it leaves
@@ -68,6 +74,7 @@ class Search(TrialFits):
         self.doubts: dict[str, str] = {}
         self._leaning: dict[Fit, list[Fit]] = {}
         self._tried: dict[Fit, list[Fit]] = {}
+        self._other_forms: list[Fit] = []
 
     @property
     def floor_rad(self) -> float:
@@ -98,6 +105,8 @@ class Search(TrialFits):
         now = self._from_inside(now)
         if self.too_much(now):
             now = self._gone_on(now)
+        if self.too_much(now):
+            now = self._in_other_forms(now)
         if self._plays_suspected(now):
             now = with_both_plays(self, now)
         return now
@@ -156,7 +165,8 @@ class Search(TrialFits):
                 continue
             best = min(begun, key=lambda one: one.square)
             found = self._grown(best) if self.enough(best, now) else best
-            if len(found.effects) < len(now.effects) and not self.enough(found, now):
+            fewer = len(found.effects) < len(now.effects) and not self.enough(found, now)
+            if fewer and log_odds(self.fitter, found, now) < FEWER_LOG_ODDS:
                 self.note("moves the cables", best.effects[-1], now, found)
                 return self._from_inside(found)
         return now
@@ -183,6 +193,19 @@ class Search(TrialFits):
             if all(self._borne_out(grown, effect) or self._explains_much(grown, effect) for effect in grown.effects):
                 self.note("supported together with the others", one.effects[-1], now, grown)
                 return grown
+        return now
+
+    def _in_other_forms(self, now: Fit) -> Fit:
+        """``now``, or a better fit that the search reaches from another form of an effect that it accepted.
+
+        A viscous drag strains the cables, a late sensor does not. Beside the wrong form the search accepts a wrong
+        friction of the cables, and then no exchange of a single effect or form leads to the right ones.
+        """
+        for one in sorted(self._other_forms, key=lambda one: one.square)[:MOST_FORMS]:
+            grown = self._grown(one)
+            if self.enough(now, grown):
+                self.note("begun again with another form", one.effects[-1], now, grown)
+                now = grown
         return now
 
     def _promising(self, now: Fit) -> list[Fit]:
@@ -247,8 +270,15 @@ class Search(TrialFits):
             # A candidate far behind a rejected better one only explains a small part of the same error.
             crumbs = now.square - one.square < RUNNER_UP * (now.square - least)
             if one in among and not crumbs and self.acceptable(now, one):
+                self._other_forms += [o for o in new if o is not one and self._in_other_form(o, one, now)]
                 return one
         return None
+
+    def _in_other_form(self, other: Fit, one: Fit, now: Fit) -> bool:
+        """Whether ``other`` has the last effect of ``one`` in another form that also explains much of ``now``."""
+        last = other.effects[-1]
+        same = last.key == one.effects[-1].key and last is not one.effects[-1]
+        return same and self.enough(now, other) and not self.impossible(last, other.values[-1])
 
     def too_much(self, fit: Fit) -> bool:
         """Whether more than the floor is left on held-out samples."""
