@@ -34,6 +34,14 @@ SLOW = [
     ("mu_low+ratio_radii", 18001, "set"),
     # The odds of the right input are some 1e3 to 1, though its errors differ by less than two standard errors.
     ("encoder_left", 17003, "exact"),
+    # A viscous drag is accepted before the late sensor, and beside it a wrong friction.
+    ("preload_low+ratio_encoder+delay", 19004, "exact"),
+    # A ripple that moves the cables would do without the modulus, against large odds.
+    ("stiffness_modulus+ripple_fast+delay", 19006, "exact"),
+    # The odds are 670 to 1 for a wave of the drum in place of the ratio, but only at one phase.
+    ("pulley_guide+ratio_encoder", 19004, "set"),
+    # The odds are above 99 to 1 for the wrong input, but such runs confuse the two in 8 %.
+    ("pulley_input_right", 19003, "set"),
 ]
 
 
