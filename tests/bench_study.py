@@ -15,7 +15,6 @@ import argparse
 import json
 import multiprocessing
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from itertools import cycle, islice
@@ -27,7 +26,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
-from bench_data import Simulated, write_run  # noqa: E402
+from bench_data import through_files  # noqa: E402
 from bench_page import page, summary  # noqa: E402
 from bench_real import DECLARED_FLOOR_RAD, REAL_CASES, simulate_real, truth_of  # noqa: E402
 from bench_score import label, outcome_of, said_of, values_of  # noqa: E402
@@ -35,7 +34,6 @@ from bench_separable import separability  # noqa: E402
 
 from mbcdm_cad.configurations.loader import load_design  # noqa: E402
 from mbcdm_cad.design.drive import Drive  # noqa: E402
-from mbcdm_cad.measurement.run import Run  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 # Of 800 runs 200 effect-free, 300 with one effect, 150 with two, 50 with three, and 100 with a cause that has no name.
@@ -69,7 +67,7 @@ def judge(task: tuple[str, int]) -> dict[str, Any]:
         told = separability(truth, drive.input_names)
         row |= {"gain": told.gain_rad, "large": told.large, "separable": told.separable}
         row |= {"rival": told.rival, "confusion": told.confusion}
-    measured = _written(drive, simulate_real(drive, case, seed))
+    measured = through_files(simulate_real(drive, case, seed), drive.input_names)
     start = time.perf_counter()
     try:
         result = close_loop(drive, [measured]).to_json()
@@ -94,15 +92,6 @@ def _plain(figure: Any) -> float:
     return float(figure["value"] if isinstance(figure, dict) else figure)
 
 
-def _written(drive: Drive, run: Simulated) -> Run:
-    """A run by way of its files, as the loop gets it."""
-    from mbcdm_cad.measurement.reading import load_measurement
-
-    with tempfile.TemporaryDirectory() as name:
-        write_run(Path(name), "run", run, drive.input_names)
-        return load_measurement(Path(name) / "run.yaml")
-
-
 def _knowing(drive: Drive, case: str, seed: int) -> float:
     """Held-out error that knowing the truth would leave, rad: that of the same run without the effects."""
     from mbcdm_cad.identification.fit import Fitter
@@ -111,9 +100,9 @@ def _knowing(drive: Drive, case: str, seed: int) -> float:
     from mbcdm_cad.model.si import to_si
 
     d = to_si(drive)
-    twin = arranged(_written(drive, simulate_real(drive, case, seed, without_effects=True)), drive)
+    twin = simulate_real(drive, case, seed, without_effects=True)
     ratio = float(np.mean(d.total_ratio))
-    fitter = Fitter(d, ratio, [prepare(twin, ratio)[1]])
+    fitter = Fitter(d, ratio, [prepare(arranged(through_files(twin, drive.input_names), drive), ratio)[1]])
     return float(np.sqrt(np.mean(fitter.fit().residual[fitter.test] ** 2)))
 
 

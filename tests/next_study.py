@@ -15,7 +15,6 @@ import argparse
 import json
 import multiprocessing
 import sys
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
-from bench_data import Simulated, drum_angle, stream, write_run  # noqa: E402
+from bench_data import Simulated, drum_angle, stream, through_files  # noqa: E402
 from bench_effects import Effect  # noqa: E402
 from bench_motion import RATE_HZ, Bench, stray, warming_air  # noqa: E402
 from bench_page import interval  # noqa: E402
@@ -36,8 +35,6 @@ from scipy.ndimage import uniform_filter1d  # noqa: E402
 from mbcdm_cad.cli.next_run import USELESS, next_run  # noqa: E402
 from mbcdm_cad.configurations.loader import load_design  # noqa: E402
 from mbcdm_cad.identification.engine import close_loop  # noqa: E402
-from mbcdm_cad.measurement.reading import load_measurement  # noqa: E402
-from mbcdm_cad.measurement.run import Run  # noqa: E402
 from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
 
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
@@ -86,23 +83,17 @@ def _later(effect: Effect, after_s: float) -> Effect:
     return effect
 
 
-def _read(run: Simulated) -> Run:
-    with tempfile.TemporaryDirectory() as folder:
-        write_run(Path(folder), "run", run, DRIVE.input_names)
-        return load_measurement(Path(folder) / "run.yaml")
-
-
 def judged(task: tuple[str, int]) -> dict[str, Any]:
     """The first run, the proposed one, and what the loop says of both."""
     case, seed = task
     truth = truth_of(DRIVE, case, seed)
-    first = _read(simulate_real(DRIVE, case, seed))
+    first = through_files(simulate_real(DRIVE, case, seed), DRIVE.input_names)
     found = close_loop(DRIVE, [first])
     row: dict[str, Any] = {"case": case, "seed": seed, "first": said_of(found.to_json())}
     following = next_run(DRIVE, [first], found)
     if following is None:
         return row | {"settled": None}
-    second = _read(made(truth, following.experiment, case, seed))
+    second = through_files(made(truth, following.experiment, case, seed), DRIVE.input_names)
     members = [{"name": one.name, "stage": one.stage, "cables": one.cables} for one in following.members]
     asked = next((effect for effect in truth.effects if any(same(one, effect) for one in members)), None)
     result = close_loop(DRIVE, [first, second]).to_json()

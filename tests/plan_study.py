@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -25,7 +24,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
-from bench_data import Simulated, drum_angle, stream, write_run  # noqa: E402
+from bench_data import Simulated, drum_angle, stream, through_files  # noqa: E402
 from bench_effects import ALL, Effect  # noqa: E402
 from bench_geometry import chain_of  # noqa: E402
 from bench_motion import Bench, Plan, bench_run  # noqa: E402
@@ -36,7 +35,6 @@ from bench_score import outcome_of, said_of  # noqa: E402
 from mbcdm_cad.configurations.loader import load_design  # noqa: E402
 from mbcdm_cad.identification.engine import close_loop  # noqa: E402
 from mbcdm_cad.identification.plan import noise_from, plan_of  # noqa: E402
-from mbcdm_cad.measurement.reading import load_measurement  # noqa: E402
 from mbcdm_cad.measurement.run import Run  # noqa: E402
 
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
@@ -104,10 +102,8 @@ class Stand:
             whole = Simulated(MOTION, self.bench, drum, {}, effects, columns)
             times, sensed = logged(whole, self.traits, RATIO, rng)
             shown = Bench(times, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
-            with tempfile.TemporaryDirectory() as folder:
-                seen = Simulated(MOTION, shown, sensed["output"], sensed, effects, columns)
-                write_run(Path(folder), "run", seen, DRIVE.input_names)
-                return load_measurement(Path(folder) / "run.yaml")
+            seen = Simulated(MOTION, shown, sensed["output"], sensed, effects, columns)
+            return through_files(seen, DRIVE.input_names)
 
         return next_run
 

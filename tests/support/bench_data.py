@@ -10,6 +10,7 @@ of the case can separate. ``truth.yaml`` is never read by the loop.
 from __future__ import annotations
 
 import dataclasses
+import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,8 @@ from bench_geometry import Chain, chain_of, path_of_eccentric
 from bench_motion import INPUT_STEP_RAD, OUTPUT_STEP_RAD, TORQUE_NOISE_NM, Bench, Plan, bench_run, read_sensors
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.measurement.reading import load_measurement
+from mbcdm_cad.measurement.run import Run
 
 
 @dataclass(frozen=True)
@@ -157,6 +160,13 @@ def write_run(folder: Path, stem: str, run: Simulated, input_names: tuple[str, .
         "sensors": sensors,
     }
     (folder / f"{stem}.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
+
+
+def through_files(run: Simulated, input_names: tuple[str, ...]) -> Run:
+    """A run by way of its files, as the loop gets it."""
+    with tempfile.TemporaryDirectory() as folder:
+        write_run(Path(folder), "run", run, input_names)
+        return load_measurement(Path(folder) / "run.yaml")
 
 
 def truth(run: Simulated) -> dict[str, Any]:
