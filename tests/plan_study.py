@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import textwrap
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -40,6 +41,8 @@ from mbcdm_cad.measurement.run import Run  # noqa: E402
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 POWERS = (0.5, 0.9)
 RUNS_A_BENCH = 5
+# Of the text of the page.
+WIDTH = 120
 MOTION = Plan(amplitude_rad=0.45, frequency_hz=0.1, wave="sine", load="steps", load_Nm=0.8, duration_s=100.0)
 # The effect of a size; a wave of the drum at the phase that the plan counts with (the worst), the others at any.
 Make = Callable[[float, np.random.Generator], Effect]
@@ -180,15 +183,22 @@ def page(rows: list[dict[str, Any]]) -> str:
         [
             "# Does a plan keep its promises?",
             "",
-            f"Made by `python tests/plan_study.py --benches {benches[0]}:{benches[-1] + 1}`: {len(rows)} runs on",
-            f"{len(benches)} simulated benches. The noise of each bench is 1.3 to 3 times what its declared encoder",
-            "steps make; its two servos",
-            "track unlike; its cables are chains of pieces with Coulomb friction, not the equations of the model.",
+            textwrap.fill(
+                f"Made by `python tests/plan_study.py --benches {benches[0]}:{benches[-1] + 1}`: {len(rows)} runs on "
+                f"{len(benches)} simulated benches. The noise of each bench is 1.3 to 3 times what its declared "
+                "encoder steps make; its two servos track unlike; its cables are chains of pieces with Coulomb friction, not "
+                "the equations of the model.",
+                WIDTH,
+            ),
             "",
-            "On each bench a pilot run without an effect gives the noise (`mbcdm plan --noise-from`). The plan gives,",
-            "for each effect, the size that is named with a probability of 0.5 and of 0.9. Runs with that size go to",
-            "the loop. *Found*: the effect is named, or a member of a set that the data cannot separate. The aim is a",
-            "found share within 10 percentage points of the promised one.",
+            textwrap.fill(
+                "On each bench a pilot run without an effect gives the noise (`mbcdm plan --noise-from`). The plan "
+                "gives, for each effect, the size that is found with a probability of 0.5 and of 0.9 (`mbcdm plan` "
+                "prints the size for 0.9). Runs with that size go to the loop. *Found*: the effect is named, or a "
+                "member of a set that the data cannot separate. The aim is a found share within 10 percentage points "
+                "of the promised one.",
+                WIDTH,
+            ),
             "",
             table(rows),
             "",

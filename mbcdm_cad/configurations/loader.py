@@ -12,7 +12,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.loader import loaded, resolved
 from mbcdm_cad.design.source import read_text
-from mbcdm_cad.design.template import derived_text, new_text, reference_values
+from mbcdm_cad.design.template import new_text, reference_values, with_derived
 from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, did_you_mean, shortened
 
@@ -65,7 +65,7 @@ def short_design_text(name: str, of: str = DEFAULT, *, derived: bool = False) ->
     if not file.starting:
         raise MbcdmError(f"{of}: no sizing rules yet; leave --full out for a file with all values")
     text = file.starting.format(name=name)
-    return text + derived_text(load_text(text, f"{name}.yaml").sized) if derived else text
+    return with_derived(text, load_text(text, f"{name}.yaml").sized) if derived else text
 
 
 def reference_data(of: str = DEFAULT) -> dict[str, Any]:

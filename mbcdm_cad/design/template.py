@@ -31,22 +31,40 @@ def new_text(nodes: SchemaNodes, name: str) -> str:
     return _HEADER + "\n".join(lines) + "\n"
 
 
-def derived_text(values: Iterable[SizedValue]) -> str:
-    """What sizing filled, block by block as comments: uncommented, a line pins its field."""
-    blocks: dict[str, list[str]] = {}
+def with_derived(text: str, values: Iterable[SizedValue]) -> str:
+    """A short file's text with what sizing filled, in its blocks as comments.
+
+    If the mark of one line is removed, the file fixes the field of this line.
+    """
+    rows: dict[str, dict[str, str]] = {}
+    inner: dict[tuple[str, str], dict[str, Any]] = {}
     for value in values:
-        *path, last = value.field.split(".")
-        pad = "  " * len(path)
-        if len(path) == 2:
-            last = f"{path[1]}.{last}"
-            pad = "  "
-        blocks.setdefault(path[0] if path else "", []).append(
-            f"# {pad}{last}: {flow(value.value)}  # {value.driver}: {value.text}"
-        )
-    lines = ["", "# Values that follow from these; remove the comment mark of a line to fix its value."]
-    for block, rows in blocks.items():
-        lines += ([f"# {block}:"] if block else []) + rows
-    return "\n".join(lines) + "\n"
+        block, _, name = value.field.rpartition(".")
+        block, _, sub = block.partition(".")
+        shown: Any = value.value
+        if sub:
+            # Fields of an inner block stand on one line, so that this line alone is valid.
+            shown = inner.setdefault((block, sub), {})
+            shown[name], name = value.value, sub
+        pad = "  " if block else ""
+        rows.setdefault(block, {})[name] = f"{pad}# {name}: {flow(shown)}  # {value.driver}: {value.text}"
+    lines = text.splitlines()
+    for block in list(rows):
+        if f"{block}:" in lines:
+            start = end = lines.index(f"{block}:") + 1
+            while end < len(lines) and lines[end].startswith("  "):
+                end += 1
+            own, added = lines[start:end], rows.pop(block)
+            examples = tuple(f"  # {name}:" for name in added)
+            lines[start:end] = [*(line for line in own if not line.startswith(examples)), *added.values()]
+    # Below, each other block and field stands with its value, in place of an example of it.
+    others = (*rows, *rows.get("", {}))
+    lines = [line for line in lines if not line.startswith(tuple(f"# {name}:" for name in others if name))]
+    lines += ["", "# The other blocks, all with values that follow."]
+    for block, added in rows.items():
+        lines += [*([f"{block}:"] if block else []), *added.values()]
+    hint = "# A value behind a comment mark follows from the others; remove the mark of its line to fix it."
+    return "\n".join([hint, *lines]) + "\n"
 
 
 def slug(text: str) -> str:

@@ -71,6 +71,19 @@ def test_all_blocks_of_a_page_run(page: str, empty: Path) -> None:
         do(block)
 
 
+def test_the_readme_shows_what_check_prints(empty: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """But for the places where the lines are broken."""
+    assert run(["init", "mine.yaml", "--reference"]) == 0
+    text = Path("mine.yaml").read_text()
+    assert "type: FF-081" in text
+    Path("mine.yaml").write_text(text.replace("type: FF-081", "type: 7x7-1.0"))
+    capsys.readouterr()
+    assert run(["check", "mine.yaml", "--failed"]) == 1
+    shown = re.search(r"^```\n(fail .*?)^```$", (ROOT / "README.md").read_text("utf-8"), re.M | re.S)
+    assert shown is not None
+    assert shown[1].split() == capsys.readouterr().out.split()
+
+
 def test_a_command_that_fails_fails_this_test(empty: Path) -> None:
     with pytest.raises(AssertionError, match=r"check none\.yaml"):
         do(Block("sh", "", "mbcdm check none.yaml\n"))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 import yaml
 
 from mbcdm_cad import cli
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.loader import load_design, load_text, short_design_text
 
 
 @pytest.fixture
@@ -33,6 +34,17 @@ def test_derived_values_stand_as_comments_and_give_the_same_design(short: Path, 
     assert load_design(path).sha256 == load_design(short).sha256
     for value in load_design(short).sized:
         assert f"{value.field.split('.')[-1]}: " in path.read_text(), value.field
+
+
+@pytest.mark.parametrize("layout", ["miso_bevel", "siso_bevel", "siso_spur", "miso_spur"])
+def test_a_derived_line_without_its_comment_mark_pins_its_field(layout: str) -> None:
+    lines = short_design_text("drive", layout, derived=True).splitlines()
+    design = load_text("\n".join(lines), "drive.yaml").design
+    derived = [n for n, line in enumerate(lines) if re.match(r" *# \w+: .*  # .*: ", line) and "left out" not in line]
+    assert len(derived) > 40, len(derived)
+    for n in derived:
+        pinned = [*lines[:n], lines[n].replace("# ", "", 1), *lines[n + 1 :]]
+        assert load_text("\n".join(pinned), "drive.yaml").design == design, lines[n]
 
 
 def test_every_sized_field_is_listed_with_its_driver(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
