@@ -186,8 +186,8 @@ def page(rows: list[dict[str, Any]]) -> str:
             textwrap.fill(
                 f"Made by `python tests/plan_study.py --benches {benches[0]}:{benches[-1] + 1}`: {len(rows)} runs on "
                 f"{len(benches)} simulated benches. The noise of each bench is 1.3 to 3 times what its declared "
-                "encoder steps make; its two servos track unlike; its cables are chains of pieces with Coulomb friction, not "
-                "the equations of the model.",
+                "encoder steps make; its two servos track unlike; its cables are chains of pieces with Coulomb "
+                "friction, not the equations of the model.",
                 WIDTH,
             ),
             "",
