@@ -273,8 +273,8 @@ class Design(Block):
     """A cable drive.
 
     A configuration's own schema extends it: ``configuration`` becomes the one word that names it, ``inputs`` and
-    ``cables`` get the fields that it needs of each. ``ORDER`` also names the blocks that only some configurations have;
-    a block that it does not name comes last.
+    ``cables`` get the fields that it needs of each. ``ORDER`` also names the blocks that every configuration adds; a
+    block that it does not name comes last.
     """
 
     model_config = ConfigDict(title="Design")
@@ -291,7 +291,6 @@ class Design(Block):
         "clearances",
         "drive",
         "drum",
-        "guide",
         "input_pulleys",
         "support",
         "loads",

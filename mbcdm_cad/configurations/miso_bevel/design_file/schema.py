@@ -6,7 +6,7 @@ blocks that all configurations share are in :mod:`mbcdm_cad.configurations.miso_
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, ESTIMATE, INPUTS
 from mbcdm_cad.design.blocks import Design, Input, Length, SpanLimits, WoundRope
@@ -197,8 +197,13 @@ class BevelCable(SectorCable):
     drum_side: Side = choice("side to which it runs on the drum from the transfer point", source="Fig. 2")
 
 
+_BEHIND_DRUM = Design.ORDER.index("drum") + 1
+
+
 class BevelDesign(Design):
     """A cable drive."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (*Design.ORDER[:_BEHIND_DRUM], "guide", *Design.ORDER[_BEHIND_DRUM:])
 
     configuration: Literal["miso_bevel"] = choice(
         "layout: miso_bevel is (d) of Fig. 1, two inputs and a bevel transfer", source="Fig. 1", reference="miso_bevel"
