@@ -1,6 +1,6 @@
 """How often the loop is right on benches as they are: noisier than declared, servos unlike, loggers that jitter.
 
-    python tests/bench_study.py --runs 800 --first-seed 19000 --store out/bench-study.jsonl
+    python tests/bench_study.py --runs 800 --first-seed 30000 --store out/bench-study.jsonl
     python tests/bench_study.py --only null --runs 20 --first-seed 3000
     python tests/bench_study.py --runs 0 --store out/bench-study.jsonl --table docs/loop-benches.md
 

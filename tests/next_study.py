@@ -28,7 +28,7 @@ from bench_data import Simulated, drum_angle, stream, through_files  # noqa: E40
 from bench_effects import Effect  # noqa: E402
 from bench_motion import RATE_HZ, Bench, stray, warming_air  # noqa: E402
 from bench_page import interval  # noqa: E402
-from bench_real import Truth, shown, simulate_real, tracked, truth_of  # noqa: E402
+from bench_real import Truth, logged, simulate_real, tracked, truth_of  # noqa: E402
 from bench_score import outcome_of, said_of, same  # noqa: E402
 from scipy.ndimage import uniform_filter1d  # noqa: E402
 
@@ -71,7 +71,8 @@ def made(truth: Truth, experiment: Experiment, case: str, seed: int) -> Simulate
     bench = tracked(bench, truth.ratio, truth.traits, stream(key, seed, "tracking"))
     later = tuple(_later(effect, truth.bench.time_s[-1] + PAUSE_S) for effect in truth.effects)
     angle = drum_angle(truth.chain, names, bench, later, stream(key, seed, "wander"))
-    return shown(truth, bench, angle, later, stream(key, seed, "sensors"))
+    run = Simulated(truth.plan, bench, angle, {}, later, truth.columns)
+    return logged(run, truth.traits, truth.ratio, stream(key, seed, "sensors"))
 
 
 def _later(effect: Effect, after_s: float) -> Effect:

@@ -101,12 +101,8 @@ class Stand:
 
         def next_run() -> Run:
             rng = stream("plan", self.number, f"sensors {next(numbers)}")
-            columns = ("inputs", "output", "torque")
-            whole = Simulated(MOTION, self.bench, drum, {}, effects, columns)
-            times, sensed = logged(whole, self.traits, RATIO, rng)
-            shown = Bench(times, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
-            seen = Simulated(MOTION, shown, sensed["output"], sensed, effects, columns)
-            return through_files(seen, DRIVE.input_names)
+            whole = Simulated(MOTION, self.bench, drum, {}, effects, ("inputs", "output", "torque"))
+            return through_files(logged(whole, self.traits, RATIO, rng), DRIVE.input_names)
 
         return next_run
 

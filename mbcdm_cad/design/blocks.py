@@ -273,8 +273,7 @@ class Design(Block):
     """A cable drive.
 
     A configuration's own schema extends it: ``configuration`` becomes the one word that names it, ``inputs`` and
-    ``cables`` get the fields that it needs of each. ``ORDER`` also names the blocks that every configuration adds; a
-    block that it does not name comes last.
+    ``cables`` get the fields that it needs of each. ``ORDER`` also names the blocks that every configuration adds.
     """
 
     model_config = ConfigDict(title="Design")
@@ -293,15 +292,6 @@ class Design(Block):
         "drum",
         "input_pulleys",
         "support",
-        "loads",
-        "limits",
-        "making",
-        "printing",
-        "targets",
-        "export",
-        "waivers",
-        "as_built",
-        "catalogue",
     )
 
     schema_version: Annotated[Integer, Field(ge=1, le=1)] = choice("version of this file's layout")

@@ -131,10 +131,8 @@ def loaded(bench: Bench, plan: Plan, rng: np.random.Generator) -> Bench:
     return replace(bench, load_Nm=load - load[0] * np.exp(-t / 0.3))
 
 
-def logged(
-    run: Simulated, traits: Traits, ratio: float, rng: np.random.Generator
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Time stamps and what the logger wrote at them."""
+def logged(run: Simulated, traits: Traits, ratio: float, rng: np.random.Generator) -> Simulated:
+    """The run as the logger of the bench shows it."""
     bench = run.bench
     n = int((bench.time_s[-1]) * traits.rate_hz)
     t = (np.arange(n) + traits.jitter * rng.uniform(-0.5, 0.5, n)) / traits.rate_hz
@@ -155,12 +153,14 @@ def logged(
         shift = rng.uniform(0.0, 1.0)
         return (np.round(values / step + shift) - round(shift)) * step
 
-    return t, {
+    sensed = {
         "inputs": np.array([counts(row, INPUT_STEP_RAD) for row in inputs]),
         "output": counts(drum + slow, OUTPUT_STEP_RAD),
         "torque": np.interp(t, bench.time_s, bench.load_Nm) + rng.normal(0.0, traits.torque_noise_Nm, t.size),
         "temperature": np.interp(t, bench.time_s, bench.air_degC) + rng.normal(0.0, 0.03, t.size),
     }
+    seen = Bench(t, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
+    return replace(run, bench=seen, drum_rad=sensed["output"], sensed=sensed)
 
 
 def _coloured(t: np.ndarray, traits: Traits, rng: np.random.Generator) -> np.ndarray:
@@ -323,6 +323,11 @@ class Truth:
         """Turns of the inputs for one of the drum."""
         return float(np.mean(self.chain.r_drum / self.chain.r_in))
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """What the logger writes."""
+        return ("inputs", "output", "torque", *(("temperature",) if self.temperature else ()))
+
 
 def truth_of(drive: Drive, name: str, seed: int) -> Truth:
     """What the seed draws for one run of a case."""
@@ -343,15 +348,5 @@ def simulate_real(drive: Drive, name: str, seed: int, without_effects: bool = Fa
     truth, key = truth_of(drive, name, seed), f"real/{name}"
     effects = () if without_effects else truth.effects
     drum = drum_angle(truth.chain, drive.input_names, truth.bench, effects, stream(key, seed, "wander"))
-    return shown(truth, truth.bench, drum, effects, stream(key, seed, "sensors"))
-
-
-def shown(
-    truth: Truth, bench: Bench, drum_rad: np.ndarray, effects: tuple[Effect, ...], rng: np.random.Generator
-) -> Simulated:
-    """A run as the logger of the bench of ``truth`` shows it."""
-    columns = ("inputs", "output", "torque", *(("temperature",) if truth.temperature else ()))
-    run = Simulated(truth.plan, bench, drum_rad, {}, effects, columns)
-    time, sensed = logged(run, truth.traits, truth.ratio, rng)
-    seen = Bench(time, sensed["inputs"], sensed["torque"], np.zeros(0), np.zeros(0))
-    return Simulated(truth.plan, seen, sensed["output"], sensed, effects, columns)
+    run = Simulated(truth.plan, truth.bench, drum, {}, effects, truth.columns)
+    return logged(run, truth.traits, truth.ratio, stream(key, seed, "sensors"))
