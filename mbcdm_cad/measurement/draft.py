@@ -17,7 +17,7 @@ import numpy as np
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.datafile import read_table
-from mbcdm_cad.measurement.logformat import Format, find_format, split
+from mbcdm_cad.measurement.logformat import Format, find_format, split, title_lines
 from mbcdm_cad.measurement.units import ANGLE, FORCE, TEMPERATURE, TIME, TORQUE
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
@@ -25,10 +25,12 @@ from mbcdm_cad.routes import Floats
 WORDS = {
     "time": r"^(t|time|timestamp|sec(onds)?|clock|zeit)\b|^(t|time)_",
     "temperature": r"temp|°c|degc",
-    "load_torque": r"tau|torq|load|force|cell|moment|^f\b",
+    "load_torque": r"tau|torq|load|force|cell|moment|kraft|^f\b",
     "output": r"out|drum|joint|link|abtrieb",
     "input": r"^in|input|mot|left|right|enc|q_|pos|antrieb",
 }
+# Quantities that their unit alone tells, where the name does not.
+ROLE_OF_UNIT = {"load_torque": {*TORQUE, *FORCE}, "temperature": {*TEMPERATURE}}
 # Rows that are tested for figures, and the share of them that must have one.
 TRIED_ROWS, LEAST_FIGURES = 300, 0.9
 # A column that turns by less than this share of the design's travel is hardly the drum.
@@ -49,9 +51,18 @@ class _Column:
     reasons: list[str] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class _Table:
+    """How the file is laid out: lines before the names, and the indices of the columns that contain figures."""
+
+    layout: Format
+    skip_rows: int
+    chosen: tuple[int, ...]
+
+
 def draft_text(data: Path, drive: Drive) -> str:
     """The measurement file's text for ``data``. Raises InputError if the data are not a table or nothing turned."""
-    layout, decimal, columns = _columns(data)
+    table, columns = _columns(data)
     _roles(columns, drive)
     by_role = {column.role: column for column in columns if column.role}
     missing = [role for role in ("time", "output") if role not in by_role]
@@ -59,7 +70,7 @@ def draft_text(data: Path, drive: Drive) -> str:
         names = ", ".join(str(column.name) for column in columns)
         what = f"no column looks like the {' or the '.join(missing)}"
         remedy = "write the measurement file by hand; docs/measurement-file.md shows how"
-        raise InputError([Problem(str(data), layout.header_line or 1, "", what, names, remedy=remedy)])
+        raise InputError([Problem(str(data), table.layout.header_line or 1, "", what, names, remedy=remedy)])
     _time(by_role["time"])
     _output(by_role["output"], drive)
     out_rad = by_role["output"].values * float(by_role["output"].fields.pop("_factor"))  # type: ignore[arg-type]
@@ -69,21 +80,19 @@ def draft_text(data: Path, drive: Drive) -> str:
     for role, units, unit in (("load_torque", {**TORQUE, **FORCE}, "N*m"), ("temperature", TEMPERATURE, "degC")):
         if role in by_role:
             _plain(by_role[role], units, unit)
-    return _written(data, decimal, columns, len(inputs), drive)
+    return _written(data, table, columns, len(inputs), drive)
 
 
-def _columns(data: Path) -> tuple[Format, str, list[_Column]]:
+def _columns(data: Path) -> tuple[_Table, list[_Column]]:
     """The columns that contain figures, with their header."""
     try:
-        for decimal in ("point", "comma"):
-            layout = find_format(data, "auto", decimal, "#", 0, "auto")
-            chosen = _with_figures(data, layout)
-            if len(chosen) >= 2:
-                table = read_table(data, layout, chosen, True)
-                break
-        else:
+        # Whole numbers are figures with either decimal sign: the right one gives more columns of figures.
+        found_table = max((_table(data, decimal) for decimal in ("point", "comma")), key=lambda t: len(t.chosen))
+        layout, chosen = found_table.layout, found_table.chosen
+        if len(chosen) < 2:
             remedy = "give the logger's CSV: a header and rows of figures"
             raise InputError([Problem(str(data), 1, "", "fewer than two columns of figures", remedy=remedy)])
+        table = read_table(data, layout, list(chosen), True)
     except OSError as error:
         problem = Problem(str(data), 1, "", f"cannot be read: {error.strerror or error}", remedy="check the path")
         raise InputError([problem]) from None
@@ -93,7 +102,13 @@ def _columns(data: Path) -> tuple[Format, str, list[_Column]]:
         unit = layout.units[index] if index < len(layout.units) else ""
         inside = re.search(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$", name)
         found.append(_Column(name or index + 1, unit.strip("[]() ") or (inside.group(1) if inside else ""), values))
-    return layout, decimal, found
+    return found_table, found
+
+
+def _table(data: Path, decimal: str) -> _Table:
+    skipped = title_lines(data, decimal, "#")
+    layout = find_format(data, "auto", decimal, "#", skipped, "auto")
+    return _Table(layout, skipped, tuple(_with_figures(data, layout)))
 
 
 def _with_figures(data: Path, layout: Format) -> list[int]:
@@ -122,12 +137,16 @@ def _roles(columns: list[_Column], drive: Drive) -> None:
         word = str(column.name).lower()
         own = next((name for name in names if name.lower() in word), None)
         role = next((r for r, pattern in WORDS.items() if re.search(pattern, word)), "")
+        of_unit = next((r for r, units in ROLE_OF_UNIT.items() if column.unit in units), "")
         if own and not re.search(WORDS["output"], word):
             column.role = "input" if one else f"input_{own}"
             column.reasons.append(f"its name contains that of the input {own}")
         elif role and role != "input" and all(other.role != role for other in columns):
             column.role = role
             column.reasons.append("by its name")
+        elif not role and of_unit and all(other.role != of_unit for other in columns):
+            column.role = of_unit
+            column.reasons.append("by the unit in its header")
     taken = {column.role for column in columns}
     if "time" not in taken:
         rising = [c for c in columns if not c.role and bool(np.all(np.diff(c.values) > 0.0))]
@@ -235,11 +254,12 @@ def _said(column: _Column, units: Mapping[str, object]) -> str:
     return ""
 
 
-def _written(data: Path, decimal: str, columns: list[_Column], inputs: int, drive: Drive) -> str:
+def _written(data: Path, table: _Table, columns: list[_Column], inputs: int, drive: Drive) -> str:
     lines = [
         f"# Drafted from {data.name} and the design {drive.name}. Check every line marked 'guessed'.",
         f"data: {data.name}",
-        *([] if decimal == "point" else ["decimal: comma    # guessed"]),
+        *(["decimal: comma    # guessed"] if table.layout.decimal_comma else []),
+        *([f"skip_rows: {table.skip_rows}    # guessed: shorter than the table"] if table.skip_rows else []),
         "columns:",
     ]
     order = ("time", "input", "output", "load_torque", "temperature")

@@ -85,6 +85,16 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
     return Format(sign, comma, comment, names, names_line, begin, fields, units, units_line, unnamed)
 
 
+def title_lines(path: Path, decimal: str, comment: str) -> int:
+    """Lines before the names that hold fewer cells than the table, such as a title: a value for ``skip_rows``."""
+    _, rows = _first_lines(path, comment, 0)
+    sign = _likely_sign(rows, decimal == "comma") if rows else None
+    counts = [len(split(line, sign)) for _, line in rows]
+    fields = Counter(counts).most_common(1)[0][0] if counts else 0
+    first = next((k for k, count in enumerate(counts) if count >= fields), 0)
+    return rows[first - 1][0] if first else 0
+
+
 def _units_row(rows: Lines, begin: int, sign: str | None, comma: bool) -> tuple[tuple[str, ...], int]:
     """Cells of the first of up to MOST_UNITS rows without a figure between the names and the figures; the last's line.
 

@@ -20,10 +20,12 @@ RUN = sound_run()
 DEG = 57.29577951308232
 
 
-def drafted(folder: Path, columns: dict[str, np.ndarray], sign: str = ",", comma: bool = False) -> tuple[str, Run]:
+def drafted(
+    folder: Path, columns: dict[str, np.ndarray], sign: str = ",", comma: bool = False, title: str = ""
+) -> tuple[str, Run]:
     """The draft for a logger's file of these columns, and the run that it reads, as the design has it."""
     rows = [sign.join(f"{value:.10g}" for value in row) for row in np.stack(list(columns.values()), axis=1)]
-    text = "\n".join([sign.join(columns), *rows]) + "\n"
+    text = title + "\n".join([sign.join(columns), *rows]) + "\n"
     (folder / "run.csv").write_text(text.replace(".", ",") if comma else text)
     draft = draft_text(folder / "run.csv", DRIVE)
     (folder / "run.yaml").write_text(draft.replace("lever_arm_mm: ?", "lever_arm_mm: 120"))
@@ -98,3 +100,20 @@ def test_the_end_of_a_name_states_the_unit_of_the_load(tmp_path: Path, name: str
     columns = {"t": RUN.time_s, "left": RUN.input_rad[0], "right": RUN.input_rad[1], "drum": RUN.output_rad}
     draft, _ = drafted(tmp_path, {**columns, name: RUN.load_Nm})
     assert f'"{name}", unit: {unit}' in draft, draft
+
+
+def test_whole_numbers_do_not_hide_the_decimal_comma_nor_a_title_the_names(tmp_path: Path) -> None:
+    """Counters are figures with either decimal sign; a title has fewer cells than the table below it."""
+    counts = np.round(RUN.input_rad * DRIVE.gearhead.ratio * 4096.0 / (2.0 * np.pi))
+    columns = {
+        "Zeit [ms]": 1e3 * RUN.time_s,
+        "Motor L [counts]": counts[0],
+        "Motor R [counts]": counts[1],
+        "Abtrieb [deg]": DEG * RUN.output_rad,
+        "Kanal 7 [N]": RUN.load_Nm / 0.12,
+    }
+    draft, run = drafted(tmp_path, columns, ";", comma=True, title="Messung;Pruefstand 3\n")
+    assert "decimal: comma" in draft and "skip_rows: 1 " in draft, draft
+    assert 'load_torque: {column: "Kanal 7 [N]", unit: N' in draft, draft
+    same(run)
+    np.testing.assert_allclose(run.load_Nm, RUN.load_Nm, rtol=1e-6)
