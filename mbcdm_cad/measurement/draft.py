@@ -18,6 +18,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.measurement.datafile import read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, split, title_lines
+from mbcdm_cad.measurement.reading import FULL_SENSE
 from mbcdm_cad.measurement.units import ANGLE, FORCE, TEMPERATURE, TIME, TORQUE
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
@@ -72,6 +73,9 @@ def draft_text(data: Path, drive: Drive) -> str:
         remedy = "write the measurement file by hand; docs/measurement-file.md shows how"
         raise InputError([Problem(str(data), table.layout.header_line or 1, "", what, names, remedy=remedy)])
     _time(by_role["time"])
+    for column in columns:
+        if column.role == "output" or column.role.startswith("input"):
+            _wrapped(column)
     _output(by_role["output"], drive)
     out_rad = by_role["output"].values * float(by_role["output"].fields.pop("_factor"))  # type: ignore[arg-type]
     inputs = [column for column in columns if column.role.startswith("input")]
@@ -217,6 +221,22 @@ def _input(column: _Column, out_rad: Floats, drive: Drive) -> None:
     column.reasons.append(f"turns {abs(slope):.6g} a rad of the output: {words}")
     if miss > NEAR:
         column.reasons.append("no unit gives the design's ratio to a few percent: check")
+
+
+def _wrapped(column: _Column) -> None:
+    """Count the turns of an angle that covers and jumps by a whole range of its encoder, and draft ``wraps_at``."""
+    covered = float(np.ptp(column.values))
+    ranges = COUNTS if _whole(column) else [ANGLE["turn"].factor / ANGLE[u].factor for u in ("deg", "rad", "turn")]
+    begins_again = min((r for r in ranges if r >= covered), default=0.0)
+    jumps = int(np.count_nonzero(np.abs(np.diff(column.values)) > 0.5 * begins_again))
+    counted = np.unwrap(column.values, period=begins_again) if begins_again else column.values
+    if not jumps or covered < (1.0 - NEAR) * begins_again:
+        return
+    if float(np.quantile(np.abs(np.diff(counted)), 0.999)) > FULL_SENSE * begins_again:
+        return
+    column.values = counted
+    column.fields["wraps_at"] = float(begins_again)
+    column.reasons.append(f"begins again {jumps} time(s), after {begins_again:g}")
 
 
 def _whole(column: _Column) -> bool:

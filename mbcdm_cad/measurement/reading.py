@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from pydantic import ValidationError
 
 from mbcdm_cad.design import yamltree
@@ -23,6 +24,8 @@ from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LOAD, Unit, kin
 from mbcdm_cad.measurement.unusable import refuse_unusable
 from mbcdm_cad.routes import Floats
 
+# A step of more than this share of the range may be one back as well as one forward, with some room for noise.
+FULL_SENSE = 0.4
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\Z")
 _KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
 
@@ -94,9 +97,14 @@ def read_run(file: MeasurementFile) -> Reading:
             ("data",), f"cannot be read: {error.strerror or error}", shortened(content.data), remedy="check the path"
         )
         raise InputError([problem]) from None
+    turns = [
+        _count_turns(file, quantity, column, row)
+        for (quantity, column), row in zip(asked.items(), table.values, strict=True)
+    ]
     run = _in_si(file, asked, table, data.name, sha256)
     refuse_unusable(file, run, table, data)
     notes = _notes_on_columns(asked, layout, indices, data)
+    notes += [note for note in turns if note]
     if table.broken:
         lines = ", ".join(str(line) for line in table.broken_lines)
         more = ", ..." if table.broken > len(table.broken_lines) else ""
@@ -168,6 +176,10 @@ def _broken_rules(file: MeasurementFile) -> list[Problem]:
         elif column.side == "motor" and content.ratio is not None:
             remedy = "leave side out, and give the ratio from the encoder to the output"
             problems.append(file.problem((*where, "side"), "given beside ratio", "motor", "drive", remedy=remedy))
+        if column.wraps_at is not None and kind_of(quantity) not in ENCODERS:
+            remedy = "leave wraps_at out: only an angle begins again after a turn"
+            value = f"{column.wraps_at:g}"
+            problems.append(file.problem((*where, "wraps_at"), f"given for {quantity}", value, remedy=remedy))
         problems += _broken_force(file, quantity, column)
         if _is_force(quantity, column):
             continue
@@ -295,6 +307,26 @@ def _index(file: MeasurementFile, quantity: str, column: Column, layout: Format,
         else:
             remedy = shortened(did_you_mean(asked, known), 300).strip("'\"")
     raise InputError([file.problem(where, what, shortened(asked), remedy=remedy)])
+
+
+def _count_turns(file: MeasurementFile, quantity: str, column: Column, row: Floats) -> str:
+    """Count the whole turns of an angle that begins again at ``wraps_at``, in place; the note for it.
+
+    Raises InputError where a step between two samples is so large that its sense cannot be told.
+    """
+    if column.wraps_at is None:
+        return ""
+    before = row.copy()
+    row[:] = np.unwrap(before, period=column.wraps_at)
+    steps = np.abs(np.diff(row))
+    if steps.size and float(np.quantile(steps, 0.999)) > FULL_SENSE * column.wraps_at:
+        what = f"{quantity} moves by up to {steps.max():.6g} from sample to sample: its sense cannot be told"
+        limit = f"{FULL_SENSE * column.wraps_at:g}, {FULL_SENSE:g} of wraps_at"
+        remedy = "check wraps_at, log more samples a second, or move slower"
+        field: FieldPath = ("columns", quantity, "wraps_at")
+        raise InputError([file.problem(field, what, f"{column.wraps_at:g}", limit, remedy=remedy)])
+    passes = int(np.count_nonzero(np.abs(np.diff(row) - np.diff(before)) > 0.5 * column.wraps_at))
+    return f"{quantity} begins again {passes} time(s), after every {column.wraps_at:g}: whole turns are counted"
 
 
 def _in_si(file: MeasurementFile, asked: dict[str, Column], table: DataTable, source: str, sha256: str) -> Run:

@@ -40,6 +40,16 @@ class Column(Block):
         example=338.56,
         default=0.0,
     )
+    wraps_at: Number | None = figure(
+        "figure at which an angle begins again at zero, as the sensor shows it: 360 for degrees, counts_per_turn "
+        "of an absolute encoder, 65536 for a counter of 16 bits; whole turns are then counted",
+        unit="-",
+        source=SENSORS,
+        example=16384.0,
+        default=None,
+        gt=0.0,
+        le=1e12,
+    )
     side: Literal["drive", "motor"] = choice(
         "place of an input encoder: motor if it sits before the gearhead, whose ratio is then taken from the design",
         source=LOGGER,

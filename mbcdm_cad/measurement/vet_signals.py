@@ -20,6 +20,8 @@ COLDEST_C, HOTTEST_C = -60.0, 120.0
 # Share of the samples in which a noisy torque may be exactly at its extreme value.
 LEVEL_SHARE = 0.005
 
+WRAPPED = "set wraps_at of this column: 360 for degrees, counts_per_turn for one turn, 65536 for 16 bits"
+
 
 def signal_findings(run: Run, ratio: float) -> list[VettingNote]:
     """Doubts and refusals."""
@@ -85,7 +87,7 @@ def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Vettin
     turns = np.flatnonzero(np.abs(np.abs(steps) - 2.0 * math.pi) < 0.2)
     if turns.size and usual <= 0.2:
         text = f"{name} jumps by a full turn {turns.size} time(s), first after sample {int(turns[0]) + 1}"
-        return [VettingNote("wrapped", "refused", text, "log the angle over several turns, or unwrap it", field)]
+        return [VettingNote("wrapped", "refused", text, WRAPPED, field)]
     size = float(np.abs(steps).max())
     # Jumps of one size, far larger than all other steps, over most of the range; a pause in logging is not a jump.
     at = np.flatnonzero((np.abs(steps) > 0.5 * size) & (np.diff(run.time_s) < GAP_STEPS * run.step_s))
@@ -95,7 +97,7 @@ def _jumps(name: str, field: FieldPath, values: Floats, run: Run) -> list[Vettin
     if float(np.ptp(np.abs(steps[at]))) > 0.1 * size:
         return []
     text = f"{name} jumps by {size:.4g} rad {at.size} time(s), first after sample {int(at[0]) + 1}: a counter overflows"
-    return [VettingNote("wrapped", "refused", text, "log more bits, or unwrap it", field)]
+    return [VettingNote("wrapped", "refused", text, WRAPPED, field)]
 
 
 def _stands(name: str, field: FieldPath, values: Floats, other: Floats) -> list[VettingNote]:

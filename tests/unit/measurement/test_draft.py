@@ -117,3 +117,23 @@ def test_whole_numbers_do_not_hide_the_decimal_comma_nor_a_title_the_names(tmp_p
     assert 'load_torque: {column: "Kanal 7 [N]", unit: N' in draft, draft
     same(run)
     np.testing.assert_allclose(run.load_Nm, RUN.load_Nm, rtol=1e-6)
+
+
+def test_encoders_of_one_turn_are_counted_on(tmp_path: Path) -> None:
+    """Two absolute encoders of 14 bits on the motors and one in degrees on the drum, which passes from 360 to 0."""
+    turns = RUN.input_rad * DRIVE.gearhead.ratio / (2.0 * np.pi)
+    counts = np.floor(np.mod(turns + np.array([[0.3], [0.7]]), 1.0) * 16384.0)
+    columns = {
+        "t_s": RUN.time_s,
+        "mot_left": counts[0],
+        "mot_right": counts[1],
+        "drum_deg": np.mod(DEG * RUN.output_rad + 3.0, 360.0),
+        "tau_Nm": RUN.load_Nm,
+    }
+    draft, run = drafted(tmp_path, columns)
+    assert draft.count("wraps_at: 16384") == 2 and "wraps_at: 360" in draft, draft
+    step = 2.0 * np.pi / 16384.0 / DRIVE.gearhead.ratio
+    for measured, true in zip(run.input_rad, RUN.input_rad, strict=True):
+        np.testing.assert_allclose(measured - measured[0], true - true[0], atol=2.0 * step)
+    turned = run.output_rad - RUN.output_rad
+    np.testing.assert_allclose(turned, turned[0], atol=1e-7)

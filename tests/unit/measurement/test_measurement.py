@@ -284,3 +284,21 @@ def test_one_input_and_a_ratio(write: Write) -> None:
     del columns["input_right"]
     run = load_measurement(write(table(signals()), mapping(columns=columns, ratio=RATIO)))
     assert run.input_rad.shape == (1, 400) and run.input_names == ("input",) and run.ratio == RATIO
+
+
+def test_an_angle_that_begins_again_is_counted_on(write: Write) -> None:
+    columns = signals()
+    true = columns["left"].copy()
+    columns["left"] = np.mod(np.degrees(true) + 350.0, 360.0)
+    reading = read_run(load_file(write(table(columns), with_column("input_left", unit="deg", wraps_at=360))))
+    np.testing.assert_allclose(reading.run.input_rad[0] - reading.run.input_rad[0, 0], true - true[0], atol=1e-7)
+    assert any("whole turns are counted" in note for note in reading.notes), reading.notes
+
+
+def test_turns_that_cannot_be_counted_are_refused(write: Write) -> None:
+    """A range of twice the motion within a sample leaves no sense; a load has no turns."""
+    fastest = float(np.abs(np.diff(signals()["left"])).max())
+    text = refused(write(table(signals()), with_column("input_left", wraps_at=2.1 * fastest)))
+    assert "its sense cannot be told" in text and "wraps_at" in text, text
+    text = refused(write(table(signals()), with_column("load_torque", wraps_at=360)))
+    assert "only an angle begins again" in text, text
