@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime, time
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.errors import InputError, Problem, shortened
 from mbcdm_cad.measurement.logformat import LONGEST_LINE, Format, split, too_long
+from mbcdm_cad.measurement.units import ISO_CLOCK
 from mbcdm_cad.routes import Floats
 
 BLOCK_BYTES = 8 << 20
@@ -25,6 +27,7 @@ MOST_BROKEN = 0.02
 LISTED_LINES = 5
 # No sensor measures such a value; instruments write it (9.9e37) for an overload.
 OVERLOAD = 1e30
+_FIRST_DAY = datetime(2000, 1, 1)
 _DATE = re.compile(r"\d{1,4}[-/:.]\d{1,2}[-/:.]\d{1,4}|\d{1,2}:\d\d")
 DECIMALS = (
     "decimal commas and commas between columns look alike: export with semicolons or tabs, and set decimal: comma"
@@ -55,9 +58,23 @@ class DataTable:
             line = moved
 
 
-def read_table(path: Path, layout: Format, columns: Sequence[int], skip_broken: bool) -> DataTable:
-    """The columns (from 0) of all rows. Raises InputError for a broken row unless they are to be skipped."""
-    reader = _Reader(path, layout, columns, skip_broken)
+def clock_s(text: str) -> float:
+    """Seconds of a date and time, or of a time of day, as ISO 8601 writes them. Raises ValueError for other text."""
+    try:
+        moment = datetime.fromisoformat(text.strip())
+    except ValueError:
+        moment = datetime.combine(_FIRST_DAY, time.fromisoformat(text.strip()))
+    return (moment - (_FIRST_DAY if moment.tzinfo is None else _FIRST_DAY.replace(tzinfo=UTC))).total_seconds()
+
+
+def read_table(
+    path: Path, layout: Format, columns: Sequence[int], skip_broken: bool, clock: int | None = None
+) -> DataTable:
+    """The columns (from 0) of all rows, ``clock`` being that of dates and times.
+
+    Raises InputError for a broken row unless they are to be skipped.
+    """
+    reader = _Reader(path, layout, columns, skip_broken, clock)
     parts = [reader.block(first_line, text) for first_line, text in _blocks(path, layout.begin_line)]
     kept = sum(part.shape[0] for part in parts)
     if reader.broken > MOST_BROKEN * (kept + reader.broken):
@@ -105,8 +122,12 @@ def _blocks(path: Path, begin_line: int) -> Iterator[tuple[int, str]]:
 class _Reader:
     """Reads the blocks of one file and records the rows that it leaves out."""
 
-    def __init__(self, path: Path, layout: Format, columns: Sequence[int], skip_broken: bool) -> None:
+    def __init__(
+        self, path: Path, layout: Format, columns: Sequence[int], skip_broken: bool, clock: int | None
+    ) -> None:
         self.path, self.layout, self.columns, self.skip_broken = path, layout, list(columns), skip_broken
+        self.clock = clock
+        self.converters: dict[int | str, Callable[[str], float]] | None = None if clock is None else {clock: clock_s}
         self.broken = 0
         self.broken_lines: list[int] = []
         self.first_fault = ""
@@ -131,7 +152,9 @@ class _Reader:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # NumPy warns of a block without rows, which is allowed here
-                rows = np.loadtxt(lines, delimiter=sign, comments=None, ndmin=2, usecols=self.columns)
+                rows = np.loadtxt(
+                    lines, delimiter=sign, comments=None, ndmin=2, usecols=self.columns, converters=self.converters
+                )
         except ValueError:
             return None
         return rows if rows.shape[0] == len(lines) and bool((np.abs(rows) < OVERLOAD).all()) else None
@@ -166,13 +189,20 @@ class _Reader:
         names = self.layout.names
         name = shortened(names[index]) if index < len(names) else f"column {index + 1}"
         try:
+            if index == self.clock:
+                return clock_s(cell)
             value = float(cell) if "_" not in cell else None  # float() accepts 1_000, which no logger writes
         except ValueError:
             value = None
         if value is None:
             remedy = ""
-            if _DATE.match(cell):
-                remedy = "export the time as a number, in seconds from the start or any other unit of time"
+            if index == self.clock:
+                remedy = "write dates as 2026-03-01T12:00:00.010, or set the unit of the time to that of its figures"
+            elif _DATE.match(cell):
+                remedy = (
+                    f"set unit: {ISO_CLOCK} for dates such as 2026-03-01T12:00:00.010; "
+                    "else export the time as a number, in seconds from the start or any other unit of time"
+                )
             elif _DECIMAL_COMMA.match(cell):
                 remedy = "set decimal: comma in the measurement file"
             raise self._fault(number, f"no number in {name}", shortened(cell), "", remedy)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,10 +16,10 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.measurement.datafile import read_table
+from mbcdm_cad.measurement.datafile import clock_s, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, split, title_lines
 from mbcdm_cad.measurement.reading import FULL_SENSE
-from mbcdm_cad.measurement.units import ANGLE, FORCE, TEMPERATURE, TIME, TORQUE
+from mbcdm_cad.measurement.units import ANGLE, FORCE, ISO_CLOCK, TEMPERATURE, TIME, TORQUE
 from mbcdm_cad.measurement.vet_columns import robust_slope
 from mbcdm_cad.routes import Floats
 
@@ -54,11 +54,12 @@ class _Column:
 
 @dataclass(frozen=True)
 class _Table:
-    """How the file is laid out: lines before the names, and the indices of the columns that contain figures."""
+    """How the file is laid out: lines before the names, the indices of the columns to read, and that of dates."""
 
     layout: Format
     skip_rows: int
     chosen: tuple[int, ...]
+    clock: int | None
 
 
 def draft_text(data: Path, drive: Drive) -> str:
@@ -96,7 +97,7 @@ def _columns(data: Path) -> tuple[_Table, list[_Column]]:
         if len(chosen) < 2:
             remedy = "give the logger's CSV: a header and rows of figures"
             raise InputError([Problem(str(data), 1, "", "fewer than two columns of figures", remedy=remedy)])
-        table = read_table(data, layout, list(chosen), True)
+        table = read_table(data, layout, list(chosen), True, found_table.clock)
     except OSError as error:
         problem = Problem(str(data), 1, "", f"cannot be read: {error.strerror or error}", remedy="check the path")
         raise InputError([problem]) from None
@@ -105,17 +106,22 @@ def _columns(data: Path) -> tuple[_Table, list[_Column]]:
         name = layout.names[index] if index < len(layout.names) else ""
         unit = layout.units[index] if index < len(layout.units) else ""
         inside = re.search(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$", name)
-        found.append(_Column(name or index + 1, unit.strip("[]() ") or (inside.group(1) if inside else ""), values))
+        unit = ISO_CLOCK if index == found_table.clock else unit.strip("[]() ") or (inside.group(1) if inside else "")
+        found.append(_Column(name or index + 1, unit, values))
     return found_table, found
 
 
 def _table(data: Path, decimal: str) -> _Table:
     skipped = title_lines(data, decimal, "#")
     layout = find_format(data, "auto", decimal, "#", skipped, "auto")
-    return _Table(layout, skipped, tuple(_with_figures(data, layout)))
+    rows = _tried_rows(data, layout)
+    figures = [k for k in range(layout.fields) if _share(rows, k, layout, float) >= LEAST_FIGURES]
+    dates = (k for k in range(layout.fields) if k not in figures and _share(rows, k, layout, clock_s) >= LEAST_FIGURES)
+    clock = next(dates, None)
+    return _Table(layout, skipped, tuple(figures if clock is None else sorted([*figures, clock])), clock)
 
 
-def _with_figures(data: Path, layout: Format) -> list[int]:
+def _tried_rows(data: Path, layout: Format) -> list[list[str]]:
     rows = []
     with open(data, encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, 1):
@@ -123,12 +129,17 @@ def _with_figures(data: Path, layout: Format) -> list[int]:
                 rows.append(split(line, layout.sign))
             if len(rows) >= TRIED_ROWS:
                 break
-    return [k for k in range(layout.fields) if np.mean([_figure(row, k, layout) for row in rows]) >= LEAST_FIGURES]
+    return rows
 
 
-def _figure(row: list[str], k: int, layout: Format) -> bool:
+def _share(rows: list[list[str]], k: int, layout: Format, reads: Callable[[str], float]) -> float:
+    """Share of the rows whose cell ``k`` is read as a finite figure."""
+    return float(np.mean([_is_read(row, k, layout, reads) for row in rows])) if rows else 0.0
+
+
+def _is_read(row: list[str], k: int, layout: Format, reads: Callable[[str], float]) -> bool:
     try:
-        return math.isfinite(float(row[k].replace(",", ".") if layout.decimal_comma else row[k]))
+        return math.isfinite(reads(row[k].replace(",", ".") if layout.decimal_comma else row[k]))
     except (ValueError, IndexError):
         return False
 

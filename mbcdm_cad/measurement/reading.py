@@ -20,7 +20,7 @@ from mbcdm_cad.measurement.datafile import DECIMALS, DataTable, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, line_with
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.schema import Column, Columns, Measurement, is_column, node_at
-from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LOAD, Unit, kind_of, known_units, unit_of
+from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, ISO_CLOCK, LOAD, Unit, kind_of, known_units, unit_of
 from mbcdm_cad.measurement.unusable import refuse_unusable
 from mbcdm_cad.routes import Floats
 
@@ -90,7 +90,8 @@ def read_run(file: MeasurementFile) -> Reading:
         )
         asked = _columns_asked(file)
         indices = [_index(file, quantity, column, layout, data) for quantity, column in asked.items()]
-        table = read_table(data, layout, indices, content.broken_rows == "skip")
+        clock = indices[0] if content.columns.time.unit.strip() == ISO_CLOCK else None
+        table = read_table(data, layout, indices, content.broken_rows == "skip", clock)
         sha256 = _sha256(data)
     except OSError as error:
         problem = file.problem(

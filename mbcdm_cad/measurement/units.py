@@ -21,7 +21,17 @@ def _scaled(*spelt: tuple[str, float]) -> dict[str, Unit]:
     return {name: Unit(factor) for names, factor in spelt for name in names.split()}
 
 
-TIME = _scaled(("s sec second seconds", 1.0), ("ms", 1e-3), ("us µs", 1e-6), ("ns", 1e-9), ("min", 60.0), ("h", 3600.0))
+# Dates and times as ISO 8601 writes them; the reader turns them into seconds.
+ISO_CLOCK = "iso8601"
+TIME = _scaled(
+    (ISO_CLOCK, 1.0),
+    ("s sec second seconds", 1.0),
+    ("ms", 1e-3),
+    ("us µs", 1e-6),
+    ("ns", 1e-9),
+    ("min", 60.0),
+    ("h", 3600.0),
+)
 ANGLE = _scaled(
     ("rad", 1.0),
     ("mrad", 1e-3),

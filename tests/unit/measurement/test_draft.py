@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -137,3 +138,19 @@ def test_encoders_of_one_turn_are_counted_on(tmp_path: Path) -> None:
         np.testing.assert_allclose(measured - measured[0], true - true[0], atol=2.0 * step)
     turned = run.output_rad - RUN.output_rad
     np.testing.assert_allclose(turned, turned[0], atol=1e-7)
+
+
+def test_dates_are_a_time(tmp_path: Path) -> None:
+    """A script's isoformat(), which leaves out the fraction of a whole second."""
+    columns = {"left": RUN.input_rad[0], "right": RUN.input_rad[1], "drum": RUN.output_rad, "tau": RUN.load_Nm}
+    began = datetime(2026, 3, 1, 23, 59, 30, tzinfo=UTC)
+    rows = zip(RUN.time_s, *columns.values(), strict=True)
+    lines = [",".join(["timestamp", *columns])]
+    lines += [",".join([(began + timedelta(seconds=t)).isoformat(), *(f"{v:.10g}" for v in rest)]) for t, *rest in rows]
+    (tmp_path / "run.csv").write_text("\n".join(lines) + "\n")
+    draft = draft_text(tmp_path / "run.csv", DRIVE)
+    assert 'time: {column: "timestamp", unit: iso8601}' in draft, draft
+    (tmp_path / "run.yaml").write_text(draft)
+    run = arranged(load_measurement(tmp_path / "run.yaml"), DRIVE)
+    np.testing.assert_allclose(run.time_s - run.time_s[0], RUN.time_s - RUN.time_s[0], atol=1.1e-6)
+    same(run)

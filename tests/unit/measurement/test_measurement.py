@@ -302,3 +302,25 @@ def test_turns_that_cannot_be_counted_are_refused(write: Write) -> None:
     assert "its sense cannot be told" in text and "wraps_at" in text, text
     text = refused(write(table(signals()), with_column("load_torque", wraps_at=360)))
     assert "only an angle begins again" in text, text
+
+
+@pytest.mark.parametrize(
+    "text", ["2026-03-01 09:{:02d}:{:02d}.{:06d}", "09:{:02d}:{:02d}.{:06d}", "20260301T09{:02d}{:02d}.{:06d}Z"]
+)
+@pytest.mark.parametrize("broken_rows", ["refuse", "skip"])
+def test_dates_and_times_of_day(write: Write, text: str, broken_rows: str) -> None:
+    columns = signals()
+    us = [round(1e6 * t) for t in columns["t"]]
+    lines = table(columns).splitlines()
+    clocks = [text.format(t // 60_000_000, t // 1_000_000 % 60, t % 1_000_000) for t in us]
+    rows = [lines[0], *(f"{clock},{line.split(',', 1)[1]}" for clock, line in zip(clocks, lines[1:], strict=True))]
+    if broken_rows == "skip":  # which is then read line by line
+        rows.insert(200, "2026-03-01 10:00")
+    content = with_column("time", unit="iso8601") | {"broken_rows": broken_rows}
+    run = load_measurement(write("\n".join(rows) + "\n", content))
+    np.testing.assert_allclose(run.time_s - run.time_s[0], columns["t"] - columns["t"][0], atol=1e-6)
+
+
+def test_what_is_no_date_is_refused_with_its_line(write: Write) -> None:
+    text = refused(write(table(signals()), with_column("time", unit="iso8601")))
+    assert "write dates as 2026-03-01T12:00:00.010" in text and "run.csv:2" in text, text
