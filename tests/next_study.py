@@ -1,12 +1,12 @@
 """How often the run that ``mbcdm loop --next`` proposes settles a set of effects, on simulated benches.
 
-    python tests/next_study.py --of out/bench-study.jsonl --store out/next-study.jsonl --jobs 2
+    python tests/next_study.py --cases ratio_encoder,creep --seeds 41000:41010 --store out/next-study.jsonl
     python tests/next_study.py --store out/next-study.jsonl --table docs/next-run.md
 
-Taken are the runs of a bench study (tests/bench_study.py) that ended in a set with the true effect in it. Each is made
-again, the loop proposes the next run, the same bench makes it (the same servos, sensors and physics, other noise), and
-the loop judges both together. What happened in the first run stays: a cable that slipped has slipped, a rope that
-settles goes on settling.
+Each case is a run of a bench of tests/bench_study.py. Where the loop ends in a set with the true effect in it, it
+proposes the next run, the same bench makes it (the same servos, sensors and physics, other noise), and the loop judges
+both together. What happened in the first run stays: a cable that slipped has slipped, a rope that settles goes on
+settling.
 """
 
 from __future__ import annotations
@@ -40,12 +40,13 @@ from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 PAGE = """# Does the proposed run settle a set?
 
-Made by `{command}`: {runs} runs of the [study of benches](loop-benches.md) that ended in a set with the true
-effect in it. For each, `loop --next` proposed a run, the same simulated bench made it (same servos, sensors and
-physics, other noise), and the loop judged both runs together. A rope that settles goes on settling in the
-second run, a cable that slipped has slipped. *Settled rightly*: the true effect is named. Where the expected
-probability of a wrong choice is {useless:g} or more, the command proposes no run and says what would separate
-the effects; for this page the nearest run was made nevertheless.
+Made by `{command}`: {runs} runs of simulated benches, of the cases
+{cases}
+of the [study of benches](loop-benches.md), which often end in a set. {sets} of them ended in a set with the true effect in
+it. For each, `loop --next` proposed a run, the same simulated bench made it (same servos, sensors and physics, other
+noise), and the loop judged both runs together. A rope that settles goes on settling in the second run, a cable that
+slipped has slipped. *Settled rightly*: the true effect is named. Where the expected probability of a wrong choice is
+{useless:g} or more, the command proposes no run and says what would separate the effects.
 
 {table}
 
@@ -90,20 +91,26 @@ def judged(task: tuple[str, int]) -> dict[str, Any]:
     truth = truth_of(DRIVE, case, seed)
     first = through_files(simulate_real(DRIVE, case, seed), DRIVE.input_names)
     found = close_loop(DRIVE, [first])
-    row: dict[str, Any] = {"case": case, "seed": seed, "first": said_of(found.to_json())}
+    row: dict[str, Any] = {"case": case, "seed": seed, "first": said_of(found.to_json()), "settled": None}
+    if outcome_of(found.to_json(), truth.effects) != "set":
+        return row
     following = next_run(DRIVE, [first], found)
-    if following is None:
-        return row | {"settled": None}
+    assert following is not None
+    row |= {
+        "members": " or ".join(sorted(one.words for one in following.members)),
+        "proposed": following.experiment.about,
+        "wrong_before": following.wrong_before,
+        "wrong_after": following.wrong_after,
+        "settled": False,
+    }
+    if not following.useful:
+        return row
     second = through_files(made(truth, following.experiment, case, seed), DRIVE.input_names)
     members = [{"name": one.name, "stage": one.stage, "cables": one.cables} for one in following.members]
     asked = next((effect for effect in truth.effects if any(same(one, effect) for one in members)), None)
     result = close_loop(DRIVE, [first, second]).to_json()
     return row | {
         "asked": None if asked is None else asked.name,
-        "members": " or ".join(sorted(one.words for one in following.members)),
-        "proposed": following.experiment.about,
-        "wrong_before": following.wrong_before,
-        "wrong_after": following.wrong_after,
         "both": said_of(result),
         "outcome": outcome_of(result, truth.effects),
         "settled": asked is not None and any(same(one, asked) for one in result["effects"]),
@@ -120,7 +127,6 @@ def table(rows: list[dict[str, Any]]) -> str:
         ("a wrong choice in less than 5 %", lambda r: r["wrong_after"] < PROMISED),
         ("in 5 to 20 %", lambda r: PROMISED <= r["wrong_after"] < USELESS),
         ("all that are proposed", lambda r: r["wrong_after"] < USELESS),
-        ("more: not proposed", lambda r: r["wrong_after"] >= USELESS),
     )
     for words, chosen in tests:
         some = [r for r in rows if chosen(r)]
@@ -142,28 +148,41 @@ def by_set(rows: list[dict[str, Any]]) -> str:
     for members, some in sorted(groups.items(), key=lambda pair: -len(pair[1])):
         useful = sum(r["wrong_after"] < USELESS for r in some)
         lines.append(f"| {members} | {len(some)} | {useful} | {sum(r['settled'] for r in some)} |")
+    useful = sum(r["wrong_after"] < USELESS for r in rows)
+    lines.append(f"| **all** | {len(rows)} | {useful} | {sum(r['settled'] for r in rows)} |")
     return "\n".join(lines)
 
 
-def page(rows: list[dict[str, Any]], command: str) -> str:
+def page(rows: list[dict[str, Any]]) -> str:
     """The page of docs/."""
-    return PAGE.format(command=command, runs=len(rows), useless=USELESS, table=table(rows), by_set=by_set(rows))
+    cases = ",".join(sorted({r["case"] for r in rows}))
+    seeds = [r["seed"] for r in rows]
+    sets = [r for r in rows if r["settled"] is not None]
+    return PAGE.format(
+        command=f"python tests/next_study.py --cases {cases} --seeds {min(seeds)}:{max(seeds) + 1}",
+        runs=len(rows),
+        cases=cases,
+        sets=len(sets),
+        useless=USELESS,
+        table=table(sets),
+        by_set=by_set(sets),
+    )
 
 
 def main() -> None:
     """Parse and do."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--of", type=Path, help="store of a bench study")
-    parser.add_argument("--count", type=int, default=1000, help="at most so many sets")
+    parser.add_argument("--cases", default="", help="cases of tests/support/bench_real.py, separated by commas")
+    parser.add_argument("--seeds", default="0:0", help="first and last, as 41000:41010; the last is not made")
     parser.add_argument("--store", type=Path, default=ROOT / "out" / "next-study.jsonl")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--table", type=Path, help="Markdown page to write")
     options = parser.parse_args()
     rows = [json.loads(line) for line in options.store.read_text().splitlines()] if options.store.exists() else []
     done = {(r["case"], r["seed"]) for r in rows}
-    studied = [json.loads(line) for line in options.of.read_text().splitlines()] if options.of else []
-    ended = [(r["case"], r["seed"]) for r in studied if r["outcome"] == "set"]
-    wanted = [task for task in ended if task not in done][: options.count]
+    first, last = (int(word) for word in options.seeds.split(":"))
+    cases = [case for case in options.cases.split(",") if case]
+    wanted = [(case, seed) for seed in range(first, last) for case in cases if (case, seed) not in done]
     options.store.parent.mkdir(parents=True, exist_ok=True)
     with options.store.open("a") as kept, multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
         for row in pool.imap_unordered(judged, wanted):
@@ -171,11 +190,9 @@ def main() -> None:
             kept.write(json.dumps(row) + "\n")
             kept.flush()
             print(json.dumps(row), flush=True)
-    judged_rows = [r for r in rows if r["settled"] is not None]
     if options.table:
-        command = "python tests/next_study.py --of out/bench-study.jsonl"
-        options.table.write_text(page(judged_rows, command), encoding="utf-8")
-    print(table(judged_rows))
+        options.table.write_text(page(rows), encoding="utf-8")
+    print(table([r for r in rows if r["settled"] is not None]))
 
 
 if __name__ == "__main__":

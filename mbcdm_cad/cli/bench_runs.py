@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from math import pi, radians
 from typing import Any
 
@@ -21,12 +22,15 @@ TRAVEL_SHARE, SHORT_SHARE = 0.9, 0.15
 # Half sweeps of a run, slow and fast.
 SLOW_SWEEPS, FAST_SWEEPS = 10, 32
 LEAST_DURATION_S = 60.0
+# On a triangle the speed has one size, so what grows with the speed looks like what has its sign; on a sine it varies.
+SHAPES = ("triangle", "sine")
 # Widest motion that an experiment file takes, mrad.
 WIDEST_MRAD = 1200.0
 
 
 def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
-    """Runs within the limits, sorted: long travel first, then slow motion first, then the simplest load first."""
+    """Runs within the limits, sorted: long travel first, then slow motion first, then triangle before sine, then the
+    simplest load first."""
     travel = TRAVEL_SHARE * radians(drive.half_travel_deg)
     if limits.half_travel_deg is not None:
         travel = radians(limits.half_travel_deg)
@@ -39,15 +43,15 @@ def candidates(drive: Drive, limits: BenchLimits) -> list[Experiment]:
                 # The period of a sine whose largest speed is within the limit; a slower run is allowed.
                 period = max(period, round(2.0 * pi * amplitude / radians(limits.drum_speed_max_deg_s), 3))
             motion = {"amplitude_mrad": round(min(1e3 * amplitude, WIDEST_MRAD), 2), "period_s": period}
-            for name, load in _loads(limits):
+            for shape, (name, load) in product(SHAPES, _loads(limits)):
                 found.append(
                     Experiment.model_validate(
                         {
                             "name": "planned",
-                            "about": f"{travels}, {speeds}, {name}",
+                            "about": f"{travels}, {speeds} {shape}, {name}",
                             "duration_s": round(limits.duration_s, 3),
                             "sample_rate_Hz": PLANNING_HZ,
-                            "motion": motion,
+                            "motion": {**motion, "shape": shape},
                             "load": load,
                             "sensors": sensors,
                             "physics": {"cable_transport": False},

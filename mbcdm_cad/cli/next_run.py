@@ -70,12 +70,19 @@ def next_run(drive: Drive, runs: Sequence[Run], result: LoopResult) -> NextRun |
         return None
     step = float(np.median([run.step_s for run in runs]))
     limits = _limits(drive, runs, step)
-    planned = [(one, _planned(drive, one)) for one in candidates(drive, limits)]
+    offered = candidates(drive, limits)
+    planned = list[Run | None]()  # predicted only as far as they are looked at
     found = []
     for members in result.one_of:
-        tried = [(_wrong(drive, run, members, result.noise, step), one) for one, run in planned]
-        sure = (pair for pair in tried if pair[0] < SURE)
-        wrong, best = next(sure, None) or min(tried, key=lambda pair: pair[0])
+        wrong, best = 1.0, offered[0]
+        for k, one in enumerate(offered):
+            if k == len(planned):
+                planned.append(_planned(drive, one))
+            now = _wrong(drive, planned[k], members, result.noise, step)
+            if now < wrong:
+                wrong, best = now, one
+            if wrong < SURE:
+                break
         before = min(_wrong(drive, run, members, result.noise, run.step_s) for run in runs)
         best = best.model_copy(update={"name": "next-run", "sample_rate_Hz": limits.sample_rate_Hz})
         found.append(NextRun(best, members, before, wrong))

@@ -63,6 +63,17 @@ class Foreseen:
     rivals: tuple[Rival, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """One effect at one place: the derivatives by its sizes on all used samples (n, k), without what offsets explain,
+    and an orthonormal basis of them."""
+
+    effect: Effect
+    label: str
+    columns: Floats
+    basis: Floats
+
+
 @dataclass(frozen=True)
 class RunPlan:
     """What a planned run can find, with the noise that was assumed."""
@@ -114,30 +125,25 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     p = fitter.runs[0]
     offered = [effect for effect in library(fitter.d, p) if not effect.inside]
     tried = [found for effect in offered for found in _columns(fitter, bare, effect)]
-    least = {id(one): _least(one[2], noise, p, len(tried), power) for one in tried}
+    least = [_least(one.columns, noise, p, len(tried), power) for one in tried]
     foreseen = []
-    for one in tried:
-        effect, label, columns = one
-        strength, unit = least[id(one)]
-        if unit <= 0.0:
-            foreseen.append(Foreseen(label, effect.parameters[0].name, None, ()))
-            continue
-        size = strength * noise.total_rad / unit
-        parameter = next(p for p in effect.parameters if p.role == "size")
+    for one, (strength, unit) in zip(tried, least, strict=True):
+        parameter = next(p for p in one.effect.parameters if p.role == "size")
+        size = strength * noise.total_rad / unit if unit > 0.0 else np.inf
         if size > min(parameter.high, NEVER * parameter.size):
-            foreseen.append(Foreseen(label, parameter.name, None, ()))
+            foreseen.append(Foreseen(one.label, parameter.name, None, ()))
             continue
         rivals = []
-        for other in tried:
-            if other[0].key == effect.key or least[id(other)][1] <= 0.0:
+        for other, (_, shown) in zip(tried, least, strict=True):
+            if other.effect.key == one.effect.key or shown <= 0.0:
                 continue
-            wanted = _apart(columns, other[2], noise, p)
+            wanted = _apart(one.basis, other.basis, noise, p)
             if wanted > strength:
                 from_size = None if wanted > ANY_SIZE * strength else wanted / strength * size
-                rivals.append((wanted, Rival(other[1], from_size)))
+                rivals.append((wanted, Rival(other.label, from_size)))
         rivals.sort(key=lambda rival: -rival[0])
         worst = tuple(rival for _, rival in rivals[:MOST_RIVALS])
-        foreseen.append(Foreseen(label, _size_name(effect), size, worst))
+        foreseen.append(Foreseen(one.label, _size_name(one.effect), size, worst))
     return RunPlan(noise, tuple(foreseen), power)
 
 
@@ -154,8 +160,8 @@ def _size_name(effect: Effect) -> str:
     return name.replace("cosine_", "amplitude_")
 
 
-def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[tuple[Effect, str, Floats]]:
-    """Derivatives by the sizes on all used samples, without what offsets explain, for each place of the effect."""
+def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[_Tried]:
+    """The effect at each place that is planned."""
     places: Sequence[Sequence[float]] = [[0.0] * len(effect.parameters)]
     labels = [effect.label]
     if effect.order_index is not None:
@@ -167,22 +173,23 @@ def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[tuple[Effect, st
     used = fitter.used
     known = fitter.centred(bare.jacobian, used)[used]
     basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(used.sum()), 0))
+    without = fitter.output - bare.residual  # a constant apart, which ``centred`` removes
+    sizes = [k for k, parameter in enumerate(effect.parameters) if parameter.role == "size"]
     found = []
     for place, label in zip(places, labels, strict=True):
         at = np.array(place, dtype=float)
         try:
-            before = fitter.predict([effect], [at], bare.offsets)
+            before = fitter.predict([effect], [at], bare.offsets) if at[sizes].any() else without
             rows = []
-            for k, parameter in enumerate(effect.parameters):
-                if parameter.role != "size":
-                    continue
+            for k in sizes:
                 moved = at.copy()
-                moved[k] += parameter.size
-                rows.append((fitter.predict([effect], [moved], bare.offsets) - before) / parameter.size)
+                moved[k] += effect.parameters[k].size
+                rows.append((fitter.predict([effect], [moved], bare.offsets) - before) / effect.parameters[k].size)
         except ModelError:
             continue
         columns = fitter.centred(np.stack(rows, axis=1), used)[used]
-        found.append((effect, label, np.asarray(columns - basis @ (basis.T @ columns))))
+        columns = np.asarray(columns - basis @ (basis.T @ columns))
+        found.append(_Tried(effect, label, columns, np.linalg.qr(columns)[0]))
     return found
 
 
@@ -219,10 +226,9 @@ def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: f
     return float(max(by_size * unit / shown, by_test * unit / supporting)), unit
 
 
-def _apart(columns: Floats, others: Floats, noise: Noise, p: Prepared) -> float:
-    """RMS over the floor from which an effect is separated from another."""
-    one, other = np.linalg.qr(columns)[0], np.linalg.qr(others)[0]
+def _apart(one: Floats, other: Floats, noise: Noise, p: Prepared) -> float:
+    """RMS over the floor from which an effect is separated from another; both are bases of their columns."""
     alike = min(1.0, float(np.linalg.svd(one.T @ other, compute_uv=False)[0]))
-    n = columns.shape[0] * counting(noise, p.step_s)
+    n = one.shape[0] * counting(noise, p.step_s)
     left = max(1.0 - alike, 1e-12)
     return float(max(np.sqrt(TOLD_STRENGTH / left / n), ALIKE_SHARE / np.sqrt(max(1.0 - alike**2, 1e-12))))
