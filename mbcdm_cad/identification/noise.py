@@ -97,7 +97,7 @@ def _of_run(setup: Setup, residual: Floats) -> Noise:
         fast = float(np.std((residual - slow)[p.train])) * _rest_of_white(FAST_S, p.step_s)
         total = max(fast, p.floor_rad) or 1e-12
         return Noise(total, total, 0.0, 0.0, p.floor_rad, f"what is faster than {FAST_S:g} s, since nothing repeats")
-    columns, prior = _curves(setup, residual, at)
+    columns, prior = curves(setup, residual, at)
     y = residual[at] - residual[at].mean()
     left, square = _left_out(columns, prior, y, sweep)
     total = max(float(np.sqrt(square)), p.floor_rad, 1e-12)
@@ -115,7 +115,7 @@ def _rest_of_white(window_s: float, step_s: float) -> float:
     return float(1.0 / np.sqrt(max(1.0 - 2.0 / width + 2.0 / (3.0 * width), 0.2))) if width > 1 else 1.0
 
 
-def _curves(setup: Setup, residual: Floats, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
+def curves(setup: Setup, residual: Floats, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """Columns (n, k) on which a residual is regressed, and the weight that draws each to zero, in samples (k,)."""
     p = setup.p
     angle, speed, t = p.output_rad[at], p.speed_rad_s[at], p.time_s[at] - p.time_s[0]

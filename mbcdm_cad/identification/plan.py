@@ -17,6 +17,7 @@ from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.identification.colour import along, coloured
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.evidence import ALPHA
@@ -66,12 +67,13 @@ class Foreseen:
 @dataclass(frozen=True, eq=False)
 class _Tried:
     """One effect at one place: the derivatives by its sizes on all used samples (n, k), without what offsets explain,
-    and an orthonormal basis of them."""
+    an orthonormal basis of them, and the number of independent samples that the noise leaves along them."""
 
     effect: Effect
     label: str
     columns: Floats
     basis: Floats
+    counted: float
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,12 @@ def _words(parameter: str, size: float | None) -> str:
 def noise_from(drive: Drive, run: Run) -> Noise:
     """The noise of a measured run, for planning other runs."""
     fitter = planned_fitter(drive, run)
-    return noise_of(fitter.base, [fitter.fit().residual])
+    return _noise_in(fitter, fitter.fit())
+
+
+def _noise_in(fitter: Fitter, bare: Fit) -> Noise:
+    """The floor as the loop has it, and its colour."""
+    return coloured(noise_of(fitter.base, [bare.residual]), fitter.base[0], bare.residual)
 
 
 def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:
@@ -121,10 +128,10 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     """
     fitter = planned_fitter(drive, run)
     bare = fitter.fit()
-    noise = noise or noise_of(fitter.base, [bare.residual])
+    noise = noise or _noise_in(fitter, bare)
     p = fitter.runs[0]
     offered = [effect for effect in library(fitter.d, p) if not effect.inside]
-    tried = [found for effect in offered for found in _columns(fitter, bare, effect)]
+    tried = [found for effect in offered for found in _columns(fitter, bare, effect, noise)]
     least = [_least(one.columns, noise, p, len(tried), power) for one in tried]
     foreseen = []
     for one, (strength, unit) in zip(tried, least, strict=True):
@@ -137,7 +144,7 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
         for other, (_, shown) in zip(tried, least, strict=True):
             if other.effect.key == one.effect.key or shown <= 0.0:
                 continue
-            wanted = _apart(one.basis, other.basis, noise, p)
+            wanted = _apart(one, other)
             if wanted > strength:
                 from_size = None if wanted > ANY_SIZE * strength else wanted / strength * size
                 rivals.append((wanted, Rival(other.label, from_size)))
@@ -160,7 +167,25 @@ def _size_name(effect: Effect) -> str:
     return name.replace("cosine_", "amplitude_")
 
 
-def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[_Tried]:
+def without_offsets(fitter: Fitter, bare: Fit, columns: Floats, noise: Noise) -> Floats:
+    """Changes of the prediction (n, k) on all used samples, as the loop sees them: less their mean over the training
+    samples, and less what the offsets between the input encoders explain there.
+
+    An offset is known before the run: it is within its limit, as likely here as there, of a variance of a third of the
+    limit squared. Where that moves the prediction by less than the noise, it explains nothing.
+    """
+    train, used, p = fitter.train, fitter.used, fitter.runs[0]
+    columns = fitter.centred(columns, train)
+    known = fitter.centred(bare.jacobian, train)
+    if known.shape[1]:
+        own = known[train]
+        noises = [along(row, noise, p.step_s) * noise.total_rad**2 for row in own.T]
+        drawn = np.diag(3.0 * np.array(noises) / fitter.limit[fitter.free] ** 2)
+        columns = columns - known @ np.linalg.solve(own.T @ own + drawn, own.T @ columns[train])
+    return np.asarray(columns[used])
+
+
+def _columns(fitter: Fitter, bare: Fit, effect: Effect, noise: Noise) -> list[_Tried]:
     """The effect at each place that is planned."""
     places: Sequence[Sequence[float]] = [[0.0] * len(effect.parameters)]
     labels = [effect.label]
@@ -170,9 +195,6 @@ def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[_Tried]:
     elif any(p.role == "place" for p in effect.parameters):
         guesses = effect.first_guesses(fitter.base[0], bare.residual)
         places = [guesses[len(guesses) // 2]]
-    used = fitter.used
-    known = fitter.centred(bare.jacobian, used)[used]
-    basis = np.linalg.qr(known)[0] if known.shape[1] else np.zeros((int(used.sum()), 0))
     without = fitter.output - bare.residual  # a constant apart, which ``centred`` removes
     sizes = [k for k, parameter in enumerate(effect.parameters) if parameter.role == "size"]
     found = []
@@ -187,16 +209,11 @@ def _columns(fitter: Fitter, bare: Fit, effect: Effect) -> list[_Tried]:
                 rows.append((fitter.predict([effect], [moved], bare.offsets) - before) / effect.parameters[k].size)
         except ModelError:
             continue
-        columns = fitter.centred(np.stack(rows, axis=1), used)[used]
-        columns = np.asarray(columns - basis @ (basis.T @ columns))
-        found.append(_Tried(effect, label, columns, np.linalg.qr(columns)[0]))
+        columns = without_offsets(fitter, bare, np.stack(rows, axis=1), noise)
+        basis = np.linalg.qr(columns)[0]
+        spread = max(along(column, noise, fitter.runs[0].step_s) for column in columns.T)
+        found.append(_Tried(effect, label, columns, basis, columns.shape[0] / spread))
     return found
-
-
-def counting(noise: Noise, step_s: float) -> float:
-    """Share of samples ``step_s`` apart that count as independent, since coloured noise is correlated."""
-    square = noise.white_rad**2 + noise.coloured_rad**2 * max(1.0, 2.0 * noise.memory_s / step_s)
-    return noise.total_rad**2 / max(square, noise.total_rad**2)
 
 
 def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: float) -> tuple[float, float]:
@@ -205,30 +222,34 @@ def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: f
     The half sweeps held back must show the effect, and the others must support it. Where the load differs from sweep to
     sweep, either may show less of it than all do.
     """
-    share = counting(noise, p.step_s)
     test = p.test[p.used]
-    held, trained = max(4.0, share * float(test.sum())), max(4.0, share * float((~test).sum()))
-    sure = float(norm.ppf(power))
-    # The fall of the held-out mean square, reduced by the error of a fit to noise, must be LEAST_FALL of the floor's.
-    chance = sure / np.sqrt(held)
-    by_size = chance + np.sqrt(chance**2 + LEAST_FALL**2)
     freedom, k = SECTORS - 1, columns.shape[1]
     critical = k * float(f_distribution.isf(ALPHA / candidates, k, max(freedom - k + 1, 1)))
-    by_test = (np.sqrt(critical) + sure) / np.sqrt(trained)
+    sure = float(norm.ppf(power))
 
-    def of_unit(chosen: NDArray[np.bool_]) -> float:
+    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float]:
+        """RMS of one unit on these samples, at the worst phase, and standard deviation of the noise along it over the
+        floor."""
         part = columns[chosen]
-        return float(np.linalg.svd(part, compute_uv=False)[-1]) / np.sqrt(part.shape[0]) if len(part) >= k else 0.0
+        if len(part) < k:
+            return 0.0, np.inf
+        _, values, phases = np.linalg.svd(part, full_matrices=False)
+        worst = np.where(chosen, columns @ phases[-1], 0.0)
+        return float(values[-1]) / np.sqrt(len(part)), float(np.sqrt(along(worst, noise, p.step_s) / len(part)))
 
-    unit, shown, supporting = of_unit(np.ones_like(test)), of_unit(test), of_unit(~test)
+    (unit, _), (shown, held), (supporting, trained) = of_unit(np.ones_like(test)), of_unit(test), of_unit(~test)
     if min(shown, supporting) <= 0.0:
         return np.inf, 0.0
+    # The fall of the held-out mean square must be LEAST_FALL of the floor's. Noise along the effect changes it, and the
+    # error of the fitted sizes lowers it.
+    chance = sure * held
+    by_size = chance + np.sqrt(chance**2 + LEAST_FALL**2 + k * (trained * shown / supporting) ** 2)
+    by_test = (np.sqrt(critical) + sure) * trained
     return float(max(by_size * unit / shown, by_test * unit / supporting)), unit
 
 
-def _apart(one: Floats, other: Floats, noise: Noise, p: Prepared) -> float:
-    """RMS over the floor from which an effect is separated from another; both are bases of their columns."""
-    alike = min(1.0, float(np.linalg.svd(one.T @ other, compute_uv=False)[0]))
-    n = one.shape[0] * counting(noise, p.step_s)
+def _apart(one: _Tried, other: _Tried) -> float:
+    """RMS over the floor from which an effect is separated from another."""
+    alike = min(1.0, float(np.linalg.svd(one.basis.T @ other.basis, compute_uv=False)[0]))
     left = max(1.0 - alike, 1e-12)
-    return float(max(np.sqrt(TOLD_STRENGTH / left / n), ALIKE_SHARE / np.sqrt(max(1.0 - alike**2, 1e-12))))
+    return float(max(np.sqrt(TOLD_STRENGTH / left / one.counted), ALIKE_SHARE / np.sqrt(max(1.0 - alike**2, 1e-12))))

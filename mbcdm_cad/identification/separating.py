@@ -13,12 +13,13 @@ import numpy as np
 from scipy.stats import norm
 
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.identification.colour import along
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.exchange import ALIKE_SHARE
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise
-from mbcdm_cad.identification.plan import counting, planned_fitter
+from mbcdm_cad.identification.plan import planned_fitter, without_offsets
 from mbcdm_cad.identification.result import Named
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.errors import ModelError
@@ -34,15 +35,14 @@ def wrong_choice(drive: Drive, run: Run, members: Sequence[Named], noise: Noise,
     fitter = planned_fitter(drive, run)
     bare = fitter.fit()
     offered = library(fitter.d, fitter.runs[0])
-    found = [_changes(fitter, bare, effect, one) for one in members if (effect := _effect_of(one, offered))]
+    found = [_changes(fitter, bare, effect, one, noise) for one in members if (effect := _effect_of(one, offered))]
     if len(found) < len(members) or any(one is None for one in found):
         return 0.5
-    counted = counting(noise, step_s) * fitter.runs[0].step_s / step_s
     worst = 0.0
     for k, one in enumerate(found):
         for j, other in enumerate(found):
             if j != k and one is not None and other is not None:
-                worst = max(worst, _mistaken(one[0], other[1], noise, counted))
+                worst = max(worst, _mistaken(one[0], other[1], noise, (fitter.runs[0].step_s, step_s)))
     return worst
 
 
@@ -52,7 +52,7 @@ def _effect_of(named: Named, offered: Sequence[Effect]) -> Effect | None:
     return next((effect for effect in offered if effect.key == key and effect.form == named.form), None)
 
 
-def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named) -> tuple[Floats, Floats] | None:
+def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named, noise: Noise) -> tuple[Floats, Floats] | None:
     """Change by the effect at the size that was found, (n,), and its derivatives there (n, k), without offsets."""
     at = np.array([named.fitted[parameter.name] for parameter in effect.parameters])
     try:
@@ -64,19 +64,14 @@ def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named) -> tuple[F
             rows.append((fitter.predict([effect], [moved], bare.offsets) - there) / (0.1 * parameter.size))
     except ModelError:
         return None
-    used = fitter.used
-    columns = fitter.centred(np.stack(rows, axis=1), used)[used]
-    known = fitter.centred(bare.jacobian, used)[used]
-    if known.shape[1]:
-        basis = np.linalg.qr(known)[0]
-        columns = columns - basis @ (basis.T @ columns)
+    columns = without_offsets(fitter, bare, np.stack(rows, axis=1), noise)
     return columns[:, 0], columns[:, 1:]
 
 
-def _mistaken(change: Floats, slopes: Floats, noise: Noise, counted: float) -> float:
+def _mistaken(change: Floats, slopes: Floats, noise: Noise, steps_s: tuple[float, float]) -> float:
     """Probability to confuse an effect with these ``slopes`` with one that makes this ``change``.
 
-    Each sample counts as ``counted`` independent ones.
+    ``steps_s``: time between these samples, and between those of the run to be made.
     """
     size = np.linalg.norm(slopes, axis=0)
     kept = slopes[:, size > 0.0] / size[size > 0.0]
@@ -85,4 +80,4 @@ def _mistaken(change: Floats, slopes: Floats, noise: Noise, counted: float) -> f
     # So small a difference may be an error of the model: the loop treats it as none.
     if rms < ALIKE_SHARE * noise.total_rad:
         return 0.5
-    return float(norm.sf(0.5 * rms * np.sqrt(left.size * counted) / noise.total_rad))
+    return float(norm.sf(0.5 * rms * np.sqrt(left.size / along(left, noise, *steps_s)) / noise.total_rad))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import inf, pi
 from pathlib import Path
 
 import pytest
@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbcdm_cad.cli import run as mbcdm
-from mbcdm_cad.cli.bench_runs import candidates
+from mbcdm_cad.cli.bench_runs import candidates, run_of
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.identification.plan import plan_of
 from mbcdm_cad.rig.bench_limits import BenchLimits
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.reading import read_experiment
@@ -51,13 +52,40 @@ def test_every_run_stays_within_the_bench(
         assert one.load.kind in {"none", *loads}, one.about
 
 
+@pytest.mark.parametrize("loads", [(), ("brake", "weight", "torque_motor")])
+def test_each_run_is_offered_as_a_triangle_and_as_a_sine(loads: tuple[str, ...]) -> None:
+    limits = BenchLimits.model_validate({"loads": loads, "torque_Nm": 1.0 if loads else None})
+    found = candidates(DRIVE, limits)
+
+    def of(shape: str) -> list[tuple[object, ...]]:
+        chosen = [one for one in found if one.motion.shape == shape]
+        return [(one.motion.amplitude_mrad, one.motion.period_s, one.load) for one in chosen]
+
+    assert of("triangle") == of("sine") and 2 * len(of("sine")) == len(found)
+    assert all(one.motion.shape in one.about for one in found)
+
+
+def test_a_sine_tells_friction_from_delay_and_a_triangle_hardly() -> None:
+    limits = BenchLimits.model_validate({"duration_s": 60.0, "loads": ("weight",), "torque_Nm": 0.5})
+    runs = {one.motion.shape: one for one in reversed(candidates(DRIVE, limits)) if one.motion.amplitude_mrad > 300.0}
+    multiples = {}
+    for shape, one in runs.items():
+        plan = plan_of(DRIVE, run_of(DRIVE, one))
+        friction = next(seen for seen in plan.effects if seen.label.startswith("friction"))
+        assert friction.smallest is not None
+        told = [rival.from_size or inf for rival in friction.rivals if rival.label.startswith("delay (late")]
+        multiples[shape] = max([friction.smallest, *told]) / friction.smallest
+    print(f"friction is told from delay from so many times its smallest size: {multiples}")
+    assert multiples["triangle"] > 2.0 * multiples["sine"], multiples
+
+
 @pytest.mark.slow
 def test_the_best_run_is_written_as_an_experiment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bench, planned = tmp_path / "bench.yaml", tmp_path / "planned.yaml"
     bench.write_text("half_travel_deg: 20.0\nduration_s: 60.0\nsample_rate_Hz: 20.0\nloads: [weight]\ntorque_Nm: 0.4\n")
     assert mbcdm(["plan", str(DESIGN), "--within", str(bench), "--write", str(planned)]) == 0
     said = capsys.readouterr().out
-    assert "4 runs compared" in said and "named from (power 0.9)" in said, said
+    assert "8 runs compared" in said and "named from (power 0.9)" in said, said
     found = read_experiment(planned)
     assert isinstance(found, Experiment) and found.sample_rate_Hz == 20.0 and found.load.bias_Nm == 0.4
     assert f"best: {found.about}" in said, said

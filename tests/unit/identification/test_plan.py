@@ -7,10 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.engine import close_loop
-from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of
+from mbcdm_cad.identification.noise import Noise
+from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of, planned_fitter, without_offsets
+from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
@@ -77,3 +81,44 @@ def test_a_size_that_no_part_can_have_is_not_promised() -> None:
     plan = plan_of(DRIVE, run, loud)
     assert {one.smallest for one in plan.effects} == {None}, plan.text()
     assert "this run cannot show it" in plan.text()
+
+
+def test_an_offset_explains_no_more_than_its_limit_allows() -> None:
+    fitter = planned_fitter(DRIVE, bench())
+    bare = fitter.fit()
+    noise = Noise(1e-4, 1e-4, 0.0, 0.0, 4.4e-6, "far above what an offset does")
+    slack = next(one for one in library(fitter.d, fitter.runs[0]) if one.label.startswith("preload_error cable_1"))
+    change = fitter.predict([slack], [np.array([0.02])], bare.offsets) - (fitter.output - bare.residual)
+    limit = fitter.limit.copy()
+    left = {}
+    for times in (1.0, 1e4):
+        fitter.limit[:] = times * limit
+        left[times] = float(np.linalg.norm(without_offsets(fitter, bare, change[:, None], noise)))
+    whole = float(np.linalg.norm(fitter.centred(change, fitter.train)[fitter.used]))
+    print(f"an offset leaves {left[1.0] / whole:.3f} of a slack cable; if it had no limit, {left[1e4] / whole:.3f}")
+    assert left[1.0] > 0.97 * whole and left[1e4] < 0.75 * whole
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("power", "low", "high"), [(0.5, 0.4, 0.6), (0.9, 0.8, 1.0)])
+def test_noise_with_a_memory_is_reckoned_with(power: float, low: float, high: float) -> None:
+    """The rule of the search on many draws of slow noise: the fall of the held-out error, at the promised size."""
+    quiet = bench()
+    clean = planned_fitter(DRIVE, quiet)
+    noise = Noise(1.2e-5, 8e-6, 9e-6, 0.6, 4.4e-6, "as the test has it")
+    label = "ratio_error (pitch radius or encoder scale)"
+    size = smallest(plan_of(DRIVE, quiet, noise, power), label)
+    ratio = next(one for one in library(clean.d, clean.runs[0]) if one.label == label)
+    step, rng, found = clean.runs[0].step_s, np.random.default_rng(2), []
+    change = clean.predict([ratio], [np.array([size])], np.zeros(1)) - clean.predict([], [], np.zeros(1))
+    slope = clean.centred(change / size, clean.train)
+    for _ in range(400):
+        keep = np.exp(-step / noise.memory_s)
+        kicks = np.sqrt(1.0 - keep**2) * rng.normal(size=change.size)
+        slow = noise.coloured_rad * lfilter([1.0], [1.0, -keep], kicks)
+        residual = clean.centred(change + slow + noise.white_rad * rng.normal(size=change.size), clean.train)
+        fitted = slope[clean.train] @ residual[clean.train] / (slope[clean.train] @ slope[clean.train])
+        falls = residual[clean.test] ** 2 - (residual - fitted * slope)[clean.test] ** 2
+        found.append(float(np.mean(falls)) >= (LEAST_FALL * noise.total_rad) ** 2)
+    print(f"promised {power}, found {np.mean(found):.3f}")
+    assert low < np.mean(found) < high, (power, np.mean(found))
