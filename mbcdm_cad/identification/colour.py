@@ -24,7 +24,8 @@ MEMORIES_S = np.geomspace(0.02, 5.0, 40)
 
 
 def coloured(noise: Noise, setup: Setup, residual: Floats) -> Noise:
-    """``noise`` with the colour that the residual (n,) of its run has; unchanged if too few half sweeps repeat.
+    """``noise`` with the colour that the residual (n,) of its run has; unchanged if too few half sweeps repeat, or if
+    the floor is that of the declared steps.
 
     Curves that are fitted to the residual follow its slow noise too, and those fitted to the other half sweeps add
     errors of their own. The product of what both leave has the expectation of the noise: for y = noise and the curves'
@@ -34,7 +35,7 @@ def coloured(noise: Noise, setup: Setup, residual: Floats) -> Noise:
     at = np.flatnonzero(p.train)
     at = at[:: max(1, at.size // MOST_SAMPLES)]
     sweep = p.sweep[at]
-    if p.few or np.unique(sweep).size < FEWEST_SWEEPS:
+    if noise.total_rad <= noise.declared_rad or p.few or np.unique(sweep).size < FEWEST_SWEEPS:
         return noise
     seen, unseen = _left(setup, residual, at)
     step = float(np.median(np.diff(p.time_s[at])))

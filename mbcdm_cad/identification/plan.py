@@ -12,21 +12,17 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
-from scipy.stats import norm
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.identification.colour import along, coloured
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
-from mbcdm_cad.identification.evidence import ALPHA
 from mbcdm_cad.identification.exchange import ALIKE_SHARE
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise, noise_of
-from mbcdm_cad.identification.prepared import SECTORS, Prepared, prepare
+from mbcdm_cad.identification.power import Shown, shown, smallest
+from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.result import readable
-from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.errors import ModelError
@@ -41,6 +37,8 @@ ORDERS = (20.0, 200.0)
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.
 MOST_RIVALS = 4
 ANY_SIZE = 1e3
+# What an offset may explain hangs on the size, and the size on that.
+ROUNDS = 3
 # An effect that would have to be so many times its typical size, or beyond its bound, is never seen in the run.
 NEVER = 1e4
 
@@ -66,14 +64,23 @@ class Foreseen:
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """One effect at one place: the derivatives by its sizes on all used samples (n, k), without what offsets explain,
-    an orthonormal basis of them, and the number of independent samples that the noise leaves along them."""
+    """One effect at the place ``at``: the derivatives by its sizes (n, k), plain, and on the used samples without what
+    offsets explain, an orthonormal basis of the latter, the number of independent samples that the noise leaves along
+    them, and the RMS that one unit of the size causes at the worst phase."""
 
     effect: Effect
     label: str
+    at: Floats
+    plain: Floats
     columns: Floats
     basis: Floats
     counted: float
+    unit: float
+
+    @property
+    def sizes(self) -> list[int]:
+        """Indices of the parameters that are sizes."""
+        return _sizes(self.effect)
 
 
 @dataclass(frozen=True)
@@ -132,17 +139,17 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     p = fitter.runs[0]
     offered = [effect for effect in library(fitter.d, p) if not effect.inside]
     tried = [found for effect in offered for found in _columns(fitter, bare, effect, noise)]
-    least = [_least(one.columns, noise, p, len(tried), power) for one in tried]
     foreseen = []
-    for one, (strength, unit) in zip(tried, least, strict=True):
-        parameter = next(p for p in one.effect.parameters if p.role == "size")
-        size = strength * noise.total_rad / unit if unit > 0.0 else np.inf
+    for one in tried:
+        parameter = one.effect.parameters[one.sizes[0]]
+        size = smallest(_ways(fitter, bare, one, noise, len(tried), power), power)
         if size > min(parameter.high, NEVER * parameter.size):
             foreseen.append(Foreseen(one.label, parameter.name, None, ()))
             continue
+        strength = size * one.unit / noise.total_rad
         rivals = []
-        for other, (_, shown) in zip(tried, least, strict=True):
-            if other.effect.key == one.effect.key or shown <= 0.0:
+        for other in tried:
+            if other.effect.key == one.effect.key or other.unit <= 0.0:
                 continue
             wanted = _apart(one, other)
             if wanted > strength:
@@ -167,22 +174,30 @@ def _size_name(effect: Effect) -> str:
     return name.replace("cosine_", "amplitude_")
 
 
-def without_offsets(fitter: Fitter, bare: Fit, columns: Floats, noise: Noise) -> Floats:
+def without_offsets(fitter: Fitter, bare: Fit, columns: Floats, noise: Noise, size: float = 0.0) -> Floats:
     """Changes of the prediction (n, k) on all used samples, as the loop sees them: less their mean over the training
-    samples, and less what the offsets between the input encoders explain there.
+    samples, and less what the offsets between the input encoders explain there of so many times the columns.
 
     An offset is known before the run: it is within its limit, as likely here as there, of a variance of a third of the
-    limit squared. Where that moves the prediction by less than the noise, it explains nothing.
+    limit squared. Where that moves the prediction by less than the noise, it explains nothing; and never more than its
+    limit does.
     """
     train, used, p = fitter.train, fitter.used, fitter.runs[0]
     columns = fitter.centred(columns, train)
     known = fitter.centred(bare.jacobian, train)
     if known.shape[1]:
-        own = known[train]
+        own, limit = known[train], fitter.limit[fitter.free]
         noises = [along(row, noise, p.step_s) * noise.total_rad**2 for row in own.T]
-        drawn = np.diag(3.0 * np.array(noises) / fitter.limit[fitter.free] ** 2)
-        columns = columns - known @ np.linalg.solve(own.T @ own + drawn, own.T @ columns[train])
+        drawn = np.diag(3.0 * np.array(noises) / limit**2)
+        offsets = np.linalg.solve(own.T @ own + drawn, own.T @ columns[train])
+        wanted = np.maximum(size * np.linalg.norm(offsets, axis=1), 1e-30 * limit)
+        columns = columns - known @ (offsets * np.minimum(1.0, limit / wanted)[:, None])
     return np.asarray(columns[used])
+
+
+def _changed(fitter: Fitter, bare: Fit, effect: Effect, at: Floats) -> Floats:
+    """Change of the prediction by the effect, but for a constant."""
+    return np.asarray(fitter.predict([effect], [at], bare.offsets) - (fitter.output - bare.residual))
 
 
 def _columns(fitter: Fitter, bare: Fit, effect: Effect, noise: Noise) -> list[_Tried]:
@@ -195,57 +210,62 @@ def _columns(fitter: Fitter, bare: Fit, effect: Effect, noise: Noise) -> list[_T
     elif any(p.role == "place" for p in effect.parameters):
         guesses = effect.first_guesses(fitter.base[0], bare.residual)
         places = [guesses[len(guesses) // 2]]
-    without = fitter.output - bare.residual  # a constant apart, which ``centred`` removes
-    sizes = [k for k, parameter in enumerate(effect.parameters) if parameter.role == "size"]
+    sizes = _sizes(effect)
     found = []
     for place, label in zip(places, labels, strict=True):
         at = np.array(place, dtype=float)
         try:
-            before = fitter.predict([effect], [at], bare.offsets) if at[sizes].any() else without
+            before = _changed(fitter, bare, effect, at) if at[sizes].any() else 0.0
             rows = []
             for k in sizes:
                 moved = at.copy()
                 moved[k] += effect.parameters[k].size
-                rows.append((fitter.predict([effect], [moved], bare.offsets) - before) / effect.parameters[k].size)
+                rows.append((_changed(fitter, bare, effect, moved) - before) / effect.parameters[k].size)
         except ModelError:
             continue
-        columns = without_offsets(fitter, bare, np.stack(rows, axis=1), noise)
-        basis = np.linalg.qr(columns)[0]
+        plain = np.stack(rows, axis=1)
+        columns = without_offsets(fitter, bare, plain, noise)
         spread = max(along(column, noise, fitter.runs[0].step_s) for column in columns.T)
-        found.append(_Tried(effect, label, columns, basis, columns.shape[0] / spread))
+        unit = float(np.linalg.svd(columns, compute_uv=False)[-1]) / np.sqrt(columns.shape[0])
+        basis = np.linalg.qr(columns)[0]
+        found.append(_Tried(effect, label, at, plain, columns, basis, columns.shape[0] / spread, unit))
     return found
 
 
-def _least(columns: Floats, noise: Noise, p: Prepared, candidates: int, power: float) -> tuple[float, float]:
-    """RMS over the floor that is named with ``power``, and RMS that one unit of the size causes at its worst phase.
+def _sizes(effect: Effect) -> list[int]:
+    return [k for k, parameter in enumerate(effect.parameters) if parameter.role == "size"]
 
-    The half sweeps held back must show the effect, and the others must support it. Where the load differs from sweep to
-    sweep, either may show less of it than all do.
+
+def _ways(fitter: Fitter, bare: Fit, one: _Tried, noise: Noise, candidates: int, power: float) -> list[Shown]:
+    """How the effect shows at about its smallest size, for each sign that may differ.
+
+    An effect of one size that strains the cables, and may be of either sign, is taken at that size and not by its
+    derivative: a low preload shows more than a high one.
     """
-    test = p.test[p.used]
-    freedom, k = SECTORS - 1, columns.shape[1]
-    critical = k * float(f_distribution.isf(ALPHA / candidates, k, max(freedom - k + 1, 1)))
-    sure = float(norm.ppf(power))
-
-    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float]:
-        """RMS of one unit on these samples, at the worst phase, and standard deviation of the noise along it over the
-        floor."""
-        part = columns[chosen]
-        if len(part) < k:
-            return 0.0, np.inf
-        _, values, phases = np.linalg.svd(part, full_matrices=False)
-        worst = np.where(chosen, columns @ phases[-1], 0.0)
-        return float(values[-1]) / np.sqrt(len(part)), float(np.sqrt(along(worst, noise, p.step_s) / len(part)))
-
-    (unit, _), (shown, held), (supporting, trained) = of_unit(np.ones_like(test)), of_unit(test), of_unit(~test)
-    if min(shown, supporting) <= 0.0:
-        return np.inf, 0.0
-    # The fall of the held-out mean square must be LEAST_FALL of the floor's. Noise along the effect changes it, and the
-    # error of the fitted sizes lowers it.
-    chance = sure * held
-    by_size = chance + np.sqrt(chance**2 + LEAST_FALL**2 + k * (trained * shown / supporting) ** 2)
-    by_test = (np.sqrt(critical) + sure) * trained
-    return float(max(by_size * unit / shown, by_test * unit / supporting)), unit
+    p, parameter = fitter.runs[0], one.effect.parameters[one.sizes[0]]
+    straight = shown(one.columns, noise, p, candidates)
+    first = smallest([straight], power)
+    if not np.isfinite(first):
+        return [straight]
+    signs: tuple[float, ...] = (0.0,)
+    if len(one.sizes) == 1 and parameter.low < 0.0 and fitter.kind(one.effect) == 0 and first < -parameter.low:
+        signs = (1.0, -1.0)
+    found = []
+    for sign in signs:
+        columns = one.plain
+        if sign:
+            moved = one.at.copy()
+            moved[one.sizes[0]] += sign * first
+            try:
+                columns = _changed(fitter, bare, one.effect, moved)[:, None] / (sign * first)
+            except ModelError:
+                continue
+        size = first
+        for _ in range(ROUNDS):
+            way = shown(without_offsets(fitter, bare, columns, noise, size), noise, p, candidates)
+            size = smallest([way], power)
+        found.append(way)
+    return found or [straight]
 
 
 def _apart(one: _Tried, other: _Tried) -> float:

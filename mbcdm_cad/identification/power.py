@@ -1,0 +1,86 @@
+"""The probability that the loop names an effect of a given size, by the two rules by which it accepts one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import ncfdtr, ndtr
+from scipy.stats import f as f_distribution
+
+from mbcdm_cad.identification.colour import along
+from mbcdm_cad.identification.evidence import ALPHA
+from mbcdm_cad.identification.noise import Noise
+from mbcdm_cad.identification.prepared import SECTORS, Prepared
+from mbcdm_cad.identification.select import LEAST_FALL
+from mbcdm_cad.routes import Floats
+
+# Relative error of the smallest size.
+SIZE_ERROR = 1e-4
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How an effect shows: the RMS of one unit of its size on the half sweeps held back and on the others, at the worst
+    phase, and the standard deviation of the noise along it, all over the floor; the number of its sizes, and the value
+    of F from which it is supported."""
+
+    seen: float
+    held: float
+    supporting: float
+    trained: float
+    sizes: int
+    critical: float
+
+    def chance(self, size: float) -> float:
+        """Probability that an effect of this size is named.
+
+        The fall of the held-out mean square must be ``LEAST_FALL`` of the floor's: noise along the effect changes it,
+        and the error of the fitted sizes lowers it. And the others must support it, by a test whose own estimate of the
+        noise, from few sectors, is uncertain: F is noncentral. The noise of the two is independent.
+        """
+        seen, known = size * self.seen, size * self.supporting / self.trained
+        fall = seen**2 - LEAST_FALL**2 - self.sizes * (self.trained * self.seen / self.supporting) ** 2
+        freedom = max(SECTORS - self.sizes, 1)
+        supported = 1.0 - float(ncfdtr(self.sizes, freedom, known**2, self.critical))
+        return float(ndtr(fall / (2.0 * self.held * seen))) * supported
+
+
+def shown(columns: Floats, noise: Noise, p: Prepared, candidates: int) -> Shown:
+    """From derivatives (n, k) on the used samples; ``candidates``: effects that are looked at.
+
+    Where the load differs from sweep to sweep, the half sweeps held back, or the others, may show less of the effect
+    than all do.
+    """
+    test, k = p.test[p.used], columns.shape[1]
+
+    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float]:
+        part = columns[chosen]
+        if len(part) < k:
+            return 0.0, np.inf
+        _, values, phases = np.linalg.svd(part, full_matrices=False)
+        worst = np.where(chosen, columns @ phases[-1], 0.0)
+        rms = float(values[-1]) / np.sqrt(len(part)) / noise.total_rad
+        return rms, float(np.sqrt(along(worst, noise, p.step_s) / len(part)))
+
+    critical = float(f_distribution.isf(ALPHA / candidates, k, max(SECTORS - k, 1)))
+    return Shown(*of_unit(test), *of_unit(~test), k, critical)
+
+
+def smallest(ways: Sequence[Shown], power: float) -> float:
+    """Size that is named with this power, in the mean over equally likely ways; infinite if no size is."""
+    if any(min(way.seen, way.supporting) <= 0.0 for way in ways):
+        return np.inf
+    low = high = LEAST_FALL / max(way.seen for way in ways)
+
+    def beyond(logarithm: float) -> float:
+        return float(np.mean([way.chance(float(np.exp(logarithm))) for way in ways])) - power
+
+    while beyond(np.log(low)) > 0.0:
+        low *= 0.5
+    while beyond(np.log(high)) < 0.0:
+        high *= 2.0
+    return float(np.exp(brentq(beyond, np.log(low), np.log(high), xtol=SIZE_ERROR)))
