@@ -57,17 +57,32 @@ def shown(columns: Floats, noise: Noise, p: Prepared, candidates: int) -> Shown:
     """
     test, k = p.test[p.used], columns.shape[1]
 
-    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float]:
+    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float, Floats]:
         part = columns[chosen]
         if len(part) < k:
-            return 0.0, np.inf
+            return 0.0, np.inf, np.zeros(len(columns))
         _, values, phases = np.linalg.svd(part, full_matrices=False)
         worst = np.where(chosen, columns @ phases[-1], 0.0)
         rms = float(values[-1]) / np.sqrt(len(part)) / noise.total_rad
-        return rms, float(np.sqrt(along(worst, noise, p.step_s) / len(part)))
+        return rms, float(np.sqrt(along(worst, noise, p.step_s) / len(part))), worst
 
+    seen, held, _ = of_unit(test)
+    supporting, trained, worst = of_unit(~test)
     critical = float(f_distribution.isf(ALPHA / candidates, k, max(SECTORS - k, 1)))
-    return Shown(*of_unit(test), *of_unit(~test), k, critical)
+    sweep, sector = p.sweep[p.used], p.sector[p.used]
+    unsure = _jackknifed(worst, sweep) + _jackknifed(worst, sector) - _jackknifed(worst, sweep * SECTORS + sector)
+    return Shown(seen, held, supporting, trained, k, critical * max(unsure, 1.0))
+
+
+def _jackknifed(column: Floats, clusters: NDArray[np.int64]) -> float:
+    """Expectation of the variance that leaving out one cluster at a time finds, over the true one.
+
+    The residual of a cluster with a share h of the column's sum of squares grows by 1 / (1 - h) if it is left out, so
+    the test finds too much noise where few clusters carry the effect.
+    """
+    shares = np.bincount(np.unique(clusters, return_inverse=True)[1], column**2) / max(float(column @ column), 1e-300)
+    shares = shares[(shares > 0.0) & (shares < 1.0)]
+    return float((shares.size - 1) / max(shares.size, 1) * np.sum(shares / (1.0 - shares)))
 
 
 def smallest(ways: Sequence[Shown], power: float) -> float:

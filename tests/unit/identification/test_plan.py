@@ -108,7 +108,7 @@ def test_noise_with_a_memory_is_reckoned_with(power: float, low: float, high: fl
     the support by sweeps and sectors."""
     quiet = bench()
     clean = planned_fitter(DRIVE, quiet)
-    noise = Noise(1.2e-5, 1.06e-5, 5.6e-6, 0.4, 4.4e-6, "as the test has it")
+    noise = Noise(1.2e-5, 1.06e-5, 5.6e-6, 0.3, 4.4e-6, "as the test has it")
     label = "ratio_error (pitch radius or encoder scale)"
     size = smallest(plan_of(DRIVE, quiet, noise, power), label)
     offered = [one for one in library(clean.d, clean.runs[0]) if not one.inside]
