@@ -56,6 +56,14 @@ def test_the_memory_of_the_noise_is_found(memory_s: float) -> None:
         assert np.hypot(noise.white_rad, noise.coloured_rad) == pytest.approx(noise.total_rad), noise
 
 
+def test_a_floor_of_declared_steps_is_left_as_it_is() -> None:
+    p = run()
+    setup = declared(None, RATIO, p)
+    still = 1e-9 * lasting(p.time_s.size, 0.4, np.random.default_rng(1))
+    noise = noise_of([setup], [still])
+    assert noise.total_rad == noise.declared_rad and coloured(noise, setup, still) == noise
+
+
 @pytest.mark.parametrize("period_s", [0.4, 4.0, 20.0])
 def test_noise_along_a_column_is_that_of_many_draws(period_s: float) -> None:
     noise = Noise(5e-6, 4e-6, 3e-6, 0.5, 0.0, "as the test has it")
