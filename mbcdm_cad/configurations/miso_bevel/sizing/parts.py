@@ -24,7 +24,7 @@ from mbcdm_cad.configurations.miso_bevel.sizing.picking import (
     ordered,
     with_partner,
 )
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_step_mm, take_up_mm
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_step_mm, take_up_mm, take_up_with_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, DOWEL_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.parts.collar.dims import collar
@@ -117,7 +117,8 @@ def _gearhead(given: BevelKnown) -> Found:
 def _stud_needed_mm(given: BevelKnown, entry: Entry) -> float:
     """Least length of the stud, mm: through both nuts at the start, and up to the sleeve with the terminal drawn in."""
     fixed = entry["swage_length_mm"] + entry["lug_thickness_mm"] + 2 * entry["nut_height_mm"]
-    return number(fixed + TAKE_UP_SPARE * take_up_mm(given) + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
+    needed = greatest(take_up_mm(given), take_up_with_mm(given, entry))
+    return number(fixed + TAKE_UP_SPARE * needed + END_ROOM_MM + THREAD_OUT_PITCHES * entry["pitch_mm"])
 
 
 def _tensioner(given: BevelKnown) -> Found:

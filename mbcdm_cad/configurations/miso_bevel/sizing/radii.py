@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +40,9 @@ FLANK_GAP_MM = 0.045
 # drum beyond the travel and arc on the guide, both in drum radii.
 USUAL_OUTER, USUAL_DISTANCE = 1.4, 0.9
 ANCHOR_SPARE_RAD, USUAL_GUIDE = 0.6, 0.7
+# The same where a terminal is known: arc of the longest cable on the guide and from there to the drum, in radii of the
+# guide's largest step, and its wrap on the drum beyond the travel, both those of drives that the rules size.
+GUIDE_ARC_RAD, ANCHOR_RAD = 5.5, 0.5
 # Share of the gap between neighbouring terminals that is lost because they are at different angles.
 SLANT_MM = 0.4
 # The free span is longer by this than the fleet angle needs, so that rounding does not make it too short.
@@ -259,15 +264,43 @@ def take_up_mm(given: BevelKnown) -> float:
 
     As long as steps and centre distance are open, those of a drive with usual proportions are used.
     """
-    rope, first = given.rope, given.first_drum_mm
+    first = given.first_drum_mm
     known = given.has("transmission.drum_radii_mm")
     outer = greatest(*given.drum_mm) if known else USUAL_OUTER * first
     distance = number(given.get("transmission.centre_distance_mm", USUAL_DISTANCE * first))
     wound = 2 * outer * given.half_travel_rad + 2 * pi * outer / given.total_ratio * given["rope.dead_turns"]
-    length = wound + distance + outer * (ANCHOR_SPARE_RAD + USUAL_GUIDE)
+    return _take_up_of(given, wound + distance + outer * (ANCHOR_SPARE_RAD + USUAL_GUIDE))
+
+
+def take_up_with_mm(given: BevelKnown, terminal: Mapping[str, Any]) -> float:
+    """The same with a terminal of the catalogue, mm, from the least radii that rope, travel and terminal allow.
+
+    At a small ratio half of the cable lies on guide and input pulley, so that the usual proportions are too short.
+    """
+    d, first = given.d_mm, given.first_drum_mm
+    nut = terminal["nut_across_flats_mm"] / sqrt(3.0)
+    walk = given.walk_mm(d)
+    step = greatest(d + 2 * walk, nut + terminal["swage_diameter_mm"] / 2 + SLANT_MM) + TERMINAL_GAP_MM
+    outer = greatest(*given.drum_mm) if given.has("transmission.drum_radii_mm") else first + (STEPS - 1) * step
+    pulley = outer / given.total_ratio
+    if given.has("transmission.ratios.guide_to_drum"):
+        guide = outer / given["transmission.ratios.guide_to_drum"]
+    else:
+        beside = pulley + d + MOVING_GAP_MM + nut
+        guide = greatest(beside, given["limits.bend_ratio_min"] * d / 2) * outer / first
+    distance = given.get("transmission.centre_distance_mm")
+    if distance is None:
+        span = span_for_fleet_mm(walk, given["limits.fleet_angle_max_deg"])
+    else:
+        span = sqrt(greatest(distance**2 - (guide + pulley) ** 2, 0.0))
+    wound = 2 * outer * given.half_travel_rad + 2 * pi * pulley * given["rope.dead_turns"]
+    return _take_up_of(given, wound + span + GUIDE_ARC_RAD * guide + ANCHOR_RAD * outer)
+
+
+def _take_up_of(given: BevelKnown, length_mm: float) -> float:
     cut = 2 * float(given.get("rope.cut_tolerance_mm", 0.5))
     stretch = given["rope.preload_N"] / (given.modulus_GPa * 1e3 * given.area_mm2)
-    return number(length * (stretch + rope["bedding_in_share"]) + cut)
+    return number(length_mm * (stretch + given.rope["bedding_in_share"]) + cut)
 
 
 RADII = (

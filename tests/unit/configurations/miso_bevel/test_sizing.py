@@ -104,6 +104,24 @@ def test_a_small_drum_that_pulls_hard_gets_the_smaller_boss(
     assert (loaded.design.drum.bearing, loaded.design.drive.drum_encoder) == (bearing, encoder)
 
 
+@pytest.mark.parametrize(
+    ("radius_mm", "ratio", "travel_deg"), [(40.0, 3.2, 50.0), (45.0, 4.0, 50.0), (60.0, 3.2, 60.0)]
+)
+def test_at_a_small_ratio_the_terminals_take_up_the_cable_on_guide_and_inputs(
+    radius_mm: float, ratio: float, travel_deg: float
+) -> None:
+    """Half of a cable lies on a guide of half the drum's radius and on the inputs; a fibre rope beds in by 1 %."""
+    data = {
+        "configuration": "miso_bevel",
+        "travel": {"half_angle_deg": travel_deg},
+        "transmission": {"ratio": ratio, "drum_radius_mm": radius_mm},
+        "loads": {"peak_torque_Nm": 1.0},
+        "rope": {"type": "uhmwpe-0.8"},
+    }
+    loaded = load_text(yaml.safe_dump(data), "small_ratio.yaml")
+    assert {check.id: check.message for check in run_checks(loaded) if check.status == "fail"} == {}
+
+
 def test_a_complete_file_is_left_alone() -> None:
     loaded = load_text(yaml.safe_dump(REFERENCE))
     assert loaded.sized == ()
