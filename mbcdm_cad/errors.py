@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf
 
 
 class MbcdmError(Exception):
@@ -66,9 +68,16 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     import difflib  # only when something is wrong
 
     known = list(known)
-    near = difflib.get_close_matches(name[:80], known, n=1, cutoff=0.6)
+    near = difflib.get_close_matches(name[:80], known, n=8, cutoff=0.6)
     near = [other for other in known if other.casefold() == name.casefold()] or near
+    near.sort(key=lambda other: (-difflib.SequenceMatcher(None, other, name).ratio(), _size_apart(name, other)))
     if near:
         return f"did you mean {near[0]}?"
     listed = ", ".join(known[:30]) + (", ..." if len(known) > 30 else "")
     return f"known here: {listed}" if known else "nothing is known here; remove it"
+
+
+def _size_apart(name: str, other: str) -> float:
+    """Difference of the sizes with which two names end if all else is equal; else infinite."""
+    one, two = (re.fullmatch(r"(.*?)([0-9]*\.?[0-9]+)", text) for text in (name, other))
+    return abs(float(one[2]) - float(two[2])) if one and two and one[1] == two[1] else inf

@@ -110,7 +110,7 @@ def printed_walls_check(drive: Drive, found: Sequence[tuple[str, float, float, s
         "material: min_wall_mm; filament: two lines of printing.nozzle_mm",
         _measured_by_the_build,
         severity="warn",
-        advice="the wall is too thin at that place: print it finer (printing.nozzle_mm), or choose another material",
+        advice="the wall is too thin at that place: choose another material, or for filament a finer nozzle_mm",
     )
     return _judged(
         check, drive, worst(at_least(f"wall of {part} at {where}", wall, low, "mm") for part, wall, low, where in found)

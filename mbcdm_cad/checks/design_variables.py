@@ -18,7 +18,8 @@ class DesignVariable(NamedTuple):
 
     ``asked``: it says what the drive is for, so that a remedy names it last. ``scale``: its value is a factor on a list
     of radii. ``applies``: whether the design file gives it. ``shown``: its name in a remedy and what to add there,
-    where these depend on the design.
+    where these depend on the design. ``short``: the field that states it in a file of requirements, and the value of
+    that field.
     """
 
     path: str
@@ -28,6 +29,7 @@ class DesignVariable(NamedTuple):
     applies: Callable[[Any], bool] = lambda drive: True
     shown: Callable[[Any], tuple[str, str]] | None = None
     asked: bool = False
+    short: tuple[str, Callable[[Any], float]] | None = None
 
 
 class Adjustment(NamedTuple):

@@ -92,7 +92,7 @@ def slip_at_peak(s: SectorUnderTest) -> Comparison:
 def _travel_within(measure: Callable[[SectorUnderTest], Comparison], s: SectorUnderTest) -> str:
     travel = s.drive.half_travel_deg + measure(s).margin
     if travel > 1.0:
-        return f"lower travel.half_angle_deg to at most {floored(travel)} or raise rope.preload_N"
+        return f"raise rope.preload_N or lower travel.half_angle_deg to at most {floored(travel)}"
     return "no travel is short enough: use the model's figures at this load as estimates, or raise rope.preload_N"
 
 

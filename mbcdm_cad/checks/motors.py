@@ -75,7 +75,7 @@ def gearhead_continuous(s: DesignUnderTest) -> Comparison:
 
 def _less_torque(measure: Callable[[DesignUnderTest], Comparison], otherwise: str, s: DesignUnderTest) -> str:
     reached = measure(s).actual
-    return f"lower loads.peak_torque_Nm to at most {floored(reached)} or {otherwise}" if reached > 0.0 else otherwise
+    return f"{otherwise} or lower loads.peak_torque_Nm to at most {floored(reached)}" if reached > 0.0 else otherwise
 
 
 _LESS = (down("loads.peak_torque_Nm"),)

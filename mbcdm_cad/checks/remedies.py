@@ -98,18 +98,22 @@ def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
             value = passing_value(variable, sense, design, check.measure, budget)
             if value is not None:
                 kept.append(Offer(path, sense, value, asked[path]))
-                found.append(_offer(variable, sense, drive, value))
+                found.append(_offer(variable, sense, drive, value, budget.asked))
     return found
 
 
-def _offer(variable: DesignVariable, sense: int, drive: Drive, value: float) -> str:
+def _offer(variable: DesignVariable, sense: int, drive: Drive, value: float, asked: Collection[str]) -> str:
     bound, figure = "at least" if sense > 0 else "at most", f"{value:.{SIGNIFICANT_DIGITS}g}"
+    verb = "raise" if sense > 0 else "lower"
+    if variable.short is not None and variable.short[0] in asked:
+        path, get = variable.short
+        changed = rounded(get(variable.put(drive, value)), ceil if sense > 0 else floor)
+        return f"{verb} {path} from {get(drive):.4g} to {bound} {changed}"
     if variable.path == ROPE_DIAMETER:
         return f"choose a rope of {bound} {figure} mm{_rope_of(drive, sense, value)}"
     if variable.scale:
         name, note = variable.shown(drive) if variable.shown else (variable.path, "")
         return f"scale {name} by {bound} {figure}{note}"
-    verb = "raise" if sense > 0 else "lower"
     return f"{verb} {variable.path} from {variable.get(drive):.4g} to {bound} {figure}"
 
 
@@ -155,13 +159,18 @@ def passing_value(
         before, after = (before, middle) if holds(middle) else (middle, after)
     for digits in range(2, SIGNIFICANT_DIGITS + 1):
         unit = 10.0 ** (floor(log10(abs(after))) + 1 - digits) if after else 1.0
-        for rounded in (round(after / unit) * unit, (ceil if sense > 0 else floor)(after / unit) * unit):
-            if abs(rounded - after) <= ROUNDING * abs(after) and holds(rounded):
-                return round(rounded, 12)
+        for shown in (round(after / unit) * unit, (ceil if sense > 0 else floor)(after / unit) * unit):
+            if abs(shown - after) <= ROUNDING * abs(after) and holds(shown):
+                return round(shown, 12)
     return after
 
 
 def floored(value: float) -> str:
     """A positive value rounded down to the digits that remedies show."""
+    return rounded(value, floor)
+
+
+def rounded(value: float, whole: Callable[[float], int]) -> str:
+    """A positive value rounded by ``whole``, up or down, to the digits that remedies show."""
     unit = 10.0 ** (floor(log10(value)) + 1 - SIGNIFICANT_DIGITS)
-    return f"{floor(value / unit) * unit:.{SIGNIFICANT_DIGITS}g}"
+    return f"{whole(value / unit) * unit:.{SIGNIFICANT_DIGITS}g}"

@@ -39,9 +39,9 @@ def pin_advice(loaded: LoadedDesign, failed: Sequence[Check]) -> tuple[dict[str,
         value = next((v.value for v in freed.sized if v.field == pin), None) if freed else None
         if freed is None or value is None:
             continue
-        mended = _mended(freed, failed)
-        for check in mended:
-            advice.setdefault(check.id, f"take {pin} out: its rule gives {flow(value)}")
+        line = loaded.line_of(*pin.split("."))
+        for check in _mended(freed, failed):
+            advice.setdefault(check.id, f"take {pin} out: its rule gives {flow(value)} (given on line {line})")
             taken.setdefault(check.id, [pin])
     return advice, taken
 

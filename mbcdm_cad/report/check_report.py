@@ -6,7 +6,7 @@ The command line prints it, the Python API returns it.
 from __future__ import annotations
 
 import textwrap
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -85,7 +85,14 @@ class CheckReport:
         """
         words = {"findings": _ORDER[1:], "failed": _ORDER[3:], "all": _ORDER}[show]
         listed = [result for word in words for result in self.results if _word(result) == word]
-        lines = [line for result in listed for line in _lines(result, _Columns.of(self.results, width), colour)]
+        alike: dict[tuple[str, str], list[CheckResult]] = defaultdict(list)
+        for result in failed(listed):
+            if result.actual is None:
+                alike[result.message, result.remedy].append(result)
+        grouped = [each for each in alike.values() if len(each) > 1]
+        alone = [result for result in listed if not any(result in each for each in grouped)]
+        lines = [line for result in alone for line in _lines(result, _Columns.of(self.results, width), colour)]
+        lines += [line for each in grouped for line in _together(each, width, colour)]
         lines += _wrapped(self.advice, _INDENT, _INDENT, width)
         return "\n".join([*lines, *_wrapped(self._summary(), "", "", width)])
 
@@ -154,7 +161,6 @@ class _Columns:
 def _lines(r: CheckResult, columns: _Columns, colour: bool) -> Iterator[str]:
     """Lines of one check: id and figures; if it does not simply pass, message and remedy below."""
     word, width = _word(r), columns.width
-    mark = f"\x1b[{_COLOURS[word]}m{word:<6}\x1b[0m" if colour else f"{word:<6}"
     if word == "pass":
         text = f"{r.id:<{columns.id}} {figures(r):<{_FIGURES}} {r.title if columns.titles else ''}".rstrip()
         first, *more = _wrapped(text, _INDENT, _INDENT, width)
@@ -163,8 +169,21 @@ def _lines(r: CheckResult, columns: _Columns, colour: bool) -> Iterator[str]:
         more += _wrapped(r.message, _INDENT, _INDENT, width)
         note = f"waived: {r.waived_reason}" if r.waived_reason else f"-> {r.remedy}" if r.remedy else ""
         more += _wrapped(note, _INDENT, _INDENT + "   ", width)
-    yield mark + first[len(_INDENT) - 1 :]
+    yield _mark(word, colour) + first[len(_INDENT) - 1 :]
     yield from more
+
+
+def _together(failing: Sequence[CheckResult], width: int | None, colour: bool) -> Iterator[str]:
+    """Lines of checks whose figures do not exist for one common reason: the reason once, then which they are."""
+    first, *more = _wrapped(f"{len(failing)} checks, for one reason", _INDENT, _INDENT, width)
+    yield _mark("fail", colour) + first[len(_INDENT) - 1 :]
+    yield from (*more, *_wrapped(failing[0].message, _INDENT, _INDENT, width))
+    yield from _wrapped(f"-> {failing[0].remedy}", _INDENT, _INDENT + "   ", width)
+    yield from _wrapped(", ".join(result.id for result in failing), _INDENT, _INDENT, width)
+
+
+def _mark(word: str, colour: bool) -> str:
+    return f"\x1b[{_COLOURS[word]}m{word:<6}\x1b[0m" if colour else f"{word:<6}"
 
 
 def _wrapped(text: str, first: str, rest: str, width: int | None) -> list[str]:

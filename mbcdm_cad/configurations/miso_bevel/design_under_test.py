@@ -82,7 +82,8 @@ class BevelUnderTest(SectorUnderTest):
         levels = self.levels
         if levels.motor_shelf_bottom_z <= 0.0:
             raise NoFigureError(
-                f"the motor shelf comes to z = {levels.motor_shelf_bottom_z:.4g} mm, below the drum's axis (limit 0)"
+                f"the motor shelf comes to z = {levels.motor_shelf_bottom_z:.4g} mm, below the drum's axis (limit 0): "
+                "pulleys, coupling space and shelves are higher than the drum's radius"
             )
         return layout(self.drive)
 

@@ -20,6 +20,14 @@ def _all_radii(drive: BevelDrive) -> tuple[str, str]:
     return (ALL_RADII, "") if drive.radii_explicit else ("transmission.drum_radii_mm", " (the others follow)")
 
 
+def _first_drum_mm(drive: BevelDrive) -> float:
+    return drive.cables[0].drum_radius_mm
+
+
+def _total_ratio(drive: BevelDrive) -> float:
+    return drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm
+
+
 _DRUM = (
     "sector_half_angle_deg",
     "rim_inner_radius_mm",
@@ -44,7 +52,9 @@ VARIABLES: dict[str, DesignVariable] = by_path(
         *SHARED,
         field("transmission.centre_distance_mm", "centre_distance_mm"),
         field("transmission.input_setback_mm", "input_setback_mm"),
-        radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm"))._replace(shown=_all_radii),
+        radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm"))._replace(
+            shown=_all_radii, short=("transmission.drum_radius_mm", _first_drum_mm)
+        ),
         radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=_radii_explicit),
         radii("transmission.guide_radii_mm", ("guide_radius_mm",))._replace(applies=_radii_explicit),
         DesignVariable(
@@ -53,6 +63,7 @@ VARIABLES: dict[str, DesignVariable] = by_path(
             _input_ratio,
             applies=lambda drive: not drive.radii_explicit,
             asked=True,
+            short=("transmission.ratio", _total_ratio),
         ),
         field("rope.helix_lead_mm", "helix_lead_mm"),
         field("rope.dead_turns", "dead_turns"),

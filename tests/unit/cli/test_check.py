@@ -177,6 +177,19 @@ def test_report_of_a_handful() -> None:
     assert not report.passed and report["x"] is results[0] and str(report) == report.text()
 
 
+def test_checks_without_a_figure_for_one_reason_are_told_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A frame below the drum's axis leaves eighty checks without a figure."""
+    text = new_design_text("low").replace("coupling_space_mm: 9.6", "coupling_space_mm: 60.0")
+    assert text != new_design_text("low"), "the reference file no longer holds this coupling space"
+    assert cli.run(["check", "--failed", str(write(tmp_path, text))]) == 1
+    out = capsys.readouterr().out
+    assert out.count("below the drum's axis") == 1, out
+    listed = out.split("checks, for one reason")[1].split("tried together")[0]
+    assert "stop_slot" in listed and "walls" in listed and len(out.splitlines()) < 60, out
+
+
 def test_check_imports_neither_the_kernel_nor_scipy(tmp_path: Path) -> None:
     path = write(tmp_path, new_design_text("light"))
     code = (

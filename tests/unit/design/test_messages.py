@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.configurations.loader import load_design, load_text, new_design_text
-from mbcdm_cad.errors import InputError, shortened
+from mbcdm_cad.errors import InputError, did_you_mean, shortened
 
 TEXT = new_design_text("trial")
 
@@ -199,3 +199,11 @@ class TestFiles:
 def test_values_in_messages_are_short_and_on_one_line(value: object) -> None:
     text = shortened(value)
     assert len(text) <= 60 and text.isprintable(), text
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("7x7-1.4", "7x7-1.5"), ("7x7-1.7", "7x7-1.6"), ("7x19-1.1", "7x19-1.0"), ("FF-08", "FF-081")]
+)
+def test_the_part_of_the_nearest_size_is_meant(name: str, meant: str) -> None:
+    ropes = ["7x7-2.4", "7x7-1.2", "7x7-1.5", "7x7-1.6", "7x19-1.0", "7x19-1.6", "FF-081"]
+    assert did_you_mean(name, ropes) == f"did you mean {meant}?"
