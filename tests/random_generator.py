@@ -43,9 +43,16 @@ class Space:
     wind_off_deg: float = inf
 
 
+# Ropes that came into the catalogue after the study was drawn: a seed must stay the same file.
+_LATER = {"7x7-1.5", "7x19-1.5"}
 # All that is aimed at.
 WHOLE = Space(
-    (3.0, 20.0), (10.0, 60.0), (30.0, 190.0), (0.3, 50.0), (0.45, 1.3), tuple(sorted(package_entries("ropes")))
+    (3.0, 20.0),
+    (10.0, 60.0),
+    (30.0, 190.0),
+    (0.3, 50.0),
+    (0.45, 1.3),
+    tuple(sorted({*package_entries("ropes")} - _LATER)),
 )
 # Drives in usual proportions, of a size that is drawn in seconds.
 USUAL = Space(
