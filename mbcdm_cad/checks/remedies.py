@@ -67,10 +67,10 @@ def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
     """The sentence that says how the check would pass; each number was tried on the design."""
     if check.severity == "warn" and not budget.warnings:
         return ""
-    choices = offers(check, design, budget)
+    free, required = offers(check, design, budget)
     advice = check.advice(design) if callable(check.advice) else check.advice
-    if choices or advice:
-        return " or ".join([*choices, *([advice] if advice else [])])
+    if free or required or advice:
+        return " or ".join([*free, *([advice] if advice else []), *required])
     names = ", ".join(dict.fromkeys(adjustment.path for adjustment in check.adjust))
     if budget.left <= 0:
         senses: dict[str, str] = {}
@@ -82,15 +82,19 @@ def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
     return f"no single one of {names} is enough: change several"
 
 
-def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
-    """The first variables that can make the check pass alone, as in ``raise X from 34.6 to at least 36.2``."""
-    found: list[str] = []
+def offers(check: Check, design: DesignUnderTest, budget: Budget) -> tuple[list[str], list[str]]:
+    """The first variables that can make the check pass alone, as in ``raise X from 34.6 to at least 36.2``.
+
+    First those that leave the requirements alone, then the requirements.
+    """
+    free: list[str] = []
+    required: list[str] = []
     drive, variables = design.drive, design.variables
     kept = budget.offers.setdefault(check.id, [])
     # Requirements on the drive are named last.
     asked = {path: path in budget.asked or (path in variables and variables[path].asked) for path, _ in check.adjust}
     for path, sense in sorted(check.adjust, key=lambda adjustment: asked[adjustment.path]):
-        if len(found) == budget.most or budget.left <= 0:
+        if len(free) + len(required) == budget.most or budget.left <= 0:
             break
         variable = variables.get(path)
         # Shared families list variables that not every configuration has.
@@ -98,8 +102,8 @@ def offers(check: Check, design: DesignUnderTest, budget: Budget) -> list[str]:
             value = passing_value(variable, sense, design, check.measure, budget)
             if value is not None:
                 kept.append(Offer(path, sense, value, asked[path]))
-                found.append(_offer(variable, sense, drive, value, budget.asked))
-    return found
+                (required if asked[path] else free).append(_offer(variable, sense, drive, value, budget.asked))
+    return free, required
 
 
 def _offer(variable: DesignVariable, sense: int, drive: Drive, value: float, asked: Collection[str]) -> str:

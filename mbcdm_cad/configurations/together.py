@@ -48,8 +48,8 @@ class Together:
         if not self.passes:
             left = ", ".join(self.failing[:6]) + (", ..." if len(self.failing) > 6 else "")
             if not self.changes and not self.taken_out:
-                what = "every remedy changes a requirement of the file"
-                return f"{what}: 'mbcdm solve {path}' finds which of them must change" if self.solvable else what
+                what = "no value that the file leaves open makes these checks pass by itself"
+                return f"{what}: 'mbcdm solve {path}' looks further" if self.solvable else what
             return (
                 "tried together, the remedies that leave alone what the file asks do not end in a pass "
                 f"({left} still fail)" + (f": 'mbcdm solve {path}' looks further" if self.solvable else "")
