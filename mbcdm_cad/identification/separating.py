@@ -64,9 +64,8 @@ def _changes(fitter: Fitter, bare: Fit, effect: Effect, named: Named, noise: Noi
             rows.append((fitter.predict([effect], [moved], bare.offsets) - there) / (0.1 * parameter.size))
     except ModelError:
         return None
-    change, slopes = rows[0][:, None], np.stack(rows[1:], axis=1)
-    change = without_offsets(fitter, bare, change, noise, 1.0)
-    return change[:, 0], without_offsets(fitter, bare, slopes, noise)
+    columns = without_offsets(fitter, bare, np.stack(rows, axis=1), noise)
+    return columns[:, 0], columns[:, 1:]
 
 
 def _mistaken(change: Floats, slopes: Floats, noise: Noise, steps_s: tuple[float, float]) -> float:
