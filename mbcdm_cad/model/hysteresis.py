@@ -93,61 +93,64 @@ def _virgin_tension(c: Floats, stretch: float) -> tuple[float, float]:
 
 
 @compiled
-def _branch(c: Floats, from_tension: float, change: float) -> tuple[float, float]:
+def _branch(table: Floats, j: int, from_tension: float, change: float) -> tuple[float, float]:
     """Tension and dT/d(delta) after the stretch has changed by ``change`` since a turning point."""
+    free, reach = table[j, FREE], table[j, REACH]
     w = math.sqrt(from_tension)
-    square = c[FREE] + c[REACH] if change >= 0.0 else c[FREE] - c[REACH]
-    v = change / (c[FREE] * w + math.sqrt(c[FREE] * c[FREE] * from_tension + square * change))
+    square = free + reach if change >= 0.0 else free - reach
+    v = change / (free * w + math.sqrt(free * free * from_tension + square * change))
     now = w + v
-    return now * now, now / (c[FREE] * now + c[REACH] * abs(v))
+    return now * now, now / (free * now + reach * abs(v))
 
 
 @compiled
-def _look(c: Floats, s: Floats, turns: Floats, stretch: float) -> tuple[float, float]:
-    """Tension and dT/d(delta) that the cable would have at ``stretch``; its state does not change."""
-    change = stretch - s[STRETCH]
+def _look(table: Floats, state: Floats, turns: Floats, j: int, stretch: float) -> tuple[float, float]:
+    """Tension and dT/d(delta) that cable ``j`` would have at ``stretch``; its state does not change."""
+    change = stretch - state[j, STRETCH]
     if change == 0.0:
-        return s[TENSION], 1.0 / c[FREE]
+        return state[j, TENSION], 1.0 / table[j, FREE]
     move = 1.0 if change > 0.0 else -1.0
-    level = int(s[LEVEL])
-    mirror = s[MIRROR]
-    if move != s[DIRECTION] and s[DIRECTION] != 0.0:
-        closes = turns[level, STRETCH] if level >= 1 else _virgin_stretch(c, c[PRELOAD] ** 2 / s[TENSION])
+    level = int(state[j, LEVEL])
+    if move != state[j, DIRECTION] and state[j, DIRECTION] != 0.0:
+        if level >= 1:
+            closes = turns[j, level, STRETCH]
+        else:
+            closes = _virgin_stretch(table[j], table[j, PRELOAD] ** 2 / state[j, TENSION])
         if move * (stretch - closes) <= 0.0:
-            return _branch(c, s[TENSION], change)
+            return _branch(table, j, state[j, TENSION], change)
         level -= 1
     while level >= 1:
-        closes = turns[level - 1, STRETCH] if level >= 2 else mirror
+        closes = turns[j, level - 1, STRETCH] if level >= 2 else state[j, MIRROR]
         if move * (stretch - closes) <= 0.0:
-            return _branch(c, turns[level, TENSION], stretch - turns[level, STRETCH])
+            return _branch(table, j, turns[j, level, TENSION], stretch - turns[j, level, STRETCH])
         level -= 2
-    return _virgin_tension(c, stretch)
+    return _virgin_tension(table[j], stretch)
 
 
 @compiled
-def _move(c: Floats, s: Floats, turns: Floats, stretch: float, tension: float) -> None:
-    """Bring the cable to ``stretch``: add a turning point on reversal, remove the loops that close."""
-    change = stretch - s[STRETCH]
+def _move(table: Floats, state: Floats, turns: Floats, j: int, stretch: float, tension: float) -> None:
+    """Bring cable ``j`` to ``stretch``: add a turning point on reversal, remove the loops that close."""
+    change = stretch - state[j, STRETCH]
     # A rounding error must not count as a reversal.
-    if abs(change) <= 1e-13 * c[PRELOAD] * c[FREE]:
+    if abs(change) <= 1e-13 * table[j, PRELOAD] * table[j, FREE]:
         return
     move = 1.0 if change > 0.0 else -1.0
-    level = int(s[LEVEL])
-    if move != s[DIRECTION] and s[DIRECTION] != 0.0:
+    level = int(state[j, LEVEL])
+    if move != state[j, DIRECTION] and state[j, DIRECTION] != 0.0:
         level += 1
-        turns[level, TENSION] = s[TENSION]
-        turns[level, STRETCH] = s[STRETCH]
+        turns[j, level, TENSION] = state[j, TENSION]
+        turns[j, level, STRETCH] = state[j, STRETCH]
         if level == 1:
-            s[MIRROR] = _virgin_stretch(c, c[PRELOAD] ** 2 / s[TENSION])
+            state[j, MIRROR] = _virgin_stretch(table[j], table[j, PRELOAD] ** 2 / state[j, TENSION])
     while level >= 1:
-        closes = turns[level - 1, STRETCH] if level >= 2 else s[MIRROR]
+        closes = turns[j, level - 1, STRETCH] if level >= 2 else state[j, MIRROR]
         if move * (stretch - closes) <= 0.0:
             break
         level -= 2
-    s[LEVEL] = max(level, 0)
-    s[DIRECTION] = move
-    s[STRETCH] = stretch
-    s[TENSION] = tension
+    state[j, LEVEL] = max(level, 0)
+    state[j, DIRECTION] = move
+    state[j, STRETCH] = stretch
+    state[j, TENSION] = tension
 
 
 @compiled
@@ -168,7 +171,7 @@ def balance(
         miss, slope = -load, 0.0
         for j in range(n_cables):
             lever = table[j, SIGMA] * table[j, DRUM]
-            pulled, rate = _look(table[j], state[j], turns[j], offset[j] - lever * theta)
+            pulled, rate = _look(table, state, turns, j, offset[j] - lever * theta)
             found[j, 0], found[j, 1] = pulled, rate
             miss += lever * pulled
             slope += lever * lever * rate
@@ -192,7 +195,7 @@ def settle(table: Floats, state: Floats, turns: Floats, offset: Floats, theta: f
     """Bring every cable to the state that :func:`balance` found."""
     for j in range(table.shape[0]):
         lever = table[j, SIGMA] * table[j, DRUM]
-        _move(table[j], state[j], turns[j], offset[j] - lever * theta, found[j, 0])
+        _move(table, state, turns, j, offset[j] - lever * theta, found[j, 0])
 
 
 @compiled
