@@ -151,7 +151,7 @@ class _Loop:
         values[k] = _scaled(whole.effects[k], values[k], share)
         change = self.whole.output - self.whole.predict(whole.effects, values, whole.offsets) - whole.residual
         used = self.whole.used
-        return bool(np.std(self.whole.centred(change, used)[used]) >= UNCHANGED_SHARE * self.search.floor_rad)
+        return bool(np.std(self.whole.centred_on(used, change)) >= UNCHANGED_SHARE * self.search.floor_rad)
 
     def _other(self, fit: Fit) -> Named:
         """An alternative that fits as well, from the training samples."""

@@ -27,7 +27,7 @@ def chance(fitter: Fitter, fit: Fit) -> float:
     A Wald test of its sizes with all else fitted too, by leaving out sweeps and sectors; linearised at the fit.
     """
     mask = fitter.train
-    columns = fitter.centred(fit.jacobian, mask)[mask]
+    columns = fitter.centred_on(mask, fit.jacobian)
     sizes = [value.size for value in fit.values]
     start = sum(sizes[:-1])
     last = fit.effects[-1]

@@ -192,7 +192,7 @@ class Exchanges:
         """
         if fit not in self._estimates:
             used = fitter.used
-            columns = fitter.centred(fit.jacobian, used)[used]
+            columns = fitter.centred_on(used, fit.jacobian)
             found = cluster_estimate(columns, fit.residual[used], fitter.sweep[used], fitter.sector[used])
             self._estimates[fit] = found
         estimate = self._estimates[fit]

@@ -120,6 +120,7 @@ class Fitter:
         self._most = max(8, REMEMBERED_BYTES // (64 * self.output.size))
         self._changed: dict[tuple[Any, ...], Setup] = {}
         self._kinds: dict[Effect, int] = {}
+        self._rewindowed: dict[float, Fitter] = {}
 
     @staticmethod
     def _offset_limit_rad(p: Prepared) -> float:
@@ -134,8 +135,11 @@ class Fitter:
         return other
 
     def rewindowed(self, factor: float) -> Fitter:
-        """The same runs, smoothed as if their noise were ``factor`` times as large."""
-        return Fitter(self.d, self.ratio, [p.rewindowed(factor) for p in self.runs], self.known)
+        """The same runs, smoothed as if their noise were ``factor`` times as large; computed once."""
+        if factor not in self._rewindowed:
+            runs = [p.rewindowed(factor) for p in self.runs]
+            self._rewindowed[factor] = Fitter(self.d, self.ratio, runs, self.known)
+        return self._rewindowed[factor]
 
     def kind(self, effect: Effect) -> int:
         """What an effect changes in a run: 0 the strain of the cables, 1 their winding, 2 only the reading."""
@@ -190,6 +194,11 @@ class Fitter:
             chosen = mask[part]
             out[part] -= values[part][chosen].mean(axis=0)
         return out
+
+    def centred_on(self, mask: NDArray[np.bool_], values: Floats) -> Floats:
+        """``values`` (n,) or (n, k) on the masked samples, each run's mean over them subtracted."""
+        chosen = [values[part][mask[part]] for part in self.parts]
+        return np.concatenate([one - one.mean(axis=0) for one in chosen])
 
     def fit(
         self,
@@ -259,7 +268,7 @@ class Fitter:
         """
         if now.square == 0.0:  # the prediction is already exact, as for a drum that stands still
             return None, damping
-        columns = self.centred(jacobian, mask)[mask]
+        columns = self.centred_on(mask, jacobian)
         size = np.linalg.norm(columns, axis=0)
         size[size == 0.0] = 1.0
         columns /= size

@@ -133,6 +133,21 @@ class Prepared:
             at = _until_straight(at, values, most)
         return at
 
+    @cached_property
+    def coarse_common_rad(self) -> Floats:
+        """``common_rad`` on the samples ``coarse``."""
+        return np.asarray(self.common_rad[self.coarse])
+
+    @cached_property
+    def coarse_rad(self) -> Floats:
+        """The inputs that work the cables, on the samples ``coarse``, (n_inputs, m)."""
+        return np.asarray(self.coarse_common_rad + self.apart_rad[:, self.coarse])
+
+    @cached_property
+    def removed_rad(self) -> Floats:
+        """What the smoothing removed from each input beside its mean, (n_inputs, n)."""
+        return np.asarray(self.angle_rad - self.mean_rad - self.apart_rad)
+
     @property
     def _works_the_cables(self) -> list[tuple[Floats, float]]:
         """Signals that drive the friction, and the deviation from a straight line that each may have between

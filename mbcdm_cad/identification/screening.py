@@ -101,7 +101,7 @@ class Screening:
         f, mask = self.fitter, self.fitter.train
         taken = {e.key for e in fit.effects}
         offered: list[tuple[Effect, Floats, slice]] = []
-        vectors = [f.centred(fit.residual, mask)[mask][:, None]]
+        vectors = [f.centred_on(mask, fit.residual)[:, None]]
         wide = 1
         for effect in self.library:
             if effect.key in taken or effect.several or effect.once or effect.last:
@@ -112,7 +112,7 @@ class Screening:
                     change, columns = self._slopes(fit, effect, start)
                 except ModelError:
                     continue
-                vectors.append(f.centred(np.column_stack([change, columns]), mask)[mask])
+                vectors.append(f.centred_on(mask, np.column_stack([change, columns])))
                 offered.append((effect, start, slice(wide, wide + 1 + columns.shape[1])))
                 wide = offered[-1][2].stop
         table, basis = np.hstack(vectors), self._basis(fit)
@@ -133,7 +133,7 @@ class Screening:
     def _basis(self, fit: Fit) -> Floats:
         """Orthonormal basis of the changes that the parameters of ``fit`` make, on the training samples."""
         mask = self.fitter.train
-        known = self.fitter.centred(fit.jacobian, mask)[mask]
+        known = self.fitter.centred_on(mask, fit.jacobian)
         return np.asarray(np.linalg.qr(known)[0]) if known.shape[1] else np.zeros((int(mask.sum()), 0))
 
     @staticmethod
@@ -179,8 +179,8 @@ class Screening:
     def _projected(self, fit: Fit, change: Floats, columns: Floats, basis: Floats) -> tuple[float, Floats]:
         """Mean square after a linear step from ``change`` along ``columns`` added to a fit, and the step."""
         f, mask = self.fitter, self.fitter.train
-        new = f.centred(columns, mask)[mask]
-        r = f.centred(fit.residual - change, mask)[mask]
+        new = f.centred_on(mask, columns)
+        r = f.centred_on(mask, fit.residual - change)
         new = new - basis @ (basis.T @ new)
         r = r - basis @ (basis.T @ r)
         size = np.linalg.norm(new, axis=0)

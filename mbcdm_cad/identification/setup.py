@@ -118,7 +118,7 @@ def rigid_drum_rad(s: Setup) -> Floats:
 def _worked(s: Setup) -> tuple[Floats, Floats, Floats | None]:
     """The signals that move the cables, on the samples ``Prepared.coarse``: smoothed inputs, load, paths."""
     at = s.p.coarse
-    angle = s.p.common_rad[at] + s.p.apart_rad[:, at]
+    angle = s.p.coarse_rad
     if s.shift_rad is not None:
         angle = angle + s.shift_rad[:, at]
     return angle, s.load[at], None if s.path_m is None else s.path_m[:, at]
@@ -143,8 +143,8 @@ def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
     the noise that was removed from the inputs is added back linearly.
     """
     p, s = s.p, taken_up(s)
-    elastic = _simulated(s, winding, through).drum_angle_rad - p.common_rad[p.coarse] / s.ratio
-    noise = input_shares(s.drive) @ (p.angle_rad - p.mean_rad - p.apart_rad)
+    elastic = _simulated(s, winding, through).drum_angle_rad - p.coarse_common_rad / s.ratio
+    noise = input_shares(s.drive) @ p.removed_rad
     return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
 
 
