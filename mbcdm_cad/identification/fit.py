@@ -131,7 +131,7 @@ class Fitter:
         """The same fitter with its own cache, for another thread."""
         other = copy(self)
         other.simulate = [Simulator() for _ in self.runs]
-        other._changed, other._kinds = {}, {}
+        other._changed = {}
         return other
 
     def rewindowed(self, factor: float) -> Fitter:

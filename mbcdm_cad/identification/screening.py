@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
+from mbcdm_cad.identification.twins import Twins
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.routes import Floats
 
@@ -38,6 +40,7 @@ class Screening:
 
     def __init__(self, fitter: Fitter, library: Sequence[Effect]) -> None:
         self.fitter, self.library = fitter, tuple(library)
+        self.twins = Twins(fitter)
         self._screened: tuple[Fit, list[Screened]] | None = None
         self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
 
@@ -48,20 +51,15 @@ class Screening:
         f = self.fitter
         taken = {e.key for e in fit.effects}
         basis = self._basis(fit)
-        found = []
+        promises = []
         for effect in self.library:
             if effect.key in taken and not effect.several:
                 continue
             for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
                 # An effect that may occur several times is screened as one effect for each start.
                 one = replace(effect) if effect.several else effect
-                try:
-                    promise = self._promise(fit, one, np.array(start), basis)
-                except ModelError:
-                    continue
-                found.append(promise)
-        found.sort(key=lambda s: -s.fall)
-        found = self._best_starts(found)
+                promises.append(partial(self._promise, fit, one, np.array(start), basis))
+        found = self._best_starts(sorted(self.twins.each(promises), key=lambda s: -s.fall))
         self._screened = fit, found
         return found
 
@@ -86,7 +84,7 @@ class Screening:
                 starts = [np.array(s) for s in effect.first_guesses(f.base[0], fit.residual[f.parts[0]])]
             for at in starts:
                 try:
-                    change, columns = self._slopes(fit, effect, at)
+                    change, columns = self._slopes(fit, effect, at, f)
                 except ModelError:
                     continue
                 falls.append(fit.square - self._projected(fit, change, columns, basis)[0])
@@ -109,7 +107,7 @@ class Screening:
             for guess in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
                 start = np.array(guess)
                 try:
-                    change, columns = self._slopes(fit, effect, start)
+                    change, columns = self._slopes(fit, effect, start, f)
                 except ModelError:
                     continue
                 vectors.append(f.centred_on(mask, np.column_stack([change, columns])))
@@ -146,14 +144,13 @@ class Screening:
                 kept.append(one)
         return kept
 
-    def _slopes(self, fit: Fit, effect: Effect, start: Floats) -> tuple[Floats, Floats]:
+    def _slopes(self, fit: Fit, effect: Effect, start: Floats, f: Fitter) -> tuple[Floats, Floats]:
         """The change of the prediction by an effect at ``start``, (n,), and its derivatives there, (n, k), added to
         ``fit``.
 
         For effects that strain the cables this is computed only once: their rank hardly depends on the other effects of
         the fit.
         """
-        f = self.fitter
         key = effect, start.tobytes()
         if key in self._columns:
             return self._columns[key]
@@ -171,8 +168,8 @@ class Screening:
             self._columns[key] = found
         return found
 
-    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats) -> Screened:
-        change, columns = self._slopes(fit, effect, start)
+    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats, fitter: Fitter) -> Screened:
+        change, columns = self._slopes(fit, effect, start, fitter)
         square, step = self._projected(fit, change, columns, basis)
         return Screened(effect, _begun(effect, start, step), fit.square - square, columns)
 

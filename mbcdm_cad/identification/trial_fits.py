@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from queue import Queue
 
 import numpy as np
 
@@ -14,14 +11,12 @@ from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.located import located
 from mbcdm_cad.identification.screening import Screened, Screening
-from mbcdm_cad.model.errors import ModelError
 
 # Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
 CLOSE_SHARE = 0.3
 MOST_REFITS = 7
 # A refit that reaches less than this share of its predicted fall is begun again, if that is near the greatest one.
 LOST_SHARE = 0.5
-MOST_THREADS = 4
 # Alternatives to an effect, the best first, that are fitted again beside a line or an event, or if a shared effect has
 # moved by more than this share of its size.
 MOST_AGAIN, MOVED_SHARE = 4, 0.1
@@ -34,7 +29,6 @@ class TrialFits:
         """``library``: the candidates."""
         self.fitter = fitter
         self.screening = Screening(fitter, library)
-        self._twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
         self._without: dict[tuple[Fit, Effect], Fit] = {}
 
     def close(self, fit: Fit, share: float = CLOSE_SHARE, name: str | None = None, first: int = 0) -> list[Screened]:
@@ -84,25 +78,8 @@ class TrialFits:
         return sorted(ended, key=lambda one: one.square)
 
     def each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
-        """Run fits in parallel threads: the simulation runs outside the interpreter's lock.
-
-        A candidate that cannot be simulated at its start (a slack cable, a negative radius) is left out.
-        """
-        twins = Queue[Fitter]()
-        for twin in self._twins:
-            twins.put(twin)
-
-        def one(fit: Callable[[Fitter], Fit]) -> Fit | None:
-            twin = twins.get()
-            try:
-                return fit(twin)
-            except ModelError:
-                return None
-            finally:
-                twins.put(twin)
-
-        with ThreadPoolExecutor(len(self._twins)) as pool:
-            return [fit for fit in pool.map(one, fits) if fit is not None]
+        """Run fits in parallel threads; one that cannot be simulated at its start is left out."""
+        return self.screening.twins.each(fits)
 
     def without(self, fit: Fit, effect: Effect) -> Fit:
         """Refit with one effect left out."""

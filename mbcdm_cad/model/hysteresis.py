@@ -24,7 +24,7 @@ from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.series import Response, checked_series, path_offset_m
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.storage.compiled import compiled
+from mbcdm_cad.storage.compiled import compiled, inlined
 
 # Columns of the table of constants, one row a cable.
 FREE, REACH, PRELOAD, DRUM, SIGMA = range(5)
@@ -103,7 +103,7 @@ def _branch(table: Floats, j: int, from_tension: float, change: float) -> tuple[
     return now * now, now / (free * now + reach * abs(v))
 
 
-@compiled
+@inlined
 def _look(table: Floats, state: Floats, turns: Floats, j: int, stretch: float) -> tuple[float, float]:
     """Tension and dT/d(delta) that cable ``j`` would have at ``stretch``; its state does not change."""
     change = stretch - state[j, STRETCH]
@@ -127,7 +127,7 @@ def _look(table: Floats, state: Floats, turns: Floats, j: int, stretch: float) -
     return _virgin_tension(table[j], stretch)
 
 
-@compiled
+@inlined
 def _move(table: Floats, state: Floats, turns: Floats, j: int, stretch: float, tension: float) -> None:
     """Bring cable ``j`` to ``stretch``: add a turning point on reversal, remove the loops that close."""
     change = stretch - state[j, STRETCH]
@@ -153,7 +153,7 @@ def _move(table: Floats, state: Floats, turns: Floats, j: int, stretch: float, t
     state[j, TENSION] = tension
 
 
-@compiled
+@inlined
 def balance(
     table: Floats, state: Floats, turns: Floats, offset: Floats, load: float, theta: float, found: Floats
 ) -> Any:
@@ -190,7 +190,7 @@ def balance(
     return theta, abs(miss) <= 1e-9 * scale
 
 
-@compiled
+@inlined
 def settle(table: Floats, state: Floats, turns: Floats, offset: Floats, theta: float, found: Floats) -> None:
     """Bring every cable to the state that :func:`balance` found."""
     for j in range(table.shape[0]):

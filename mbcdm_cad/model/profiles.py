@@ -21,7 +21,7 @@ from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.through_wrap import Profile, go_over
 from mbcdm_cad.model.wrap_profile import ANGLE, RATIO, commit, probe
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.storage.compiled import compiled
+from mbcdm_cad.storage.compiled import compiled, inlined
 
 # Columns of the table of constants, one row a cable.
 FREE, UNIT, PRELOAD, DRUM, SIGMA = range(5)
@@ -122,7 +122,7 @@ class _Series(NamedTuple):
     load: Floats
 
 
-@compiled
+@inlined
 def _pull(
     c: Floats, radius: Floats, stacks: Floats, counts: Any, ends: Floats, mu: float, stretch: float, guess: float
 ) -> tuple[float, float]:
@@ -152,7 +152,7 @@ def _pull(
     return u, c[UNIT] / rate
 
 
-@compiled
+@inlined
 def _place(ends: Floats, table: Floats, winding: bool, angle: Floats, theta: float) -> None:
     """End of each wrap, rad, counted from its end with all angles zero; winding on is positive."""
     if winding:

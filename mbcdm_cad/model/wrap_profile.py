@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from mbcdm_cad.routes import Floats
-from mbcdm_cad.storage.compiled import compiled
+from mbcdm_cad.storage.compiled import compiled, inlined
 
 # Rows of a stack: angle (rad), ln u, u, integral of (u - 1) from the anchor. Knot 0 is the anchor.
 ANGLE, LOG, RATIO, SUM = range(4)
@@ -32,7 +32,7 @@ def log_mean(u0: float, u1: float, rise: float) -> tuple[float, float]:
     return mean, (1.0 - mean / u1) / rise
 
 
-@compiled
+@inlined
 def probe(
     stack: Floats, count: int, x: float, u: float, log_u: float, mu: float
 ) -> tuple[float, float, int, float, float, float]:

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, Literal, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 COMPILED = find_spec("numba") is not None
@@ -22,7 +22,7 @@ _ROOT = Path(__file__).parents[1]
 _UNUSED_S = 86400.0
 
 
-def compiled(function: Function) -> Function:
+def compiled(function: Function, inline: Literal["never", "always"] = "never") -> Function:
     """The function compiled to machine code, cached on disk and free of the interpreter's lock; else itself."""
     if not COMPILED:
         return function
@@ -31,7 +31,12 @@ def compiled(function: Function) -> Function:
     cast(Any, numba.config).CACHE_DIR = str(
         machine_code_folder()
     )  # where it cannot be written, numba finds another place
-    return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
+    return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True, inline=inline)(function))
+
+
+def inlined(function: Function) -> Function:
+    """As :func:`compiled`, its code put in place of each call: for a small function of arrays in an innermost loop."""
+    return compiled(function, "always")
 
 
 @cache
