@@ -28,7 +28,7 @@ from timing import ROOT, Figure, finish
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 BLOCK = 1_000_000  # samples simulated; longer runs repeat them with fresh sensor noise
-LIMIT_S, LIMIT_ADDITIVE_S, LIMIT_MIB = 20.0, 3.0, 2048.0
+LIMIT_S, LIMIT_ADDITIVE_S, LIMIT_MIB = 12.0, 3.0, 1536.0
 
 
 def write_series(folder: Path, samples: int, effects: str) -> Path:
