@@ -64,6 +64,19 @@ def test_a_short_file_gives_a_whole_drive() -> None:
     assert ratios == pytest.approx([9.0] * 4, rel=1e-6), ratios
 
 
+def test_twice_the_size_takes_a_rope_of_one_and_a_half_millimetres() -> None:
+    data = {
+        "configuration": "miso_bevel",
+        "travel": {"half_angle_deg": 35.0},
+        "transmission": {"ratio": 9.0, "drum_radius_mm": 108.0},
+        "loads": {"peak_torque_Nm": 3.15},
+        "rope": {"type": "7x7-1.5"},
+    }
+    loaded = load_text(yaml.safe_dump(data), "twice.yaml")
+    assert loaded.drive.cable.diameter_mm == 1.5
+    assert {check.id: check.message for check in run_checks(loaded) if check.status == "fail"} == {}
+
+
 @pytest.mark.parametrize(("radius_mm", "ratio"), [(70.0, 4.5), (50.0, 5.0)])
 def test_wide_motors_that_are_set_back_stand_apart_too(radius_mm: float, ratio: float) -> None:
     """Motors of 87 mm without gearhead pass behind the drum only if set back by half the usual centre distance."""
