@@ -40,10 +40,9 @@ from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 PAGE = """# Does the proposed run settle a set?
 
-Made by `{command}`: {runs} runs of simulated benches, of the cases
-{cases}
-of the [study of benches](loop-benches.md), which often end in a set. {sets} of them ended in a set with the true effect
-in it. For each, `loop --next` proposed a run, the same simulated bench made it (same servos, sensors and physics, other
+Made by `{command}`:
+{runs} runs of those cases of the [study of benches](loop-benches.md) that often end in a set. {sets} of them ended in a
+set with the true effect in it. For each, `loop --next` proposed a run, the same simulated bench made it (same servos, sensors and physics, other
 noise), and the loop judged both runs together. A rope that settles goes on settling in the second run, a cable that
 slipped has slipped. *Settled rightly*: the true effect is named. Where the expected probability of a wrong choice is
 {useless:g} or more, the command proposes no run and says what would separate the effects.
@@ -161,7 +160,6 @@ def page(rows: list[dict[str, Any]]) -> str:
     return PAGE.format(
         command=f"python tests/next_study.py --cases {cases} --seeds {min(seeds)}:{max(seeds) + 1}",
         runs=len(rows),
-        cases=cases,
         sets=len(sets),
         useless=USELESS,
         table=table(sets),
