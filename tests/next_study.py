@@ -42,10 +42,11 @@ PAGE = """# Does the proposed run settle a set?
 
 Made by `{command}`:
 {runs} runs of those cases of the [study of benches](loop-benches.md) that often end in a set. {sets} of them ended in a
-set with the true effect in it. For each, `loop --next` proposed a run, the same simulated bench made it (same servos, sensors and physics, other
-noise), and the loop judged both runs together. A rope that settles goes on settling in the second run, a cable that
-slipped has slipped. *Settled rightly*: the true effect is named. Where the expected probability of a wrong choice is
-{useless:g} or more, the command proposes no run and says what would separate the effects.
+set with the true effect in it. For each, `loop --next` proposed a run, the same simulated bench made it (same servos,
+sensors and physics, other noise), and the loop judged both runs together. A rope that settles goes on settling in the
+second run, a cable that slipped has slipped. *Settled rightly*: the true effect is named. Where the expected
+probability of a wrong choice is {useless:g} or more, the command proposes no run and says what would separate the
+effects.
 
 {table}
 
