@@ -6,7 +6,8 @@ from math import pi
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import winding
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.plate_screws import plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.configurations.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.inserts import insert_items, insert_words
