@@ -28,6 +28,8 @@ _Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
 _ALONG_Y = Placement.about(_X, -90.0)
 _AGAINST_Y = Placement.about(_X, 90.0)
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
+# The same, but what points to the front still does.
+_TURNED_OVER = Placement.about(_Y, 180.0)
 # Colours (linear RGB) that distinguish bought bodies and cables from machined metal.
 
 
@@ -184,7 +186,7 @@ def _drives(b: _Builder) -> None:
 
 def _stand(drive: BevelDrive) -> Placement:
     """How parts whose heights count from the gearhead stand."""
-    return _UPSIDE_DOWN if drive.motors_above else UPRIGHT
+    return _TURNED_OVER if drive.motors_above else UPRIGHT
 
 
 def _pulleys(b: _Builder) -> None:

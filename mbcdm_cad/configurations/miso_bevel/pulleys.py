@@ -5,14 +5,14 @@ Input pulley, axis parallel to Z:
     encoder end  |journal|neck|  upper step  |  lower step  |neck|journal, bored for the gearhead's shaft|
 
 The swaged stop of each cable sits in a slot milled from the end face next to its dead turn. With motors above, the part
-is turned about X by half a turn: (x, y, z) of the part are (x, -y, -z) there, and its lower end is above.
+is turned about Y by half a turn: (x, y, z) of the part are (-x, y, -z) there, and its lower end is above.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import radians, tau
+from math import pi, radians, tau
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import stop_of, winding
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
@@ -59,7 +59,7 @@ def _wound(drive: BevelDrive, name: str) -> tuple[_Wound, _Wound]:
         on_pulley, stop = band(drive, cable, outward_of(drive, cable)), stop_of(drive, cable)
         if drive.motors_above:
             on_pulley = Band(-on_pulley.high_mm, -on_pulley.low_mm, -on_pulley.dead_end_mm)
-            stop = replace(stop, end_angle_rad=-stop.end_angle_rad, away=-stop.away)
+            stop = replace(stop, end_angle_rad=pi - stop.end_angle_rad, away=-stop.away)
         wound = tau * drive.dead_turns + 2 * winding(drive, cable).reduction * radians(drive.half_travel_deg)
         found.append(_Wound(cable, on_pulley, stop, wound))
     low, high = reversed(found) if drive.motors_above else found

@@ -241,15 +241,18 @@ def body_radius_mm(drive: Boxed) -> float:
     return max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
 
 
-def coupling_box(drive: BoxDrive, levels: HeadLevels) -> CouplingBox:
-    """Dimensions of a coupling box."""
-    return CouplingBox(**_box_values(drive, levels))
+def coupling_box(drive: BoxDrive, levels: HeadLevels, gear_screws: Places) -> CouplingBox:
+    """Dimensions of a coupling box, for screws of the gearhead at these places."""
+    return CouplingBox(**_box_values(drive, levels), gear_screws=gear_screws)
 
 
 def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
     """Dimensions of the motor head."""
+    gear = drive.gearhead
     return HeadDims(
         **_box_values(drive, levels),
+        # Angles seen from the flange; the gearhead is drawn as seen from its face.
+        gear_screws=tuple((x, -y + 0.0) for x, y in screw_places(gear.screw_count, gear.bolt_circle_mm / 2)),
         flange=flange,
         screw_clearance=flange_screw(drive).clearance_mm / 2,
         dowel_radius=DOWEL_MM / 2,
@@ -258,8 +261,7 @@ def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
 
 def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
     lower, gear = drive.bearings.input_lower, drive.gearhead
-    gear_screw = drive.screw(gear.screw)
-    inner = inner_half_width_mm(drive)
+    gear_screw, inner = drive.screw(gear.screw), inner_half_width_mm(drive)
     outer = outer_half_width_mm(drive)
     return {
         "bottom_z": -levels.bearing_shelf_top_z,
@@ -277,8 +279,6 @@ def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
         "pilot_radius": gear.pilot_diameter_mm / 2,
         "gear_screw_clearance": gear_screw.clearance_mm / 2,
         "gear_bolt_circle": gear.bolt_circle_mm / 2,
-        # Angles seen from the flange; the gearhead is drawn as seen from its face.
-        "gear_screws": tuple((x, -y + 0.0) for x, y in screw_places(gear.screw_count, gear.bolt_circle_mm / 2)),
         # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
         "key_hole_radius": gear_screw.key_mm / 3**0.5 + 0.15,
     }

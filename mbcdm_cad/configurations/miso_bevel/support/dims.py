@@ -282,8 +282,8 @@ def encoder_holes(drive: BevelDrive) -> EncoderHoles:
 def _mounts(levels: Stack, pocket_z: float, pocket_bottom_z: float) -> tuple[tuple[tuple[float, float], ...], float]:
     """(x, z) of the mounting screws, and the lower end of the column's pocket.
 
-    Four screws are in the pockets beside the web, one in the column. If the lowest shelf is so near to the bearings of a
-    small drum that the column has no room for a screw's head, the column is solid, and its pocket ends at the shelf.
+    Four screws are in the pockets beside the web, one in the column. If the lowest shelf is so near to the bearings of
+    a small drum that the column has no room for a screw's head, the column is solid, its pocket ends at the shelf.
     """
     outer_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
     inner_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
@@ -318,5 +318,11 @@ def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
         encoder_screw_clearance=encoder_screw.clearance_mm / 2,
         encoder_circle_radius=drive.encoder.bolt_circle_mm / 2,
         encoder_screw_count=0 if drive.motors_above else drive.encoder.screw_count,
-        box=coupling_box(drive, levels.from_gearhead) if drive.motors_above else None,
+        box=_box(drive, levels) if drive.motors_above else None,
     )
+
+
+def _box(drive: BevelDrive, levels: Stack) -> CouplingBox:
+    """The coupling box of an input, its gearhead turned over about Y."""
+    places = screw_places(drive.gearhead.screw_count, drive.gearhead.bolt_circle_mm / 2)
+    return coupling_box(drive, levels.from_gearhead, tuple(sorted((0.0 - x, y) for x, y in places)))
