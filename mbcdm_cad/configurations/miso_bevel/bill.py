@@ -158,8 +158,8 @@ def _drives(b: _Builder) -> None:
     head_depth = encoder_screw.head_height_mm + ENCODER_HEAD_SUNK_MM
     encoder_depth = encoder_screw.length_mm - (drive.encoder_plate_mm - head_depth) + 0.5
     for p in lay.inputs:
-        at_input = _at(p.x, p.y, 0.0) @ _stand(drive)
-        add_train(b, drive, p.name, gear_depth, at_input @ _at(0.0, 0.0, v.motor_shelf_bottom_z))
+        at_input, turn = _at(p.x, p.y, 0.0) @ _stand(drive), drive.turn_deg(p.x)
+        add_train(b, drive, p.name, gear_depth, at_input @ _at(0.0, 0.0, v.motor_shelf_bottom_z), turn)
         b.add(
             f"encoder_{p.name}",
             "mbcdm_cad.parts.bought.draw:create_encoder",
@@ -170,7 +170,7 @@ def _drives(b: _Builder) -> None:
             mass_g=encoder.mass_g,
         )
         # Sorted by number, since the order of the items is that in the files.
-        gear_places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2)
+        gear_places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, turn)
         encoder_places = screw_places(2, encoder.bolt_circle_mm / 2)
         for n in range(max(len(gear_places), len(encoder_places))):
             if n < len(gear_places):

@@ -135,6 +135,10 @@ class BevelDrive(SectorDrive):
         """Thickness of the plate or shelf that carries the inputs' encoders."""
         return self.support.bearing_shelf_mm if self.motors_above else self.support.top_plate_mm
 
+    def turn_deg(self, x_mm: float) -> float:
+        """How far gearhead and motor of the input at this x are turned, seen against the shaft: both sides mirror."""
+        return self.gearhead_angle_deg if x_mm > 0.0 else 0.0 - self.gearhead_angle_deg
+
     @property
     def collar_seat(self) -> tuple[float, float, str]:
         """Bore of the clamp collar in mm, which the pulley's lower journal has, its thinnest wall in mm, its screw."""

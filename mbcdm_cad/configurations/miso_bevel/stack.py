@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import radians, sqrt
-from typing import Any
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
@@ -61,7 +60,7 @@ class Stack:
 
     motor_bottom_z: float
     gearhead_bottom_z: float
-    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_bottom_z: float  # the gearhead's face, with motors below
     motor_shelf_top_z: float
     bearing_shelf_bottom_z: float
     bearing_shelf_top_z: float
@@ -82,18 +81,19 @@ class Stack:
     motor_top_z: float
     gearhead_top_z: float
     encoder_bottom_z: float
-    # Lower and upper face of the frame's lowest shelf, if that is not the motor shelf.
-    lowest_shelf_z: tuple[float, float] | None = None
+    pocket_floor_z: float  # of the frame's lower pockets: the motor shelf, or with motors above a shelf as thick
 
     @property
     def shelf_bottom_z(self) -> float:
         """Lower face of the frame's lowest shelf, on which its column ends."""
-        return self.motor_shelf_bottom_z if self.lowest_shelf_z is None else self.lowest_shelf_z[0]
+        if not self.motors_above:
+            return self.motor_shelf_bottom_z
+        return self.pocket_floor_z - (self.motor_shelf_top_z - self.motor_shelf_bottom_z)
 
     @property
     def shelf_top_z(self) -> float:
         """Upper face of the frame's lowest shelf: floor of the pockets for couplings, or for encoders."""
-        return self.motor_shelf_top_z if self.lowest_shelf_z is None else self.lowest_shelf_z[1]
+        return self.pocket_floor_z if self.motors_above else self.motor_shelf_top_z
 
     @property
     def motors_above(self) -> bool:
@@ -125,7 +125,7 @@ class Stack:
             top_plate_top_z=-self.bearing_shelf_bottom_z,
             encoder_bottom_z=-self.encoder_top_z,
             encoder_top_z=-self.encoder_bottom_z,
-            lowest_shelf_z=None,
+            pocket_floor_z=-self.pocket_floor_z,
         )
 
     @property
@@ -219,14 +219,13 @@ def _widest_mm(drive: BevelDrive, edges: Edges) -> float:
     return max(pulley + running, encoder, beside_box_mm(drive, edges) - drive.support.side_wall_mm / 2)
 
 
-def _drive_levels(drive: BevelDrive, between: tuple[float, float]) -> dict[str, Any]:
+def _drive_levels(drive: BevelDrive, between: tuple[float, float]) -> dict[str, float]:
     """Levels of motors, gearheads, motor shelf and encoders outside the bearing shelf and the top plate."""
     s, gear, motor = drive.support, drive.gearhead.length_mm, drive.motor.length_mm
     bearing_bottom, plate_top = between
     if drive.motors_above:
         shelf_bottom = plate_top + s.coupling_space_mm
         face = shelf_bottom + s.motor_shelf_mm
-        floor = bearing_bottom - drive.encoder.length_mm - drive.clearances.running_mm
         return {
             "motor_bottom_z": face + gear,
             "motor_top_z": face + gear + motor,
@@ -236,7 +235,7 @@ def _drive_levels(drive: BevelDrive, between: tuple[float, float]) -> dict[str, 
             "motor_shelf_top_z": face,
             "encoder_bottom_z": bearing_bottom - drive.encoder.length_mm,
             "encoder_top_z": bearing_bottom,
-            "lowest_shelf_z": (floor - s.motor_shelf_mm, floor),
+            "pocket_floor_z": bearing_bottom - drive.encoder.length_mm - drive.clearances.running_mm,
         }
     shelf_top = bearing_bottom - s.coupling_space_mm
     face = shelf_top - s.motor_shelf_mm
@@ -249,4 +248,5 @@ def _drive_levels(drive: BevelDrive, between: tuple[float, float]) -> dict[str, 
         "motor_shelf_top_z": shelf_top,
         "encoder_bottom_z": plate_top,
         "encoder_top_z": plate_top + drive.encoder.length_mm,
+        "pocket_floor_z": shelf_top,
     }

@@ -27,6 +27,8 @@ FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
 FLANGE_THREAD_MOST_MM = 5.0
 DOWEL_MM = 2.0
 DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 16.0)
+# Play of a key in its hole, on the radius.
+KEY_PLAY_MM = 0.15
 # Longest sensible reach of an end mill, in diameters.
 TOOL_SLENDERNESS = 4.0
 # Each round changes the pocket's width by a quarter of what the one before did, at most.
@@ -249,10 +251,11 @@ def coupling_box(drive: BoxDrive, levels: HeadLevels, gear_screws: Places) -> Co
 def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
     """Dimensions of the motor head."""
     gear = drive.gearhead
+    places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
     return HeadDims(
         **_box_values(drive, levels),
         # Angles seen from the flange; the gearhead is drawn as seen from its face.
-        gear_screws=tuple((x, -y + 0.0) for x, y in screw_places(gear.screw_count, gear.bolt_circle_mm / 2)),
+        gear_screws=tuple((x, -y + 0.0) for x, y in places),
         flange=flange,
         screw_clearance=flange_screw(drive).clearance_mm / 2,
         dowel_radius=DOWEL_MM / 2,
@@ -280,5 +283,5 @@ def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
         "gear_screw_clearance": gear_screw.clearance_mm / 2,
         "gear_bolt_circle": gear.bolt_circle_mm / 2,
         # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
-        "key_hole_radius": gear_screw.key_mm / 3**0.5 + 0.15,
+        "key_hole_radius": gear_screw.key_mm / 3**0.5 + KEY_PLAY_MM,
     }

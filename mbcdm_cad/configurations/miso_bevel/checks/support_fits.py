@@ -83,7 +83,19 @@ def key_access(s: BevelUnderTest) -> Comparison:
     f = s.layout.top_plate.box or s.layout.frame
     inside = f.seat_radius - f.gear_bolt_circle - f.key_hole_radius
     outside = f.gear_bolt_circle - f.key_hole_radius - f.seat_radius - HOLE_WEB_MM
-    return at_least("gearhead screws' key holes from the wall of the bearing's seat", max(inside, outside), 0.0, "mm")
+    seat = at_least("gearhead screws' key holes from the wall of the bearing's seat", max(inside, outside), 0.0, "mm")
+    return worst((seat, *_keys_in_pocket(s)))
+
+
+def _keys_in_pocket(s: BevelUnderTest) -> tuple[Comparison, ...]:
+    """Gap of the keys to the upper pocket's walls; screws that are not turned are beside or before the axis."""
+    f, v = s.layout.frame, s.levels
+    if f.gear_turn_deg == 0.0 or not f.carries_drives:
+        return ()
+    beside = v.side_inner_x - max(abs(x) for x, _ in f.gear_screws)
+    behind = min(y for _, y in f.gear_screws) - f.upper_floor_y
+    what = "gearhead screws' key from the upper pocket's walls"
+    return (at_least(what, min(beside, behind) - f.key_hole_radius, 0.0, "mm"),)
 
 
 def head_seats(s: BevelUnderTest) -> Comparison:

@@ -14,12 +14,12 @@ from mbcdm_cad.parts.sheets.words import mm
 def _holes(d: TopPlateDims, box: CouplingBox) -> tuple[Holes, ...]:
     """All along Z, from the faces that they are drilled from."""
     high = d.levels.top_plate_top_z
-    screws = tuple((x + dx, d.input_y + dy) for x in d.input_x for dx, dy in box.gear_screws)
+    screws = tuple((x + dx, d.input_y + dy) for x, at in d.boxes for dx, dy in at.gear_screws)
     keys = tuple(
         (x + dx, d.input_y + dy, z)
-        for x in d.input_x
+        for x, at in d.boxes
         for dx, dy, z in outside_bore(
-            tuple((dx, dy, box.bottom_z) for dx, dy in box.gear_screws),
+            tuple((dx, dy, box.bottom_z) for dx, dy in at.gear_screws),
             box.gear_bolt_circle + box.key_hole_radius,
             box.shoulder_radius,
         )

@@ -24,7 +24,7 @@ shelf in the two lower pockets:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.drum import stop_pin_z
@@ -33,7 +33,7 @@ from mbcdm_cad.configurations.miso_bevel.stack import Stack, milled_corner_mm
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft
-from mbcdm_cad.parts.motor_head.dims import CouplingBox, coupling_box
+from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM, CouplingBox, coupling_box
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
@@ -122,6 +122,7 @@ class FrameDims:
     mount_head_radius: float
     mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
     encoder_holes: EncoderHoles | None = None  # in the bearing shelf, with motors above
+    gear_turn_deg: float = 0.0  # of the gearheads at +x about their axes; those at -x mirror them
 
     @property
     def carries_drives(self) -> bool:
@@ -131,10 +132,15 @@ class FrameDims:
     @property
     def gear_screws(self) -> tuple[tuple[float, float], ...]:
         """(x, y) of the screws of all gearheads below the lowest shelf."""
+        return tuple(place for x in self.input_x for place in self.gear_screws_at(x))
+
+    def gear_screws_at(self, x: float) -> tuple[tuple[float, float], ...]:
+        """(x, y) of the screws of the gearhead at this input."""
         if not self.carries_drives:
             return ()
-        places = screw_places(self.gear_screw_count, self.gear_bolt_circle)
-        return tuple((x + dx, self.input_y + dy) for x in self.input_x for dx, dy in places)
+        turn = self.gear_turn_deg if x > 0.0 else -self.gear_turn_deg
+        places = screw_places(self.gear_screw_count, self.gear_bolt_circle, turn)
+        return tuple((x + dx, self.input_y + dy) for dx, dy in places)
 
     @property
     def has_column_pocket(self) -> bool:
@@ -169,7 +175,15 @@ class TopPlateDims:
     encoder_screw_clearance: float
     encoder_circle_radius: float
     encoder_screw_count: int  # none with motors above
-    box: CouplingBox | None = None  # on the plate at each input, with motors above
+    box: CouplingBox | None = None  # on the plate at the input at +x, with motors above; that at -x mirrors it
+
+    @property
+    def boxes(self) -> tuple[tuple[float, CouplingBox], ...]:
+        """x of each input with its box; none with motors below."""
+        if self.box is None:
+            return ()
+        mirrored = replace(self.box, gear_screws=tuple(sorted((0.0 - x, y) for x, y in self.box.gear_screws)))
+        return tuple((x, self.box if x > 0.0 else mirrored) for x in self.input_x)
 
 
 def dowel_length_mm(drive: BevelDrive) -> float:
@@ -241,7 +255,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         gear_bolt_circle=gear.bolt_circle_mm / 2,
         gear_screw_count=gear.screw_count,
         # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
-        key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
+        key_hole_radius=gear_screw.key_mm / 3**0.5 + KEY_PLAY_MM,
         seat_radius=in_shelf.outer_diameter_mm / 2,
         seat_depth=in_shelf.width_mm,
         seat_shoulder_radius=in_shelf.outer_shoulder_mm / 2,
@@ -265,6 +279,7 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         mount_head_radius=MOUNT_HEAD_RADIUS_MM,
         mount_seat_y=min(levels.pocket_floor_y, levels.back_y + MOUNT_GRIP_MM),
         encoder_holes=encoder_holes(drive) if drive.motors_above else None,
+        gear_turn_deg=drive.gearhead_angle_deg,
     )
 
 
@@ -324,5 +339,6 @@ def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
 
 def _box(drive: BevelDrive, levels: Stack) -> CouplingBox:
     """The coupling box of an input, its gearhead turned over about Y."""
-    places = screw_places(drive.gearhead.screw_count, drive.gearhead.bolt_circle_mm / 2)
+    gear = drive.gearhead
+    places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
     return coupling_box(drive, levels.from_gearhead, tuple(sorted((0.0 - x, y) for x, y in places)))

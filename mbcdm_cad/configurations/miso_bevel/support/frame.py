@@ -5,7 +5,6 @@ from __future__ import annotations
 import cadquery as cq
 
 from mbcdm_cad.configurations.miso_bevel.support.dims import EncoderHoles, FrameDims
-from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
 
 
@@ -72,8 +71,7 @@ def _input_holes(d: FrameDims) -> list[cq.Shape]:
         if d.encoder_holes is not None:
             tools += _encoder_holes(d, d.encoder_holes, x)
             continue
-        for dx, dy in screw_places(d.gear_screw_count, d.gear_bolt_circle):
-            at = (x + dx, y + dy)
+        for at in d.gear_screws_at(x):
             tools.append(cylinder_z(d.gear_screw_clearance, *at, below, above))
             tools.append(cylinder_z(d.key_hole_radius, *at, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
     return tools

@@ -19,10 +19,9 @@ def create_top_plate(dims: TopPlateDims, encoder_head_radius: float, encoder_hea
     plate = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (low, high))
     body = rounded(plate, dims.corner_radius)
     tools: list[cq.Shape] = [cylinder_z(dims.axle_radius, 0, 0, low - 1.0, high + 1.0)]
-    if dims.box is not None:
-        boxes = [box_body(dims.box).translate((x, dims.input_y, 0.0)) for x in dims.input_x]
-        body = fuse([body, *boxes], "top plate")
-        tools += [tool.translate((x, dims.input_y, 0.0)) for x in dims.input_x for tool in box_tools(dims.box)]
+    if dims.boxes:
+        body = fuse([body, *(box_body(box).translate((x, dims.input_y, 0.0)) for x, box in dims.boxes)], "top plate")
+        tools += [tool.translate((x, dims.input_y, 0.0)) for x, box in dims.boxes for tool in box_tools(box)]
     for x in dims.input_x if dims.box is None else ():
         tools.append(cylinder_z(dims.seat_radius, x, dims.input_y, low - 1.0, low + dims.seat_depth))
         tools.append(cylinder_z(dims.shoulder_radius, x, dims.input_y, low, high + 1.0))
