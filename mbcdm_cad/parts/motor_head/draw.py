@@ -8,9 +8,9 @@ from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims
 from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, pocket_y
 
 
-def box_body(d: CouplingBox) -> cq.Shape:
-    """The box without its pocket and holes, reaching a little into its plate."""
-    box = block((-d.outer_x, d.outer_x), (d.back_y, d.front_y), (d.flange_top_z - 0.5, d.top_z))
+def box_body(d: CouplingBox, into_plate_mm: float = 0.0) -> cq.Shape:
+    """The box without its pocket and holes, reaching this far into its plate."""
+    box = block((-d.outer_x, d.outer_x), (d.back_y, d.front_y), (d.flange_top_z - into_plate_mm, d.top_z))
     return rounded(box, d.corner_radius)
 
 
@@ -38,7 +38,7 @@ def create_motor_head(dims: HeadDims) -> cq.Solid:
     """Motor head, its axis Z."""
     d, f = dims, dims.flange
     flange = block((-f.half_x, f.half_x), (f.back_y, f.front_y), (d.bottom_z, d.flange_top_z))
-    bodies = [rounded(flange, d.corner_radius), box_body(d)]
+    bodies = [rounded(flange, d.corner_radius), box_body(d, 0.5)]
     tools = box_tools(d)
     tools += [cylinder_z(d.screw_clearance, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.screws]
     tools += [cylinder_z(d.dowel_radius, x, y, d.bottom_z - 1.0, d.flange_top_z + 1.0) for x, y in f.dowels]

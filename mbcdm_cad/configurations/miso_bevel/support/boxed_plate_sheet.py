@@ -95,10 +95,11 @@ def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
         ends = ((at - half_width, y, z), (at + half_width, y, z))
         return Linear("section", *ends, 2 * half_width, side, suffix=what)
 
-    def deep(to_y: float, what: str, decimals: int = 3) -> Linear:
-        ends = sorted((0.0, to_y))
-        points = ((-at - box.outer_x + edge, ends[0], high), (-at - box.outer_x + edge, ends[1], high))
-        return Linear("top", *points, ends[1] - ends[0], "left", suffix=what, decimals=decimals)
+    def deep(from_y: float, what: str) -> Linear:
+        """To the front of the boxes."""
+        left = -at - box.outer_x + edge
+        ends = ((left, from_y, high), (left, front, high))
+        return Linear("top", *ends, front - from_y, "left", suffix=what, decimals=3)
 
     front, back = y + box.front_y, y + box.back_y
     return Sheet(
@@ -127,8 +128,8 @@ def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
             Linear("top", (-x, v.back_y + r, high), (0.0, 0.0, high), x, "below"),
             Linear("top", (x - r, v.back_y, high), (x - r, v.front_y, high), v.front_y - v.back_y, "right", decimals=3),
             Linear("top", (0.0, 0.0, high), (x - r, v.front_y, high), v.front_y, "right", decimals=3),
-            deep(front, " boxes"),
             deep(back, " boxes"),
+            deep(v.back_y, " front of boxes"),
             Radius(
                 "top",
                 (r - x, v.front_y - r, high),
