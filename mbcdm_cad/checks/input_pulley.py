@@ -134,7 +134,7 @@ def bought_depth(s: SectorUnderTest) -> Comparison:
 def shaft_grip(s: SectorUnderTest) -> Comparison:
     """Length over which the collar clamps journal and shaft."""
     lay, gear = s.layout, s.drive.gearhead
-    end = s.levels.motor_shelf_bottom_z + gear.shaft_length_mm
+    end = s.input_levels.motor_shelf_bottom_z + gear.shaft_length_mm
     start = max(lay.collar.bottom_z, max(p.journal_bottom_z for p in lay.inputs))
     return at_least(
         f"{s.drive.mounted} shaft inside the clamp collar",
@@ -147,7 +147,7 @@ def shaft_grip(s: SectorUnderTest) -> Comparison:
 def pilot_room(s: SectorUnderTest) -> Comparison:
     """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
-    top = s.levels.motor_shelf_bottom_z + gear.pilot_height_mm
+    top = s.input_levels.motor_shelf_bottom_z + gear.pilot_height_mm
     bottom = min(p.journal_bottom_z for p in s.layout.inputs)
     head = s.drive.screw(gear.screw).head_diameter_mm
     beside = (gear.bolt_circle_mm - head - gear.pilot_diameter_mm) / 2
@@ -167,7 +167,7 @@ def pilot_room(s: SectorUnderTest) -> Comparison:
 
 def coupling_height(s: SectorUnderTest) -> Comparison:
     """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""
-    lay, v, drive = s.layout, s.levels, s.drive
+    lay, v, drive = s.layout, s.input_levels, s.drive
     shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
     screw = drive.screw(drive.gearhead.screw)
     bearing_bottom = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm

@@ -91,6 +91,11 @@ class SectorUnderTest(DesignUnderTest):
         """+1 if the levels are measured along the axes of the inputs' routes, -1 if against them."""
         return 1
 
+    @property
+    def input_levels(self) -> InputLevels:
+        """Heights along an input's axis from its gearhead to its encoder, as the dimensions of its pulley have them."""
+        return self.levels
+
     def levels_of(self, index: int) -> InputLevels:
         """Heights along the axis of the input with this index; here all inputs have the same."""
         return self.levels

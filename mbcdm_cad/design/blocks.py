@@ -113,6 +113,15 @@ class DriveTrain(Block):
 
     motor: EntryName = choice("motor of each input")
     gearhead: EntryName = choice("gearhead of each input; none where the motor's own shaft drives it")
+    gearhead_angle_deg: Number = quantity(
+        "gearheads turned with their motors about their axes, from where two screws are beside the axis, one of three "
+        "is at the back, or four are on the diagonals; anticlockwise seen against the shaft, and of two inputs that "
+        "mirror each other the one at -x clockwise",
+        unit="deg",
+        default=0.0,
+        ge=-180.0,
+        le=180.0,
+    )
     bus_voltage_V: Number | None = quantity(
         "voltage of the supply, for motors with a torque constant; if left out, the voltage that the motor is made for",
         unit="V",

@@ -161,6 +161,7 @@ class Drive:
     cut_tolerance_mm: float
     motor: Motor
     gearhead: Gearhead  # the motor's own face where there is none
+    gearhead_angle_deg: float  # how far gearheads and motors are turned about their axes
     bus_voltage_V: float | None  # None where neither file nor catalogue has one
     encoder: Encoder
     drum_encoder: Encoder

@@ -27,9 +27,10 @@ class Freedom:
     """One field that follows from a rule, and the range in which a search may change it.
 
     A number is moved by a factor between ``low`` and ``high``: ``stretch(value, factor)`` is the moved value. A choice
-    is one of ``words``, or of the catalogue's entries of ``kind``, which ``order`` sorts by size. ``mends`` names
-    design variables of the checks' remedies that this field stands for, +1 where both rise together. ``instead``: the
-    requirements that take the field's place where it is taken out of a file, from the file's data.
+    is one of ``words``, the schema's own first, or of the catalogue's entries of ``kind``, which ``order`` sorts by
+    size. ``mends`` names design variables of the checks' remedies that this field stands for, +1 where both rise
+    together. ``instead``: the requirements that take the field's place where it is taken out of a file, from the
+    file's data.
     """
 
     field: str

@@ -42,6 +42,7 @@ def shared_values(design: Design, catalogue: Catalogue) -> dict[str, Any]:
         "cut_tolerance_mm": design.rope.cut_tolerance_mm,
         "motor": motor,
         "gearhead": without_gearhead(motor) if absent else catalogue.get("gearheads", train.gearhead),
+        "gearhead_angle_deg": train.gearhead_angle_deg,
         "bus_voltage_V": motor.voltage_V if train.bus_voltage_V is None else train.bus_voltage_V,
         "encoder": catalogue.get("encoders", train.encoder),
         "drum_encoder": catalogue.get("encoders", train.drum_encoder),

@@ -22,7 +22,7 @@ from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, Groove, InputPulleyD
 from mbcdm_cad.parts.terminal.dims import Tensioner, TerminalDims
 
 if TYPE_CHECKING:  # a drive without a motor head starts without it
-    from mbcdm_cad.parts.motor_head.dims import HeadDims
+    from mbcdm_cad.parts.motor_head.dims import CouplingBox, HeadDims
 
 # Cells of the grid on which the pockets of the drum's rim are summed: about 0.2 x 0.3 mm on a drum of 65 mm.
 _RIM_RADII, _RIM_ANGLES = 80, 500
@@ -159,11 +159,19 @@ def input_pulley_mm3(d: InputPulleyDims) -> float:
 
 def motor_head_mm3(d: HeadDims) -> float:
     """Flange, box and motor shelf less pocket, seat and holes."""
-    f = d.flange
-    rounded = 4 * CORNER * d.corner_radius**2
+    f, flange = d.flange, d.flange_top_z - d.bottom_z
+    plate = (2 * f.half_x * (f.front_y - f.back_y) - 4 * CORNER * d.corner_radius**2) * flange
+    return (
+        coupling_box_mm3(d, plate)
+        - len(f.screws) * ring_mm3(d.screw_clearance, 0.0, flange)
+        - len(f.dowels) * ring_mm3(d.dowel_radius, 0.0, flange)
+    )
+
+
+def coupling_box_mm3(d: CouplingBox, plate_mm3: float = 0.0) -> float:
+    """A plate with a coupling box on it, less the box's pocket, bearing seat and holes."""
     flange, height = d.flange_top_z - d.bottom_z, d.top_z - d.flange_top_z
-    body = (2 * f.half_x * (f.front_y - f.back_y) - rounded) * flange
-    body += (2 * d.outer_x * (d.front_y - d.back_y) - rounded) * height
+    body = plate_mm3 + (2 * d.outer_x * (d.front_y - d.back_y) - 4 * CORNER * d.corner_radius**2) * height
     inner, shelf = d.inner_x, d.top_z - d.shelf_bottom_z
     return (
         body
@@ -174,8 +182,6 @@ def motor_head_mm3(d: HeadDims) -> float:
         # About half of each key hole lies outside the shoulder's bore.
         - len(d.gear_screws)
         * (ring_mm3(d.gear_screw_clearance, 0.0, shelf) + ring_mm3(d.key_hole_radius, 0.0, flange - d.seat_depth) / 2)
-        - len(f.screws) * ring_mm3(d.screw_clearance, 0.0, flange)
-        - len(f.dowels) * ring_mm3(d.dowel_radius, 0.0, flange)
     )
 
 

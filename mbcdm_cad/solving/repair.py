@@ -135,8 +135,10 @@ class _Moves:
                 yield freedom.field, Times(float(f"{moved:.4g}"))
 
     def _sized(self, freedom: Freedom, sizes: Sequence[int]) -> Iterator[tuple[str, Setting]]:
-        """A choice moved by some places in the order of sizes."""
+        """A choice moved by some places in the order of sizes; of words, the first holds if no rule gave one."""
         names, now = choices(self.question, freedom), value_at(self.values, freedom.field)
+        if now is None and freedom.words:
+            now = freedom.words[0]
         for size in sizes:
             at = names.index(now) + size if now in names else -1
             if 0 <= at < len(names):

@@ -14,10 +14,11 @@ import pytest
 from numpy.typing import NDArray
 
 from mbcdm_cad.build.kernel import kernel_shape, location
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.loader import load_design, load_text
 from mbcdm_cad.configurations.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.configurations.miso_bevel.bill import bill
 from mbcdm_cad.configurations.miso_bevel.cable_path import FREE
+from mbcdm_cad.configurations.miso_bevel.drive import bevel
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.design.bought import Screw
@@ -27,6 +28,14 @@ from mbcdm_cad.parts.make import make
 
 pytestmark = pytest.mark.slow
 
+ABOVE = """
+name: above
+configuration: miso_bevel
+travel: {half_angle_deg: 35.0}
+transmission: {ratio: 9.0, drum_radius_mm: 54.0}
+loads: {peak_torque_Nm: 3.15}
+drive: {motor_side: above}
+"""
 ROOT = Path(__file__).parents[2]
 OVERLAP_MM3 = 0.02
 KEY_LENGTH_MM = 50.0
@@ -46,6 +55,53 @@ class Move(NamedTuple):
 
 def moves(dims: Layout) -> tuple[Move, ...]:
     """How the items of each step leave it again, in the order in which they came."""
+    return above(dims) if dims.drive.motors_above else below(dims)
+
+
+def above(dims: Layout) -> tuple[Move, ...]:
+    """With motors above: drives, collars and their bearings are mounted on the top plate on the bench."""
+    front, up = ((0, FAR_MM, 0),), ((0, 0, FAR_MM),)
+    on_plate = ("top_plate", "gearhead_*", "motor_*", "collar_*", "input_bearing_lower_*")
+    instead = (
+        Move(("encoder_left", "encoder_right"), front),
+        Move(("encoder_screw_*",), axis=True),
+        Move(("input_bearing_upper_*",), up),
+        Move(on_plate, up),
+    )
+    # Terminals that have the frame behind them with the drum centred are inserted with the drum turned.
+    instead = (*instead, Move(("terminal_*", "nut_*")))
+    same = [m for m in below(dims) if not any(matches(name, m) for name in INSTEAD)]
+    return (*instead, *same)
+
+
+# Items that join in another way with motors above.
+INSTEAD = (
+    "terminal_cable_1",
+    "gearhead_left",
+    "gearhead_screw_left_1",
+    "collar_left",
+    "input_bearing_lower_left",
+    "top_plate",
+)
+
+
+def bench_moves(dims: Layout) -> tuple[Move, ...]:
+    """How what is mounted on the top plate with motors above leaves it again, on the bench."""
+    v, gear = dims.levels.from_gearhead, dims.drive.gearhead
+    front, up, down = ((0, FAR_MM, 0),), ((0, 0, FAR_MM),), ((0, 0, -FAR_MM),)
+    over_shaft = v.motor_shelf_bottom_z + gear.shaft_length_mm - dims.collar.bottom_z + 0.05
+    out_of_hole = dims.drive.screw(gear.screw).length_mm + 0.05
+    return (
+        Move(("top_plate",)),
+        Move(("gearhead_left", "gearhead_right", "motor_*"), up),
+        Move(("gearhead_screw_*",), ((0, 0, -out_of_hole), *front)),
+        Move(("collar_*",), ((0, 0, -over_shaft), *front)),
+        Move(("input_bearing_lower_*",), down),
+    )
+
+
+def below(dims: Layout) -> tuple[Move, ...]:
+    """With motors below."""
     v, gear = dims.levels, dims.drive.gearhead
     screw = dims.drive.screw(gear.screw)
     front, back, up, down = ((0, FAR_MM, 0),), ((0, -FAR_MM, 0),), ((0, 0, FAR_MM),), ((0, 0, -FAR_MM),)
@@ -78,8 +134,8 @@ def moves(dims: Layout) -> tuple[Move, ...]:
 class Workshop:
     """Solids of the reference design, and what stands in place so far."""
 
-    def __init__(self, dims: Layout) -> None:
-        b = bill(dims)
+    def __init__(self, dims: Layout, drum_deg: float = 0.0) -> None:
+        b = bill(dims, drum_deg)
         self.dims = dims
         self.items = {item.name: item for item in b.items}
         self.screws = {i.name: s for i in b.items if isinstance(s := b.parts[i.part].args[0], Screw)}
@@ -152,6 +208,10 @@ def step_faults(shop: Workshop, step: AssemblyStep, ways: Sequence[Move]) -> Ite
     """What stands in the way of one step's items and keys; afterwards they are in place."""
     solid = [name for name in step.items if not name.startswith(CABLE)]
     left = list(solid)
+    # With motors above, what the top plate carries is mounted on the bench.
+    bench = solid if "top_plate" in solid and "gearhead_left" in solid else []
+    if bench:
+        yield from bench_faults(shop, bench)
     for move in ways:
         together = [name for name in left if matches(name, move)]
         left = [name for name in left if name not in together]
@@ -161,14 +221,30 @@ def step_faults(shop: Workshop, step: AssemblyStep, ways: Sequence[Move]) -> Ite
         shop.placed += together
     assert not left, f"no way in is stated for {left}"
     for name in solid:
-        if name in shop.screws and not name.startswith("collar_screw"):
-            # The encoders are screwed to the top plate on the bench.
-            bench = [n for n in step.items if not n.startswith("dowel")] if name.startswith("encoder_screw") else None
-            yield from shop.key(name, [n for n in bench or shop.placed if n != name])
-    if any(name.startswith("input_pulley") for name in solid):
+        if name in shop.screws and not name.startswith("collar_screw") and not bench:
+            # The encoders of motors below are screwed to the top plate on the bench.
+            plate = name.startswith("encoder_screw") and "top_plate" in solid
+            around = [n for n in step.items if not n.startswith("dowel")] if plate else shop.placed
+            yield from shop.key(name, [n for n in around if n != name])
+    collars_there = any(name.startswith("collar") for name in shop.placed)
+    if collars_there and any(name.startswith(("input_pulley", "plate_screw")) for name in solid):
         for name in shop.placed:
             if name.startswith("collar_screw"):
                 yield from shop.key(name, [n for n in shop.placed if n != name])
+
+
+def bench_faults(shop: Workshop, items: Sequence[str]) -> Iterator[str]:
+    """What stands in the way of what is mounted on the top plate on the bench."""
+    there: list[str] = []
+    for move in bench_moves(shop.dims):
+        together = [name for name in items if matches(name, move) and name not in there]
+        for name in together:
+            yield from shop.on_the_way(name, [np.array(leg, dtype=float) for leg in move.legs], there)
+        there += together
+        for name in together:
+            if name.startswith("gearhead_screw"):
+                yield from shop.key(name, [n for n in there if n != name])
+    assert sorted(there) == sorted(items)
 
 
 def faults(shop: Workshop, order: Sequence[AssemblyStep]) -> list[str]:
@@ -198,6 +274,41 @@ def test_every_item_joins_in_exactly_one_step(dims: Layout) -> None:
 def test_reference_goes_together_in_the_order_reported(dims: Layout) -> None:
     found = faults(Workshop(dims), assembly_order(dims))
     assert not found, "\n".join(found)
+
+
+def turned_faults(dims: Layout, order: Sequence[AssemblyStep]) -> Iterator[str]:
+    """What stands in the way of terminals on their way in from behind, with the drum where the order says."""
+    text = next(step.text for step in order if "terminal_cable_1" in step.items)
+    half = dims.drive.half_travel_deg
+    for cable in dims.drive.cables:
+        angle = cable.drum_side * half if "turn the drum" in text and cable.name in text else 0.0
+        shop = Workshop(dims, angle)
+        there = [name for name in shop.shapes if not name.startswith(("terminal", "nut", CABLE))]
+        for name in (f"terminal_{cable.name}", f"nut_{cable.name}_1", f"nut_{cable.name}_2"):
+            yield from shop.on_the_way(name, [np.array((0.0, -FAR_MM, 0.0))], there)
+
+
+@pytest.fixture(scope="module")
+def raised() -> Layout:
+    return layout(bevel(load_text(ABOVE).drive))
+
+
+def test_every_item_joins_in_exactly_one_step_with_motors_above(raised: Layout) -> None:
+    joined = [name for step in assembly_order(raised) for name in step.items]
+    assert sorted(joined) == sorted(item.name for item in bill(raised).items)
+
+
+def test_motors_above_go_together_in_the_order_reported(raised: Layout) -> None:
+    order = assembly_order(raised)
+    found = [*faults(Workshop(raised), order), *turned_faults(raised, order)]
+    assert not found, "\n".join(found)
+
+
+def test_bearings_first_would_hide_the_gearheads_screws(raised: Layout) -> None:
+    """The test sees a key that a bearing stands in the way of."""
+    shop = Workshop(raised)
+    found = list(shop.key("gearhead_screw_left_1", ["top_plate", "input_bearing_lower_left"]))
+    assert any("input_bearing_lower_left" in line for line in found), found
 
 
 def test_drum_first_would_hide_the_collars_screws(dims: Layout) -> None:

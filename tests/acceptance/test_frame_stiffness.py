@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.configurations.loader import load_design, load_text
+from mbcdm_cad.configurations.miso_bevel.drive import bevel
 from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads, unit_tensions_N
 from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
@@ -26,6 +27,14 @@ COARSE_MM, FINE_MM = 2.0, 1.6
 MESH_ERROR = 0.06
 AGREEMENT = 0.20
 
+ABOVE = """
+name: above
+configuration: miso_bevel
+travel: {half_angle_deg: 35.0}
+transmission: {ratio: 9.0, drum_radius_mm: 54.0}
+loads: {peak_torque_Nm: 3.15}
+drive: {motor_side: above}
+"""
 WALLS = {
     "reference": {},
     "back plate 2.6": {"back_plate_mm": 2.6},
@@ -122,3 +131,10 @@ def test_estimate_agrees_with_finite_elements(walls: dict[str, float]) -> None:
     assert abs(quick / solid - 1.0) < AGREEMENT, (
         f"estimate {quick:.2f}, finite elements {solid:.2f} urad per N m: {100 * (quick / solid - 1):+.1f} %"
     )
+
+
+@pytest.mark.slow
+def test_estimate_agrees_with_finite_elements_for_motors_above() -> None:
+    dims = layout(bevel(load_text(ABOVE).drive))
+    quick, found = frame_compliance(dims).windup_urad_Nm, by_elements(dims, COARSE_MM)
+    assert abs(quick / found - 1.0) < AGREEMENT, f"{quick:.2f} urad per N m, {found:.2f} by finite elements"

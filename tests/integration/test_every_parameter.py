@@ -74,6 +74,8 @@ COUPLED: dict[str, dict[Path, Any]] = {
     },
     "grooved input pulleys": {("input_pulleys", "surface"): "grooved"},
     "input axes set back": {("transmission", "input_setback_mm"): 0.1},
+    "motors above": {("drive", "motor_side"): "above"},
+    "gearheads turned": {("drive", "gearhead_angle_deg"): 1.0},
     "a modulus found on the built drive": {
         ("as_built",): [
             {

@@ -50,8 +50,8 @@ def seats(layout: Layout) -> tuple[Seat, ...]:
         Seat("axle_upper", (0.0, 0.0, v.top_plate_bottom_z + plate / 2), 2, t.axle_radius, plate),
     ]
     for pulley in layout.inputs:
-        low = (pulley.x, 0.0, v.bearing_shelf_top_z - f.seat_depth / 2)
-        high = (pulley.x, 0.0, v.top_plate_bottom_z + t.seat_depth / 2)
+        low = (pulley.x, pulley.y, v.bearing_shelf_top_z - f.seat_depth / 2)
+        high = (pulley.x, pulley.y, v.top_plate_bottom_z + t.seat_depth / 2)
         found.append(Seat(f"{pulley.name}_lower", low, 2, f.seat_radius, f.seat_depth))
         found.append(Seat(f"{pulley.name}_upper", high, 2, t.seat_radius, t.seat_depth))
     return tuple(found)
@@ -84,6 +84,8 @@ def grid(layout: Layout, cell_mm: float) -> tuple[Floats, Floats, Floats]:
     inner = f.boss_radius - f.rib_thickness
     pads = [(x + s * r, z + s * r) for x, z in f.mounts for r in (f.mount_radius, MOUNT_PAD_MM) for s in (-1, 1)]
     xs = [v.side_inner_x, v.side_outer_x, f.boss_radius, inner, f.web_half_width, f.ear_reach]
+    boxes = layout.top_plate.boxes
+    xs += [at + s * w for at, box in boxes for w in (box.inner_x, box.outer_x) for s in (-1, 1) if at > 0.0]
     x = _lines(
         [0.0, *xs, *(-p for p in xs)],
         [p for p, _ in pads],
@@ -92,13 +94,15 @@ def grid(layout: Layout, cell_mm: float) -> tuple[Floats, Floats, Floats]:
     )
     ys = [v.back_y, f.upper_floor_y, v.pocket_floor_y, f.encoder_pocket_floor_y, f.rear_seat_end_y, 0.0]
     ys += [f.front_seat_start_y, v.front_y, v.boss_front_y, f.ear_front_y]
+    ys += [f.input_y + to for _, box in boxes for to in (box.back_y, -box.inner_x, box.front_y)]
     y = _lines(ys, [f.mount_seat_y], cell_mm, {(v.back_y, v.pocket_floor_y): 3})
-    zs = [-f.boss_radius, 0.0, f.column_pocket_bottom_z, v.motor_shelf_bottom_z, v.motor_shelf_top_z]
+    zs = [-f.boss_radius, 0.0, f.column_pocket_bottom_z, v.shelf_bottom_z, v.shelf_top_z]
     zs += [v.bearing_shelf_bottom_z]
     zs += [v.bearing_shelf_top_z, v.top_plate_bottom_z, v.top_plate_top_z, v.bearing_shelf_top_z - f.seat_depth]
     zs += [v.top_plate_bottom_z + layout.top_plate.seat_depth, -f.ear_half_height, f.ear_half_height]
+    zs += [z for _, box in boxes for z in (box.shelf_bottom_z, box.top_z)]
     shelves = {
-        (v.motor_shelf_bottom_z, v.motor_shelf_top_z): 2,
+        (v.shelf_bottom_z, v.shelf_top_z): 2,
         (v.bearing_shelf_bottom_z, v.bearing_shelf_top_z): 2,
         (v.top_plate_bottom_z, v.top_plate_top_z): 2,
     }
@@ -246,10 +250,10 @@ class SupportFE:
         wrong = np.concatenate([along, np.zeros(3)]) - rows @ start.ravel()
         return nodes, start + np.linalg.lstsq(rows, wrong, rcond=None)[0].reshape(-1, 3)
 
-    def _twisted(self, x: float) -> tuple[Ints, Floats]:
+    def _twisted(self, x: float, y: float) -> tuple[Ints, Floats]:
         """Nodes of the motor shelf under a gearhead's face and forces (x, y) on them: a couple of 1 about Z."""
         v = self.layout.levels
-        off = self.points[:, :2] - (x, 0.0)
+        off = self.points[:, :2] - (x, y)
         level = (self.points[:, 2] > v.motor_shelf_bottom_z - 1e-6) & (self.points[:, 2] < v.motor_shelf_top_z + 1e-6)
         near = np.hypot(*off.T) < self.layout.drive.gearhead.diameter_mm / 2
         nodes = np.flatnonzero(level & near & (self.number >= 0))
@@ -270,7 +274,7 @@ class SupportFE:
                 columns.append(np.full(3 * len(nodes), 3 * s + axis))
                 values.append(force.ravel())
         for i, pulley in enumerate(self.layout.inputs):
-            nodes, push = self._twisted(pulley.x)
+            nodes, push = self._twisted(pulley.x, pulley.y)
             rows.append((3 * self.number[nodes, None] + [0, 1]).ravel())
             columns.append(np.full(2 * len(nodes), 3 * len(found) + i))
             values.append(push.ravel())

@@ -38,9 +38,9 @@ def in_frame(d: FrameDims, x: Floats, y: Floats, z: Floats) -> Mask:
     """Whether points (mm, arrays that broadcast) lie in the frame."""
     v = d.levels
     outline = (-v.side_outer_x, v.side_outer_x, v.back_y, v.front_y)
-    solid = _rounded_box(x, y, outline, d.corner_radius) & _between(z, v.motor_shelf_bottom_z, v.top_plate_bottom_z)
+    solid = _rounded_box(x, y, outline, d.corner_radius) & _between(z, v.shelf_bottom_z, v.top_plate_bottom_z)
     depth = _between(y, v.back_y, v.front_y)
-    solid = solid | (_between(x, -d.boss_radius, d.boss_radius) & depth & _between(z, 0.0, v.motor_shelf_bottom_z))
+    solid = solid | (_between(x, -d.boss_radius, d.boss_radius) & depth & _between(z, 0.0, v.shelf_bottom_z))
     solid = solid | (_disc(x, z, 0, 0, d.boss_radius) & _between(y, d.encoder_pocket_floor_y, v.boss_front_y))
     ears = _between(x, -d.ear_reach, d.ear_reach) & _between(z, -d.ear_half_height, d.ear_half_height)
     solid = solid | (ears & _between(y, d.encoder_pocket_floor_y, d.ear_front_y))
@@ -49,9 +49,9 @@ def in_frame(d: FrameDims, x: Floats, y: Floats, z: Floats) -> Mask:
     inner = d.boss_radius - d.rib_thickness
     pockets = [
         (-side, side, v.bearing_shelf_top_z, v.top_plate_bottom_z + 2 * r + 1.0, d.upper_floor_y),
-        (web, side, v.motor_shelf_top_z, v.bearing_shelf_bottom_z, v.pocket_floor_y),
-        (-side, -web, v.motor_shelf_top_z, v.bearing_shelf_bottom_z, v.pocket_floor_y),
-        (-inner, inner, d.column_pocket_bottom_z, v.motor_shelf_bottom_z, v.pocket_floor_y),
+        (web, side, v.shelf_top_z, v.bearing_shelf_bottom_z, v.pocket_floor_y),
+        (-side, -web, v.shelf_top_z, v.bearing_shelf_bottom_z, v.pocket_floor_y),
+        (-inner, inner, d.column_pocket_bottom_z, v.shelf_bottom_z, v.pocket_floor_y),
     ]
     for x0, x1, z0, z1, floor in pockets:
         solid = solid & ~((y > floor) & _rounded_box(x, z, (x0, x1, z0, z1), r))
@@ -67,12 +67,13 @@ def in_frame(d: FrameDims, x: Floats, y: Floats, z: Floats) -> Mask:
     ):
         solid = solid & ~(_disc(x, z, 0, 0, radius) & _between(y, low, high))
     shelf = _between(z, v.bearing_shelf_bottom_z, v.bearing_shelf_top_z)
-    lower = _between(z, v.motor_shelf_bottom_z, v.motor_shelf_top_z)
+    lower = _between(z, v.shelf_bottom_z, v.shelf_top_z)
     seat = _between(z, v.bearing_shelf_top_z - d.seat_depth, v.bearing_shelf_top_z)
     for at in d.input_x:
-        solid = solid & ~(_disc(x, y, at, 0, d.pilot_radius) & lower)
-        solid = solid & ~(_disc(x, y, at, 0, d.seat_shoulder_radius) & shelf)
-        solid = solid & ~(_disc(x, y, at, 0, d.seat_radius) & seat)
+        if d.carries_drives:
+            solid = solid & ~(_disc(x, y, at, d.input_y, d.pilot_radius) & lower)
+        solid = solid & ~(_disc(x, y, at, d.input_y, d.seat_shoulder_radius) & shelf)
+        solid = solid & ~(_disc(x, y, at, d.input_y, d.seat_radius) & seat)
     for at_x, at_z in d.mounts:
         solid = solid & ~(_disc(x, z, at_x, at_z, d.mount_radius) & (y < v.pocket_floor_y))
         sunk = (y > d.mount_seat_y) & (y < v.pocket_floor_y)
@@ -87,9 +88,15 @@ def in_top_plate(d: TopPlateDims, x: Floats, y: Floats, z: Floats) -> Mask:
     outline = (-v.side_outer_x, v.side_outer_x, v.back_y, v.front_y)
     solid = _rounded_box(x, y, outline, d.corner_radius) & _between(z, low, high)
     solid = solid & ~_disc(x, y, 0, 0, d.axle_radius)
+    for at, box in d.boxes:
+        outline = (at - box.outer_x, at + box.outer_x, d.input_y + box.back_y, d.input_y + box.front_y)
+        solid = solid | (_rounded_box(x, y, outline, box.corner_radius) & _between(z, high, box.top_z))
+        pocket = (at - box.inner_x, at + box.inner_x, box.flange_top_z, box.shelf_bottom_z)
+        solid = solid & ~((y > d.input_y - box.inner_x) & _rounded_box(x, z, pocket, box.corner_radius))
+        solid = solid & ~(_disc(x, y, at, d.input_y, box.pilot_radius) & (z > box.shelf_bottom_z))
     for at in d.input_x:
-        solid = solid & ~(_disc(x, y, at, 0, d.seat_radius) & (z < low + d.seat_depth))
-        solid = solid & ~_disc(x, y, at, 0, d.shoulder_radius)
+        solid = solid & ~(_disc(x, y, at, d.input_y, d.seat_radius) & (z < low + d.seat_depth))
+        solid = solid & ~(_disc(x, y, at, d.input_y, d.shoulder_radius) & (z < high + 1e-6))
     return np.asarray(solid)
 
 

@@ -1,4 +1,7 @@
-"""Solid of a motor head from its drawing alone. Z from the lower face, the origin on the axis of hole A."""
+"""Solid of a motor head, or of a top plate with boxes, from its drawing alone.
+
+Z from the lower face, the origin on the axis of hole A.
+"""
 
 from __future__ import annotations
 
@@ -53,6 +56,35 @@ def motor_head(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
     body = body.fuse(rounded_box((-outer, outer), (-back, front), (low, top), radius))
     pocket = cq.Solid.makeBox(2 * inner, behind + _OPEN, shelf - low, cq.Vector(-inner, -behind, low))
     body = body.cut(cq.Workplane(obj=pocket).edges("|Y").fillet(corner).val())  # type: ignore[arg-type]
+    return drilled(doc, body, (low, shelf, top))
+
+
+def boxed_plate(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
+    """A top plate with a coupling box at each hole B."""
+    section, above = ([d for d in dims if d.view == name and d.kind == "linear"] for name in ("section", "top"))
+    low, shelf, top = (d.value for d in exactly([d for d in section if not d.across], 3, "heights"))
+    outer, inner = (one(section, "section", suffix=word).value / 2 for word in (" box", " pocket"))
+    left, width = (d.value for d in exactly([d for d in above if d.across], 2, "widths"))
+    front, depth = (d.value for d in exactly([d for d in above if not d.across and d.suffix == ""], 2, "depths"))
+    box_front = front - depth + one(above, "top", suffix=" front of boxes").value
+    box_back = box_front - exactly([d for d in above if d.suffix == " boxes"], 1, "depth of the boxes")[0].value
+    radii = exactly([d for d in dims if d.view == "top" and d.kind == "radius"], 2, "corners")
+    plate_corner, box_corner = (next(d.value for d in radii if d.count == n) for n in (4, 8))
+    behind = note_number(doc, r"Pockets from the front, ([\d.]+) behind")
+    corner = note_number(doc, r"their corners R([\d.]+)\.")
+    body = rounded_box((-left, width - left), (front - depth, front), (0.0, low), plate_corner)
+    axes = [(float(row[1]), float(row[2])) for row in table(doc, "Positions")[1:] if row[0].startswith("B")]
+    for x, _ in axes:
+        body = body.fuse(rounded_box((x - outer, x + outer), (box_back, box_front), (low, top), box_corner))
+    for x, y in axes:
+        pocket = cq.Solid.makeBox(2 * inner, behind + _OPEN, shelf - low, cq.Vector(x - inner, y - behind, low))
+        body = body.cut(cq.Workplane(obj=pocket).edges("|Y").fillet(corner).val())  # type: ignore[arg-type]
+    return drilled(doc, body, (low, shelf, top))
+
+
+def drilled(doc: Drawing, body: cq.Shape, heights: tuple[float, float, float]) -> cq.Shape:
+    """The body with the holes of the table; ``heights``: of the plate, and of both faces of the motor shelf."""
+    low, shelf, top = heights
     places = {row[0]: (float(row[1]), float(row[2])) for row in table(doc, "Positions")[1:]}
     for letter, count, drill, _, depth, _, bore, start in table(doc, "Holes")[1:]:
         if depth != "through":
@@ -64,6 +96,8 @@ def motor_head(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
             if bore != "-":
                 sunk = re.fullmatch(r"Ø([\d.]+)(?: [A-Za-z]+\d+)? x ([\d.]+)", bore)
                 assert sunk is not None, bore
-                body = body.cut(cylinder(float(sunk[1]) / 2, x, y, (-1.0, float(sunk[2]))))
+                deep = float(sunk[2])
+                over = (low - deep, low + 0.5) if start == "top" else (-1.0, deep)
+                body = body.cut(cylinder(float(sunk[1]) / 2, x, y, over))
     assert not places, f"positions of holes that the table does not list: {places}"
     return body

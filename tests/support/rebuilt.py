@@ -12,7 +12,7 @@ from ezdxf.document import Drawing
 from tests.support.drawing_reader import MissingDimensionError, ReadDimension, table, view
 from tests.support.drum_from_drawing import drum
 from tests.support.frame_from_drawing import frame
-from tests.support.head_from_drawing import motor_head
+from tests.support.head_from_drawing import boxed_plate, motor_head
 from tests.support.milled_from_drawing import collar, one, slot_tools, top_plate
 from tests.support.other_frames_from_drawing import column, star, yoke
 from tests.support.turned_from_drawing import turned_volume
@@ -111,6 +111,12 @@ def pulley(doc: Drawing, dims: list[ReadDimension]) -> float:
     return float(solid.Volume())
 
 
+def plate(doc: Drawing, dims: list[ReadDimension]) -> cq.Shape:
+    """A top plate, or one with coupling boxes, which has holes from its motor shelves."""
+    boxed = any(row[-1] == "motor shelf" for row in table(doc, "Holes")[1:])
+    return boxed_plate(doc, dims) if boxed else top_plate(doc, dims)
+
+
 # Small parts; the two below them take seconds each.
 SMALL: dict[str, Rebuild] = {
     **dict.fromkeys(("guide_axle", "guide_spacer", "stop_pin", "dowel", "stop"), turned),
@@ -120,7 +126,7 @@ SMALL: dict[str, Rebuild] = {
     "guide": _idler,
     "input_pulley_left": _pulley,
     "input_pulley_right": _pulley,
-    "top_plate": lambda doc, dims: float(top_plate(doc, dims).Volume()),
+    "top_plate": lambda doc, dims: float(plate(doc, dims).Volume()),
     "collar": lambda doc, dims: float(collar(doc, dims).Volume()),
 }
 LARGE: dict[str, Rebuild] = {

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import winding
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM, plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.plate_screws import plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.configurations.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.inserts import insert_items, insert_words
+from mbcdm_cad.parts.terminal.dims import Tensioner
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
 def assembly_order(layout: Layout) -> tuple[AssemblyStep, ...]:
     """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
-    return (*_bench(layout), *_drives(layout), *_pulleys(layout), *_drum(layout))
+    if layout.drive.motors_above:
+        return (*_bench(layout), *_encoders_below(layout), *_pulleys(layout), *_drives_above(layout), *_drum(layout))
+    return (*_bench(layout), *_drives(layout), *_pulleys(layout), *_plate(layout), *_drum(layout))
 
 
 def _key(layout: Layout, screw: str) -> str:
@@ -96,17 +101,34 @@ def _drives(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
+def _encoders_below(layout: Layout) -> tuple[AssemblyStep, ...]:
+    drive = layout.drive
+    encoder = drive.encoder
+    return (
+        AssemblyStep(
+            "Slide the encoders into the lower pockets from the front and screw them to the bearing shelf from above "
+            f"({encoder.screw_count} x {encoder.screw} each, {_key(layout, encoder.screw)}), before their bearings "
+            f"({drive.bearings.input_upper.name}) are pressed into the shelf from above.",
+            _each("encoder", layout) + _each("encoder_screw", layout, 2) + _each("input_bearing_upper", layout),
+        ),
+    )
+
+
 def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
     drive, bearings, collar_screw = layout.drive, layout.drive.bearings, layout.collar.screw
-    encoder, screw = drive.encoder, plate_screw_of(drive).name
     names = tuple(c.name for c in drive.cables)
     behind = " and ".join(_behind_the_guide(layout))
     loop = f"Lay the free ends of {behind} behind the axle. " if behind else ""
+    lower = (
+        "Lower the pulleys through the bearings into the bores of the encoders."
+        if drive.motors_above
+        else f"Lower the pulleys through bearing and collar onto the {drive.mounted} shafts and close the collars from "
+        f"the front ({_key(layout, collar_screw)})."
+    )
     return (
         AssemblyStep(
             "Hook the stops of each cable into the slots in the end faces of its input pulley, wind the dead turns and "
-            "half of the live turns and hold them with tape. Lower the pulleys through bearing and collar onto the "
-            f"{drive.mounted} shafts and close the collars from the front ({_key(layout, collar_screw)}).",
+            f"half of the live turns and hold them with tape. {lower}",
             _each("input_pulley", layout)
             + tuple(f"stop_{name}" for name in names)
             + tuple(cable_item(name) for name in names),
@@ -117,6 +139,13 @@ def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
             f"Slide on the guide with its two bearings ({bearings.guide.name}), then the spacer.",
             ("guide_axle", "axle_set_screw", "guide", "guide_bearing_lower", "guide_bearing_upper", "guide_spacer"),
         ),
+    )
+
+
+def _plate(layout: Layout) -> tuple[AssemblyStep, ...]:
+    drive, bearings = layout.drive, layout.drive.bearings
+    encoder, screw = drive.encoder, plate_screw_of(drive).name
+    return (
         AssemblyStep(
             "Press the two dowels into the side walls. On the bench, press the upper bearings "
             f"({bearings.input_upper.name}) into the top plate from below and screw the encoders to it from below "
@@ -135,8 +164,37 @@ def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
+def _drives_above(layout: Layout) -> tuple[AssemblyStep, ...]:
+    drive, gear, mounted = layout.drive, layout.drive.gearhead, layout.drive.mounted
+    train = "motors" if gear.absent else "gearheads with their motors"
+    screw, collar_screw = plate_screw_of(drive).name, layout.collar.screw
+    return (
+        AssemblyStep(
+            f"On the bench, screw the {train} onto the top plate's boxes ({gear.screw_count} x {gear.screw} each). The "
+            f"screws go in through the open front of the boxes; the {_key(layout, gear.screw)} reaches their heads "
+            "from below, through the key holes in the shoulder of the empty bearing seats. Pass the clamp collars, "
+            f"their screws ({collar_screw}) loose, over the {mounted} shafts through the open front, and press the "
+            f"bearings ({drive.bearings.input_lower.name}) into the plate from below.",
+            ("top_plate",)
+            + (() if gear.absent else _each("gearhead", layout))
+            + _each("motor", layout)
+            + _each(f"{mounted}_screw", layout, gear.screw_count)
+            + _each("collar", layout)
+            + _each("collar_screw", layout)
+            + _each("input_bearing_lower", layout),
+        ),
+        AssemblyStep(
+            "Press the two dowels into the side walls. Lower the plate with its motors over axle and dowels, the "
+            f"pulleys' journals through bearings and collars onto the {mounted} shafts. Tighten four {screw} "
+            f"({_key(layout, screw)}, beside the motors), then from the front the collars "
+            f"({_key(layout, collar_screw)}) and the encoders' own clamps.",
+            (*_numbered("dowel", 2), *_numbered("plate_screw", len(layout.frame.plate_screws))),
+        ),
+    )
+
+
 def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
-    drive, hub_screw, insert = layout.drive, layout.drum.set_screw, layout.drum.payload_insert
+    hub_screw, insert = layout.drum.set_screw, layout.drum.payload_insert
     places = len(layout.drum.payload_places)
     return (
         AssemblyStep(
@@ -150,5 +208,22 @@ def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
             "web). The drum then has no play along its axis.",
             ("drum", "stop_pin", *_numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
         ),
-        *terminal_steps(drive, plan(layout)),
+        *_terminals(layout),
     )
+
+
+def _terminals(layout: Layout) -> tuple[AssemblyStep, ...]:
+    """The last steps; with motors above, the lowest shelf may be behind a lug of the centred drum."""
+    first, *others = terminal_steps(layout.drive, plan(layout))
+    hidden = [t.cable_name for t in layout.drum.tensioners if layout.drive.motors_above and _before_frame(layout, t)]
+    if hidden:
+        names = " and ".join(hidden)
+        first = replace(first, text=f"{first.text} For {names}, turn the drum until the lug is beside the frame.")
+    return (first, *others)
+
+
+def _before_frame(layout: Layout, t: Tensioner) -> bool:
+    """Whether a part of the terminal, drum centred, has the frame behind it."""
+    v, half = layout.levels, layout.drive.tensioner.swage_diameter_mm / 2
+    ends = [t.at(along, out) for along in (t.swage_start, t.tip) for out in (-half, half)]
+    return any(abs(x) < v.side_outer_x and z > v.shelf_bottom_z for x, z in ends)

@@ -10,14 +10,15 @@ from math import radians
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, dowel_length_mm, plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.plate_screws import plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
 from mbcdm_cad.design.bought import Bearing, Screw
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.bought.train import add_train
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
-from mbcdm_cad.parts.input_pulley.items import add_input_pulley
+from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
 from mbcdm_cad.parts.placement import Placement
 
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
@@ -27,6 +28,8 @@ _Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
 _ALONG_Y = Placement.about(_X, -90.0)
 _AGAINST_Y = Placement.about(_X, 90.0)
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
+# The same, but what points to the front still does.
+_TURNED_OVER = Placement.about(_Y, 180.0)
 # Colours (linear RGB) that distinguish bought bodies and cables from machined metal.
 
 
@@ -135,44 +138,55 @@ def _bearings(b: _Builder) -> None:
     b.steel_bearing(
         "guide_bearing_upper", bearings.guide, _at(0.0, 0.0, v.guide_top_z - bearings.guide.width_mm), "guide"
     )
+    shelf_z, plate_z = v.bearing_shelf_top_z, v.top_plate_bottom_z
     for p in lay.inputs:
-        low = v.bearing_shelf_top_z - bearings.input_lower.width_mm
-        b.steel_bearing(f"input_bearing_lower_{p.name}", bearings.input_lower, _at(p.x, p.y, low))
-        b.steel_bearing(f"input_bearing_upper_{p.name}", bearings.input_upper, _at(p.x, p.y, v.top_plate_bottom_z))
+        low = _at(p.x, p.y, shelf_z - b.drive.shelf_bearing.width_mm)
+        high = _at(p.x, p.y, plate_z)
+        if b.drive.motors_above:
+            low, high = high, low
+        b.steel_bearing(f"input_bearing_lower_{p.name}", bearings.input_lower, low)
+        b.steel_bearing(f"input_bearing_upper_{p.name}", bearings.input_upper, high)
 
 
 def _drives(b: _Builder) -> None:
-    lay, drive, v = b.layout, b.drive, b.layout.levels
+    """Gearheads, motors and encoders; in the frame of each input, z runs from the gearhead to the encoder."""
+    lay, drive, v = b.layout, b.drive, b.layout.levels.from_gearhead
     body = drive.material("stainless")
     gear, encoder = drive.gearhead, drive.encoder
     gear_screw, encoder_screw = (drive.screw(x.screw) for x in (gear, encoder))
     gear_depth = gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0
-    head_depth = encoder_screw.head_height_mm + 0.2
-    encoder_depth = encoder_screw.length_mm - (drive.support.top_plate_mm - head_depth) + 0.5
+    head_depth = encoder_screw.head_height_mm + ENCODER_HEAD_SUNK_MM
+    encoder_depth = encoder_screw.length_mm - (drive.encoder_plate_mm - head_depth) + 0.5
     for p in lay.inputs:
-        add_train(b, drive, p.name, gear_depth, _at(p.x, p.y, v.motor_shelf_bottom_z))
+        at_input, turn = _at(p.x, p.y, 0.0) @ _stand(drive), drive.turn_deg(p.x)
+        add_train(b, drive, p.name, gear_depth, at_input @ _at(0.0, 0.0, v.motor_shelf_bottom_z), turn)
         b.add(
             f"encoder_{p.name}",
             "mbcdm_cad.parts.bought.draw:create_encoder",
             (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_depth),
             part="encoder",
             material=replace(body, colour=ENCODER_COLOUR),
-            place=_at(p.x, p.y, v.top_plate_top_z),
+            place=at_input @ _at(0.0, 0.0, v.top_plate_top_z),
             mass_g=encoder.mass_g,
         )
         # Sorted by number, since the order of the items is that in the files.
-        gear_places = screw_places(gear.screw_count, lay.frame.gear_bolt_circle)
-        encoder_places = screw_places(2, lay.top_plate.encoder_circle_radius)
+        gear_places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, turn)
+        encoder_places = screw_places(2, encoder.bolt_circle_mm / 2)
         for n in range(max(len(gear_places), len(encoder_places))):
             if n < len(gear_places):
                 x, y = gear_places[n]
-                at = _at(p.x + x, p.y + y, v.motor_shelf_top_z)
+                at = at_input @ _at(x, y, v.motor_shelf_top_z)
                 b.steel_screw(f"{drive.mounted}_screw_{p.name}_{n + 1}", gear_screw, at)
             if n < len(encoder_places):
                 x, y = encoder_places[n]
-                place = _at(p.x + x, p.y + y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
+                place = at_input @ _at(x, y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
                 b.steel_screw(f"encoder_screw_{p.name}_{n + 1}", encoder_screw, place)
     add_drum_encoder(b, drive, lay.frame.encoder_pocket_floor_y, lay.frame.encoder_screw_circle)
+
+
+def _stand(drive: BevelDrive) -> Placement:
+    """How parts whose heights count from the gearhead stand."""
+    return _TURNED_OVER if drive.motors_above else UPRIGHT
 
 
 def _pulleys(b: _Builder) -> None:
@@ -185,7 +199,7 @@ def _pulleys(b: _Builder) -> None:
         group="guide",
     )
     for p in lay.inputs:
-        add_input_pulley(b, drive, p, lay.collar, drive.support.material)
+        add_input_pulley(b, drive, p, lay.collar, drive.support.material, _stand(drive))
 
 
 def bill(layout: Layout, drum_angle_deg: float = 0.0) -> Bill:

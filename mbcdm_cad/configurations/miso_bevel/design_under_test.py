@@ -60,7 +60,21 @@ class BevelUnderTest(SectorUnderTest):
     @property
     def encoder_plate_mm(self) -> float:
         """See the base class."""
-        return self.drive.support.top_plate_mm
+        return self.drive.encoder_plate_mm
+
+    @property
+    def levels_sense(self) -> int:
+        """See the base class."""
+        return -1 if self.drive.motors_above else 1
+
+    @property
+    def input_levels(self) -> Stack:
+        """See the base class."""
+        return self.levels.from_gearhead
+
+    def levels_of(self, index: int) -> Stack:
+        """See the base class."""
+        return self.input_levels
 
     @cached_property
     def levels(self) -> Stack:
@@ -80,10 +94,11 @@ class BevelUnderTest(SectorUnderTest):
 
     def _layout(self) -> Layout:
         levels = self.levels
-        if levels.motor_shelf_bottom_z <= 0.0:
+        if levels.shelf_bottom_z <= 0.0:
+            shelf, between = ("lowest", "encoders") if levels.motors_above else ("motor", "coupling space")
             raise NoFigureError(
-                f"the motor shelf comes to z = {levels.motor_shelf_bottom_z:.4g} mm, below the drum's axis (limit 0): "
-                "pulleys, coupling space and shelves are higher than the drum's radius"
+                f"the {shelf} shelf comes to z = {levels.shelf_bottom_z:.4g} mm, below the drum's axis (limit 0): "
+                f"pulleys, {between} and shelves are higher than the drum's radius"
             )
         return layout(self.drive)
 

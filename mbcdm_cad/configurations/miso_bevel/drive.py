@@ -30,7 +30,7 @@ class Bearings:
     drum: Bearing
     guide: Bearing
     input_lower: Bearing  # next to the gearhead
-    input_upper: Bearing  # in the top plate
+    input_upper: Bearing  # next to the encoder
 
     def all(self) -> tuple[Bearing, ...]:
         """The four roles in the order drum, guide, input lower, input upper (types may repeat)."""
@@ -88,6 +88,7 @@ class BevelDrive(SectorDrive):
     input_sides: tuple[int, ...]
     centre_distance_mm: float
     input_setback_mm: float  # input axes at y = -this, behind the guide's axis
+    motors_above: bool  # on the top plate, the encoders then under the bearing shelf
     radii_explicit: bool
     bearings: Bearings
     guide: GuideSpec
@@ -118,6 +119,25 @@ class BevelDrive(SectorDrive):
         """Largest fleet angle that the input pulleys' surface allows."""
         limits = self.limits
         return limits.fleet_angle_grooved_max_deg if self.input_pulleys.grooved else limits.fleet_angle_max_deg
+
+    @property
+    def shelf_bearing(self) -> Bearing:
+        """Bearing of an input pulley in the bearing shelf."""
+        return self.bearings.input_upper if self.motors_above else self.bearings.input_lower
+
+    @property
+    def plate_bearing(self) -> Bearing:
+        """Bearing of an input pulley in the top plate."""
+        return self.bearings.input_lower if self.motors_above else self.bearings.input_upper
+
+    @property
+    def encoder_plate_mm(self) -> float:
+        """Thickness of the plate or shelf that carries the inputs' encoders."""
+        return self.support.bearing_shelf_mm if self.motors_above else self.support.top_plate_mm
+
+    def turn_deg(self, x_mm: float) -> float:
+        """How far gearhead and motor of the input at this x are turned, seen against the shaft: both sides mirror."""
+        return self.gearhead_angle_deg if x_mm > 0.0 else 0.0 - self.gearhead_angle_deg
 
     @property
     def collar_seat(self) -> tuple[float, float, str]:

@@ -13,7 +13,7 @@ STOP_PIN_WALL_MM = 1.5
 
 def stop_pin_z(drive: BevelDrive, levels: Stack) -> float:
     """Height of the stop pin: low in the web between the shelves, with metal below it."""
-    return levels.motor_shelf_bottom_z + drive.drum.stop_pin_mm / 2 + STOP_PIN_WALL_MM
+    return levels.shelf_bottom_z + drive.drum.stop_pin_mm / 2 + STOP_PIN_WALL_MM
 
 
 def drum(drive: BevelDrive, levels: Stack) -> DrumDims:

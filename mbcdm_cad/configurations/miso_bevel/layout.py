@@ -56,7 +56,7 @@ def layout(drive: BevelDrive) -> Layout:
         drum_shaft=shaft,
         preload_spring=preload_spring(drive, shaft),
         inputs=tuple(input_pulley(drive, levels, name) for name in drive.input_names),
-        collar=collar(drive, *drive.collar_seat, levels.motor_shelf_top_z),
+        collar=collar(drive, *drive.collar_seat, levels.from_gearhead.motor_shelf_top_z),
         guide=guide(drive, levels),
         axle=axle(drive, levels),
         frame=frame(drive, levels),

@@ -4,17 +4,19 @@ Input pulley, axis parallel to Z:
 
     encoder end  |journal|neck|  upper step  |  lower step  |neck|journal, bored for the gearhead's shaft|
 
-The swaged stop of each cable sits in a slot milled from the end face next to its dead turn.
+The swaged stop of each cable sits in a slot milled from the end face next to its dead turn. With motors above, the part
+is turned about Y by half a turn: (x, y, z) of the part are (-x, y, -z) there, and its lower end is above.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import radians, tau
+from math import pi, radians, tau
 
 from mbcdm_cad.configurations.miso_bevel.cable_path import stop_of, winding
-from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
-from mbcdm_cad.configurations.miso_bevel.stack import END_PLAY_MM, Stack, band, outward_of
+from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.configurations.miso_bevel.stack import END_PLAY_MM, Band, Stack, band, outward_of
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
@@ -25,7 +27,13 @@ from mbcdm_cad.parts.input_pulley.dims import (
     JOURNAL_SLIT_MM,
     InputPulleyDims,
 )
-from mbcdm_cad.parts.input_pulley.stop import anchored_groove, helix_stop_land_mm, neck_radius_mm, stop_slot
+from mbcdm_cad.parts.input_pulley.stop import (
+    StopGeometry,
+    anchored_groove,
+    helix_stop_land_mm,
+    neck_radius_mm,
+    stop_slot,
+)
 
 
 def smallest_lead_mm(drive: BevelDrive) -> float:
@@ -34,27 +42,46 @@ def smallest_lead_mm(drive: BevelDrive) -> float:
     return GROOVE_LEAD * GROOVE_RADIUS * d if drive.input_pulleys.grooved else d
 
 
-def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims:
-    """Dimensions of the input pulley called ``name``."""
-    cables = sorted((c for c in drive.cables if c.input_name == name), key=lambda c: c.step)
-    low, high = cables
-    low_band = band(drive, low, outward_of(drive, low))
-    high_band = band(drive, high, outward_of(drive, high))
+@dataclass(frozen=True)
+class _Wound:
+    """One cable on its pulley, in the frame of the part."""
+
+    cable: BevelRun
+    band: Band
+    stop: StopGeometry
+    wound_rad: float  # what it winds at most
+
+
+def _wound(drive: BevelDrive, name: str) -> tuple[_Wound, _Wound]:
+    """The cables of the input ``name``, the one towards its gearhead first."""
+    found = []
+    for cable in sorted((c for c in drive.cables if c.input_name == name), key=lambda c: c.step):
+        on_pulley, stop = band(drive, cable, outward_of(drive, cable)), stop_of(drive, cable)
+        if drive.motors_above:
+            on_pulley = Band(-on_pulley.high_mm, -on_pulley.low_mm, -on_pulley.dead_end_mm)
+            stop = replace(stop, end_angle_rad=pi - stop.end_angle_rad, away=-stop.away)
+        wound = tau * drive.dead_turns + 2 * winding(drive, cable).reduction * radians(drive.half_travel_deg)
+        found.append(_Wound(cable, on_pulley, stop, wound))
+    low, high = reversed(found) if drive.motors_above else found
+    return low, high
+
+
+def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> InputPulleyDims:
+    """Dimensions of the input pulley called ``name``; its place is that in the assembly."""
+    low, high = _wound(drive, name)
+    levels = in_assembly.from_gearhead
     flank = drive.cable.diameter_mm / 2
     bearings = drive.bearings
-    stops = [stop_of(drive, c) for c in cables]
     beyond = helix_stop_land_mm(drive)
-    land_bottom = low_band.low_mm - beyond
-    land_top = high_band.high_mm + beyond
+    land_bottom = low.band.low_mm - beyond
+    land_top = high.band.high_mm + beyond
     slots = tuple(
-        stop_slot(drive, c.name, c.input_radius_mm, g, b.dead_end_mm, land_bottom if c is low else land_top)
-        for c, g, b in zip(cables, stops, (low_band, high_band), strict=True)
+        stop_slot(drive, w.cable.name, w.cable.input_radius_mm, w.stop, w.band.dead_end_mm, face)
+        for w, face in ((low, land_bottom), (high, land_top))
     )
     grooves = tuple(
-        anchored_groove(
-            drive, slot, g, tau * drive.dead_turns + 2 * winding(drive, c).reduction * radians(drive.half_travel_deg)
-        )
-        for c, g, slot in zip(cables, stops, slots, strict=True)
+        anchored_groove(drive, slot, w.stop, w.wound_rad)
+        for w, slot in zip((low, high), slots, strict=True)
         if drive.input_pulleys.grooved
     )
     gear = drive.gearhead
@@ -62,18 +89,18 @@ def input_pulley(drive: BevelDrive, levels: Stack, name: str) -> InputPulleyDims
     journal_bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
     return InputPulleyDims(
         name=name,
-        x=low.input_side * drive.input_x_mm,
+        x=low.cable.input_side * drive.input_x_mm,
         y=drive.input_y_mm,
         journal_bottom_z=journal_bottom,
         lower_journal_radius=bearings.input_lower.bore_mm / 2,
         lower_neck_bottom_z=levels.bearing_shelf_top_z,
-        lower_neck_radius=neck_radius_mm(bearings.input_lower.inner_shoulder_mm, stops[0]),
+        lower_neck_radius=neck_radius_mm(bearings.input_lower.inner_shoulder_mm, low.stop),
         land_bottom_z=land_bottom,
-        lower_surface_radius=low.input_radius_mm - flank,
-        wall_z=(low_band.high_mm + high_band.low_mm) / 2,
-        upper_surface_radius=high.input_radius_mm - flank,
+        lower_surface_radius=low.cable.input_radius_mm - flank,
+        wall_z=(low.band.high_mm + high.band.low_mm) / 2,
+        upper_surface_radius=high.cable.input_radius_mm - flank,
         land_top_z=land_top,
-        upper_neck_radius=neck_radius_mm(bearings.input_upper.inner_shoulder_mm, stops[1]),
+        upper_neck_radius=neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
         upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
         upper_journal_radius=bearings.input_upper.bore_mm / 2,
         journal_top_z=levels.top_plate_top_z + ENCODER_INSERTION_MM,

@@ -16,8 +16,8 @@ def first_screw_rad(count: int) -> float:
     return _FIRST_SCREW_DEG.get(count, 0.0) * pi / 180.0
 
 
-def screw_places(count: int, radius_mm: float) -> tuple[tuple[float, float], ...]:
-    """(x, y) of the screws of a flange from its axis, mm, sorted."""
-    angles = [first_screw_rad(count) + 2 * pi * k / count for k in range(count)]
+def screw_places(count: int, radius_mm: float, turn_deg: float = 0.0) -> tuple[tuple[float, float], ...]:
+    """(x, y) of the screws of a flange from its axis, mm, sorted; ``turn_deg``: how far it is turned from X to Y."""
+    angles = [first_screw_rad(count) + turn_deg * pi / 180.0 + 2 * pi * k / count for k in range(count)]
     # Rounded to a picometre, so that a point on an axis has a coordinate of exactly 0.
     return tuple(sorted((round(radius_mm * cos(a), 9) + 0.0, round(radius_mm * sin(a), 9) + 0.0) for a in angles))

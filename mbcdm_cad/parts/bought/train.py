@@ -13,11 +13,12 @@ _MOTOR_COLOUR = (0.02, 0.02, 0.025)
 _GEARHEAD_COLOUR = (0.22, 0.2, 0.15)
 
 
-def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, face: Placement) -> None:
+def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, face: Placement, turn_deg: float) -> None:
     """Gearhead and motor of input ``name`` behind ``face``, whose z points to the shaft's end; or the motor alone.
 
-    ``hole_depth_mm``: depth of the tapped holes in the face.
+    ``hole_depth_mm``: depth of the tapped holes in the face; ``turn_deg``: how far both are turned about their axis.
     """
+    face = face @ Placement.about((0.0, 0.0, 1.0), turn_deg)
     body, gear, motor = drive.material("stainless"), drive.gearhead, drive.motor
     screw, black = drive.screw(gear.screw), replace(body, colour=_MOTOR_COLOUR)
     if gear.absent:

@@ -15,18 +15,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
-from typing import Protocol
+from typing import Any, Protocol
 
-from mbcdm_cad.design.bought import Material, Screw
+from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.collar.dims import collar_over_shelf_mm, collar_sweep_mm
-from mbcdm_cad.parts.drum_sector.design import SectorDrive
+from mbcdm_cad.parts.drum_sector.design import Clearances, SectorBearings, SectorDrive
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).
 FLANGE_THREADS_MM = ((22.0, 2.0), (100.0, 3.0), (200.0, 4.0))
 FLANGE_THREAD_MOST_MM = 5.0
 DOWEL_MM = 2.0
 DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 16.0)
+# Play of a key in its hole, on the radius.
+KEY_PLAY_MM = 0.15
 # Longest sensible reach of an end mill, in diameters.
 TOOL_SLENDERNESS = 4.0
 # Each round changes the pocket's width by a quarter of what the one before did, at most.
@@ -37,16 +39,55 @@ _ROUNDING_MM = 1e-6
 Places = tuple[tuple[float, float], ...]
 
 
-class HeadSpec(Protocol):
-    """Fields of the design file for a motor head."""
+class BoxSpec(Protocol):
+    """Fields of the design file for a coupling box."""
 
     @property
     def material(self) -> Material:
-        """Material of the head."""
+        """Material of the part that has the box."""
 
     @property
     def side_wall_mm(self) -> float:
-        """Wall in which the flange's screws lie, mm; the head's own walls are half as thick."""
+        """Wall in which the screws beside the box lie, mm; the box's own walls are half as thick."""
+
+
+class Boxed(Protocol):
+    """The data of a drive from which its coupling boxes get their width."""
+
+    @property
+    def gearhead(self) -> Gearhead:
+        """The gearhead on the box, or the motor's own face."""
+
+    @property
+    def motor(self) -> Motor:
+        """The motor."""
+
+    @property
+    def clearances(self) -> Clearances:
+        """Gaps between finished surfaces."""
+
+    @property
+    def support(self) -> BoxSpec:
+        """Walls and material."""
+
+    @property
+    def collar_seat(self) -> tuple[float, float, str]:
+        """Bore of the clamp collar in mm; its thinnest wall in mm, its screw."""
+
+    def screw(self, name: str) -> Screw:
+        """A screw of the catalogue."""
+
+
+class BoxDrive(Boxed, Protocol):
+    """The data of a drive from which its coupling boxes are dimensioned."""
+
+    @property
+    def bearings(self) -> SectorBearings:
+        """All bearings."""
+
+
+class HeadSpec(BoxSpec, Protocol):
+    """Fields of the design file for a motor head."""
 
     @property
     def motor_shelf_mm(self) -> float:
@@ -104,16 +145,18 @@ class Flange:
     dowels: Places
 
 
-@dataclass(frozen=True)
-class HeadDims:
-    """The motor head (mm)."""
+@dataclass(frozen=True, kw_only=True)
+class CouplingBox:
+    """Box on a plate for the coupling of one input, the gearhead on its roof (mm); Z is the input's axis.
+
+    The plate, from ``bottom_z`` to ``flange_top_z``, holds the bearing next to the gearhead.
+    """
 
     bottom_z: float
     flange_top_z: float
     shelf_bottom_z: float
     top_z: float
-    flange: Flange
-    front_y: float  # of the part above the flange
+    front_y: float
     back_y: float
     inner_x: float
     outer_x: float
@@ -126,6 +169,13 @@ class HeadDims:
     gear_bolt_circle: float
     gear_screws: Places
     key_hole_radius: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadDims(CouplingBox):
+    """The motor head (mm): a coupling box whose plate is a flange."""
+
+    flange: Flange
     screw_clearance: float
     dowel_radius: float
 
@@ -150,7 +200,7 @@ def dowel_length_mm(drive: HeadedDrive) -> float:
     return next((length for length in DOWEL_LENGTHS_MM if length >= needed), DOWEL_LENGTHS_MM[-1])
 
 
-def inner_half_width_mm(drive: HeadedDrive) -> float:
+def inner_half_width_mm(drive: Boxed) -> float:
     """Half the width of the coupling space: the collar turns in it, and the gearhead's screws stand off its corners."""
     running, reach = drive.clearances.running_mm, collar_sweep_mm(drive, *drive.collar_seat)
     # Heads of the gearhead's screws stand beside the round corner that the coupling pocket's cutter leaves.
@@ -171,51 +221,67 @@ def inner_half_width_mm(drive: HeadedDrive) -> float:
     return inner
 
 
-def _corner_radius_mm(drive: HeadedDrive) -> Callable[[float], float]:
+def outer_half_width_mm(drive: Boxed) -> float:
+    """Half the width of the box."""
+    return inner_half_width_mm(drive) + drive.support.side_wall_mm / 2
+
+
+def _corner_radius_mm(drive: Boxed) -> Callable[[float], float]:
     """Corner radius of the coupling pocket, by the cutter that reaches its back, of half the pocket's width."""
     face, least = face_reach_mm(drive), drive.support.material.min_internal_radius_mm
     return lambda inner_mm: max(least, (inner_mm + max(inner_mm, face)) / TOOL_SLENDERNESS / 2)
 
 
-def face_reach_mm(drive: HeadedDrive) -> float:
+def face_reach_mm(drive: Boxed) -> float:
     """Reach of the motor shelf from the axis, mm: over the face, or beyond its screws if the face is wider."""
     gear = drive.gearhead
     return min(gear.diameter_mm / 2, gear.bolt_circle_mm / 2 + drive.screw(gear.screw).head_diameter_mm)
 
 
-def body_radius_mm(drive: HeadedDrive) -> float:
+def body_radius_mm(drive: Boxed) -> float:
     """Half of the wider of gearhead and motor."""
     return max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
 
 
+def coupling_box(drive: BoxDrive, levels: HeadLevels, gear_screws: Places) -> CouplingBox:
+    """Dimensions of a coupling box, for screws of the gearhead at these places."""
+    return CouplingBox(**_box_values(drive, levels), gear_screws=gear_screws)
+
+
 def head(drive: HeadedDrive, levels: HeadLevels, flange: Flange) -> HeadDims:
     """Dimensions of the motor head."""
-    lower, gear, spec = drive.bearings.input_lower, drive.gearhead, drive.support
-    gear_screw, screw = drive.screw(gear.screw), flange_screw(drive)
-    inner = inner_half_width_mm(drive)
-    outer = inner + spec.side_wall_mm / 2
-    front = max(inner, face_reach_mm(drive))
+    gear = drive.gearhead
+    places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
     return HeadDims(
-        bottom_z=-levels.bearing_shelf_top_z,
-        flange_top_z=-levels.bearing_shelf_bottom_z,
-        shelf_bottom_z=-levels.motor_shelf_top_z,
-        top_z=-levels.motor_shelf_bottom_z,
-        flange=flange,
-        front_y=front,
-        back_y=-outer,
-        inner_x=inner,
-        outer_x=outer,
-        corner_radius=_corner_radius_mm(drive)(inner),
-        seat_radius=lower.outer_diameter_mm / 2,
-        seat_depth=lower.width_mm,
-        shoulder_radius=lower.outer_shoulder_mm / 2,
-        pilot_radius=gear.pilot_diameter_mm / 2,
-        gear_screw_clearance=gear_screw.clearance_mm / 2,
-        gear_bolt_circle=gear.bolt_circle_mm / 2,
+        **_box_values(drive, levels),
         # Angles seen from the flange; the gearhead is drawn as seen from its face.
-        gear_screws=tuple((x, -y + 0.0) for x, y in screw_places(gear.screw_count, gear.bolt_circle_mm / 2)),
-        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
-        key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
-        screw_clearance=screw.clearance_mm / 2,
+        gear_screws=tuple((x, -y + 0.0) for x, y in places),
+        flange=flange,
+        screw_clearance=flange_screw(drive).clearance_mm / 2,
         dowel_radius=DOWEL_MM / 2,
     )
+
+
+def _box_values(drive: BoxDrive, levels: HeadLevels) -> dict[str, Any]:
+    lower, gear = drive.bearings.input_lower, drive.gearhead
+    gear_screw, inner = drive.screw(gear.screw), inner_half_width_mm(drive)
+    outer = outer_half_width_mm(drive)
+    return {
+        "bottom_z": -levels.bearing_shelf_top_z,
+        "flange_top_z": -levels.bearing_shelf_bottom_z,
+        "shelf_bottom_z": -levels.motor_shelf_top_z,
+        "top_z": -levels.motor_shelf_bottom_z,
+        "front_y": max(inner, face_reach_mm(drive)),
+        "back_y": -outer,
+        "inner_x": inner,
+        "outer_x": outer,
+        "corner_radius": _corner_radius_mm(drive)(inner),
+        "seat_radius": lower.outer_diameter_mm / 2,
+        "seat_depth": lower.width_mm,
+        "shoulder_radius": lower.outer_shoulder_mm / 2,
+        "pilot_radius": gear.pilot_diameter_mm / 2,
+        "gear_screw_clearance": gear_screw.clearance_mm / 2,
+        "gear_bolt_circle": gear.bolt_circle_mm / 2,
+        # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
+        "key_hole_radius": gear_screw.key_mm / 3**0.5 + KEY_PLAY_MM,
+    }

@@ -21,7 +21,7 @@ from tests.support.drawing_reader import (
     document,
     table,
 )
-from tests.support.rebuilt import LARGE, OTHERS, Rebuild
+from tests.support.rebuilt import LARGE, OTHERS, SMALL, Rebuild
 
 ROOT = Path(__file__).parents[3]
 # Far under the volume of the smallest hole. Corners in which a motor head's bodies meet are a little more than it.
@@ -30,6 +30,8 @@ pytestmark = pytest.mark.slow
 Sheets = dict[str, tuple[float, Drawing]]
 DESIGNS = {
     "mbcdm": LARGE,
+    # Motors above: a plate with boxes, and a frame that holds encoders.
+    "gallery/overhead": {"frame": LARGE["frame"], "top_plate": SMALL["top_plate"]},
     "siso_bevel": OTHERS["siso_bevel"],
     "siso_spur": OTHERS["siso_spur"],
     # Its drum has the dowels that hold two sectors together, which no other has.

@@ -33,6 +33,9 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
         drive.input_y_mm + on_input,
         drive.input_y_mm - on_input,
     ]
+    box = lay.top_plate.box
+    if box is not None:
+        ys += [drive.input_y_mm + box.front_y, drive.input_y_mm + box.back_y]
     for t in d.tensioners:
         for _, outline, _, high in bodies_of(s, t, moved=False):
             points.append(outline)
@@ -49,8 +52,10 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
     encoder_half = drive.drum_encoder.diameter_mm / 2 * RING_ENCODER_FLATS
     left = min(float(cloud[:, 0].min()), -widest)
     right = max(float(cloud[:, 0].max()), widest)
-    bottom = min(float(cloud[:, 1].min()), v.motor_bottom_z, -f.boss_radius, -d.hub_radius, -encoder_half)
-    top = max(v.encoder_top_z, outermost)
+    bottom = min(
+        float(cloud[:, 1].min()), v.motor_bottom_z, v.encoder_bottom_z, -f.boss_radius, -d.hub_radius, -encoder_half
+    )
+    top = max(v.encoder_top_z, v.motor_top_z, outermost)
     return right - left, top - bottom, max(ys) - min(ys)
 
 

@@ -6,7 +6,13 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import inside_rounded_rectangle, web_between
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, EAR_WALL_MM, plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.plate_screws import plate_screw_of
+from mbcdm_cad.configurations.miso_bevel.support.dims import (
+    AXLE_SCREW,
+    EAR_WALL_MM,
+    ENCODER_HEAD_PLAY_MM,
+    ENCODER_HEAD_SUNK_MM,
+)
 
 # Metal between two drilled holes in solid plate, or between a hole and the part's edge (estimate).
 HOLE_WEB_MM = 0.5
@@ -32,16 +38,19 @@ def walls(s: BevelUnderTest) -> Comparison:
 
 
 def bearing_shelf(s: BevelUnderTest) -> Comparison:
-    """The shelf has room for the lower bearings, a shoulder below them, and the axle's set screw with its walls."""
+    """The shelf has room for its bearings, a shoulder below them, and the axle's set screw with its walls."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
+    holes, shelf = s.layout.frame.encoder_holes, drive.support.bearing_shelf_mm
+    under_heads = (
+        ()
+        if holes is None
+        else (at_least("shelf under the encoders' screw heads", shelf - holes.head_depth, limit, "mm"),)
+    )
+    bearings = "upper" if drive.motors_above else "lower"
     return worst(
         (
-            at_least(
-                "shoulder under the lower bearings",
-                drive.support.bearing_shelf_mm - drive.bearings.input_lower.width_mm,
-                limit,
-                "mm",
-            ),
+            *under_heads,
+            at_least(f"shoulder under the {bearings} bearings", shelf - drive.shelf_bearing.width_mm, limit, "mm"),
             at_least(
                 "walls over and under the axle's set screw",
                 (drive.support.bearing_shelf_mm - drive.screw(AXLE_SCREW).thread_mm) / 2,
@@ -53,38 +62,46 @@ def bearing_shelf(s: BevelUnderTest) -> Comparison:
 
 
 def top_plate(s: BevelUnderTest) -> Comparison:
-    """The plate has room for upper bearings and encoder screws from below, and for its own screws from above."""
+    """The plate has room for its bearings and encoder screws from below, and for its own screws from above."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
     plate = drive.support.top_plate_mm
+    sunk = drive.screw(drive.encoder.screw).head_height_mm + ENCODER_HEAD_SUNK_MM
+    over_heads = (
+        () if drive.motors_above else (at_least("plate over the encoders' screw heads", plate - sunk, limit, "mm"),)
+    )
+    bearings = "lower" if drive.motors_above else "upper"
     return worst(
         (
-            at_least("shoulder over the upper bearings", plate - drive.bearings.input_upper.width_mm, limit, "mm"),
-            at_least(
-                "plate over the encoders' screw heads",
-                plate - drive.screw(drive.encoder.screw).head_height_mm - 0.2,
-                limit,
-                "mm",
-            ),
+            at_least(f"shoulder over the {bearings} bearings", plate - drive.plate_bearing.width_mm, limit, "mm"),
+            *over_heads,
             at_least("plate under its screws' heads", plate - plate_screw_of(drive).head_height_mm, limit, "mm"),
         )
     )
 
 
 def front_wall(s: BevelUnderTest) -> Comparison:
-    """Wall between the bearing seats and the front of shelf and plate."""
-    lay, front = s.layout, s.levels.front_y
-    head = s.drive.screw(s.drive.encoder.screw).head_diameter_mm / 2 + 0.1
-    limit = s.drive.support.material.min_wall_mm
-    forward = max(y for _, y in lay.frame.gear_screws) - s.drive.input_y_mm
+    """Wall between the bearing seats and the front of shelf and plate, or of the coupling boxes' motor shelf."""
+    lay, drive = s.layout, s.drive
+    box, front = lay.top_plate.box, s.levels.front_y - drive.input_y_mm
+    head = drive.screw(drive.encoder.screw).head_diameter_mm / 2 + ENCODER_HEAD_PLAY_MM
+    in_shelf, in_plate = ("upper", "lower") if drive.motors_above else ("lower", "upper")
+    # Screws stand around the face's axis; in the shelf of a box they are seen from its other side.
+    screws, holes, shelf = (
+        ([y - drive.input_y_mm for _, y in lay.frame.gear_screws], lay.frame, front)
+        if box is None
+        else ([y for _, y in box.gear_screws], box, box.front_y)
+    )
+    forward = max(screws)
+    limit = drive.support.material.min_wall_mm
     return worst(
-        at_least(f"front wall beside the {name}", front - s.drive.input_y_mm - radius, limit, "mm")
-        for name, radius in (
-            ("lower bearings", lay.frame.seat_radius),
-            ("upper bearings", lay.top_plate.seat_radius),
-            ("gearheads' pilots", lay.frame.pilot_radius),
-            ("encoders' screw heads", head),
-            ("gearheads' screws", forward + lay.frame.gear_screw_clearance),
-            ("gearheads' key holes", forward + lay.frame.key_hole_radius),
+        at_least(f"front wall beside the {name}", edge - radius, limit, "mm")
+        for name, edge, radius in (
+            (f"{in_shelf} bearings", front, lay.frame.seat_radius),
+            (f"{in_plate} bearings", front, lay.top_plate.seat_radius),
+            ("gearheads' pilots", shelf, holes.pilot_radius),
+            ("encoders' screw heads", front, head),
+            ("gearheads' screws", shelf, forward + holes.gear_screw_clearance),
+            ("gearheads' key holes", front, forward + holes.key_hole_radius),
         )
     )
 
@@ -99,32 +116,77 @@ def side_wall(s: BevelUnderTest) -> Comparison:
     )
 
 
+_Hole = tuple[str, float, float, float, float, float]
+
+
+def _encoder_screws(s: BevelUnderTest, x: float, z: tuple[float, float], face_z: float) -> list[_Hole]:
+    """Holes of an input's encoder through a plate between two heights, heads sunk in the face at ``face_z``."""
+    drive, y = s.drive, s.drive.input_y_mm
+    screw, found = drive.screw(drive.encoder.screw), list[_Hole]()
+    depth = screw.head_height_mm + ENCODER_HEAD_SUNK_MM
+    sunk = (face_z, face_z + depth) if face_z == z[0] else (face_z - depth, face_z)
+    for sign in (-1, 1):
+        at = x + sign * drive.encoder.bolt_circle_mm / 2
+        found.append(("encoder screw", at, y, screw.clearance_mm / 2, *z))
+        found.append(("encoder screw head", at, y, screw.head_diameter_mm / 2 + ENCODER_HEAD_PLAY_MM, *sunk))
+    return found
+
+
+def _shelf_holes(s: BevelUnderTest) -> tuple[str, list[_Hole]]:
+    """The shelf of the frame that is drilled most, and its holes: for gearheads, or for bearings and encoders."""
+    f, v = s.layout.frame, s.levels
+    if f.carries_drives:
+        through = (v.motor_shelf_bottom_z, v.motor_shelf_top_z)
+        pilots: list[_Hole] = [("pilot", x, f.input_y, f.pilot_radius, *through) for x in f.input_x]
+        screws: list[_Hole] = [("gearhead screw", x, y, f.gear_screw_clearance, *through) for x, y in f.gear_screws]
+        return "motor shelf", pilots + screws
+    low, high = v.bearing_shelf_bottom_z, v.bearing_shelf_top_z
+    holes: list[_Hole] = [("axle", 0.0, 0.0, f.axle_radius, low, high)]
+    for x in f.input_x:
+        holes.append(("upper bearing", x, f.input_y, f.seat_radius, high - f.seat_depth, high))
+        holes.append(("upper shoulder", x, f.input_y, f.seat_shoulder_radius, low, high))
+        holes += _encoder_screws(s, x, (low, high), high)
+    return "bearing shelf", holes
+
+
+def _box_webs(s: BevelUnderTest) -> list[Comparison]:
+    """Webs in the motor shelf of a coupling box, and from its screws to its sides."""
+    box = s.layout.top_plate.box
+    if box is None:
+        return []
+    holes: list[_Hole] = [("pilot", 0.0, 0.0, box.pilot_radius, 0.0, 1.0)]
+    holes += [("gearhead screw", x, y, box.gear_screw_clearance, 0.0, 1.0) for x, y in box.gear_screws]
+    edges = [
+        inside_rounded_rectangle(x, y, box.outer_x, box.back_y, box.front_y, box.corner_radius) - radius
+        for _, x, y, radius, _, _ in holes
+    ]
+    return [
+        *(at_least(f"motor shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)),
+        at_least("motor shelf, holes to its edge", min(edges), HOLE_WEB_MM, "mm"),
+    ]
+
+
 def hole_webs(s: BevelUnderTest) -> Comparison:
-    """Wall between neighbouring holes of top plate and motor shelf, and from the holes to the plate's edge."""
-    lay, drive, v = s.layout, s.drive, s.levels
-    p, f = lay.top_plate, lay.frame
+    """Wall between neighbouring holes of top plate and shelf, and from the holes to the plate's edge."""
+    lay, v = s.layout, s.levels
+    p, box = lay.top_plate, lay.top_plate.box
     low, high = v.top_plate_bottom_z, v.top_plate_top_z
-    through_shelf = (v.motor_shelf_bottom_z, v.motor_shelf_top_z)
-    head = drive.screw(drive.encoder.screw)
-    plate: list[tuple[str, float, float, float, float, float]] = [("axle", 0.0, 0.0, p.axle_radius, low, high)]
-    shelf: list[tuple[str, float, float, float, float, float]] = []
+    plate: list[_Hole] = [("axle", 0.0, 0.0, p.axle_radius, low, high)]
+    bearing = "lower" if s.drive.motors_above else "upper"
     for x in p.input_x:
-        plate.append(("upper bearing", x, p.input_y, p.seat_radius, low, low + p.seat_depth))
-        plate.append(("upper shoulder", x, p.input_y, p.shoulder_radius, low, high))
-        shelf.append(("pilot", x, p.input_y, f.pilot_radius, *through_shelf))
-        for sign in (-1, 1):
-            u = x + sign * p.encoder_circle_radius
-            plate.append(("encoder screw", u, p.input_y, p.encoder_screw_clearance, low, high))
-            sunk = low + head.head_height_mm + 0.2
-            plate.append(("encoder screw head", u, p.input_y, head.head_diameter_mm / 2 + 0.1, low, sunk))
-    shelf += [("gearhead screw", x, y, f.gear_screw_clearance, *through_shelf) for x, y in f.gear_screws]
+        plate.append((f"{bearing} bearing", x, p.input_y, p.seat_radius, low, low + p.seat_depth))
+        plate.append((f"{bearing} shoulder", x, p.input_y, p.shoulder_radius, low, high))
+        if box is None:
+            plate += _encoder_screws(s, x, (low, high), low)
     for x, y in p.screws:
         plate.append(("plate screw head", x, y, p.screw_head_radius, high - p.screw_head_depth, high))
         plate.append(("plate screw", x, y, p.screw_clearance, low, high))
     for x, y in p.dowels:
         plate.append(("dowel", x, y, p.dowel_radius, low, high))
+    shelf_name, shelf = _shelf_holes(s)
     found = [at_least(f"top plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(plate)]
-    found += [at_least(f"motor shelf, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(shelf)]
+    found += [at_least(f"{shelf_name}, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(shelf)]
+    found += _box_webs(s)
     for name, x, y, radius, _, _ in plate:
         edge = inside_rounded_rectangle(x, y, v.side_outer_x, v.back_y, v.front_y, p.corner_radius)
         found.append(at_least(f"top plate, {name} to the plate's edge", edge - radius, HOLE_WEB_MM, "mm"))
@@ -157,11 +219,12 @@ def boss(s: BevelUnderTest) -> Comparison:
     """The boss has room for both drum bearings with a shoulder between them; ears and column lie behind its front."""
     v, f = s.levels, s.layout.frame
     limit = s.drive.support.material.min_wall_mm
+    lowest = "motor" if f.carries_drives else "lowest"
     return worst(
         (
             at_least("shoulder between the drum's bearings", f.front_seat_start_y - f.rear_seat_end_y, 2 * limit, "mm"),
             at_least("boss beyond the ears of the drum encoder's screws", v.boss_front_y - f.ear_front_y, 0.0, "mm"),
-            at_least("motor shelf above the boss", v.motor_shelf_bottom_z - f.boss_radius, limit, "mm"),
+            at_least(f"{lowest} shelf above the boss", v.shelf_bottom_z - f.boss_radius, limit, "mm"),
             at_least("stop pin's hole in front of the back plate", f.stop_pin_start_y - v.back_y, limit, "mm"),
         )
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 
 
 def cut_at_pitch(s: BevelUnderTest) -> Comparison:
@@ -16,7 +17,7 @@ def cut_at_pitch(s: BevelUnderTest) -> Comparison:
         cut.append((f"drum, {c.name}", lay.drum.lands[k].surface_radius_mm, c.drum_radius_mm))
     for pulley in lay.inputs:
         own = [c for c in s.steps if c.input_name == pulley.name]
-        for c, surface in zip(own, (pulley.lower_surface_radius, pulley.upper_surface_radius), strict=True):
+        for c, surface in zip(own, _surfaces(s, pulley), strict=True):
             cut.append((f"input pulley, {c.name}", surface, c.input_radius_mm))
     ratios = ", ".join(
         f"{(land.surface_radius_mm + s.flank_mm) / (surface + s.flank_mm):.6g}"
@@ -40,8 +41,14 @@ def _input_surfaces(s: BevelUnderTest) -> list[float]:
     for c in s.steps:
         own = [o.step for o in s.steps if o.input_name == c.input_name]
         pulley = by_name[c.input_name]
-        found.append(pulley.lower_surface_radius if c.step == min(own) else pulley.upper_surface_radius)
+        found.append(_surfaces(s, pulley)[c.step != min(own)])
     return found
+
+
+def _surfaces(s: BevelUnderTest, pulley: InputPulleyDims) -> tuple[float, float]:
+    """Surface radii of the pulley's two steps by their place along Z, the lower first."""
+    radii = (pulley.lower_surface_radius, pulley.upper_surface_radius)
+    return (radii[1], radii[0]) if s.drive.motors_above else radii
 
 
 CHECKS = (

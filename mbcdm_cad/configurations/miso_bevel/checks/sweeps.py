@@ -16,10 +16,12 @@ from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, nearest_mm, 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.drum_outline import Ring, drum_zones
+from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.configurations.miso_bevel.cable_path import FREE
-from mbcdm_cad.configurations.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
+from mbcdm_cad.configurations.miso_bevel.checks.support_fits import in_pocket
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.corners import pocket_corner_mm
 
 # Gap between two bodies that both turn in bearings (estimate).
 MOVING_GAP_MM = 0.1
@@ -44,25 +46,26 @@ def _collar_reach_mm(s: BevelUnderTest) -> float:
 def uprights(s: BevelUnderTest) -> list[Upright]:
     """Drives and pulleys, one of each symmetric pair."""
     drive, v, lay = s.drive, s.levels, s.layout
-    x, y = drive.input_x_mm, drive.input_y_mm
+    x, y, box = drive.input_x_mm, drive.input_y_mm, lay.top_plate.box
     bodies = [
-        Upright("gearheads", x, y, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.motor_shelf_bottom_z),
-        Upright("motors", x, y, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.gearhead_bottom_z),
-        Upright("encoders", x, y, drive.encoder.diameter_mm / 2, v.top_plate_top_z, v.encoder_top_z),
-        Upright(
-            "clamp collars",
-            x,
-            y,
-            collar_sweep_mm(s.drive, *s.drive.collar_seat),
-            lay.collar.bottom_z,
-            lay.collar.top_z,
-            True,
-        ),
+        Upright("gearheads", x, y, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.gearhead_top_z),
+        Upright("motors", x, y, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.motor_top_z),
+        Upright("encoders", x, y, drive.encoder.diameter_mm / 2, v.encoder_bottom_z, v.encoder_top_z),
+        Upright("clamp collars", x, y, _collar_reach_mm(s), *_heights(s, lay.collar.bottom_z, lay.collar.top_z), True),
     ]
+    if box is not None:
+        reach = hypot(box.outer_x, max(box.front_y, -box.back_y))
+        bodies.append(Upright("coupling boxes", x, y, reach, v.top_plate_top_z, v.motor_shelf_top_z))
     for p in lay.inputs:
         radius = max(c.input_radius_mm for c in s.steps if c.input_name == p.name) + s.flank_mm
-        bodies.append(Upright(f"{p.name} input pulley", x, y, radius, p.land_bottom_z, p.land_top_z, True))
+        heights = _heights(s, p.land_bottom_z, p.land_top_z)
+        bodies.append(Upright(f"{p.name} input pulley", x, y, radius, *heights, True))
     return bodies
+
+
+def _heights(s: BevelUnderTest, low: float, high: float) -> tuple[float, float]:
+    """Heights in the assembly of what lies between two heights from the gearhead."""
+    return (-high, -low) if s.drive.motors_above else (low, high)
 
 
 def ring_gap(ring: Ring, body: Upright, want: float) -> float:
@@ -103,19 +106,20 @@ def frame_front(s: BevelUnderTest) -> Comparison:
 
 
 def collar_space(s: BevelUnderTest) -> Comparison:
-    """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads."""
-    v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
-    reach, x = _collar_reach_mm(s), s.drive.input_x_mm
+    """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads, or to their boxes."""
+    v, running = s.levels, s.drive.clearances.running_mm
+    reach, box, c = _collar_reach_mm(s), s.layout.top_plate.box, s.layout.collar
+    if box is None:
+        return worst(in_pocket(s, "clamp collar", reach))
+    low, high = v.from_gearhead.motor_shelf_top_z, v.from_gearhead.bearing_shelf_bottom_z
+    corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, high - low)
+    heads = box.gear_bolt_circle + s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
     return worst(
-        (
-            at_least("clamp collar from the web between the drives", x - reach - f.web_half_width, running, "mm"),
-            at_least("clamp collar from the side wall", v.side_inner_x - x - reach, running, "mm"),
-            at_least(
-                "clamp collar from back plate and mounting screws' heads",
-                -max(v.pocket_floor_y, f.mount_seat_y + MOUNT_SCREW_HEAD_HEIGHT_MM) + s.drive.input_y_mm - reach,
-                running,
-                "mm",
-            ),
+        at_least(what, gap, running, "mm")
+        for what, gap in (
+            ("clamp collar from walls and motor shelf", corner_gap(reach, c.bottom_z, box.inner_x, low, corner)),
+            ("clamp collar from walls and top plate", corner_gap(reach, -c.top_z, box.inner_x, -high, corner)),
+            (f"{s.drive.mounted} screws' heads from the corner", box.inner_x - corner - heads),
         )
     )
 

@@ -34,6 +34,7 @@ def drive(design: BevelDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, 
         input_sides=tuple(_SIGN[item.side] for item in design.inputs),
         centre_distance_mm=design.transmission.centre_distance_mm,
         input_setback_mm=design.transmission.input_setback_mm,
+        motors_above=design.drive.motor_side == "above",
         radii_explicit=design.transmission.ratios is None,
         bearings=d.Bearings(
             drum=catalogue.bearing(drum.bearing),

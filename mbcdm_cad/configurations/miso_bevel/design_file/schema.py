@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from mbcdm_cad.configurations.miso_bevel.design_file.reference import CABLES, ESTIMATE, INPUTS
-from mbcdm_cad.design.blocks import Design, Input, Length, SpanLimits, WoundRope
+from mbcdm_cad.design.blocks import Design, DriveTrain, Input, Length, SpanLimits, WoundRope
 from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
 from mbcdm_cad.design.sector_blocks import SectorCable, SectorClearances, SectorDrum, SteppedPulleys
 
@@ -125,6 +125,16 @@ class Guide(Block):
     axle_material: EntryName = choice("material of the axle", source=ESTIMATE, reference="steel")
 
 
+class BevelDriveTrain(DriveTrain):
+    """Motor, gearhead and encoders, from the catalogue."""
+
+    motor_side: Literal["below", "above"] = choice(
+        "side of the pulleys on which gearheads and motors are: below, under the motor shelf, the encoders on the top "
+        "plate; or above, on the top plate, the encoders under the bearing shelf",
+        default="below",
+    )
+
+
 class InputPulleys(SteppedPulleys):
     """Input pulleys, carried by a bearing at both ends."""
 
@@ -222,6 +232,7 @@ class BevelDesign(Design):
     )
     rope: WoundRope
     clearances: Clearances
+    drive: BevelDriveTrain
     drum: Drum
     guide: Guide
     input_pulleys: InputPulleys

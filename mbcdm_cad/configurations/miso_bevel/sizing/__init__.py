@@ -10,8 +10,9 @@ from mbcdm_cad.configurations.miso_bevel.sizing.drum import DRUM, HUB_FACE, WEB
 from mbcdm_cad.configurations.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
 from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
-from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, RADII, RATIOS, SETBACK, SURFACE
+from mbcdm_cad.configurations.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
 from mbcdm_cad.configurations.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
+from mbcdm_cad.configurations.miso_bevel.sizing.turn import TURN
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.rule import Rule
@@ -33,6 +34,7 @@ BEFORE_FRAME: tuple[Rule, ...] = (
     *RATIOS,
     *SURFACE,
     *LEAD,
+    *MOTOR_SIDE,
     *DISTANCE,
 )
 # Then frame and drum.
@@ -44,6 +46,7 @@ RULES: tuple[Rule, ...] = (
     *DRUM,
     *SETBACK,
     *BACK,
+    *TURN,
     *HUB_FACE,
 )
 

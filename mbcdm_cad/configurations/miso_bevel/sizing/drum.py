@@ -94,7 +94,7 @@ def _rim_inner(given: BevelKnown) -> Found:
     first, wall = min(given.drum_mm), given.wall_mm("drum")
     most = first - max(given.nut_pocket_mm, given.d_mm / 2) - RIM_WALLS * wall
     wanted = rounded_down(min(first - given.nut_pocket_mm - RIM_SHARE * first, most), 0.5)
-    slot = given.motor_shelf_bottom_mm + STOP_PIN_WALL_MM + _stop_slot_mm(given) + SLOT_WALLS * wall
+    slot = given.shelf_bottom_mm + STOP_PIN_WALL_MM + _stop_slot_mm(given) + SLOT_WALLS * wall
     if slot <= wanted:
         return Found(wanted, "rim_height", "down to 0.5")
     return Found(min(rounded_up(slot, 0.1), rounded_down(most, 0.1)), "stop_slot", "up to 0.1")

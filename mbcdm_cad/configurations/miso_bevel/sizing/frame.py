@@ -10,17 +10,19 @@ from mbcdm_cad.checks.fixings import stop_pin
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
 from mbcdm_cad.configurations.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.plate_screws import PLATE_SCREWS
+from mbcdm_cad.configurations.miso_bevel.sizing.boxes import box_mm, side_wall
 from mbcdm_cad.configurations.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.configurations.miso_bevel.sizing.parts import PLATE_SPARE_MM
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import drive_radius_mm
 from mbcdm_cad.configurations.miso_bevel.support.dims import (
     AXLE_SCREW,
+    ENCODER_HEAD_SUNK_MM,
     HEAD_ROOM_MM,
     MOUNT_GRIP_MM,
     MOUNT_HEAD_RADIUS_MM,
     MOUNT_ROOM_MM,
     MOUNT_SCREW_HEAD_MM,
-    PLATE_SCREWS,
     STOP_PIN_DEPTH_MM,
 )
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm, collar_width_mm
@@ -56,36 +58,36 @@ def _motor_shelf(given: BevelKnown) -> Found:
 def _bearing_shelf(given: BevelKnown) -> Found:
     wall = given.wall_mm("support")
     needs = {
-        "bearing_shelf": given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"] + wall + SHELF_SPARE_MM,
+        "bearing_shelf": given.entry("bearings", given.shelf_bearing)["width_mm"] + wall + SHELF_SPARE_MM,
         "axle's set screw": given.screw(AXLE_SCREW).thread_mm + 2 * wall,
     }
+    if given.motors_above:
+        needs["encoders' screws"] = _sunk_mm(given) + wall
     return largest(needs, 0.1)
+
+
+def _sunk_mm(given: BevelKnown) -> float:
+    """Depth of the counterbores for the screws of the inputs' encoders."""
+    encoder = given.screw(given.entry("encoders", "drive.encoder")["screw"])
+    return encoder.head_height_mm + ENCODER_HEAD_SUNK_MM
 
 
 def _top_plate(given: BevelKnown) -> Found:
     wall = given.wall_mm("support")
-    encoder = given.screw(given.entry("encoders", "drive.encoder")["screw"])
+    sunk = {} if given.motors_above else {"encoders' screws": _sunk_mm(given) + wall}
     needs = {
-        "top_plate": given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"] + wall + PLATE_SPARE_MM,
-        "encoders' screws": encoder.head_height_mm + 0.2 + wall,
+        "top_plate": given.entry("bearings", given.plate_bearing)["width_mm"] + wall + PLATE_SPARE_MM,
+        **sunk,
         "plate's screws": given.screw(PLATE_SCREWS[0]).head_height_mm + wall,
     }
     return largest(needs, 0.1)
 
 
-def _side_wall(given: BevelKnown) -> Found:
-    sunk = given.screw(PLATE_SCREWS[0]).head_diameter_mm + 0.4
-    needs = {"side_wall": sunk + 2 * given.wall_mm("support")}
-    insert = given.insert("support", given.screw(PLATE_SCREWS[0]).thread_mm)
-    if insert is not None:
-        needs["top plate's inserts"] = insert.hole_mm + 2 * insert.wall_mm
-    return largest(needs, 0.1)
-
-
 def _coupling_space(given: BevelKnown) -> Found:
-    head = given.entry("gearheads", "drive.gearhead")
+    head, above_plate = given.entry("gearheads", "drive.gearhead"), given.motors_above
     screw, collar = given.screw(head["screw"]), collar_width_mm(given, given["input_pulleys.collar_screw"])
-    running, shelf = given["clearances.running_mm"], given["support.bearing_shelf_mm"]
+    running = given["clearances.running_mm"]
+    shelf = given["support.top_plate_mm" if above_plate else "support.bearing_shelf_mm"]
     lower = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
     above = screw.head_height_mm
     shaft = max(head["shaft_length_mm"] - given["support.motor_shelf_mm"], 0.0)
@@ -94,8 +96,9 @@ def _coupling_space(given: BevelKnown) -> Found:
         "journal's slit": above + JOURNAL_LIFT_MM + collar + SLIT_ABOVE_MM + running - (shelf - lower),
         "gearhead's screws": screw.length_mm + above + running,
         "collar on its way in": shaft + collar + PASSAGE_MM,
-        "mounts": MOUNT_SCREW_HEAD_MM + 0.4 + 2 * HEAD_ROOM_MM,
     }
+    if not above_plate:
+        needs["mounts"] = MOUNT_SCREW_HEAD_MM + 0.4 + 2 * HEAD_ROOM_MM
     needs = {name: need + SPACE_SPARE_MM for name, need in needs.items()}
     return largest(needs, 0.1)
 
@@ -128,7 +131,7 @@ def _rib(given: BevelKnown) -> Found:
     # The column's pocket should have room for a mounting screw's head in width and height. If the motors are so low
     # that even the thinnest rib leaves too little height, the column has no pocket.
     boss = max(bearing + 3.0, ring / 2 + given["clearances.running_mm"])
-    along = given.motor_shelf_bottom_mm - boss - 2 * head - HEAD_ROOM_MM - MOUNT_ROOM_MM + 0.2
+    along = given.shelf_bottom_mm - boss - 2 * head - HEAD_ROOM_MM - MOUNT_ROOM_MM + 0.2
     across = bearing + 3.0 - head - HEAD_ROOM_MM
     most = min(across, along) if along >= least else across
     wanted = max(RIB_SHARE * max(given.drum_mm), least)
@@ -145,18 +148,23 @@ def _back(given: BevelKnown) -> Found:
     boss = given.drum_inner_mm - 3 * running
     front = min(given.guide_mm[0] - given.nut_mm, given.drum_inner_mm) - running
     journal = given.entry("bearings", "input_pulleys.lower_bearing")["bore_mm"]
-    collar = collar_sweep_mm(given, journal, given.wall_mm("support"), given["input_pulleys.collar_screw"]) + setback
+    collar = collar_sweep_mm(given, journal, given.wall_mm("support"), given["input_pulleys.collar_screw"])
+    in_pocket, part = ("collar_space", collar + setback)
+    if given.motors_above:
+        in_pocket, part = ("encoders", given.entry("encoders", "drive.encoder")["diameter_mm"] / 2 + setback)
     pulley = max(given.input_mm) + given.d_mm / 2 + setback
     needs = {
         "drum_bearing_spacing": 3 * bearing + encoder["length_mm"] + 1.0 + SPRING_HEIGHT_MM - boss,
         "walls": max(given.guide_mm) + given.d_mm / 2 + running + wall,
         "drives_apart": drive_radius_mm(given) + setback + running,
         "pocket_depth": pulley + running + plate,
-        "collar_space": collar + running + plate,
-        "mounting screws": collar + running + MOUNT_GRIP_MM + MOUNT_SCREW_HEAD_HEIGHT_MM,
+        in_pocket: part + running + plate,
+        "mounting screws": part + running + MOUNT_GRIP_MM + MOUNT_SCREW_HEAD_HEIGHT_MM,
         "boss": STOP_PIN_DEPTH_MM + wall - front,
         "corner_radii": plate + 6.0 - front,
     }
+    if given.motors_above:
+        needs["coupling boxes"] = box_mm(given) + setback
     found = largest(needs, 0.5)
     return Found(-found.value, found.driver, found.rounding)
 
@@ -180,7 +188,7 @@ FRAME = (
     ),
     Rule("support.bearing_shelf_mm", "the lower bearings and a shoulder", "bearing_shelf", _bearing_shelf),
     Rule("support.top_plate_mm", "the upper bearings and a shoulder", "top_plate", _top_plate),
-    Rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall", _side_wall),
+    Rule("support.side_wall_mm", "walls beside the sunk heads of the top plate's screws", "side_wall", side_wall),
     Rule(
         "support.coupling_space_mm",
         "space to insert the collar, the gearhead's screws and their key",

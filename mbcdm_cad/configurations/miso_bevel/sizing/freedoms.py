@@ -45,4 +45,5 @@ FREEDOMS: tuple[Freedom, ...] = (
     ),
     Freedom("transmission.ratios", instead=_total_ratio),
     Freedom("transmission.input_setback_mm", 1.0, 2.0, _further_back),
+    Freedom("drive.motor_side", words=("below", "above")),
 )

@@ -44,7 +44,7 @@ LATER = {
     "support__back_y_mm": -100.0,
     "limits__frame_windup_max_mrad": 1.0,
 }
-# Fields on which the height of the gearheads' faces depends.
+# Fields on which the height of the frame's lowest shelf depends.
 _SHELF_RESTS_ON = (
     "travel",
     "transmission",
@@ -55,6 +55,7 @@ _SHELF_RESTS_ON = (
     "support.bearing_shelf_mm",
     "support.coupling_space_mm",
     "support.motor_shelf_mm",
+    "drive",
 )
 # The schema's own.
 NOZZLE_MM = 0.4
@@ -68,7 +69,7 @@ LEAD_STEP_MM = 0.01
 class BevelKnown(RopeKnown):
     """Adds figures that follow from a few fields each; reading a figure records these fields."""
 
-    # The values on which the height of the gearheads' faces depends, as text, and that height; two rules read it.
+    # The values on which the height of the lowest shelf depends, as text, and that height; two rules read it.
     _shelf_bottom: tuple[str, float] | None = None
 
     @property
@@ -196,12 +197,27 @@ class BevelKnown(RopeKnown):
         return greatest(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
 
     @property
-    def motor_shelf_bottom_mm(self) -> float:
-        """z of the gearheads' faces. Raises ``ValueError`` where the pulleys have no place."""
+    def motors_above(self) -> bool:
+        """Whether motors and gearheads are on the top plate."""
+        return bool(self.get("drive.motor_side", "below") == "above")
+
+    @property
+    def shelf_bearing(self) -> str:
+        """Field of the input pulleys' bearing in the bearing shelf."""
+        return f"input_pulleys.{'upper' if self.motors_above else 'lower'}_bearing"
+
+    @property
+    def plate_bearing(self) -> str:
+        """Field of the input pulleys' bearing in the top plate."""
+        return f"input_pulleys.{'lower' if self.motors_above else 'upper'}_bearing"
+
+    @property
+    def shelf_bottom_mm(self) -> float:
+        """z of the lower face of the frame's lowest shelf. Raises ``ValueError`` where the pulleys have no place."""
         rests_on = repr([self.peek(field) for field in _SHELF_RESTS_ON])
         if self._shelf_bottom is None or self._shelf_bottom[0] != rests_on:
             try:
-                self._shelf_bottom = rests_on, stack(self.trial(**LATER)).motor_shelf_bottom_z
+                self._shelf_bottom = rests_on, stack(self.trial(**LATER)).shelf_bottom_z
             except NoFigureError as error:
                 raise ValueError(str(error)) from None
         return self._shelf_bottom[1]

@@ -25,7 +25,7 @@ from mbcdm_cad.configurations.miso_bevel.sizing.picking import (
     with_partner,
 )
 from mbcdm_cad.configurations.miso_bevel.sizing.radii import least_step_mm, take_up_mm, take_up_with_mm
-from mbcdm_cad.configurations.miso_bevel.support.dims import DOWEL_LENGTHS_MM, DOWEL_MM
+from mbcdm_cad.configurations.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTHS_MM, DOWEL_MM
 from mbcdm_cad.design.bought import NO_GEARHEAD
 from mbcdm_cad.parts.collar.dims import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
@@ -176,11 +176,15 @@ def _upper_margins(given: BevelKnown, load_factor: float) -> Callable[[Entry, En
     load = load_factor * given["rope.preload_N"]
     wall = given.wall_mm("support")
     thickest = max(DOWEL_LENGTHS_MM) - DOWEL_MM - wall
+    # With motors above, encoder and bearing are in the shelf that also holds the guide's axle.
+    above, axle = given.motors_above, given.screw(AXLE_SCREW).thread_mm + 2 * wall
 
     def margins(bearing: Entry, encoder: Entry) -> Margins:
         screw = screws[encoder["screw"]]
         head = screw["head_diameter_mm"] / 2 + 0.1
         plate = rounded_up(bearing["width_mm"] + wall + PLATE_SPARE_MM, 0.1)
+        if above:
+            plate = max(plate, axle)
         web = (encoder["bolt_circle_mm"] - bearing["outer_diameter_mm"]) / 2 - head
         return {
             "encoder_fit": -abs(encoder["bore_mm"] - bearing["bore_mm"]) + FIT_MM,

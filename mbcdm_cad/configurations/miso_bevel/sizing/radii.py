@@ -12,9 +12,11 @@ from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.configurations.miso_bevel.cable_path import BLEND_DIAMETERS
+from mbcdm_cad.configurations.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.configurations.miso_bevel.checks.sweeps import MOVING_GAP_MM, drum_sweep
 from mbcdm_cad.configurations.miso_bevel.design_file.rules import MOST_SETBACK
 from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.configurations.miso_bevel.sizing.boxes import box_mm
 from mbcdm_cad.configurations.miso_bevel.sizing.known import (
     LATER,
     LEAD_STEP_MM,
@@ -24,10 +26,12 @@ from mbcdm_cad.configurations.miso_bevel.sizing.known import (
     reach_mm,
     span_for_fleet_mm,
 )
-from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM
+from mbcdm_cad.configurations.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM, STOP_WEB_MM
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
+from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM
 from mbcdm_cad.sizing.arithmetic import greatest, hypot, index_of_greatest, least, number, sqrt
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, largest, rounded_down, rounded_up
 
@@ -163,11 +167,7 @@ def _centre_distance(given: BevelKnown) -> Found:
     fleet = given.fleet_limit_deg
     guide, pulley = greatest(*given.guide_mm), greatest(*given.input_mm)
     span = span_for_fleet_mm(given.walk_mm(given["rope.helix_lead_mm"]), fleet) * SPAN_SPARE
-    drum_bearing = given.entry("bearings", "drum.bearing")
-    ring, input_encoder = given.entry("encoders", "drive.drum_encoder"), given.entry("encoders", "drive.encoder")
-    ears = ring["bolt_circle_mm"] / 2 + given.screw(ring["screw"]).thread_mm / 2 + EAR_WALL_MM
-    column = max(drum_bearing["outer_diameter_mm"] / 2 + BEARING_WALL_MM, ears, ring["diameter_mm"] / 2)
-    apart = max(drive_radius_mm(given) + column, input_encoder["diameter_mm"] / 2) + running
+    apart = _apart_mm(given, given.motors_above)
     setback = _expected_setback_mm(given)
     needs = {
         "fleet_angle": reach_mm(span, guide + pulley),
@@ -178,6 +178,42 @@ def _centre_distance(given: BevelKnown) -> Found:
         "transmission.input_setback_mm": setback / MOST_SETBACK,
     }
     return largest(needs, STEP_MM)
+
+
+def _apart_mm(given: BevelKnown, above: bool) -> float:
+    """Least distance of an input's axis from the plane x = 0 for drives, encoders, column and boss."""
+    running = given["clearances.running_mm"]
+    drum_bearing = given.entry("bearings", "drum.bearing")
+    ring, input_encoder = given.entry("encoders", "drive.drum_encoder"), given.entry("encoders", "drive.encoder")
+    encoder = input_encoder["diameter_mm"] / 2
+    if above:
+        return number(max(drive_radius_mm(given) + running, box_mm(given) + _axle_mm(given), encoder + _web_mm(given)))
+    ears = ring["bolt_circle_mm"] / 2 + given.screw(ring["screw"]).thread_mm / 2 + EAR_WALL_MM
+    column = max(drum_bearing["outer_diameter_mm"] / 2 + BEARING_WALL_MM, ears, ring["diameter_mm"] / 2)
+    return number(max(drive_radius_mm(given) + column, encoder) + running)
+
+
+def _crowded_below(given: BevelKnown) -> bool:
+    """Whether the stated centre distance leaves space for motors above only."""
+    if not given.has("transmission.centre_distance_mm"):
+        return False
+    distance = given["transmission.centre_distance_mm"]
+    return bool(distance < _apart_mm(given, False)) and bool(distance >= _apart_mm(given, True))
+
+
+def _motor_side(given: BevelKnown) -> str:
+    return "above" if _crowded_below(given) else "below"
+
+
+def _axle_mm(given: BevelKnown) -> float:
+    """From the plane x = 0 past the guide's axle to a coupling box."""
+    return float(given.entry("bearings", "guide.bearing")["bore_mm"] / 2 + HOLE_WEB_MM)
+
+
+def _web_mm(given: BevelKnown) -> float:
+    """From the plane x = 0 past web and pocket's corner to an encoder, with the smallest cutter."""
+    corner = given.entry("materials", "support.material")["min_internal_radius_mm"]
+    return float(STOP_WEB_MM / 2 + max(corner, given["clearances.running_mm"]))
 
 
 def _surface(given: BevelKnown) -> Found:
@@ -232,16 +268,29 @@ def _lowest_mm(given: BevelKnown) -> float:
 def _front_wall_mm(given: BevelKnown) -> float:
     """Least setback with which the frame has a wall in front of the seats of the inputs' bearings and gearheads."""
     lower, upper = (given.entry("bearings", f"input_pulleys.{end}_bearing") for end in ("lower", "upper"))
-    seat = max(lower["outer_diameter_mm"], upper["outer_diameter_mm"], given.gearhead.pilot_diameter_mm) / 2
+    gear = given.gearhead
+    seat = max(lower["outer_diameter_mm"], upper["outer_diameter_mm"]) / 2
+    if given.motors_above:
+        # Nothing else keeps the holes for the key of the gearheads' screws behind the front of the plate.
+        turn = given.get("drive.gearhead_angle_deg", 0.0)
+        places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, turn)
+        seat = max(seat, max(y for _, y in places) + given.screw(gear.screw).key_mm / 3**0.5 + KEY_PLAY_MM)
+    else:
+        seat = max(seat, gear.pilot_diameter_mm / 2)
     return number(seat + given.wall_mm("support") - (_lowest_mm(given) - given["clearances.running_mm"]))
 
 
 def _passing_needs_mm(given: BevelKnown) -> dict[str, float]:
     """Least setbacks with which drum and terminals pass in front of drives, collars and pulleys."""
     d, lowest = given.d_mm, _lowest_mm(given)
+    if given.motors_above:
+        drives = given.entry("encoders", "drive.encoder")["diameter_mm"] / 2
+    else:
+        drives = drive_radius_mm(given)
+    collars = {} if given.motors_above else {"collars": _collar_mm(given) + MOVING_GAP_MM - lowest}
     return {
-        "drum_sweep": drive_radius_mm(given) + given["clearances.running_mm"] - lowest,
-        "collars": _collar_mm(given) + MOVING_GAP_MM - lowest,
+        "drum_sweep": drives + given["clearances.running_mm"] - lowest,
+        **collars,
         "input pulleys": greatest(*given.input_mm) + d / 2 + MOVING_GAP_MM - least(lowest, given.guide_mm[0] - d / 2),
     }
 
@@ -326,6 +375,16 @@ RATIOS = (
         "transmission.ratio",
         _input_to_guide,
         applies=_wide_enough,
+    ),
+)
+# Where it does not apply, the schema's own value stays.
+MOTOR_SIDE = (
+    Rule(
+        "drive.motor_side",
+        "above, because the stated centre distance leaves no space for the drives beside the drum's bearings",
+        "drives_apart",
+        _motor_side,
+        applies=_crowded_below,
     ),
 )
 DISTANCE = (

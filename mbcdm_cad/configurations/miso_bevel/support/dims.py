@@ -9,26 +9,35 @@ Seen from the front (x across, z up):
     |=======================|   motor shelf, gearheads hang below
           |  ribs   |
            (  boss )            drum bearings, drum encoder from behind
+
+With motors above, each stands on a coupling box in one piece with the top plate, and the encoders hang from the bearing
+shelf in the two lower pockets:
+
+          gearhead  gearhead
+          |box |    |box |
+    =========================   top plate (bearings next to the gearheads)
+    |  pulleys |guide|      |
+    |=======================|   bearing shelf (bearings next to the encoders)
+    |   encoder  ||  encoder|   lower pockets
+    |=======================|   lowest shelf
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive
 from mbcdm_cad.configurations.miso_bevel.drum import stop_pin_z
+from mbcdm_cad.configurations.miso_bevel.plate_screws import Edges, counterbore_radius_mm, plate_screw_of
 from mbcdm_cad.configurations.miso_bevel.stack import Stack, milled_corner_mm
-from mbcdm_cad.design.bought import InsertSpec, Screw
+from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM, drum_shaft
+from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM, CouplingBox, coupling_box
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2
-# Distance of the top plate's screws from its front and back edges.
-PLATE_SCREW_INSET_MM = 3.5
 STOP_WEB_MM = 7.0
-# Screws and dowels of the top plate; the shortest that engage over one diameter are used.
-PLATE_SCREWS = ("M2x6", "M2x8", "M2x10", "M2x12")
 AXLE_SCREW = "M2x3-set"
 # Screws that hold the frame on its base (ISO 4762).
 MOUNT_SCREW = "M3"
@@ -43,7 +52,23 @@ MOUNT_GRIP_MM = 2.6
 COLUMN_WALL_MM = 1.2
 STOP_PIN_DEPTH_MM = 12.0
 DOWEL_MM = 2.0
+# Counterbore of the encoders' screws over their heads: play on the radius, and depth.
+ENCODER_HEAD_PLAY_MM, ENCODER_HEAD_SUNK_MM = 0.1, 0.2
 DOWEL_LENGTHS_MM = (6.0, 8.0, 10.0, 12.0, 14.0)
+
+
+@dataclass(frozen=True)
+class EncoderHoles:
+    """Holes for the screws of an input's encoder, their heads sunk in the face on the pulley's side (mm)."""
+
+    circle_radius: float
+    clearance: float
+    head_radius: float
+    head_depth: float
+
+    def places(self, x: float) -> tuple[float, float]:
+        """x of both screws of the encoder at ``x``."""
+        return x - self.circle_radius, x + self.circle_radius
 
 
 @dataclass(frozen=True)
@@ -96,17 +121,31 @@ class FrameDims:
     mount_radius: float
     mount_head_radius: float
     mount_seat_y: float  # heads are sunk in a thick back plate, out of the collars' way
+    encoder_holes: EncoderHoles | None = None  # in the bearing shelf, with motors above
+    gear_turn_deg: float = 0.0  # of the gearheads at +x about their axes; those at -x mirror them
+
+    @property
+    def carries_drives(self) -> bool:
+        """Whether the gearheads hang below the lowest shelf; else the encoders below the bearing shelf."""
+        return self.encoder_holes is None
 
     @property
     def gear_screws(self) -> tuple[tuple[float, float], ...]:
-        """(x, y) of the screws of all gearheads."""
-        places = screw_places(self.gear_screw_count, self.gear_bolt_circle)
-        return tuple((x + dx, self.input_y + dy) for x in self.input_x for dx, dy in places)
+        """(x, y) of the screws of all gearheads below the lowest shelf."""
+        return tuple(place for x in self.input_x for place in self.gear_screws_at(x))
+
+    def gear_screws_at(self, x: float) -> tuple[tuple[float, float], ...]:
+        """(x, y) of the screws of the gearhead at this input."""
+        if not self.carries_drives:
+            return ()
+        turn = self.gear_turn_deg if x > 0.0 else -self.gear_turn_deg
+        places = screw_places(self.gear_screw_count, self.gear_bolt_circle, turn)
+        return tuple((x + dx, self.input_y + dy) for dx, dy in places)
 
     @property
     def has_column_pocket(self) -> bool:
         """Whether the column is hollow; that of a small drum is solid."""
-        return self.column_pocket_bottom_z < self.levels.motor_shelf_bottom_z
+        return self.column_pocket_bottom_z < self.levels.shelf_bottom_z
 
     @property
     def column_start_z(self) -> float:
@@ -135,18 +174,16 @@ class TopPlateDims:
     dowel_radius: float
     encoder_screw_clearance: float
     encoder_circle_radius: float
-    encoder_screw_count: int
+    encoder_screw_count: int  # none with motors above
+    box: CouplingBox | None = None  # on the plate at the input at +x, with motors above; that at -x mirrors it
 
-
-def plate_screw_of(drive: BevelDrive) -> Screw:
-    """The top plate's screw: the shortest that engages over its diameter, else the longest."""
-    screws = [drive.screw(name) for name in PLATE_SCREWS]
-    sunk = [
-        screw
-        for screw in screws
-        if screw.length_mm - drive.support.top_plate_mm + screw.head_height_mm >= screw.thread_mm
-    ]
-    return sunk[0] if sunk else screws[-1]
+    @property
+    def boxes(self) -> tuple[tuple[float, CouplingBox], ...]:
+        """x of each input with its box; none with motors below."""
+        if self.box is None:
+            return ()
+        mirrored = replace(self.box, gear_screws=tuple(sorted((0.0 - x, y) for x, y in self.box.gear_screws)))
+        return tuple((x, self.box if x > 0.0 else mirrored) for x in self.input_x)
 
 
 def dowel_length_mm(drive: BevelDrive) -> float:
@@ -158,9 +195,7 @@ def dowel_length_mm(drive: BevelDrive) -> float:
 def plate_screws(drive: BevelDrive, levels: Stack) -> tuple[tuple[float, float], ...]:
     """(x, y) of the screws that hold the top plate: in the side walls, front and back, clear of the rounded corners."""
     x = (levels.side_inner_x + levels.side_outer_x) / 2
-    inset = max(PLATE_SCREW_INSET_MM, pocket_corner_radius_mm(drive, levels))
-    front = levels.front_y - inset
-    back = levels.back_y + inset
+    front, back = Edges(levels.front_y, levels.back_y, pocket_corner_radius_mm(drive, levels)).screws_y
     return ((-x, front), (x, front), (-x, back), (x, back))
 
 
@@ -179,15 +214,15 @@ def pocket_corner_radius_mm(drive: BevelDrive, levels: Stack) -> float:
 def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
     """Dimensions of the frame."""
     shaft = drum_shaft(drive, levels)
-    drum_bearing, lower = drive.bearings.drum, drive.bearings.input_lower
+    drum_bearing, in_shelf = drive.bearings.drum, drive.shelf_bearing
     gear, encoder = drive.gearhead, drive.drum_encoder
     gear_screw, encoder_screw = drive.screw(gear.screw), drive.screw(encoder.screw)
     plate_screw = plate_screw_of(drive)
     plate_insert = drive.insert(drive.support.material, plate_screw.thread_mm)
     boss = drum_bearing.outer_diameter_mm / 2 + BEARING_WALL_MM
     encoder_pocket = encoder.diameter_mm / 2 + drive.clearances.running_mm
-    coupling_z = (levels.motor_shelf_top_z + levels.bearing_shelf_bottom_z) / 2
-    mounts, pocket_bottom_z = _mounts(levels, coupling_z, max(boss, encoder_pocket) + drive.support.rib_mm)
+    pocket_z = (levels.shelf_top_z + levels.bearing_shelf_bottom_z) / 2
+    mounts, pocket_bottom_z = _mounts(levels, pocket_z, max(boss, encoder_pocket) + drive.support.rib_mm)
     grip = 2.0
     return FrameDims(
         levels=levels,
@@ -220,10 +255,10 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         gear_bolt_circle=gear.bolt_circle_mm / 2,
         gear_screw_count=gear.screw_count,
         # The hexagon key passes through the bearing shelf to the gearhead's screws before the bearing is inserted.
-        key_hole_radius=gear_screw.key_mm / 3**0.5 + 0.15,
-        seat_radius=lower.outer_diameter_mm / 2,
-        seat_depth=lower.width_mm,
-        seat_shoulder_radius=lower.outer_shoulder_mm / 2,
+        key_hole_radius=gear_screw.key_mm / 3**0.5 + KEY_PLAY_MM,
+        seat_radius=in_shelf.outer_diameter_mm / 2,
+        seat_depth=in_shelf.width_mm,
+        seat_shoulder_radius=in_shelf.outer_shoulder_mm / 2,
         axle_radius=drive.bearings.guide.bore_mm / 2,
         axle_screw_radius=drive.screw(AXLE_SCREW).thread_mm / 2,
         stop_pin_radius=drive.drum.stop_pin_mm / 2,
@@ -243,28 +278,41 @@ def frame(drive: BevelDrive, levels: Stack) -> FrameDims:
         mount_radius=MOUNT_SCREW_CLEARANCE_MM / 2,
         mount_head_radius=MOUNT_HEAD_RADIUS_MM,
         mount_seat_y=min(levels.pocket_floor_y, levels.back_y + MOUNT_GRIP_MM),
+        encoder_holes=encoder_holes(drive) if drive.motors_above else None,
+        gear_turn_deg=drive.gearhead_angle_deg,
     )
 
 
-def _mounts(levels: Stack, coupling_z: float, pocket_bottom_z: float) -> tuple[tuple[tuple[float, float], ...], float]:
+def encoder_holes(drive: BevelDrive) -> EncoderHoles:
+    """Holes for the screws of an input's encoder."""
+    screw = drive.screw(drive.encoder.screw)
+    return EncoderHoles(
+        circle_radius=drive.encoder.bolt_circle_mm / 2,
+        clearance=screw.clearance_mm / 2,
+        head_radius=screw.head_diameter_mm / 2 + ENCODER_HEAD_PLAY_MM,
+        head_depth=screw.head_height_mm + ENCODER_HEAD_SUNK_MM,
+    )
+
+
+def _mounts(levels: Stack, pocket_z: float, pocket_bottom_z: float) -> tuple[tuple[tuple[float, float], ...], float]:
     """(x, z) of the mounting screws, and the lower end of the column's pocket.
 
-    Four screws are beside the couplings, one in the column. If the motors of a small drum are so near to its bearings
-    that the column has no room for a screw's head, the column is solid, and its pocket ends at the motor shelf.
+    Four screws are in the pockets beside the web, one in the column. If the lowest shelf is so near to the bearings of
+    a small drum that the column has no room for a screw's head, the column is solid, its pocket ends at the shelf.
     """
     outer_x = levels.side_inner_x - MOUNT_SCREW_HEAD_MM / 2 - 1.5
     inner_x = STOP_WEB_MM / 2 + MOUNT_SCREW_HEAD_MM / 2 + 1.5
-    beside = ((-outer_x, coupling_z), (outer_x, coupling_z), (-inner_x, coupling_z), (inner_x, coupling_z))
+    beside = ((-outer_x, pocket_z), (outer_x, pocket_z), (-inner_x, pocket_z), (inner_x, pocket_z))
     # As low in the column's pocket as its head has room: nearer to the drum's bearings the frame is stiffer.
     column_z = pocket_bottom_z + MOUNT_SCREW_HEAD_MM / 2 + MOUNT_ROOM_MM
-    if levels.motor_shelf_bottom_z - column_z - MOUNT_HEAD_RADIUS_MM < HEAD_ROOM_MM:
-        return beside, levels.motor_shelf_bottom_z
+    if levels.shelf_bottom_z - column_z - MOUNT_HEAD_RADIUS_MM < HEAD_ROOM_MM:
+        return beside, levels.shelf_bottom_z
     return (*beside, (0.0, column_z)), pocket_bottom_z
 
 
 def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
     """Dimensions of the top plate."""
-    upper = drive.bearings.input_upper
+    in_plate = drive.plate_bearing
     screw = plate_screw_of(drive)
     encoder_screw = drive.screw(drive.encoder.screw)
     return TopPlateDims(
@@ -272,17 +320,25 @@ def top_plate(drive: BevelDrive, levels: Stack) -> TopPlateDims:
         corner_radius=pocket_corner_radius_mm(drive, levels),
         input_x=tuple(side * drive.input_x_mm for side in drive.input_sides),
         input_y=drive.input_y_mm,
-        seat_radius=upper.outer_diameter_mm / 2,
-        seat_depth=upper.width_mm,
-        shoulder_radius=upper.outer_shoulder_mm / 2,
+        seat_radius=in_plate.outer_diameter_mm / 2,
+        seat_depth=in_plate.width_mm,
+        shoulder_radius=in_plate.outer_shoulder_mm / 2,
         axle_radius=drive.bearings.guide.bore_mm / 2,
         screw_clearance=screw.clearance_mm / 2,
-        screw_head_radius=screw.head_diameter_mm / 2 + 0.2,
+        screw_head_radius=counterbore_radius_mm(drive),
         screw_head_depth=screw.head_height_mm,
         screws=plate_screws(drive, levels),
         dowels=dowels(levels),
         dowel_radius=DOWEL_MM / 2,
         encoder_screw_clearance=encoder_screw.clearance_mm / 2,
         encoder_circle_radius=drive.encoder.bolt_circle_mm / 2,
-        encoder_screw_count=drive.encoder.screw_count,
+        encoder_screw_count=0 if drive.motors_above else drive.encoder.screw_count,
+        box=_box(drive, levels) if drive.motors_above else None,
     )
+
+
+def _box(drive: BevelDrive, levels: Stack) -> CouplingBox:
+    """The coupling box of an input, its gearhead turned over about Y."""
+    gear = drive.gearhead
+    places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, drive.gearhead_angle_deg)
+    return coupling_box(drive, levels.from_gearhead, tuple(sorted((0.0 - x, y) for x, y in places)))

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import cadquery as cq
 
-from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims
-from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.configurations.miso_bevel.support.dims import EncoderHoles, FrameDims
 from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
 
 
 def _body(d: FrameDims) -> cq.Solid:
     v = d.levels
-    upper = block(
-        (-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (v.motor_shelf_bottom_z, v.top_plate_bottom_z)
-    )
+    upper = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (v.shelf_bottom_z, v.top_plate_bottom_z))
     upper = cq.Workplane(obj=upper).edges("|Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
-    column = block((-d.boss_radius, d.boss_radius), (v.back_y, v.front_y), (0.0, v.motor_shelf_bottom_z))
+    column = block((-d.boss_radius, d.boss_radius), (v.back_y, v.front_y), (0.0, v.shelf_bottom_z))
     boss = cylinder_y(d.boss_radius, 0.0, 0.0, d.encoder_pocket_floor_y, v.boss_front_y)
     ears = block(
         (-d.ear_reach, d.ear_reach),
@@ -35,12 +32,12 @@ def _pockets(d: FrameDims) -> list[cq.Shape]:
         pocket_y(
             (-side, side), (d.upper_floor_y, y[1]), (v.bearing_shelf_top_z, v.top_plate_bottom_z + 2 * r + 1.0), r
         ),
-        pocket_y((d.web_half_width, side), y, (v.motor_shelf_top_z, v.bearing_shelf_bottom_z), r),
-        pocket_y((-side, -d.web_half_width), y, (v.motor_shelf_top_z, v.bearing_shelf_bottom_z), r),
+        pocket_y((d.web_half_width, side), y, (v.shelf_top_z, v.bearing_shelf_bottom_z), r),
+        pocket_y((-side, -d.web_half_width), y, (v.shelf_top_z, v.bearing_shelf_bottom_z), r),
     ]
     if d.has_column_pocket:
         inner = d.boss_radius - d.rib_thickness
-        tools.append(pocket_y((-inner, inner), y, (d.column_pocket_bottom_z, v.motor_shelf_bottom_z), r))
+        tools.append(pocket_y((-inner, inner), y, (d.column_pocket_bottom_z, v.shelf_bottom_z), r))
     return tools
 
 
@@ -61,19 +58,32 @@ def _drum_bores(d: FrameDims) -> list[cq.Shape]:
     return tools
 
 
-def _drive_holes(d: FrameDims) -> list[cq.Shape]:
+def _input_holes(d: FrameDims) -> list[cq.Shape]:
     v = d.levels
     tools: list[cq.Shape] = []
-    below, above = v.motor_shelf_bottom_z - 1.0, v.motor_shelf_top_z + 1.0
+    below, above = v.shelf_bottom_z - 1.0, v.shelf_top_z + 1.0
     for x in d.input_x:
         y = d.input_y
-        tools.append(cylinder_z(d.pilot_radius, x, y, below, above))
+        if d.carries_drives:
+            tools.append(cylinder_z(d.pilot_radius, x, y, below, above))
         tools.append(cylinder_z(d.seat_shoulder_radius, x, y, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
         tools.append(cylinder_z(d.seat_radius, x, y, v.bearing_shelf_top_z - d.seat_depth, v.bearing_shelf_top_z + 1.0))
-        for dx, dy in screw_places(d.gear_screw_count, d.gear_bolt_circle):
-            at = (x + dx, y + dy)
+        if d.encoder_holes is not None:
+            tools += _encoder_holes(d, d.encoder_holes, x)
+            continue
+        for at in d.gear_screws_at(x):
             tools.append(cylinder_z(d.gear_screw_clearance, *at, below, above))
             tools.append(cylinder_z(d.key_hole_radius, *at, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
+    return tools
+
+
+def _encoder_holes(d: FrameDims, holes: EncoderHoles, x: float) -> list[cq.Shape]:
+    """In the bearing shelf, heads sunk from above."""
+    low, high = d.levels.bearing_shelf_bottom_z - 1.0, d.levels.bearing_shelf_top_z
+    tools: list[cq.Shape] = []
+    for at in holes.places(x):
+        tools.append(cylinder_z(holes.clearance, at, d.input_y, low, high + 1.0))
+        tools.append(cylinder_z(holes.head_radius, at, d.input_y, high - holes.head_depth, high + 1.0))
     return tools
 
 
@@ -96,4 +106,4 @@ def _fixing_holes(d: FrameDims) -> list[cq.Shape]:
 
 def create_frame(dims: FrameDims) -> cq.Solid:
     """Frame in its position in the assembly."""
-    return cut(_body(dims), _pockets(dims) + _drum_bores(dims) + _drive_holes(dims) + _fixing_holes(dims), "frame")
+    return cut(_body(dims), _pockets(dims) + _drum_bores(dims) + _input_holes(dims) + _fixing_holes(dims), "frame")

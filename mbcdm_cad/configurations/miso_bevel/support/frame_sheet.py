@@ -27,7 +27,7 @@ from mbcdm_cad.parts.sheets.words import mm
 def _from_above(d: FrameDims) -> tuple[Holes, ...]:
     """Holes along Z."""
     v = d.levels
-    shelf, motor, top = v.bearing_shelf_top_z, v.motor_shelf_top_z, v.top_plate_bottom_z
+    shelf, lowest, top = v.bearing_shelf_top_z, v.shelf_top_z, v.top_plate_bottom_z
     seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
     groups = (
         Holes(
@@ -48,18 +48,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "bearing seats",
             counterbore=seat,
         ),
-        Holes(
-            "C",
-            2 * d.key_hole_radius,
-            THROUGH,
-            outside_bore(
-                tuple((x, y, shelf) for x, y in d.gear_screws),
-                d.gear_bolt_circle + d.key_hole_radius,
-                d.seat_shoulder_radius,
-            ),
-            "bearing shelf",
-            "key for gearhead screws",
-        ),
+        _beside_seats(d),
         Holes(
             "D",
             d.plate_screw_radius * 2,
@@ -83,7 +72,7 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "F",
             2 * d.pilot_radius,
             THROUGH,
-            tuple((x, d.input_y, motor) for x in d.input_x),
+            tuple((x, d.input_y, lowest) for x in d.input_x if d.carries_drives),
             "motor shelf",
             "gearheads",
             fit=FITS["pilot"].code,
@@ -92,12 +81,39 @@ def _from_above(d: FrameDims) -> tuple[Holes, ...]:
             "G",
             2 * d.gear_screw_clearance,
             THROUGH,
-            tuple((x, y, motor) for x, y in d.gear_screws),
+            tuple((x, y, lowest) for x, y in d.gear_screws),
             "motor shelf",
             "gearhead screws",
         ),
     )
     return tuple(group for group in groups if group.places)
+
+
+def _beside_seats(d: FrameDims) -> Holes:
+    """Holes of the bearing shelf beside the bearings: for the key of the gearheads' screws, or the encoders' screws."""
+    shelf = d.levels.bearing_shelf_top_z
+    if d.encoder_holes is not None:
+        return Holes(
+            "C",
+            2 * d.encoder_holes.clearance,
+            THROUGH,
+            tuple((at, d.input_y, shelf) for x in d.input_x for at in d.encoder_holes.places(x)),
+            "bearing shelf",
+            "encoder screws",
+            counterbore=(2 * d.encoder_holes.head_radius, d.encoder_holes.head_depth, ""),
+        )
+    return Holes(
+        "C",
+        2 * d.key_hole_radius,
+        THROUGH,
+        outside_bore(
+            tuple((x, y, shelf) for x, y in d.gear_screws),
+            d.gear_bolt_circle + d.key_hole_radius,
+            d.seat_shoulder_radius,
+        ),
+        "bearing shelf",
+        "key for gearhead screws",
+    )
 
 
 def _from_front(d: FrameDims) -> tuple[Holes, ...]:
@@ -160,7 +176,7 @@ def _views(d: FrameDims, above: tuple[Holes, ...], behind: tuple[Holes, ...]) ->
     front_seen = tuple(g for g in behind if g.letter != "L")
     low_shelf = tuple(g for g in above if g.letter in "FG")
     high = tuple(g for g in above if g.letter not in "FG")
-    middle = (v.motor_shelf_top_z + v.bearing_shelf_bottom_z) / 2
+    middle = (v.shelf_top_z + v.bearing_shelf_bottom_z) / 2
     reach = max(d.encoder_pocket_radius, d.ear_reach) + 1.5
     axle = (((0.0, v.back_y, 0.0), (0.0, v.boss_front_y, 0.0)),)
     return (
@@ -197,10 +213,10 @@ def _views(d: FrameDims, above: tuple[Holes, ...], behind: tuple[Holes, ...]) ->
 def _in_front(d: FrameDims) -> tuple[Linear, ...]:
     """Widths and heights, from the middle plane and the drum's axis."""
     v = d.levels
-    y, top, low = v.front_y, v.top_plate_bottom_z, v.motor_shelf_bottom_z
+    y, top, low = v.front_y, v.top_plate_bottom_z, v.shelf_bottom_z
     inner = d.boss_radius - d.rib_thickness
     x_out, r = v.side_outer_x, d.corner_radius
-    coupling = (v.motor_shelf_top_z + v.bearing_shelf_bottom_z) / 2
+    coupling = (v.shelf_top_z + v.bearing_shelf_bottom_z) / 2
 
     def wide(half: float, z: float, side: Side, what: str = "", decimals: int = 2) -> Linear:
         return Linear("front", (-half, y, z), (half, y, z), 2 * half, side, suffix=what, decimals=decimals)
@@ -228,8 +244,8 @@ def _in_front(d: FrameDims) -> tuple[Linear, ...]:
         wide(d.ear_reach, 0.0, "below", " ears"),
         tall(0.0, low, x_out, "left"),
         tall(0.0, top, x_out, "left"),
-        tall(low, v.motor_shelf_top_z, -x_out + r, "right"),
-        tall(v.motor_shelf_top_z, v.bearing_shelf_bottom_z, -v.side_inner_x, "right"),
+        tall(low, v.shelf_top_z, -x_out + r, "right"),
+        tall(v.shelf_top_z, v.bearing_shelf_bottom_z, -v.side_inner_x, "right"),
         tall(v.bearing_shelf_bottom_z, v.bearing_shelf_top_z, -v.side_inner_x, "right"),
         ear,
         *(pocket if d.has_column_pocket else ()),
@@ -287,21 +303,21 @@ def _pockets(d: FrameDims) -> Table:
     inner = d.boss_radius - d.rib_thickness
     sizes = (
         ("top pocket", 2 * v.side_inner_x, 2 * r + v.top_plate_bottom_z - v.bearing_shelf_top_z),
-        ("beside the web", v.side_inner_x - d.web_half_width, v.bearing_shelf_bottom_z - v.motor_shelf_top_z),
-        ("column", 2 * inner, v.motor_shelf_bottom_z - d.column_pocket_bottom_z),
+        ("beside the web", v.side_inner_x - d.web_half_width, v.bearing_shelf_bottom_z - v.shelf_top_z),
+        ("column", 2 * inner, v.shelf_bottom_z - d.column_pocket_bottom_z),
     )
     rows = tuple((name, mm(pocket_corner_mm(r, width, height), 3)) for name, width, height in sizes)
     return Table("Corners of the pockets", ("Pocket", "R"), rows)
 
 
 def frame_sheet(part: str, d: FrameDims) -> Sheet:
-    """Front, middle section, rear, top, and a section above the motor shelf."""
+    """Front, middle section, rear, top, and a section above the lowest shelf."""
     v, r = d.levels, d.corner_radius
     above, behind = _from_above(d), _from_front(d)
     seen = tuple(g for g in behind if g.letter != "L")
     x, y = v.side_outer_x, v.front_y
     half = 0.5**0.5 * r
-    middle = (v.motor_shelf_top_z + v.bearing_shelf_bottom_z) / 2
+    middle = (v.shelf_top_z + v.bearing_shelf_bottom_z) / 2
     corner = Radius(
         "top", (r - x, y - r, v.top_plate_bottom_z), (r - x - half, y - r + half, v.top_plate_bottom_z), r, prefix="4x "
     )

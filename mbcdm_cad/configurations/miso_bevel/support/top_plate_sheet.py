@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mbcdm_cad.configurations.miso_bevel.support.boxed_plate_sheet import boxed_plate_sheet
 from mbcdm_cad.configurations.miso_bevel.support.dims import TopPlateDims
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, View, X, Y, Z
@@ -54,6 +55,8 @@ def _holes(d: TopPlateDims, head_radius: float, head_depth: float) -> tuple[Hole
 
 def top_plate_sheet(part: str, d: TopPlateDims, encoder_head_radius: float, encoder_head_depth: float) -> Sheet:
     """View from above with the trace of a section through the bearing seats; the holes as tables."""
+    if d.box is not None:
+        return boxed_plate_sheet(part, d, d.box)
     v = d.levels
     low, high, x, r = v.top_plate_bottom_z, v.top_plate_top_z, v.side_outer_x, d.corner_radius
     holes = _holes(d, encoder_head_radius, encoder_head_depth)

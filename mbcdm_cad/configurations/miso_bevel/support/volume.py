@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims, TopPlateDims
-from mbcdm_cad.parts.volume import CORNER, Volume, pocket_mm3, ring_mm3, segment_mm2
+from mbcdm_cad.configurations.miso_bevel.support.dims import EncoderHoles, FrameDims, TopPlateDims
+from mbcdm_cad.parts.volume import CORNER, Volume, coupling_box_mm3, pocket_mm3, ring_mm3, segment_mm2
 
 
 def frame_mm3(d: FrameDims) -> float:
@@ -16,7 +16,7 @@ def frame_mm3(d: FrameDims) -> float:
 def _body_mm3(d: FrameDims) -> float:
     v, depth = d.levels, d.levels.front_y - d.levels.back_y
     upper = 2 * v.side_outer_x * depth - 4 * CORNER * d.corner_radius**2
-    column = 2 * d.boss_radius * depth * v.motor_shelf_bottom_z
+    column = 2 * d.boss_radius * depth * v.shelf_bottom_z
     disc = pi * d.boss_radius**2 / 2
     boss = disc * (v.boss_front_y - d.encoder_pocket_floor_y) + disc * (v.boss_front_y - v.front_y)
     h = d.ear_half_height
@@ -24,15 +24,15 @@ def _body_mm3(d: FrameDims) -> float:
     chord = (d.boss_radius + sqrt(max(d.boss_radius**2 - h**2, 0.0))) / 2
     out = max(d.ear_reach - d.boss_radius, 0.0) + max(d.ear_reach - chord, 0.0)
     ears = 2 * out * h * max(d.ear_front_y - d.encoder_pocket_floor_y, 0.0)
-    return upper * (v.top_plate_bottom_z - v.motor_shelf_bottom_z) + column + boss + ears
+    return upper * (v.top_plate_bottom_z - v.shelf_bottom_z) + column + boss + ears
 
 
 def _pockets_mm3(d: FrameDims) -> float:
     v, r, side = d.levels, d.corner_radius, d.levels.side_inner_x
     depth = v.front_y - v.pocket_floor_y
-    coupling = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
+    coupling = v.bearing_shelf_bottom_z - v.shelf_top_z
     inner = d.boss_radius - d.rib_thickness
-    column = v.motor_shelf_bottom_z - d.column_pocket_bottom_z
+    column = v.shelf_bottom_z - d.column_pocket_bottom_z
     return (
         pocket_mm3(2 * side, v.front_y - d.upper_floor_y, v.top_plate_bottom_z - v.bearing_shelf_top_z, r, 2)
         + 2 * pocket_mm3(side - d.web_half_width, depth, coupling, r)
@@ -54,16 +54,23 @@ def _drum_bores_mm3(d: FrameDims) -> float:
 
 def _holes_mm3(d: FrameDims) -> float:
     v = d.levels
-    motor, bearing = v.motor_shelf_top_z - v.motor_shelf_bottom_z, v.bearing_shelf_top_z - v.bearing_shelf_bottom_z
+    lowest, bearing = v.shelf_top_z - v.shelf_bottom_z, v.bearing_shelf_top_z - v.bearing_shelf_bottom_z
     back = v.pocket_floor_y - v.back_y
-    at_input = (
-        ring_mm3(d.pilot_radius, 0.0, motor)
-        + d.gear_screw_count * ring_mm3(d.gear_screw_clearance, 0.0, motor)
-        + ring_mm3(d.seat_radius, 0.0, d.seat_depth)
-        + ring_mm3(d.seat_shoulder_radius, 0.0, bearing - d.seat_depth)
-        # About half of each key hole lies outside the shoulder's bore.
-        + d.gear_screw_count * ring_mm3(d.key_hole_radius, 0.0, bearing - d.seat_depth) / 2
-    )
+    if d.encoder_holes is None:
+        at_input = (
+            ring_mm3(d.pilot_radius, 0.0, lowest)
+            + d.gear_screw_count * ring_mm3(d.gear_screw_clearance, 0.0, lowest)
+            + ring_mm3(d.seat_radius, 0.0, d.seat_depth)
+            + ring_mm3(d.seat_shoulder_radius, 0.0, bearing - d.seat_depth)
+            # About half of each key hole lies outside the shoulder's bore.
+            + d.gear_screw_count * ring_mm3(d.key_hole_radius, 0.0, bearing - d.seat_depth) / 2
+        )
+    else:
+        at_input = (
+            ring_mm3(d.seat_radius, 0.0, d.seat_depth)
+            + ring_mm3(d.seat_shoulder_radius, 0.0, bearing - d.seat_depth)
+            + len(d.encoder_holes.places(0.0)) * _sunk_mm3(d.encoder_holes, bearing)
+        )
     return (
         len(d.input_x) * at_input
         + ring_mm3(d.axle_radius, 0.0, bearing)
@@ -76,8 +83,13 @@ def _holes_mm3(d: FrameDims) -> float:
     )
 
 
+def _sunk_mm3(d: EncoderHoles, thick: float) -> float:
+    """One hole of an encoder's screw with its counterbore."""
+    return ring_mm3(d.clearance, 0.0, thick) + ring_mm3(d.head_radius, d.clearance, d.head_depth)
+
+
 def top_plate_mm3(d: TopPlateDims, encoder_head_radius: float, encoder_head_depth: float) -> float:
-    """Plate less seats and holes."""
+    """Plate less seats and holes, with the coupling boxes on it."""
     v = d.levels
     t = v.top_plate_top_z - v.top_plate_bottom_z
     area = 2 * v.side_outer_x * (v.front_y - v.back_y) - 4 * CORNER * d.corner_radius**2
@@ -85,6 +97,8 @@ def top_plate_mm3(d: TopPlateDims, encoder_head_radius: float, encoder_head_dept
     encoder = ring_mm3(d.encoder_screw_clearance, 0.0, t)
     encoder += ring_mm3(encoder_head_radius, d.encoder_screw_clearance, encoder_head_depth)
     screw = ring_mm3(d.screw_clearance, 0.0, t) + ring_mm3(d.screw_head_radius, d.screw_clearance, d.screw_head_depth)
+    if d.box is not None:
+        at_input = -coupling_box_mm3(d.box)
     return (
         area * t
         - ring_mm3(d.axle_radius, 0.0, t)
