@@ -27,6 +27,8 @@ from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
+from mbcdm_cad.solving.question import question_of
+from mbcdm_cad.solving.solve import solve
 
 SIDES = ("below", "above")
 
@@ -245,6 +247,22 @@ def test_the_rule_puts_motors_above_where_the_stated_distance_has_no_room_below(
     assert [c.id for c in run_checks(loaded) if c.status == "fail"] == []
     below = design({**near, "drive": {"motor_side": "below"}})
     assert "drives_apart" in [c.id for c in run_checks(below) if c.status == "fail"]
+
+
+def test_solve_may_put_the_motors_above() -> None:
+    """No bearing fits below, where the smaller step of the pulley is next to the gearhead, and one does above."""
+    text = yaml.safe_dump(
+        {
+            "name": "slow",
+            "configuration": "miso_bevel",
+            "travel": {"half_angle_deg": 28.5},
+            "transmission": {"ratio": 16.8, "drum_radius_mm": 62.3},
+            "loads": {"peak_torque_Nm": 0.861},
+        }
+    )
+    assert "bearing_shoulders" in [c.id for c in run_checks(load_text(text)) if c.status == "fail"]
+    found = solve(question_of(text), jobs=1)
+    assert found.data is not None and found.data["drive"] == {"motor_side": "above"}
 
 
 def test_without_need_motors_stay_below() -> None:
