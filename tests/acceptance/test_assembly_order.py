@@ -25,17 +25,10 @@ from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.parts.make import make
+from tests.support.motors_above import ABOVE
 
 pytestmark = pytest.mark.slow
 
-ABOVE = """
-name: above
-configuration: miso_bevel
-travel: {half_angle_deg: 35.0}
-transmission: {ratio: 9.0, drum_radius_mm: 54.0}
-loads: {peak_torque_Nm: 3.15}
-drive: {motor_side: above}
-"""
 ROOT = Path(__file__).parents[2]
 OVERLAP_MM3 = 0.02
 KEY_LENGTH_MM = 50.0

@@ -16,6 +16,7 @@ from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads, unit_tensions_N
 from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
 from mbcdm_cad.model.si import to_si
+from tests.support.motors_above import ABOVE
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
@@ -27,14 +28,6 @@ COARSE_MM, FINE_MM = 2.0, 1.6
 MESH_ERROR = 0.06
 AGREEMENT = 0.20
 
-ABOVE = """
-name: above
-configuration: miso_bevel
-travel: {half_angle_deg: 35.0}
-transmission: {ratio: 9.0, drum_radius_mm: 54.0}
-loads: {peak_torque_Nm: 3.15}
-drive: {motor_side: above}
-"""
 WALLS = {
     "reference": {},
     "back plate 2.6": {"back_plate_mm": 2.6},

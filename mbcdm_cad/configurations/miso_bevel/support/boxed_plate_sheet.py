@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mbcdm_cad.configurations.miso_bevel.support.dims import TopPlateDims
+from mbcdm_cad.configurations.miso_bevel.support.plate_holes import mounting_holes
 from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
@@ -13,8 +14,7 @@ from mbcdm_cad.parts.sheets.words import mm
 
 def _holes(d: TopPlateDims, box: CouplingBox) -> tuple[Holes, ...]:
     """All along Z, from the faces that they are drilled from."""
-    high = d.levels.top_plate_top_z
-    screws = tuple((x + dx, d.input_y + dy) for x, at in d.boxes for dx, dy in at.gear_screws)
+    gear_screws = tuple((x + dx, d.input_y + dy) for x, at in d.boxes for dx, dy in at.gear_screws)
     keys = tuple(
         (x + dx, d.input_y + dy, z)
         for x, at in d.boxes
@@ -24,9 +24,9 @@ def _holes(d: TopPlateDims, box: CouplingBox) -> tuple[Holes, ...]:
             box.shoulder_radius,
         )
     )
-    sunk = (2 * d.screw_head_radius, d.screw_head_depth, "")
+    axle, screws, dowels = mounting_holes(d)
     groups = (
-        Holes("A", 2 * d.axle_radius, THROUGH, ((0.0, 0.0, high),), "top", "guide axle", fit=FITS["axle_bore"].code),
+        axle,
         Holes(
             "B",
             2 * box.shoulder_radius,
@@ -37,24 +37,8 @@ def _holes(d: TopPlateDims, box: CouplingBox) -> tuple[Holes, ...]:
             counterbore=(2 * box.seat_radius, box.seat_depth, FITS["input_seat"].code),
         ),
         Holes("C", 2 * box.key_hole_radius, THROUGH, keys, "below", "key for gearhead screws"),
-        Holes(
-            "D",
-            2 * d.screw_clearance,
-            THROUGH,
-            tuple((x, y, high) for x, y in d.screws),
-            "top",
-            "screws",
-            counterbore=sunk,
-        ),
-        Holes(
-            "E",
-            2 * d.dowel_radius,
-            THROUGH,
-            tuple((x, y, high) for x, y in d.dowels),
-            "top",
-            "dowels",
-            fit=FITS["pin_slide"].code,
-        ),
+        screws,
+        dowels,
         Holes(
             "F",
             2 * box.pilot_radius,
@@ -68,7 +52,7 @@ def _holes(d: TopPlateDims, box: CouplingBox) -> tuple[Holes, ...]:
             "G",
             2 * box.gear_screw_clearance,
             THROUGH,
-            tuple((x, y, box.top_z) for x, y in screws),
+            tuple((x, y, box.top_z) for x, y in gear_screws),
             "motor shelf",
             "gearhead screws",
         ),

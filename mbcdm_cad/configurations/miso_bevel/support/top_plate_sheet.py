@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from mbcdm_cad.configurations.miso_bevel.support.boxed_plate_sheet import boxed_plate_sheet
 from mbcdm_cad.configurations.miso_bevel.support.dims import TopPlateDims
+from mbcdm_cad.configurations.miso_bevel.support.plate_holes import mounting_holes
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, View, X, Y, Z
 from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
 
 
 def _holes(d: TopPlateDims, head_radius: float, head_depth: float) -> tuple[Holes, ...]:
-    low, high = d.levels.top_plate_bottom_z, d.levels.top_plate_top_z
+    low = d.levels.top_plate_bottom_z
+    axle, screws, dowels = mounting_holes(d)
     encoder = tuple((x + s * d.encoder_circle_radius, d.input_y, low) for x in d.input_x for s in (-1, 1))
     return (
-        Holes("A", 2 * d.axle_radius, THROUGH, ((0.0, 0.0, high),), "top", "guide axle", fit=FITS["axle_bore"].code),
+        axle,
         Holes(
             "B",
             2 * d.shoulder_radius,
@@ -32,24 +34,8 @@ def _holes(d: TopPlateDims, head_radius: float, head_depth: float) -> tuple[Hole
             "encoder screws",
             counterbore=(2 * head_radius, head_depth, ""),
         ),
-        Holes(
-            "D",
-            2 * d.screw_clearance,
-            THROUGH,
-            tuple((x, y, high) for x, y in d.screws),
-            "top",
-            "screws",
-            counterbore=(2 * d.screw_head_radius, d.screw_head_depth, ""),
-        ),
-        Holes(
-            "E",
-            2 * d.dowel_radius,
-            THROUGH,
-            tuple((x, y, high) for x, y in d.dowels),
-            "top",
-            "dowels",
-            fit=FITS["pin_slide"].code,
-        ),
+        screws,
+        dowels,
     )
 
 
