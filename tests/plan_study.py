@@ -45,46 +45,34 @@ POWERS = (0.5, 0.9)
 # Of the text of the page.
 WIDTH = 120
 MOTION = Plan(amplitude_rad=0.45, frequency_hz=0.1, wave="sine", load="steps", load_Nm=0.8, duration_s=100.0)
-# The effect of a size; a wave of the drum at the phase that the plan counts with (the worst), the others at any.
-Make = Callable[[float, np.random.Generator], Effect]
+# The effect of a size, with its sign; a wave at a phase.
+Make = Callable[[float, float], Effect]
 
 
 def _signed(name: str, kind: str, key: str, cables: tuple[int, ...] = ()) -> Make:
-    return lambda size, rng: Effect(name, kind, {key: size * float(rng.choice([-1.0, 1.0]))}, cables=cables)
+    return lambda size, phase: Effect(name, kind, {key: size}, cables=cables)
 
 
-def _positive(name: str, kind: str, key: str) -> Make:
-    return lambda size, rng: Effect(name, kind, {key: size})
-
-
-def _drum(size: float, rng: np.random.Generator) -> Effect:
-    figures = {"amplitude_rad": size, "phase_rad": float(rng.choice([0.0, np.pi]))}
-    return Effect("once_per_rev", "output_encoder", figures, stage="drum")
-
-
-def _guide(size: float, rng: np.random.Generator) -> Effect:
-    figures = {"eccentricity_m": size, "phase_rad": float(rng.uniform(-np.pi, np.pi))}
-    return Effect("once_per_rev", "pulley", figures, stage="guide")
-
-
-def _ripple(size: float, rng: np.random.Generator) -> Effect:
-    figures = {"cycles_per_output_rev": 200.0, "amplitude_rad": size, "phase_rad": float(rng.uniform(-np.pi, np.pi))}
-    return Effect("ripple", "division", figures)
+def _wave(name: str, kind: str, key: str, stage: str | None, **figures: float) -> Make:
+    return lambda size, phase: Effect(name, kind, {**figures, key: size, "phase_rad": phase}, stage=stage)
 
 
 # Label in the plan -> how the bench makes it.
 EFFECTS: dict[str, Make] = {
-    "once_per_rev drum (eccentric encoder)": _drum,
-    "once_per_rev guide (eccentric pulley)": _guide,
+    "once_per_rev drum (eccentric encoder)": _wave("once_per_rev", "output_encoder", "amplitude_rad", "drum"),
+    "once_per_rev guide (eccentric pulley)": _wave("once_per_rev", "pulley", "eccentricity_m", "guide"),
     "ratio_error (pitch radius or encoder scale)": _signed("ratio_error", "output_scale", "share"),
-    "ripple of order 200": _ripple,
+    "ripple of order 200": _wave("ripple", "division", "amplitude_rad", None, cycles_per_output_rev=200.0),
     "stiffness_error (modulus of the rope)": _signed("stiffness_error", "modulus", "share"),
-    "stiffness_error (compliance in series)": _positive("stiffness_error", "shaft_compliance", "compliance_rad_Nm"),
+    "stiffness_error (compliance in series)": _signed("stiffness_error", "shaft_compliance", "compliance_rad_Nm"),
     "preload_error (all cables)": _signed("preload_error", "preload", "share", ALL),
-    "delay (late sensor)": _positive("delay", "latency", "delay_s"),
-    "friction (bearing torque)": _positive("friction", "bearing", "torque_Nm"),
-    "lash (play at the output)": _positive("lash", "output_play", "play_rad"),
+    "delay (late sensor)": _signed("delay", "latency", "delay_s"),
+    "friction (bearing torque)": _signed("friction", "bearing", "torque_Nm"),
+    "lash (play at the output)": _signed("lash", "output_play", "play_rad"),
 }
+WAVES = [label for label in EFFECTS if label.startswith(("once_per_rev", "ripple"))]
+BOTH_SIGNS = ["ratio_error (pitch radius or encoder scale)", "stiffness_error (modulus of the rope)"]
+BOTH_SIGNS += ["preload_error (all cables)"]
 
 
 @dataclass(frozen=True)
@@ -95,9 +83,21 @@ class Stand:
     traits: Traits
     bench: Bench
 
+    def drum(self, effects: tuple[Effect, ...]) -> np.ndarray:
+        """The true angle of the drum."""
+        return drum_angle(CHAIN, DRIVE.input_names, self.bench, effects, stream("plan", self.number, "wander"))
+
+    def worst_phase(self, make: Make, size: float) -> float:
+        """Phase at which a wave moves the drum's reading least, in RMS about its mean after the first half sweep."""
+        known = self.bench.time_s > 0.5 / MOTION.frequency_hz
+        still = self.drum(())
+        waves = np.stack([(self.drum((make(size, phase),)) - still)[known] for phase in (0.0, 0.5 * np.pi)])
+        least = np.linalg.eigh(np.cov(waves))[1][:, 0]
+        return float(np.arctan2(least[1], least[0]))
+
     def read(self, effects: tuple[Effect, ...], run: int) -> Callable[[], Run]:
         """Simulate once; each call logs the same motion with other noise, from number ``run`` on."""
-        drum = drum_angle(CHAIN, DRIVE.input_names, self.bench, effects, stream("plan", self.number, "wander"))
+        drum = self.drum(effects)
         numbers = iter(range(run, run + 10**6))
 
         def next_run() -> Run:
@@ -133,16 +133,20 @@ def judged(number: int, labels: list[str], done: set[tuple[int, str, float]]) ->
     noise = noise_from(DRIVE, pilot)
     plans = {power: plan_of(DRIVE, pilot, noise, power) for power in POWERS}
     for label, power in wanted:
-        size = next(seen.smallest for seen in plans[power].effects if seen.label == label)
+        seen = next(one for one in plans[power].effects if one.label == label)
+        sign = float(stream("plan", number, f"{label} {power}").choice([-1.0, 1.0]))
+        sign = sign if label in BOTH_SIGNS else 1.0
+        size = (seen.if_positive if sign > 0.0 else seen.if_negative) or seen.smallest
         assert size is not None, f"the planned motion cannot show {label}"
-        effect = EFFECTS[label](size, stream("plan", number, f"{label} {power}"))
+        phase = one.worst_phase(EFFECTS[label], size) if label in WAVES else 0.0
+        effect = EFFECTS[label](sign * size, phase)
         start = time.process_time()
         result = close_loop(DRIVE, [one.read((effect,), 0)()]).to_json()
         yield {
             "bench": number,
             "effect": label,
             "power": power,
-            "size": size,
+            "size": sign * size,
             "floor_rad": noise.total_rad,
             "outcome": outcome_of(result, (effect,)),
             "said": said_of(result),

@@ -7,79 +7,107 @@ exp(-t / T).
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
+from scipy.linalg import solve_triangular
+from scipy.optimize import minimize
 from scipy.signal import lfilter
 
-from mbcdm_cad.identification.noise import FEWEST_SWEEPS, MOST_SAMPLES, Noise, curves
+from mbcdm_cad.identification.noise import FEWEST_SWEEPS, Noise, curves
 from mbcdm_cad.identification.setup import Setup
 from mbcdm_cad.routes import Floats
 
-# Lags of the autocovariance, s, and correlation times that are tried, s.
-LONGEST_LAG_S, LAGS = 2.0, 24
-MEMORIES_S = np.geomspace(0.02, 5.0, 40)
+# Samples that the colour is found on.
+MOST_SAMPLES = 8_000
+# Correlation times, s, and shares of the mean square that last, between which the likelihood is searched; and those
+# from the best of which the search begins.
+MEMORY_S, SHARE = (0.02, 5.0), (1e-3, 0.999)
+MEMORIES_S, SHARES = (0.05, 0.25, 1.0, 3.0), (0.05, 0.27, 0.73)
+# First corners of the search around its beginning: in the logarithms of share / (1 - share) and of the memory.
+FIRST_STEPS = np.array([[0.0, 0.0], [0.7, 0.0], [0.0, -0.5]])
+# A pause between samples this many times as long as the usual step begins a new stretch.
+PAUSE = 3.0
+# Directions of the curves with a smaller share of the largest one's size are none.
+RANK = 1e-8
 
 
 def coloured(noise: Noise, setup: Setup, residual: Floats) -> Noise:
     """``noise`` with the colour that the residual (n,) of its run has; unchanged if too few half sweeps repeat, or if
     the floor is that of the declared steps.
 
-    Curves that are fitted to the residual follow its slow noise too, and those fitted to the other half sweeps add
-    errors of their own. The product of what both leave has the expectation of the noise: for y = noise and the curves'
-    projection H, the block of (1 - H) y y' (1 - H)' (1 - H)^-1 of a half sweep is that of y y' where y is white.
+    Curves that are fitted to the residual follow its slow noise too, so what they leave has too short a memory. The
+    restricted likelihood is that of the part of the residual that no curve can follow: H. D. Patterson, R. Thompson,
+    Biometrika 58 (1971).
     """
     p = setup.p
-    at = np.flatnonzero(p.train)
+    at = np.flatnonzero(p.used)
     at = at[:: max(1, at.size // MOST_SAMPLES)]
-    sweep = p.sweep[at]
-    if noise.total_rad <= noise.declared_rad or p.few or np.unique(sweep).size < FEWEST_SWEEPS:
+    if noise.total_rad <= noise.declared_rad or p.few or np.unique(p.sweep[at]).size < FEWEST_SWEEPS:
         return noise
-    seen, unseen = _left(setup, residual, at)
-    step = float(np.median(np.diff(p.time_s[at])))
-    most = min(round(LONGEST_LAG_S / step), at.size // 8)
-    lags = np.unique(np.concatenate([[0], np.geomspace(1, max(most, 3), LAGS).astype(np.int64)]))
-    found = np.array([_covariance(seen, unseen, sweep, int(lag)) for lag in lags])
-    trials = []
-    for memory in MEMORIES_S:
-        shapes = np.stack([(lags == 0).astype(float), np.exp(-lags * step / memory)], axis=1)
-        squares, left = nnls(shapes, found)
-        trials.append((float(left), float(memory), squares))
-    _, memory, (white, slow) = min(trials, key=lambda trial: trial[0])
-    if white + slow <= 0.0:
-        return noise
-    share = slow / (white + slow)
+    columns = curves(setup, residual, at)[0]
+    basis, size, _ = np.linalg.svd(columns / (np.sqrt(np.mean(columns**2, axis=0)) + 1e-30), full_matrices=False)
+    y = residual[at] - residual[at].mean()
+    steps = np.diff(p.time_s[at])
+    step = float(np.median(steps))
+    starts = np.concatenate([[0], np.flatnonzero(steps > PAUSE * step) + 1, [at.size]])
+    rows = np.vstack([basis[:, size > RANK * size[0]].T, y / np.linalg.norm(y)])
+    share, memory = _Likelihood(rows, starts, step).greatest()
     return replace(
         noise,
         white_rad=noise.total_rad * float(np.sqrt(1.0 - share)),
         coloured_rad=noise.total_rad * float(np.sqrt(share)),
-        memory_s=memory if share > 0.0 else 0.0,
+        memory_s=memory,
     )
 
 
-def _left(setup: Setup, residual: Floats, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """What the curves leave of a residual, (n,), and what those leave that were fitted to all other half sweeps."""
-    columns, prior = curves(setup, residual, at)
-    sweep = setup.p.sweep[at]
-    y = residual[at] - residual[at].mean()
-    scale = np.sqrt(np.mean(columns**2, axis=0)) + 1e-30
-    columns = columns / scale
-    gram, side = columns.T @ columns + np.diag(prior / scale**2), columns.T @ y
-    unseen = np.empty_like(y)
-    for number in np.unique(sweep):
-        mine = sweep == number
-        own = columns[mine]
-        unseen[mine] = y[mine] - own @ np.linalg.solve(gram - own.T @ own, side - own.T @ y[mine])
-    return y - columns @ np.linalg.solve(gram, side), unseen
+@dataclass(frozen=True, eq=False)
+class _Likelihood:
+    """Restricted likelihood of the last of ``rows`` (k + 1, n), given that the others are fitted to it.
+
+    ``starts``: first samples of the stretches without a pause, and n; ``step_s``: time between samples.
+    """
+
+    rows: Floats
+    starts: NDArray[np.int64]
+    step_s: float
+
+    def greatest(self) -> tuple[float, float]:
+        """Share of the mean square that lasts, and its memory in s, at which the likelihood is greatest."""
+        bounds = [(_logit(SHARE[0]), _logit(SHARE[1])), (np.log(MEMORY_S[0]), np.log(MEMORY_S[1]))]
+        begins = [np.array([_logit(share), np.log(memory)]) for share in SHARES for memory in MEMORIES_S]
+        first = min(begins, key=self._badness)
+        options = {"xatol": 0.02, "fatol": 0.02, "initial_simplex": first + FIRST_STEPS}
+        found = minimize(self._badness, first, method="Nelder-Mead", bounds=bounds, options=options).x
+        return float(1.0 / (1.0 + np.exp(-found[0]))), float(np.exp(found[1]))
+
+    def _badness(self, at: Floats) -> float:
+        """Twice the negative logarithm of the likelihood, but for a constant, at (logit of the share, log memory)."""
+        white = self._whitened(float(1.0 / (1.0 + np.exp(-at[0]))), float(np.exp(at[1])))
+        gram = white @ white.T
+        root = np.linalg.cholesky(gram[:-1, :-1])
+        known = solve_triangular(root, gram[:-1, -1], lower=True)
+        left = float(gram[-1, -1] - known @ known)
+        free = self.rows.shape[1] - self.rows.shape[0] + 1
+        return float(free * np.log(left) + 2.0 * np.sum(np.log(np.diag(root))))
+
+    def _whitened(self, share: float, memory_s: float) -> Floats:
+        """The rows filtered so that such a noise becomes white.
+
+        With phi the correlation of the slow part from sample to sample, (1 - phi B) of the noise is (1 - theta B) of
+        white noise (B: one sample back): an ARMA(1, 1) process.
+        """
+        phi = float(np.exp(-self.step_s / memory_s))
+        now = (1.0 - share) * (1.0 + phi**2) + share * (1.0 - phi**2)
+        near = phi * (1.0 - share) / now
+        theta = 2.0 * near / (1.0 + float(np.sqrt(1.0 - 4.0 * near**2)))
+        parts = np.split(self.rows, self.starts[1:-1], axis=1)
+        return np.hstack([lfilter([1.0, -phi], [1.0, -theta], part, axis=1) for part in parts])
 
 
-def _covariance(seen: Floats, unseen: Floats, sweep: NDArray[np.int64], lag: int) -> float:
-    """Covariance of the noise with itself ``lag`` samples later, within half sweeps."""
-    n = sweep.size - lag
-    same = sweep[lag:] == sweep[:n]
-    return float(np.mean((0.5 * (seen[lag:] * unseen[:n] + unseen[lag:] * seen[:n]))[same])) if same.any() else 0.0
+def _logit(share: float) -> float:
+    return float(np.log(share / (1.0 - share)))
 
 
 def along(column: Floats, noise: Noise, step_s: float, logged_s: float | None = None) -> float:

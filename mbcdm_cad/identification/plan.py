@@ -20,7 +20,7 @@ from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.exchange import ALIKE_SHARE
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise, noise_of
-from mbcdm_cad.identification.power import Shown, shown, smallest
+from mbcdm_cad.identification.power import shown, smallest
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.result import readable
 from mbcdm_cad.measurement.run import Run
@@ -37,8 +37,11 @@ ORDERS = (20.0, 200.0)
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.
 MOST_RIVALS = 4
 ANY_SIZE = 1e3
-# What an offset may explain hangs on the size, and the size on that.
-ROUNDS = 3
+# What an offset may explain, and how an effect that strains the cables shows, hang on the size, and the size on both:
+# it is found in so many rounds at most, to within this share.
+ROUNDS, SETTLED = 6, 0.01
+# Sizes of the two signs that differ by less than this share are given as one.
+SAME_SIZE = 0.03
 # An effect that would have to be so many times its typical size, or beyond its bound, is never seen in the run.
 NEVER = 1e4
 
@@ -54,12 +57,18 @@ class Rival:
 
 @dataclass(frozen=True)
 class Foreseen:
-    """One effect: the smallest size that is named with the plan's power; None if the run cannot show it."""
+    """One effect: the smallest size that is named with the plan's power, whatever its sign and phase; None if the run
+    cannot show it.
+
+    ``if_positive`` and ``if_negative``: that size for one sign, where they differ and the run can show it.
+    """
 
     label: str
     parameter: str
     smallest: float | None
     rivals: tuple[Rival, ...]
+    if_positive: float | None = None
+    if_negative: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +93,27 @@ class _Tried:
 
 
 @dataclass(frozen=True)
+class _Sizes:
+    """Sizes from which an effect is named, of either sign; infinite where the run cannot show it."""
+
+    positive: float
+    negative: float
+
+    @property
+    def either(self) -> float | None:
+        """The size that is enough whatever the sign, of the signs that can be shown; None if there is none."""
+        return max((size for size in (self.positive, self.negative) if np.isfinite(size)), default=None)
+
+    @property
+    def signed(self) -> tuple[float | None, float | None]:
+        """Each, None where it is infinite; both None where the sign makes next to no difference."""
+        if self.positive == self.negative or abs(self.positive / self.negative - 1.0) < SAME_SIZE:
+            return None, None
+        positive, negative = (size if np.isfinite(size) else None for size in (self.positive, self.negative))
+        return positive, negative
+
+
+@dataclass(frozen=True)
 class RunPlan:
     """What a planned run can find, with the noise that was assumed."""
 
@@ -105,9 +135,19 @@ class RunPlan:
         ]
         for one in self.effects:
             rivals = "; ".join(f"{rival.label}: {_words(one.parameter, rival.from_size)}" for rival in one.rivals)
-            size = "this run cannot show it" if one.smallest is None else _words(one.parameter, one.smallest)
+            size = "this run cannot show it" if one.smallest is None else _size_words(one)
             lines.append(f"{one.label:<{width}}  {size:<34}  {rivals}".rstrip())
         return "\n".join(lines)
+
+
+def _size_words(one: Foreseen) -> str:
+    if one.if_positive is None and one.if_negative is None:
+        return _words(one.parameter, one.smallest)
+    signed = [("+", one.if_positive), ("-", one.if_negative)]
+    word = _words(one.parameter, one.smallest).rsplit(" ", 2)[0]
+    return f"{word} " + " or ".join(
+        sign + _words(one.parameter, size).removeprefix(f"{word} ") for sign, size in signed if size is not None
+    )
 
 
 def _words(parameter: str, size: float | None) -> str:
@@ -142,8 +182,9 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     foreseen = []
     for one in tried:
         parameter = one.effect.parameters[one.sizes[0]]
-        size = smallest(_ways(fitter, bare, one, noise, len(tried), power), power)
-        if size > min(parameter.high, NEVER * parameter.size):
+        sizes = _smallest(fitter, bare, one, noise, len(tried), power)
+        size = sizes.either
+        if size is None:
             foreseen.append(Foreseen(one.label, parameter.name, None, ()))
             continue
         strength = size * one.unit / noise.total_rad
@@ -157,7 +198,7 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
                 rivals.append((wanted, Rival(other.label, from_size)))
         rivals.sort(key=lambda rival: -rival[0])
         worst = tuple(rival for _, rival in rivals[:MOST_RIVALS])
-        foreseen.append(Foreseen(one.label, _size_name(one.effect), size, worst))
+        foreseen.append(Foreseen(one.label, _size_name(one.effect), size, worst, *sizes.signed))
     return RunPlan(noise, tuple(foreseen), power)
 
 
@@ -236,36 +277,40 @@ def _sizes(effect: Effect) -> list[int]:
     return [k for k, parameter in enumerate(effect.parameters) if parameter.role == "size"]
 
 
-def _ways(fitter: Fitter, bare: Fit, one: _Tried, noise: Noise, candidates: int, power: float) -> list[Shown]:
-    """How the effect shows at about its smallest size, for each sign that may differ.
+def _smallest(fitter: Fitter, bare: Fit, one: _Tried, noise: Noise, candidates: int, power: float) -> _Sizes:
+    """The sizes of either sign that are named with this power.
 
-    An effect of one size that strains the cables, and may be of either sign, is taken at that size and not by its
-    derivative: a low preload shows more than a high one.
+    An effect of one size that strains the cables is taken at that size and not by its derivative: a low preload shows
+    more than a high one.
     """
     p, parameter = fitter.runs[0], one.effect.parameters[one.sizes[0]]
-    straight = shown(one.columns, noise, p, candidates)
-    first = smallest([straight], power)
-    if not np.isfinite(first):
-        return [straight]
-    signs: tuple[float, ...] = (0.0,)
-    if len(one.sizes) == 1 and parameter.low < 0.0 and fitter.kind(one.effect) == 0 and first < -parameter.low:
-        signs = (1.0, -1.0)
-    found = []
-    for sign in signs:
-        columns = one.plain
-        if sign:
-            moved = one.at.copy()
-            moved[one.sizes[0]] += sign * first
-            try:
-                columns = _changed(fitter, bare, one.effect, moved)[:, None] / (sign * first)
-            except ModelError:
-                continue
-        size = first
+    straight = smallest(shown(one.columns, noise, p, candidates), power)
+    # A play at an input has no slope: it is taken as it shows at its usual size.
+    bent = len(one.sizes) == 1 and fitter.kind(one.effect) == 0 and not one.effect.saturates
+
+    def of_sign(sign: float) -> float:
+        limit = min(parameter.high if sign > 0.0 else -parameter.low, NEVER * parameter.size)
+        size, at, columns = straight, min(straight, limit), one.plain
         for _ in range(ROUNDS):
-            way = shown(without_offsets(fitter, bare, columns, noise, size), noise, p, candidates)
-            size = smallest([way], power)
-        found.append(way)
-    return found or [straight]
+            if bent:
+                moved = one.at.copy()
+                moved[one.sizes[0]] += sign * at
+                try:
+                    columns = _changed(fitter, bare, one.effect, moved)[:, None] / (sign * at)
+                except ModelError:  # a cable is slack at this size
+                    at *= 0.5
+                    continue
+            way = shown(without_offsets(fitter, bare, columns, noise, at), noise, p, candidates)
+            size = smallest(way, power)
+            if abs(size / at - 1.0) < SETTLED:
+                break
+            at = min(size, limit)
+        return size if size <= limit else np.inf
+
+    if not np.isfinite(straight):
+        return _Sizes(np.inf, np.inf)
+    positive = of_sign(1.0)
+    return _Sizes(positive, of_sign(-1.0) if bent and parameter.low < 0.0 else positive)
 
 
 def _apart(one: _Tried, other: _Tried) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,9 +23,9 @@ SIZE_ERROR = 1e-4
 
 @dataclass(frozen=True)
 class Shown:
-    """How an effect shows: the RMS of one unit of its size on the half sweeps held back and on the others, at the worst
-    phase, and the standard deviation of the noise along it, all over the floor; the number of its sizes, and the value
-    of F from which it is supported."""
+    """How an effect shows: the RMS of one unit of its size on the half sweeps held back and on the others, and the
+    standard deviation of the noise along it there, all over the floor; the number of its sizes, and the value of F from
+    which it is supported."""
 
     seen: float
     held: float
@@ -52,25 +51,25 @@ class Shown:
 def shown(columns: Floats, noise: Noise, p: Prepared, candidates: int) -> Shown:
     """From derivatives (n, k) on the used samples; ``candidates``: effects that are looked at.
 
-    Where the load differs from sweep to sweep, the half sweeps held back, or the others, may show less of the effect
-    than all do.
+    An effect of two sizes, a wave, is taken at the phase that shows least in the whole run. Where the load differs from
+    sweep to sweep, the half sweeps held back, or the others, may show less of the effect than all do.
     """
     test, k = p.test[p.used], columns.shape[1]
+    if len(columns) < k:
+        return Shown(0.0, np.inf, 0.0, np.inf, k, np.inf)
+    worst = columns @ np.linalg.svd(columns, full_matrices=False)[2][-1]
 
-    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float, Floats]:
-        part = columns[chosen]
-        if len(part) < k:
-            return 0.0, np.inf, np.zeros(len(columns))
-        _, values, phases = np.linalg.svd(part, full_matrices=False)
-        worst = np.where(chosen, columns @ phases[-1], 0.0)
-        rms = float(values[-1]) / np.sqrt(len(part)) / noise.total_rad
-        return rms, float(np.sqrt(along(worst, noise, p.step_s) / len(part))), worst
+    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float]:
+        count = max(int(chosen.sum()), 1)
+        part = np.where(chosen, worst, 0.0)
+        rms = float(np.linalg.norm(part)) / np.sqrt(count) / noise.total_rad
+        return rms, float(np.sqrt(along(part, noise, p.step_s) / count))
 
-    seen, held, _ = of_unit(test)
-    supporting, trained, worst = of_unit(~test)
+    seen, held = of_unit(test)
+    supporting, trained = of_unit(~test)
     critical = float(f_distribution.isf(ALPHA / candidates, k, max(SECTORS - k, 1)))
-    sweep, sector = p.sweep[p.used], p.sector[p.used]
-    unsure = _jackknifed(worst, sweep) + _jackknifed(worst, sector) - _jackknifed(worst, sweep * SECTORS + sector)
+    sweep, sector, trains = p.sweep[p.used], p.sector[p.used], np.where(test, 0.0, worst)
+    unsure = _jackknifed(trains, sweep) + _jackknifed(trains, sector) - _jackknifed(trains, sweep * SECTORS + sector)
     return Shown(seen, held, supporting, trained, k, critical * max(unsure, 1.0))
 
 
@@ -85,14 +84,14 @@ def _jackknifed(column: Floats, clusters: NDArray[np.int64]) -> float:
     return float((shares.size - 1) / max(shares.size, 1) * np.sum(shares / (1.0 - shares)))
 
 
-def smallest(ways: Sequence[Shown], power: float) -> float:
-    """Size that is named with this power, in the mean over equally likely ways; infinite if no size is."""
-    if any(min(way.seen, way.supporting) <= 0.0 for way in ways):
+def smallest(way: Shown, power: float) -> float:
+    """Size that is named with this power; infinite if no size is."""
+    if min(way.seen, way.supporting) <= 0.0:
         return np.inf
-    low = high = LEAST_FALL / max(way.seen for way in ways)
+    low = high = LEAST_FALL / way.seen
 
     def beyond(logarithm: float) -> float:
-        return float(np.mean([way.chance(float(np.exp(logarithm))) for way in ways])) - power
+        return way.chance(float(np.exp(logarithm))) - power
 
     while beyond(np.log(low)) > 0.0:
         low *= 0.5
