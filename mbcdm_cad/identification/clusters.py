@@ -109,53 +109,66 @@ def cluster_estimate(columns: Floats, y: Floats, sweep: NDArray[np.int64], secto
 
 
 def estimate(cells: Cells) -> Estimate:
-    """The same from sums over cells.
+    """The same from sums over cells."""
+    gram = cells.total
+    size = np.sqrt(np.diag(gram))
+    size[size == 0.0] = 1.0
+    each = cells.gram / np.outer(size, size)
+    value, covariance = jackknifed(each[:, :-1, :-1], each[:, :-1, -1], cells.sweep, cells.sector)
+    to_unit = size[-1] / size[:-1]
+    value = value * to_unit
+    covariance = covariance * np.outer(to_unit, to_unit)
+    whole = each.sum(axis=0)[:-1, :-1]
+    lost = np.abs(np.diag(np.linalg.pinv(whole, rcond=1e-12, hermitian=True) @ whole) - 1.0) > 1e-6
+    value[lost] = 0.0
+    covariance[lost, lost] = np.inf
+    clusters = min(np.unique(cells.sweep).size, np.unique(cells.sector).size)
+    return Estimate(value[1:], covariance[1:, 1:], max(1, clusters - 1))
+
+
+def jackknifed(
+    grams: Floats, sides: Floats, sweep: NDArray[np.int64], sector: NDArray[np.int64]
+) -> tuple[Floats, Floats]:
+    """Least squares (..., k) and its covariance (..., k, k) from cells with the grams X^T X (cells, k, k) of columns of
+    similar size and the sums X^T y (..., cells, k) of one or more responses.
 
     The covariance of each kind of cluster is a jackknife: how far the estimate moves when one cluster is left out. With
     as few clusters as there are sectors the plain sandwich is far too sure.
     """
-    gram = cells.total
-    size = np.sqrt(np.diag(gram))
-    size[size == 0.0] = 1.0
-    scale = np.outer(size, size)
-    each = cells.gram / scale
-    whole = each.sum(axis=0)
-    solved = _solve(whole[None])[0]
-    by_sweep, sweeps = _jackknife(whole, each, cells.sweep, solved)
-    by_sector, sectors = _jackknife(whole, each, cells.sector, solved)
-    by_cell, _ = _jackknife(whole, each, np.arange(each.shape[0]), solved)
-    covariance = _at_least(by_sweep + by_sector - by_cell, by_cell)
-    to_unit = size[-1] / size[:-1]
-    value = solved * to_unit
-    covariance = covariance * np.outer(to_unit, to_unit)
-    inverse = np.linalg.pinv(whole[:-1, :-1], rcond=1e-12, hermitian=True)
-    lost = np.abs(np.diag(inverse @ whole[:-1, :-1]) - 1.0) > 1e-6
-    value[lost] = 0.0
-    covariance[lost, lost] = np.inf
-    return Estimate(value[1:], covariance[1:, 1:], max(1, min(sweeps, sectors) - 1))
+    solved = _solve(grams.sum(axis=0)[None], sides.sum(axis=-2)[..., None, :])
+    by_sweep, by_sector, by_cell = (
+        _jackknife(grams, sides, group, solved) for group in (sweep, sector, np.arange(grams.shape[0]))
+    )
+    return solved[..., 0, :], _at_least(by_sweep + by_sector - by_cell, by_cell)
 
 
-def _solve(grams: Floats) -> Floats:
-    """Least squares from a stack of grams (m, k + 1, k + 1), the response last; (m, k)."""
-    inverse = np.linalg.pinv(grams[:, :-1, :-1], rcond=1e-12, hermitian=True)
-    return np.asarray(np.einsum("mij,mj->mi", inverse, grams[:, :-1, -1]))
+def _solve(grams: Floats, sides: Floats) -> Floats:
+    """Least squares from a stack of grams (m, k, k) and of sums (..., m, k); (..., m, k)."""
+    inverse = np.linalg.pinv(grams, rcond=1e-12, hermitian=True)
+    return np.asarray((inverse @ sides[..., None])[..., 0])
 
 
-def _jackknife(whole: Floats, each: Floats, group: NDArray[np.int64], solved: Floats) -> tuple[Floats, int]:
-    """Covariance from leaving out one group of cells at a time, and the number of groups."""
+def _jackknife(grams: Floats, sides: Floats, group: NDArray[np.int64], solved: Floats) -> Floats:
+    """Covariance from leaving out one group of cells at a time."""
     groups, number = np.unique(group, return_inverse=True)
-    left_out = np.zeros((groups.size, *whole.shape))
-    np.add.at(left_out, number, each)
-    moved = _solve(whole - left_out) - solved
-    return np.asarray((groups.size - 1) / groups.size * moved.T @ moved), int(groups.size)
+    chosen = (number == np.arange(groups.size)[:, None]).astype(float)
+    gram = grams.sum(axis=0) - np.tensordot(chosen, grams, axes=1)
+    moved = _solve(gram, sides.sum(axis=-2)[..., None, :] - chosen @ sides) - solved
+    return np.asarray((groups.size - 1) / groups.size * np.swapaxes(moved, -1, -2) @ moved)
 
 
 def _at_least(covariance: Floats, least: Floats) -> Floats:
-    """The covariance, at least that of the cells in each direction: the difference of clusters need not be positive."""
-    root = np.linalg.cholesky(least + 1e-12 * max(np.trace(least), 1e-300) / least.shape[0] * np.eye(least.shape[0]))
+    """The covariance, at least that of the cells in each direction: the difference of clusters need not be positive.
+
+    Both have the shape (..., k, k).
+    """
+    wide = least.shape[-1]
+    trace = np.maximum(np.trace(least, axis1=-2, axis2=-1), 1e-300)[..., None, None]
+    root = np.linalg.cholesky(least + 1e-12 * trace / wide * np.eye(wide))
     back = np.linalg.inv(root)
-    values, vectors = np.linalg.eigh(back @ covariance @ back.T)
-    return np.asarray(root @ (vectors * np.maximum(values, 1.0)) @ vectors.T @ root.T)
+    values, vectors = np.linalg.eigh(back @ covariance @ np.swapaxes(back, -1, -2))
+    spread = root @ vectors
+    return np.asarray((spread * np.maximum(values, 1.0)[..., None, :]) @ np.swapaxes(spread, -1, -2))
 
 
 @dataclass(frozen=True)

@@ -1,100 +1,222 @@
-"""The probability that the loop names an effect of a given size, by the two rules by which it accepts one."""
+"""The probability that the loop names an effect of a given size: the two rules by which it accepts one, on many draws
+of the noise."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.special import ncfdtr, ndtr
+from scipy.signal import lfilter
+from scipy.sparse import csr_array
 from scipy.stats import f as f_distribution
 
-from mbcdm_cad.identification.colour import along
+from mbcdm_cad.identification.clusters import jackknifed
 from mbcdm_cad.identification.evidence import ALPHA
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.prepared import SECTORS, Prepared
 from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.routes import Floats
 
-# Relative error of the smallest size.
-SIZE_ERROR = 1e-4
+# Draws of the noise: the error of a probability of 0.5 is 0.02. Fewer for a long run, which has so many samples in all.
+MOST_DRAWS, FEWEST_DRAWS, MOST_SAMPLES = 600, 200, 4_000_000
+SEED = 1
+# Relative error of the smallest size, and the multiple of the least size beyond which none is looked for.
+SIZE_ERROR, FARTHEST = 1e-3, 1e6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Draws:
+    """Draws of the noise, (m, n), on the used samples of a run, less their means over the training samples.
+
+    ``offsets`` (n, q): derivatives by the offsets between the input encoders, which the test of support fits too.
+    """
+
+    errors: Floats
+    offsets: Floats
+    noise: Noise
+    p: Prepared
+
+    @cached_property
+    def test(self) -> NDArray[np.bool_]:
+        """Which of the samples are held back."""
+        return np.asarray(self.p.test[self.p.used])
+
+    def tested(self, columns: Floats) -> tuple[Floats, Floats]:
+        """Sizes that the test of support finds in the noise alone, (m, k), and its covariances of them, (m, k, k)."""
+        train, k = ~self.test, columns.shape[1]
+        every = np.hstack([columns[train], self.nuisances])
+        wide = every.shape[1]
+        products = (every[:, :, None] * every[:, None, :]).reshape(-1, wide**2)
+        own = np.stack([self._sums(column) for column in columns[train].T], axis=-1)
+        value, covariance = jackknifed(
+            (self._cells @ products).reshape(-1, wide, wide),
+            np.concatenate([own, self._nuisance_sums], axis=-1),
+            *self._names,
+        )
+        return value[:, :k], covariance[:, :k, :k]
+
+    @cached_property
+    def nuisances(self) -> Floats:
+        """A constant and the offsets on the training samples, each of length 1."""
+        rows = np.column_stack([np.ones(self.errors.shape[1]), self.offsets])[~self.test]
+        return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300))
+
+    @cached_property
+    def _names(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Sweep and sector of each cell."""
+        names = np.unique(self._cell)
+        return names // SECTORS, names % SECTORS
+
+    @cached_property
+    def _cell(self) -> NDArray[np.int64]:
+        """Number of the cell of each training sample."""
+        p = self.p
+        return np.asarray((p.sweep * SECTORS + p.sector)[p.train])
+
+    @cached_property
+    def _cells(self) -> csr_array:
+        """Matrix (cells, training samples) that sums over each cell."""
+        number = np.unique(self._cell, return_inverse=True)[1]
+        return csr_array((np.ones(number.size), (number, np.arange(number.size))))
+
+    @cached_property
+    def _trained(self) -> Floats:
+        """The noise on the training samples, (n, m)."""
+        return np.ascontiguousarray(self.errors[:, ~self.test].T)
+
+    @cached_property
+    def _nuisance_sums(self) -> Floats:
+        return np.stack([self._sums(column) for column in self.nuisances.T], axis=-1)
+
+    def _sums(self, column: Floats) -> Floats:
+        """Sums over each cell of a column (n,) times the noise, (m, cells)."""
+        return np.asarray((self._cells.multiply(column[None]).tocsr() @ self._trained).T)
+
+
+def draws_of(noise: Noise, p: Prepared, offsets: Floats) -> Draws:
+    """Draws of the noise on the used samples; ``offsets`` as in :class:`Draws`."""
+    n = int(p.used.sum())
+    rng = np.random.default_rng(SEED)
+    m = int(np.clip(MOST_SAMPLES // n, FEWEST_DRAWS, MOST_DRAWS))
+    errors = noise.white_rad * rng.standard_normal((m, n))
+    if noise.memory_s > 0.0:
+        keep = float(np.exp(-p.step_s / noise.memory_s))
+        kicks = np.sqrt(1.0 - keep**2) * rng.standard_normal((m, n))
+        kicks[:, 0] /= np.sqrt(1.0 - keep**2)
+        errors += noise.coloured_rad * lfilter([1.0], [1.0, -keep], kicks, axis=1)
+    errors -= errors[:, ~p.test[p.used]].mean(axis=1, keepdims=True)
+    return Draws(errors, offsets, noise, p)
+
+
+@dataclass(frozen=True, eq=False)
 class Shown:
-    """How an effect shows: the RMS of one unit of its size on the half sweeps held back and on the others, and the
-    standard deviation of the noise along it there, all over the floor; the number of its sizes, and the value of F from
-    which it is supported."""
+    """How an effect of k sizes would be fitted beside each of m draws of the noise; its columns ``unit`` (n, k) on the
+    used samples have length 1.
 
-    seen: float
-    held: float
-    supporting: float
-    trained: float
-    sizes: int
+    ``fitted`` (m, k): fitted sizes of the noise alone; ``held`` (m, k), ``gram`` (k, k): products of the columns with
+    the noise and with each other on the half sweeps held back. ``tested`` (m, k), ``weight`` (m, k, k): sizes of the
+    noise alone and inverse covariances in the test of support, ``critical``: its required square. ``one_sign``: a size
+    below zero is impossible.
+    """
+
+    unit: Floats
+    draws: Draws
+    fitted: Floats
+    held: Floats
+    gram: Floats
+    tested: Floats
+    weight: Floats
     critical: float
+    one_sign: bool
 
-    def chance(self, size: float) -> float:
-        """Probability that an effect of this size is named.
-
-        The fall of the held-out mean square must be ``LEAST_FALL`` of the floor's: noise along the effect changes it,
-        and the error of the fitted sizes lowers it. And the others must support it, by a test whose own estimate of the
-        noise, from few sectors, is uncertain: F is noncentral. The noise of the two is independent.
-        """
-        seen, known = size * self.seen, size * self.supporting / self.trained
-        fall = seen**2 - LEAST_FALL**2 - self.sizes * (self.trained * self.seen / self.supporting) ** 2
-        freedom = max(SECTORS - self.sizes, 1)
-        supported = 1.0 - float(ncfdtr(self.sizes, freedom, known**2, self.critical))
-        return float(ndtr(fall / (2.0 * self.held * seen))) * supported
+    def of(self, change: Floats) -> Way:
+        """How it is fitted to a ``change`` (n,) of the prediction, by itself or by another effect."""
+        test = self.draws.test
+        train, held = self.unit[~test], self.unit[test]
+        fitted, tested = (
+            np.asarray(np.linalg.lstsq(columns, change[~test], rcond=None)[0][: self.unit.shape[1]], dtype=np.float64)
+            for columns in (train, np.hstack([train, self.draws.nuisances]))
+        )
+        return Way(self, fitted, held.T @ change[test], tested)
 
 
-def shown(columns: Floats, noise: Noise, p: Prepared, candidates: int) -> Shown:
-    """From derivatives (n, k) on the used samples; ``candidates``: effects that are looked at.
+@dataclass(frozen=True, eq=False)
+class Way:
+    """One way to find an effect: what one unit of its size adds to ``fitted``, ``held`` and ``tested`` of the effect
+    that is fitted, (k,) each."""
 
-    An effect of two sizes, a wave, is taken at the phase that shows least in the whole run. Where the load differs from
-    sweep to sweep, the half sweeps held back, or the others, may show less of the effect than all do.
-    """
-    test, k = p.test[p.used], columns.shape[1]
-    if len(columns) < k:
-        return Shown(0.0, np.inf, 0.0, np.inf, k, np.inf)
-    worst = columns @ np.linalg.svd(columns, full_matrices=False)[2][-1]
+    shown: Shown
+    fitted: Floats
+    held: Floats
+    tested: Floats
 
-    def of_unit(chosen: NDArray[np.bool_]) -> tuple[float, float]:
-        count = max(int(chosen.sum()), 1)
-        part = np.where(chosen, worst, 0.0)
-        rms = float(np.linalg.norm(part)) / np.sqrt(count) / noise.total_rad
-        return rms, float(np.sqrt(along(part, noise, p.step_s) / count))
-
-    seen, held = of_unit(test)
-    supporting, trained = of_unit(~test)
-    critical = float(f_distribution.isf(ALPHA / candidates, k, max(SECTORS - k, 1)))
-    sweep, sector, trains = p.sweep[p.used], p.sector[p.used], np.where(test, 0.0, worst)
-    unsure = _jackknifed(trains, sweep) + _jackknifed(trains, sector) - _jackknifed(trains, sweep * SECTORS + sector)
-    return Shown(seen, held, supporting, trained, k, critical * max(unsure, 1.0))
+    def accepted(self, size: float) -> NDArray[np.bool_]:
+        """With which draws, (m,), the fitted effect is accepted: the held-out mean square falls by ``LEAST_FALL`` of
+        the floor's, and sweeps and sectors support it."""
+        s = self.shown
+        fitted, tested = size * self.fitted + s.fitted, size * self.tested + s.tested
+        fall = np.sum(fitted * (2.0 * (size * self.held + s.held) - fitted @ s.gram), axis=1)
+        square = np.einsum("mi,mij,mj->m", tested, s.weight, tested)
+        least = np.count_nonzero(s.draws.test) * (LEAST_FALL * s.draws.noise.total_rad) ** 2
+        accepted = (fall >= least) & (square >= s.critical)
+        return np.asarray(accepted & (fitted[:, 0] > 0.0) if s.one_sign else accepted)
 
 
-def _jackknifed(column: Floats, clusters: NDArray[np.int64]) -> float:
-    """Expectation of the variance that leaving out one cluster at a time finds, over the true one.
+def smallest(ways: Sequence[Way], power: float) -> float:
+    """Size with which the first of ``ways``, or one of the others in its place, is accepted with this power; infinite
+    if there is none."""
 
-    The residual of a cluster with a share h of the column's sum of squares grows by 1 / (1 - h) if it is left out, so
-    the test finds too much noise where few clusters carry the effect.
-    """
-    shares = np.bincount(np.unique(clusters, return_inverse=True)[1], column**2) / max(float(column @ column), 1e-300)
-    shares = shares[(shares > 0.0) & (shares < 1.0)]
-    return float((shares.size - 1) / max(shares.size, 1) * np.sum(shares / (1.0 - shares)))
+    def beyond(size: float) -> float:
+        return float(np.mean(np.any([way.accepted(size) for way in ways], axis=0))) - power
 
-
-def smallest(way: Shown, power: float) -> float:
-    """Size that is named with this power; infinite if no size is."""
-    if min(way.seen, way.supporting) <= 0.0:
-        return np.inf
-    low = high = LEAST_FALL / way.seen
-
-    def beyond(logarithm: float) -> float:
-        return way.chance(float(np.exp(logarithm))) - power
-
-    while beyond(np.log(low)) > 0.0:
+    first = ways[0]
+    draws = first.shown.draws
+    seen = float(first.fitted @ first.held) / np.count_nonzero(draws.test)
+    low = high = LEAST_FALL * draws.noise.total_rad / float(np.sqrt(max(seen, 1e-300)))
+    while beyond(low) > 0.0:
         low *= 0.5
-    while beyond(np.log(high)) < 0.0:
+    while beyond(high) < 0.0:
         high *= 2.0
-    return float(np.exp(brentq(beyond, np.log(low), np.log(high), xtol=SIZE_ERROR)))
+        if high > FARTHEST * low:
+            return np.inf
+    return float(np.exp(brentq(lambda x: beyond(float(np.exp(x))), np.log(low), np.log(high), xtol=SIZE_ERROR)))
+
+
+def shown(columns: Floats, draws: Draws, candidates: int, one_sign: bool = False) -> Shown | None:
+    """From derivatives (n, k) on the used samples, less what offsets explain of them; None if the run shows nothing.
+
+    ``candidates``: effects that are looked at.
+    """
+    length, test, k = np.linalg.norm(columns, axis=0), draws.test, columns.shape[1]
+    if len(columns) < k or not length.all():
+        return None
+    unit = columns / length
+    train, held = unit[~test], unit[test]
+    gram = train.T @ train
+    if np.linalg.matrix_rank(gram, hermitian=True) < k:
+        return None
+    tested, covariance = draws.tested(unit)
+    freedom = SECTORS - k
+    return Shown(
+        unit,
+        draws,
+        np.linalg.solve(gram, train.T @ draws.errors[:, ~test].T).T,
+        draws.errors[:, test] @ held,
+        held.T @ held,
+        tested,
+        np.asarray(np.linalg.pinv(covariance, rcond=1e-12, hermitian=True), dtype=np.float64),
+        float(f_distribution.isf(ALPHA / candidates, k, freedom)) * k * (SECTORS - 1) / freedom,
+        one_sign,
+    )
+
+
+def at_worst(columns: Floats) -> Floats:
+    """Change (n,) by one unit of the size of an effect with these derivatives (n, k), at the phase that shows least in
+    the whole run."""
+    if columns.shape[1] == 1:
+        return np.asarray(columns[:, 0])
+    return np.asarray(columns @ np.linalg.svd(columns, full_matrices=False)[2][-1])

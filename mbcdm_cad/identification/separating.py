@@ -19,7 +19,7 @@ from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.exchange import ALIKE_SHARE
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise
-from mbcdm_cad.identification.plan import planned_fitter, without_offsets
+from mbcdm_cad.identification.planned import planned_fitter, without_offsets
 from mbcdm_cad.identification.result import Named
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.errors import ModelError

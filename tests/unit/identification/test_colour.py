@@ -35,7 +35,7 @@ def lasting(size: int, memory_s: float, rng: np.random.Generator) -> Floats:
     return np.asarray(lfilter([1.0], [1.0, -keep], kicks))
 
 
-@pytest.mark.parametrize("memory_s", [0.1, 0.4, 0.8])
+@pytest.mark.parametrize("memory_s", [0.1, 0.4, 0.8, 2.0])
 def test_the_memory_of_the_noise_is_found(memory_s: float) -> None:
     p, white, slow = run(), 8e-6, 4e-6
     setup = declared(None, RATIO, p)

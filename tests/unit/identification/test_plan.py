@@ -15,7 +15,9 @@ from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.evidence import ALPHA, chance
 from mbcdm_cad.identification.fit import Fit
 from mbcdm_cad.identification.noise import Noise
-from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of, planned_fitter, without_offsets
+from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of
+from mbcdm_cad.identification.planned import planned_fitter, without_offsets
+from mbcdm_cad.identification.power import at_worst
 from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
@@ -99,6 +101,43 @@ def test_an_offset_explains_no_more_than_its_limit_allows() -> None:
     whole = float(np.linalg.norm(fitter.centred(change, fitter.train)[fitter.used]))
     print(f"an offset leaves {left[1.0] / whole:.3f} of a slack cable; if it had no limit, {left[1e4] / whole:.3f}")
     assert left[1.0] > 0.97 * whole and left[1e4] < 0.75 * whole
+
+
+def test_each_sign_of_a_preload_has_the_size_at_which_it_shows() -> None:
+    """Louder noise asks for changes of the preload so large that the two signs show unlike."""
+    run = bench()
+    fitter = planned_fitter(DRIVE, run)
+    bare = fitter.fit()
+    noise = Noise(1.5e-5, 1.5e-5, 0.0, 0.0, 4.4e-6, "as the test has it")
+    label = "preload_error (all cables)"
+    found = next(one for one in plan_of(DRIVE, run, noise).effects if one.label == label)
+    preload = next(one for one in library(fitter.d, fitter.runs[0]) if one.label == label)
+    assert found.if_positive is not None and found.if_negative is not None
+    assert found.smallest == max(found.if_positive, found.if_negative)
+    shows = {}
+    for share in (found.if_positive, -found.if_negative, -found.if_positive):
+        change = fitter.predict([preload], [np.array([share])], bare.offsets) - (fitter.output - bare.residual)
+        left = without_offsets(fitter, bare, change[:, None], noise)[:, 0]
+        shows[share] = float(np.sqrt(np.mean(left[fitter.test[fitter.used]] ** 2))) / noise.total_rad
+    print({f"{share:+.3f}": round(seen, 3) for share, seen in shows.items()})
+    up, down, same_size = shows.values()
+    assert up == pytest.approx(down, rel=0.03), shows
+    assert same_size > 1.2 * up, shows
+
+
+def test_a_wave_counts_at_the_phase_that_shows_least() -> None:
+    fitter = planned_fitter(DRIVE, bench())
+    p = fitter.runs[0]
+    angle = p.output_rad[p.used]
+    columns = np.stack([np.cos(angle) - np.cos(angle).mean(), np.sin(angle)], axis=1)
+    whole = {
+        phase: float(np.sqrt(np.mean((columns @ [np.cos(phase), np.sin(phase)]) ** 2)))
+        for phase in np.linspace(0.0, np.pi, 721)
+    }
+    way = shown(columns, noise, p, 40)
+    together = np.hypot(way.seen * np.sqrt(np.mean(p.test[p.used])), way.supporting * np.sqrt(np.mean(~p.test[p.used])))
+    print(f"least {min(whole.values()):.5f}, most {max(whole.values()):.5f}, counted {together * noise.total_rad:.5f}")
+    assert together * noise.total_rad == pytest.approx(min(whole.values()), rel=1e-3)
 
 
 @pytest.mark.slow
