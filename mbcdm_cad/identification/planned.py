@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+from scipy.optimize import brentq
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.identification.colour import along
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.exchange import ALIKE_SHARE
-from mbcdm_cad.identification.fit import Fit, Fitter
+from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.identification.noise import Noise
-from mbcdm_cad.identification.power import Draws, Shown, at_worst, draws_of, shown, smallest
+from mbcdm_cad.identification.power import Draws, Shown, draws_of, shown, smallest, worst_phase
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
@@ -26,9 +28,11 @@ from mbcdm_cad.routes import Floats
 TOLD_STRENGTH = 10.9
 # Orders of ripple that are planned, cycles a turn of the output.
 ORDERS = (20.0, 200.0)
-# What an offset may explain, and how an effect that strains the cables shows, hang on the size, and the size on both:
-# it is found in so many rounds at most, to within this share.
-ROUNDS, SETTLED = 6, 0.01
+# What an offset may explain, and how an effect that strains the cables shows, hang on the size, and the size on both.
+# The size is searched in such steps of its logarithm, and found to within this share: in a few rounds where the effect
+# shows much the same at any size, else by bisection. A size that shows nothing, or with which a cable is slack, counts
+# as so far off.
+STEP, SETTLED, FEW, FAR = 0.5, 0.01, 3, 20.0
 # An effect that would have to be so many times its typical size, or beyond its bound, is never seen in the run.
 NEVER = 1e4
 
@@ -83,18 +87,22 @@ class PlannedEffects:
         """
         if one.shown is None:
             return np.inf, np.inf
-        alone = smallest([one.shown.of(at_worst(one.columns))], power) * one.unit / self.noise.total_rad
+        phase = worst_phase(one.columns)
+        start = smallest([one.shown.itself(one.columns @ phase, one.shown.length * phase)], power)
+        if not np.isfinite(start):
+            return np.inf, np.inf
+        alone = start * one.unit / self.noise.total_rad
         rivals = [
             other.shown
             for other in self.tried
             if other is not one and other.shown and (other.effect.key == one.effect.key or one.apart(other) > alone)
         ]
-        positive = self._size(one, rivals, power, 1.0)
+        positive = self._size(one, rivals, power, 1.0, start)
         both = self._bent(one) and one.effect.parameters[one.size_index].low < 0.0
-        return positive, self._size(one, rivals, power, -1.0) if both else positive
+        return positive, self._size(one, rivals, power, -1.0, start) if both else positive
 
-    def _size(self, one: Tried, rivals: Sequence[Shown], power: float, sign: float) -> float:
-        """Size of one sign; infinite if no part can have it.
+    def _size(self, one: Tried, rivals: Sequence[Shown], power: float, sign: float, start: float) -> float:
+        """Size of one sign, searched from ``start`` on; infinite if no part can have it.
 
         An effect of one size that strains the cables is taken at that size and not by its derivative: a low preload
         shows more than a high one.
@@ -102,27 +110,43 @@ class PlannedEffects:
         parameter = one.effect.parameters[one.size_index]
         limit = min(parameter.high if sign > 0.0 else -parameter.low, NEVER * parameter.size)
 
-        def size_of(columns: Floats, own: Shown | None) -> float:
-            change = sign * at_worst(columns)
-            return smallest([each.of(change) for each in (own, *rivals) if each], power) if own else np.inf
-
-        size = size_of(one.columns, one.shown)
-        at, plain = min(size, limit), one.plain
-        for _ in range(ROUNDS):
+        @cache
+        def beyond(logarithm: float) -> float:
+            """Logarithm of the size that is named if the effect shows as at this size, over this size."""
+            at, plain, slopes = float(np.exp(logarithm)), one.plain, one.plain
             if self._bent(one):
-                moved = one.at.copy()
-                moved[one.size_index] += sign * at
                 try:
-                    plain = self._change(one.effect, moved)[:, None] / (sign * at)
-                except ModelError:  # a cable is slack at this size
-                    at *= 0.5
-                    continue
-            columns = without_offsets(self.fitter, self.bare, plain, self.noise, at)
-            size = size_of(columns, self._shown(one.effect, columns))
-            if abs(size / at - 1.0) < SETTLED:
-                break
-            at = min(size, limit)
-        return size if size <= limit else np.inf
+                    plain, slopes = self._at(one, sign * at)
+                except ModelError:  # a cable is slack: far more than has to be shown
+                    return -FAR
+            columns, local = np.split(
+                without_offsets(self.fitter, self.bare, np.hstack([plain, slopes]), self.noise, at), 2, axis=1
+            )
+            own = self._shown(one.effect, local)
+            if own is None:
+                return FAR
+            phase = sign * worst_phase(columns)
+            change = columns @ phase
+            ways = [own.itself(change, own.length * phase), *(rival.in_place(change) for rival in rivals)]
+            return min(float(np.log(smallest(ways, power))) - logarithm, FAR)
+
+        most = float(np.log(limit))
+        at = min(float(np.log(start)), most)
+        for _ in range(FEW):
+            off = beyond(at)
+            if abs(off) < SETTLED:
+                return float(np.exp(at + off))
+            if off > 0.0 and at == most:
+                return np.inf
+            at = min(at + float(np.clip(off, -STEP, STEP)), most)
+        low = high = at
+        while beyond(high) > 0.0:
+            if high == most:
+                return np.inf
+            high = min(high + STEP, most)
+        while beyond(low) <= 0.0:
+            low -= STEP
+        return float(np.exp(brentq(beyond, low, high, xtol=SETTLED)))
 
     def _bent(self, one: Tried) -> bool:
         """Whether an effect has one size and strains the cables. A play at an input has no slope: it is taken as it
@@ -163,6 +187,15 @@ class PlannedEffects:
             way = self._shown(effect, columns)
             found.append(Tried(effect, label, at, plain, columns, basis, counted, unit, way))
         return found
+
+    def _at(self, one: Tried, size: float) -> tuple[Floats, Floats]:
+        """Change over its size, and derivative by the size, of an effect of this one size, (n, 1) each."""
+        changes = []
+        for share in (1.0, 1.0 + DIFFERENCE):
+            moved = one.at.copy()
+            moved[one.size_index] += share * size
+            changes.append(self._change(one.effect, moved))
+        return (changes[0] / size)[:, None], ((changes[1] - changes[0]) / (DIFFERENCE * size))[:, None]
 
     def _derivatives(self, effect: Effect, at: Floats) -> Floats:
         """Changes by one unit of each size, (n, k)."""

@@ -84,9 +84,14 @@ class Draws:
         return csr_array((np.ones(number.size), (number, np.arange(number.size))))
 
     @cached_property
-    def _trained(self) -> Floats:
+    def trained(self) -> Floats:
         """The noise on the training samples, (n, m)."""
         return np.ascontiguousarray(self.errors[:, ~self.test].T)
+
+    @cached_property
+    def held_out(self) -> Floats:
+        """The noise on the samples held back, (n, m)."""
+        return np.ascontiguousarray(self.errors[:, self.test].T)
 
     @cached_property
     def _nuisance_sums(self) -> Floats:
@@ -94,7 +99,7 @@ class Draws:
 
     def _sums(self, column: Floats) -> Floats:
         """Sums over each cell of a column (n,) times the noise, (m, cells)."""
-        return np.asarray((self._cells.multiply(column[None]).tocsr() @ self._trained).T)
+        return np.asarray((self._cells.multiply(column[None]).tocsr() @ self.trained).T)
 
 
 def draws_of(noise: Noise, p: Prepared, offsets: Floats) -> Draws:
@@ -120,7 +125,7 @@ class Shown:
     ``fitted`` (m, k): fitted sizes of the noise alone; ``held`` (m, k), ``gram`` (k, k): products of the columns with
     the noise and with each other on the half sweeps held back. ``tested`` (m, k), ``weight`` (m, k, k): sizes of the
     noise alone and inverse covariances in the test of support, ``critical``: its required square. ``one_sign``: a size
-    below zero is impossible.
+    below zero is impossible. ``length`` (k,): of the columns by one unit of each size.
     """
 
     unit: Floats
@@ -132,38 +137,53 @@ class Shown:
     weight: Floats
     critical: float
     one_sign: bool
+    length: Floats
 
-    def of(self, change: Floats) -> Way:
-        """How it is fitted to a ``change`` (n,) of the prediction, by itself or by another effect."""
-        test = self.draws.test
-        train, held = self.unit[~test], self.unit[test]
+    @cached_property
+    def noise_fall(self) -> Floats:
+        """Fall of the sum of squares held out by fitting the noise alone, (m,); below zero as a rule."""
+        return np.asarray(np.sum(self.fitted * (2.0 * self.held - self.fitted @ self.gram), axis=1))
+
+    def itself(self, change: Floats, added: Floats) -> Way:
+        """The effect fitted to its own ``change`` (n,) by one unit of size, which adds ``added`` (k,) to its sizes."""
+        there = change[self.draws.test]
+        return Way(self, float(there @ there), 2.0 * there @ self.draws.held_out, added, added)
+
+    def in_place(self, change: Floats) -> Way:
+        """The effect fitted in the place of another that makes this ``change`` (n,) by one unit of its size."""
+        test, k = self.draws.test, self.unit.shape[1]
+        train = self.unit[~test]
         fitted, tested = (
-            np.asarray(np.linalg.lstsq(columns, change[~test], rcond=None)[0][: self.unit.shape[1]], dtype=np.float64)
+            (np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True) @ (columns.T @ change[~test]))[:k]
             for columns in (train, np.hstack([train, self.draws.nuisances]))
         )
-        return Way(self, fitted, held.T @ change[test], tested)
+        held = self.unit[test].T @ change[test]
+        linear = 2.0 * (self.held @ fitted + self.fitted @ (held - self.gram @ fitted))
+        return Way(self, float(fitted @ (2.0 * held - self.gram @ fitted)), linear, fitted, tested)
 
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """One way to find an effect: what one unit of its size adds to ``fitted``, ``held`` and ``tested`` of the effect
-    that is fitted, (k,) each."""
+    """One way to find an effect of any size: what is ``shown`` of the effect that is fitted, the parts of the fall of
+    the sum of squares held out that go with the square of the size and, (m,), with the size, and what one unit of it
+    adds to the ``fitted`` and ``tested`` sizes, (k,)."""
 
     shown: Shown
+    square: float
+    linear: Floats
     fitted: Floats
-    held: Floats
     tested: Floats
 
     def accepted(self, size: float) -> NDArray[np.bool_]:
         """With which draws, (m,), the fitted effect is accepted: the held-out mean square falls by ``LEAST_FALL`` of
         the floor's, and sweeps and sectors support it."""
         s = self.shown
-        fitted, tested = size * self.fitted + s.fitted, size * self.tested + s.tested
-        fall = np.sum(fitted * (2.0 * (size * self.held + s.held) - fitted @ s.gram), axis=1)
+        fall = size**2 * self.square + size * self.linear + s.noise_fall
+        tested = size * self.tested + s.tested
         square = np.einsum("mi,mij,mj->m", tested, s.weight, tested)
         least = np.count_nonzero(s.draws.test) * (LEAST_FALL * s.draws.noise.total_rad) ** 2
         accepted = (fall >= least) & (square >= s.critical)
-        return np.asarray(accepted & (fitted[:, 0] > 0.0) if s.one_sign else accepted)
+        return np.asarray(accepted & (size * self.fitted[0] + s.fitted[:, 0] > 0.0) if s.one_sign else accepted)
 
 
 def smallest(ways: Sequence[Way], power: float) -> float:
@@ -175,8 +195,8 @@ def smallest(ways: Sequence[Way], power: float) -> float:
 
     first = ways[0]
     draws = first.shown.draws
-    seen = float(first.fitted @ first.held) / np.count_nonzero(draws.test)
-    low = high = LEAST_FALL * draws.noise.total_rad / float(np.sqrt(max(seen, 1e-300)))
+    seen = max(first.square, 1e-300) / np.count_nonzero(draws.test)
+    low = high = LEAST_FALL * draws.noise.total_rad / float(np.sqrt(seen))
     while beyond(low) > 0.0:
         low *= 0.5
     while beyond(high) < 0.0:
@@ -204,19 +224,19 @@ def shown(columns: Floats, draws: Draws, candidates: int, one_sign: bool = False
     return Shown(
         unit,
         draws,
-        np.linalg.solve(gram, train.T @ draws.errors[:, ~test].T).T,
-        draws.errors[:, test] @ held,
+        np.linalg.solve(gram, train.T @ draws.trained).T,
+        (held.T @ draws.held_out).T,
         held.T @ held,
         tested,
         np.asarray(np.linalg.pinv(covariance, rcond=1e-12, hermitian=True), dtype=np.float64),
         float(f_distribution.isf(ALPHA / candidates, k, freedom)) * k * (SECTORS - 1) / freedom,
         one_sign,
+        length,
     )
 
 
-def at_worst(columns: Floats) -> Floats:
-    """Change (n,) by one unit of the size of an effect with these derivatives (n, k), at the phase that shows least in
-    the whole run."""
+def worst_phase(columns: Floats) -> Floats:
+    """Sizes (k,) of length 1 with which an effect with these derivatives (n, k) shows least in the whole run."""
     if columns.shape[1] == 1:
-        return np.asarray(columns[:, 0])
-    return np.asarray(columns @ np.linalg.svd(columns, full_matrices=False)[2][-1])
+        return np.ones(1)
+    return np.asarray(np.linalg.svd(columns, full_matrices=False)[2][-1])

@@ -17,7 +17,7 @@ from mbcdm_cad.identification.fit import Fit
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.identification.planned import planned_fitter, without_offsets
-from mbcdm_cad.identification.power import at_worst
+from mbcdm_cad.identification.power import worst_phase
 from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
@@ -134,7 +134,7 @@ def test_a_wave_counts_at_the_phase_that_shows_least() -> None:
         phase: float(np.sqrt(np.mean((columns @ [np.cos(phase), np.sin(phase)]) ** 2)))
         for phase in np.linspace(0.0, np.pi, 721)
     }
-    counted = float(np.sqrt(np.mean(at_worst(columns) ** 2)))
+    counted = float(np.sqrt(np.mean((columns @ worst_phase(columns)) ** 2)))
     print(f"least {min(whole.values()):.5f}, most {max(whole.values()):.5f}, counted {counted:.5f}")
     assert counted == pytest.approx(min(whole.values()), rel=1e-3)
 
