@@ -81,7 +81,7 @@ def test_without_torque_what_hangs_on_load_is_not_offered() -> None:
 
 def test_a_size_that_no_part_can_have_is_not_promised() -> None:
     run = replace(bench(), load_Nm=None)
-    loud = replace(plan_of(DRIVE, run).noise, total_rad=1e3)
+    loud = replace(plan_of(DRIVE, run).noise, total_rad=1e5, white_rad=1e5)
     plan = plan_of(DRIVE, run, loud)
     assert {one.smallest for one in plan.effects} == {None}, plan.text()
     assert "this run cannot show it" in plan.text()
