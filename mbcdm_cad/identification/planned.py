@@ -146,7 +146,9 @@ class PlannedEffects:
             high = min(high + STEP, most)
         while beyond(low) <= 0.0:
             low -= STEP
-        return float(np.exp(brentq(beyond, low, high, xtol=SETTLED)))
+        found = float(brentq(beyond, low, high, xtol=SETTLED))
+        # Between a size that shows too little and one with which a cable is slack there need not be one that is enough.
+        return float(np.exp(found)) if abs(beyond(found)) < STEP else np.inf
 
     def _bent(self, one: Tried) -> bool:
         """Whether an effect has one size and strains the cables. A play at an input has no slope: it is taken as it
