@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.design.loaded import LoadedDesign
     from mbcdm_cad.identification.judge import LoopReport
-    from mbcdm_cad.measurement.reading import MeasurementFile, Reading
+    from mbcdm_cad.measurement.file import MeasurementFile
+    from mbcdm_cad.measurement.reading import Reading
     from mbcdm_cad.measurement.run import Run
     from mbcdm_cad.report.analysis_report import AnalysisReport
     from mbcdm_cad.report.build_report import BuildReport
@@ -223,7 +224,8 @@ def size_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = Fa
 
 def load_run(path: str | Path) -> MeasuredRun:
     """Read a measurement file (YAML) and its data. Raises ``InputError`` with file, line and remedy."""
-    from mbcdm_cad.measurement.reading import load_file, read_run
+    from mbcdm_cad.measurement.file import load_file
+    from mbcdm_cad.measurement.reading import read_run
 
     file = load_file(path)
     return MeasuredRun(file, read_run(file))
@@ -235,7 +237,7 @@ def close_loop(design: DriveDesign, runs: MeasuredRun | str | Path | Iterable[Me
     ``runs``: runs or paths of measurement files. Raises ``InputError`` with all mistakes in them.
     """
     from mbcdm_cad.identification.judge import judge
-    from mbcdm_cad.measurement.reading import load_file
+    from mbcdm_cad.measurement.file import load_file
 
     listed = [runs] if isinstance(runs, MeasuredRun | str | Path) else list(runs)
     files = [one.file if isinstance(one, MeasuredRun) else load_file(one) for one in listed]

@@ -17,7 +17,7 @@ from mbcdm_cad.errors import InputError, Problem
 from mbcdm_cad.identification.as_built import applied_words, as_built_text
 from mbcdm_cad.identification.correction_files import correction_files, correction_words
 from mbcdm_cad.identification.judge import drive_of, json_bytes, judge
-from mbcdm_cad.measurement.reading import MeasurementFile, load_file
+from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.storage.files import write_whole
 
 REPORT_PAGE, REPORT_JSON = REPORT_FILES = ("report.html", "result.json")

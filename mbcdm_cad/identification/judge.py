@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.design.loaded import LoadedDesign
     from mbcdm_cad.identification.result import LoopResult
-    from mbcdm_cad.measurement.reading import MeasurementFile
+    from mbcdm_cad.measurement.file import MeasurementFile
 
 
 @dataclass(frozen=True, eq=False)

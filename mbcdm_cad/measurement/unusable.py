@@ -12,7 +12,7 @@ from mbcdm_cad.measurement.datafile import DataTable
 from mbcdm_cad.measurement.run import Run
 
 if TYPE_CHECKING:
-    from mbcdm_cad.measurement.reading import MeasurementFile
+    from mbcdm_cad.measurement.file import MeasurementFile
 
 # Fewer samples than this cannot contain the sweeps that any statement needs.
 FEWEST_SAMPLES = 100

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.measurement.reading import MeasurementFile, read_run
+from mbcdm_cad.measurement.file import MeasurementFile
+from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
 

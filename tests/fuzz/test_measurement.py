@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.measurement.reading import load_file, load_measurement
+from mbcdm_cad.measurement.file import load_file
+from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.unusable import FEWEST_SAMPLES
 from mbcdm_cad.measurement.vet import vet
 

@@ -16,7 +16,7 @@ from logger_samples import Write, table
 from sound_runs import DRIVE, SENSORS, sound_run
 
 from mbcdm_cad.cli import run as mbcdm
-from mbcdm_cad.measurement.reading import load_file
+from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.vetted import vetted_runs, vetting_lines
 
 DESIGN = str(Path(__file__).parents[3] / "params" / "mbcdm.yaml")

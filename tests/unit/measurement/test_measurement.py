@@ -11,7 +11,8 @@ from logger_samples import RATIO, Write, mapping, signals, table
 
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement import datafile
-from mbcdm_cad.measurement.reading import load_file, load_measurement, read_run
+from mbcdm_cad.measurement.file import load_file
+from mbcdm_cad.measurement.reading import load_measurement, read_run
 from mbcdm_cad.rig.reading import read_experiment
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.measurement.reading import load_file
+from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reference import measurement_page
 from mbcdm_cad.measurement.schema import Measurement, json_schema, node_at
 

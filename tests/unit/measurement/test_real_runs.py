@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.measurement.reading import load_file, read_run
+from mbcdm_cad.measurement.file import load_file
+from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import refusals, vet
 

@@ -13,7 +13,8 @@ import pytest
 from mbcdm_cad.cli import run
 from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.measurement.reading import load_file, read_run
+from mbcdm_cad.measurement.file import load_file
+from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.paper.published import Candidate, Judged, PublishedResult, judge_published

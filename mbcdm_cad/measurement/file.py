@@ -1,0 +1,177 @@
+"""A measurement file that fits its schema and the rules between its fields."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.fieldpath import FieldPath, dotted
+from mbcdm_cad.design.problems import schema_problems
+from mbcdm_cad.design.source import read_text
+from mbcdm_cad.errors import InputError, Problem, did_you_mean, shortened
+from mbcdm_cad.measurement.schema import Column, Columns, Measurement, is_column, node_at
+from mbcdm_cad.measurement.units import COUNTS, ENCODERS, FORCE, LOAD, kind_of, known_units, unit_of
+
+_KIND = ("measurement file", "; docs/measurement-file.md shows how one is written")
+
+
+@dataclass(frozen=True)
+class MeasurementFile:
+    """A measurement file that fits its schema, and the lines of its fields."""
+
+    path: Path
+    content: Measurement
+    tree: yamltree.Tree
+
+    @property
+    def asked(self) -> dict[str, Column]:
+        """The columns given, in the order in which the table holds them."""
+        return self.content.columns.given() if self.content.columns is not None else {}
+
+    def problem(self, field: FieldPath, what: str, value: str = "", limit: str = "", *, remedy: str) -> Problem:
+        """A problem with one field."""
+        return Problem(str(self.path), self.tree.line_of(field), dotted(field), what, value, limit, remedy)
+
+
+def load_file(path: str | Path) -> MeasurementFile:
+    """The measurement file without its data. Raises InputError."""
+    path = Path(path)
+    text = read_text(path, *_KIND)
+    if not _has_fields(text):
+        remedy = "give the YAML file that says which column of the data is what" + _KIND[1]
+        raise InputError([Problem(str(path), 1, "", "no measurement file: it has no fields", remedy=remedy)])
+    tree = yamltree.parse(text, str(path), *_KIND)
+    strange = _strange_columns(path, tree)
+    try:
+        content = Measurement.model_validate(tree.data)
+    except ValidationError as error:
+        said = {problem.field for problem in strange}
+        found = [p for p in schema_problems(error, tree, str(path), node_at) if _top(p.field) not in said]
+        raise InputError(sorted([*strange, *found], key=lambda problem: problem.line)) from None
+    file = MeasurementFile(path, content, tree)
+    problems = strange or _broken_rules(file)
+    if problems:
+        raise InputError(problems)
+    return file
+
+
+def _has_fields(text: str) -> bool:
+    """Whether the text has fields; False for a logger's file given in place of its measurement file."""
+    signs = ("#", "%", "---")
+    first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(signs)), "")
+    return ":" in first or first.lstrip().startswith("{") or not first
+
+
+def _strange_columns(path: Path, tree: yamltree.Tree) -> list[Problem]:
+    """Columns that are neither a quantity nor an input."""
+    columns = tree.data.get("columns") if isinstance(tree.data, dict) else None
+    strange = [key for key in columns if not is_column(str(key))] if isinstance(columns, dict) else []
+    known = [*Columns.model_fields, "input_<name of an input of the design>"]
+    return [
+        Problem(
+            str(path),
+            tree.line_of(("columns", key)),
+            dotted(("columns", key)),
+            "unknown field",
+            remedy=did_you_mean(str(key), known),
+        )
+        for key in strange
+    ]
+
+
+def _top(field: str) -> str:
+    """The column that a field is of."""
+    return ".".join(field.split(".")[:2])
+
+
+def _broken_rules(file: MeasurementFile) -> list[Problem]:
+    """Problems that concern several fields together."""
+    content = file.content
+    if content.published is not None:
+        extra = [key for key in ("data", "columns", "ratio") if getattr(content, key) is not None]
+        remedy = "keep one of the two: a run, or published figures"
+        problems = [file.problem((key,), "given beside published", remedy=remedy) for key in extra]
+        for index, item in enumerate(content.published):
+            if unit_of(item.quantity, item.unit) is None:
+                remedy = did_you_mean(item.unit, known_units(item.quantity))
+                what = f"no unit of {item.quantity}"
+                problems.append(file.problem(("published", index, "unit"), what, shortened(item.unit), remedy=remedy))
+        return problems
+    problems = [
+        file.problem((key,), "missing", remedy=f"add {key}, or published for figures of a paper")
+        for key in ("data", "columns")
+        if getattr(content, key) is None
+    ]
+    if content.columns is None:
+        return problems
+    asked = file.asked
+    named = [key for key in asked if key.startswith("input_")]
+    remedy = "give input for a drive that has one, else input_<name> for each input of the design, or left and right"
+    if "input" in asked and named:
+        problems.append(file.problem(("columns", "input"), f"given beside {named[0]}", remedy=remedy))
+    elif "input" not in asked and (not named or named in (["input_left"], ["input_right"])):
+        problems.append(file.problem(("columns",), "an input is missing", remedy=remedy))
+    for quantity, column in asked.items():
+        where: FieldPath = ("columns", quantity)
+        if column.side == "motor" and kind_of(quantity) != "input":
+            remedy = "leave side out: only an input's encoder can sit before a gearhead"
+            problems.append(file.problem((*where, "side"), f"given for {quantity}", "motor", "drive", remedy=remedy))
+        elif column.side == "motor" and content.ratio is not None:
+            remedy = "leave side out, and give the ratio from the encoder to the output"
+            problems.append(file.problem((*where, "side"), "given beside ratio", "motor", "drive", remedy=remedy))
+        if column.wraps_at is not None and kind_of(quantity) not in ENCODERS:
+            remedy = "leave wraps_at out: only an angle begins again after a turn"
+            value = f"{column.wraps_at:g}"
+            problems.append(file.problem((*where, "wraps_at"), f"given for {quantity}", value, remedy=remedy))
+        problems += _broken_force(file, quantity, column)
+        if _is_force(quantity, column):
+            continue
+        if unit_of(quantity, column.unit, column.counts_per_turn) is None:
+            counts = column.unit.strip() in (COUNTS, "count") and kind_of(quantity) in ENCODERS
+            remedy = "give counts_per_turn too" if counts else did_you_mean(column.unit, known_units(quantity))
+            what = "counts without counts_per_turn" if counts else f"no unit of {quantity}"
+            problems.append(file.problem((*where, "unit"), what, shortened(column.unit), remedy=remedy))
+        elif column.counts_per_turn is not None and column.unit.strip() not in (COUNTS, "count"):
+            remedy = "set unit: counts if the figures are counts, else leave counts_per_turn out"
+            what = "given beside another unit"
+            problems.append(file.problem((*where, "counts_per_turn"), what, column.unit, COUNTS, remedy=remedy))
+        if column.scale == 0.0:
+            problems.append(file.problem((*where, "scale"), "nothing is left", "0", remedy="give the factor"))
+        if isinstance(column.column, int) and column.column < 1:
+            remedy = "count the columns from 1"
+            problems.append(
+                file.problem((*where, "column"), "no column", str(column.column), "1 or more", remedy=remedy)
+            )
+    return problems + _asked_twice(file, asked)
+
+
+def _is_force(quantity: str, column: Column) -> bool:
+    return quantity == LOAD and column.unit.strip() in FORCE
+
+
+def _broken_force(file: MeasurementFile, quantity: str, column: Column) -> list[Problem]:
+    """Problems with the lever arm: a force needs one, other quantities have none."""
+    where: FieldPath = ("columns", quantity)
+    if _is_force(quantity, column) and column.lever_arm_mm is None:
+        remedy = "give lever_arm_mm, the distance from the drum's axis to the line of the force"
+        return [file.problem((*where, "unit"), "a force without its arm", column.unit, "N*m", remedy=remedy)]
+    if column.lever_arm_mm is not None and not _is_force(quantity, column):
+        remedy = "leave it out, or set unit: N if the load cell shows a force"
+        value = f"{column.lever_arm_mm:g}"
+        return [file.problem((*where, "lever_arm_mm"), f"given beside unit {column.unit}", value, remedy=remedy)]
+    return []
+
+
+def _asked_twice(file: MeasurementFile, asked: dict[str, Column]) -> list[Problem]:
+    """Problems with a column used for two quantities; for two inputs only a note, as one alone may be logged."""
+    problems, first = [], dict[str | int, str]()
+    for quantity, column in asked.items():
+        other = first.setdefault(column.column, quantity)
+        if other != quantity and not (other.startswith("input") and quantity.startswith("input")):
+            where: FieldPath = ("columns", quantity, "column")
+            what, remedy = f"the column of {other} too", "give each quantity its own column"
+            problems.append(file.problem(where, what, shortened(column.column), remedy=remedy))
+    return problems
