@@ -95,17 +95,12 @@ class Stand:
         least = np.linalg.eigh(np.cov(waves))[1][:, 0]
         return float(np.arctan2(least[1], least[0]))
 
-    def read(self, effects: tuple[Effect, ...], run: int) -> Callable[[], Run]:
-        """Simulate once; each call logs the same motion with other noise, from number ``run`` on."""
-        drum = self.drum(effects)
-        numbers = iter(range(run, run + 10**6))
-
-        def next_run() -> Run:
-            rng = stream("plan", self.number, f"sensors {next(numbers)}")
-            whole = Simulated(MOTION, self.bench, drum, {}, effects, ("inputs", "output", "torque"))
-            return through_files(logged(whole, self.traits, RATIO, rng), DRIVE.input_names)
-
-        return next_run
+    def read(self, effects: tuple[Effect, ...], name: str) -> Run:
+        """The run as the logger of the bench shows it, with noise of its own for each ``name``. Raises ValueError where
+        the cables of the bench find no balance."""
+        whole = Simulated(MOTION, self.bench, self.drum(effects), {}, effects, ("inputs", "output", "torque"))
+        rng = stream("plan", self.number, f"sensors {name}")
+        return through_files(logged(whole, self.traits, RATIO, rng), DRIVE.input_names)
 
 
 CHAIN = chain_of(DRIVE)
@@ -129,19 +124,28 @@ def judged(number: int, labels: list[str], done: set[tuple[int, str, float]]) ->
     if not wanted:
         return
     one = stand(number)
-    pilot = one.read((), 10_000)()
+    pilot = one.read((), "pilot")
     noise = noise_from(DRIVE, pilot)
     plans = {power: plan_of(DRIVE, pilot, noise, power) for power in POWERS}
     for label, power in wanted:
         seen = next(one for one in plans[power].effects if one.label == label)
-        sign = float(stream("plan", number, f"{label} {power}").choice([-1.0, 1.0]))
-        sign = sign if label in BOTH_SIGNS else 1.0
-        size = (seen.if_positive if sign > 0.0 else seen.if_negative) or seen.smallest
-        assert size is not None, f"the planned motion cannot show {label}"
+        sign = float(stream("plan", number, f"{label} {power}").choice([-1.0, 1.0])) if label in BOTH_SIGNS else 1.0
+        signed = {1.0: seen.if_positive, -1.0: seen.if_negative}
+        if signed[sign] is None and signed[-sign] is not None:
+            sign = -sign
+        size = signed[sign] or seen.smallest
+        if size is None:
+            print(f"left out: bench {number}, {label}: the planned motion cannot show it", file=sys.stderr)
+            continue
         phase = one.worst_phase(EFFECTS[label], size) if label in WAVES else 0.0
         effect = EFFECTS[label](sign * size, phase)
+        try:
+            run = one.read((effect,), f"{label} {power}")
+        except ValueError as error:
+            print(f"left out: bench {number}, {label} of {sign * size:.3g}: {error}", file=sys.stderr)
+            continue
         start = time.process_time()
-        result = close_loop(DRIVE, [one.read((effect,), 0)()]).to_json()
+        result = close_loop(DRIVE, [run]).to_json()
         yield {
             "bench": number,
             "effect": label,
