@@ -77,9 +77,10 @@ def told_from_noise(
 
     ``noise`` is the least standard deviation of the white noise; the actual one is taken from the upper half of the
     spectrum. ``counting`` (n,) is the error that the steps of the encoder cause in such a motion: also noise, but not
-    white. Each frequency is weighted with the share of its power that is not noise (Wiener filter). A frequency is
-    removed if its power is below ``LEAST_POWER`` times that of the noise, above ``FASTEST_HZ`` below ``FAST_POWER``
-    times.
+    white. Each frequency keeps the power that is not noise, since the friction of the cables is eased by the power of
+    the motion: a Wiener filter, which keeps the least square error, keeps too little power, and the drive looks too
+    soft. A frequency is removed if its power is below ``LEAST_POWER`` times that of the noise, above ``FASTEST_HZ``
+    below ``FAST_POWER`` times.
     """
     n = values.size
     spectrum, power, inside = _spectrum(values, step_s)
@@ -91,7 +92,8 @@ def told_from_noise(
     mean = _near_mean(power)
     size = 2 * (power.size - 1)
     least = np.where(np.arange(power.size) > FASTEST_HZ * size * step_s, FAST_POWER, LEAST_POWER)
-    weight = np.where(mean > least * floor, 1.0 - floor / np.maximum(mean, floor.max() * 1e-9 or 1.0), 0.0)
+    signal = np.maximum(1.0 - floor / np.maximum(mean, floor.max() * 1e-9 or 1.0), 0.0)
+    weight = np.where(mean > least * floor, np.sqrt(signal), 0.0)
     kept = irfft(spectrum * weight, size)[inside : inside + n] + float(values.mean())
     highest = np.flatnonzero(weight > 0.0)
     period = size * step_s / max(int(highest[-1]) if highest.size else 1, 1)
