@@ -158,7 +158,7 @@ class PlannedEffects:
     def _shown(self, effect: Effect, columns: Floats) -> Shown | None:
         sizes = _sizes(effect)
         one_sign = len(sizes) == 1 and effect.parameters[sizes[0]].low >= 0.0
-        return shown(columns, self.draws, len(self.offered), one_sign)
+        return shown(columns, self.draws, len(self.offered), one_sign, effect.saturates)
 
     def _change(self, effect: Effect, at: Floats) -> Floats:
         """Change of the prediction by the effect, but for a constant."""

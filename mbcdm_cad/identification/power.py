@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from scipy.signal import lfilter
 from scipy.sparse import csr_array
 from scipy.stats import f as f_distribution
+from scipy.stats import norm
 
 from mbcdm_cad.identification.clusters import jackknifed
 from mbcdm_cad.identification.evidence import ALPHA
@@ -123,9 +124,10 @@ class Shown:
     used samples have length 1.
 
     ``fitted`` (m, k): fitted sizes of the noise alone; ``held`` (m, k), ``gram`` (k, k): products of the columns with
-    the noise and with each other on the half sweeps held back. ``tested`` (m, k), ``weight`` (m, k, k): sizes of the
-    noise alone and inverse covariances in the test of support, ``critical``: its required square. ``one_sign``: a size
-    below zero is impossible. ``length`` (k,): of the columns by one unit of each size.
+    the noise and with each other on the half sweeps held back. ``tested`` (m, k), ``weight`` (m or 1, k, k): sizes of
+    the noise alone and inverse covariances in the test of support, ``critical``: its required square. ``one_sign``: a
+    size below zero is impossible. ``slopeless``: its size has no slope, and the test of support takes its whole change.
+    ``length`` (k,): of the columns by one unit of each size.
     """
 
     unit: Floats
@@ -137,6 +139,7 @@ class Shown:
     weight: Floats
     critical: float
     one_sign: bool
+    slopeless: bool
     length: Floats
 
     @cached_property
@@ -157,6 +160,7 @@ class Shown:
             (np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True) @ (columns.T @ change[~test]))[:k]
             for columns in (train, np.hstack([train, self.draws.nuisances]))
         )
+        tested = fitted if self.slopeless else tested
         held = self.unit[test].T @ change[test]
         linear = 2.0 * (self.held @ fitted + self.fitted @ (held - self.gram @ fitted))
         return Way(self, float(fitted @ (2.0 * held - self.gram @ fitted)), linear, fitted, tested)
@@ -180,7 +184,7 @@ class Way:
         s = self.shown
         fall = size**2 * self.square + size * self.linear + s.noise_fall
         tested = size * self.tested + s.tested
-        square = np.einsum("mi,mij,mj->m", tested, s.weight, tested)
+        square = np.sum((tested[:, None] @ s.weight)[:, 0] * tested, axis=1)
         least = np.count_nonzero(s.draws.test) * (LEAST_FALL * s.draws.noise.total_rad) ** 2
         accepted = (fall >= least) & (square >= s.critical)
         return np.asarray(accepted & (size * self.fitted[0] + s.fitted[:, 0] > 0.0) if s.one_sign else accepted)
@@ -206,10 +210,12 @@ def smallest(ways: Sequence[Way], power: float) -> float:
     return float(np.exp(brentq(lambda x: beyond(float(np.exp(x))), np.log(low), np.log(high), xtol=SIZE_ERROR)))
 
 
-def shown(columns: Floats, draws: Draws, candidates: int, one_sign: bool = False) -> Shown | None:
+def shown(
+    columns: Floats, draws: Draws, candidates: int, one_sign: bool = False, slopeless: bool = False
+) -> Shown | None:
     """From derivatives (n, k) on the used samples, less what offsets explain of them; None if the run shows nothing.
 
-    ``candidates``: effects that are looked at.
+    ``candidates``: effects that are looked at; ``one_sign``, ``slopeless`` as in :class:`Shown`.
     """
     length, test, k = np.linalg.norm(columns, axis=0), draws.test, columns.shape[1]
     if len(columns) < k or not length.all():
@@ -219,18 +225,26 @@ def shown(columns: Floats, draws: Draws, candidates: int, one_sign: bool = False
     gram = train.T @ train
     if np.linalg.matrix_rank(gram, hermitian=True) < k:
         return None
-    tested, covariance = draws.tested(unit)
-    freedom = SECTORS - k
+    fitted = np.linalg.solve(gram, train.T @ draws.trained).T
+    if slopeless:
+        noise = draws.noise
+        lasting = 1.0 + 2.0 * noise.memory_s / draws.p.step_s
+        tested, covariance = fitted, np.full((1, 1, 1), noise.white_rad**2 + lasting * noise.coloured_rad**2)
+        critical = (2.0 * float(norm.isf(ALPHA / candidates))) ** 2
+    else:
+        tested, covariance = draws.tested(unit)
+        critical = float(f_distribution.isf(ALPHA / candidates, k, SECTORS - k)) * k * (SECTORS - 1) / (SECTORS - k)
     return Shown(
         unit,
         draws,
-        np.linalg.solve(gram, train.T @ draws.trained).T,
+        fitted,
         (held.T @ draws.held_out).T,
         held.T @ held,
         tested,
         np.asarray(np.linalg.pinv(covariance, rcond=1e-12, hermitian=True), dtype=np.float64),
-        float(f_distribution.isf(ALPHA / candidates, k, freedom)) * k * (SECTORS - 1) / freedom,
+        critical,
         one_sign,
+        slopeless,
         length,
     )
 
