@@ -115,7 +115,8 @@ def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = P
     ``power`` is the probability with which an effect of the smallest size is to be named.
     """
     fitter = planned_fitter(drive, run)
-    bare = fitter.fit()
+    # Fitted again from where it ended: the slopes by the offsets differ at their bound.
+    bare = fitter.fit(offsets=fitter.fit().offsets, iterations=0)
     effects = PlannedEffects(fitter, bare, noise or _noise_in(fitter, bare))
     return RunPlan(effects.noise, tuple(_foreseen(effects, one, power) for one in effects.tried), power)
 

@@ -18,6 +18,7 @@ from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.power import Draws, Shown, draws_of, shown, smallest, worst_phase
 from mbcdm_cad.identification.prepared import prepare
+from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.errors import ModelError
@@ -83,7 +84,8 @@ class PlannedEffects:
         """The positive and the negative size from which an effect is named with this power, by its name or in a set;
         infinite where the run cannot show it, equal where the sign makes no difference.
 
-        It is in a set if the run accepts another effect in its place that it cannot tell from it.
+        Another effect that the run cannot tell from it at the least size may be accepted in its place: then it is
+        exchanged for the better of the two, or both are in a set.
         """
         if one.shown is None:
             return np.inf, np.inf
@@ -91,11 +93,12 @@ class PlannedEffects:
         start = smallest([one.shown.itself(one.columns @ phase, one.shown.length * phase)], power)
         if not np.isfinite(start):
             return np.inf, np.inf
-        alone = start * one.unit / self.noise.total_rad
         rivals = [
             other.shown
             for other in self.tried
-            if other is not one and other.shown and (other.effect.key == one.effect.key or one.apart(other) > alone)
+            if other is not one
+            and other.shown
+            and (other.effect.key == one.effect.key or one.apart(other) > LEAST_FALL)
         ]
         positive = self._size(one, rivals, power, 1.0, start)
         both = self._bent(one) and one.effect.parameters[one.size_index].low < 0.0
