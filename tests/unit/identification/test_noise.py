@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 
 from mbcdm_cad.identification.noise import Noise, doubt_of, noise_of
 from mbcdm_cad.identification.prepared import Prepared, prepare
@@ -98,6 +99,28 @@ def test_servos_that_track_unlike_are_kept_and_the_noise_is_not(hz: float, rate_
     kept, shortest_s = told_from_noise(motion + noise, 1e-6, 1.0 / rate_hz)
     miss = float(np.sqrt(np.mean((kept - motion)[50:-50] ** 2)))
     assert miss < 0.35 * 9e-5 and shortest_s < 1.0 / hz, (miss, shortest_s)
+
+
+@pytest.mark.parametrize("loud", [1.0, 2.0])
+def test_a_wandering_difference_keeps_its_power(loud: float) -> None:
+    """The power of the motion eases the friction of the cables; the least square error would leave too little of it."""
+    rate_hz, seconds = 50.0, 200.0
+    rng = np.random.default_rng(3)
+    shares, least_square = [], []
+    for _ in range(6):
+        wander = lfilter(*butter(2, [0.1, 1.5], "bandpass", fs=rate_hz), rng.normal(size=int(rate_hz * seconds)))
+        wander *= 1e-4 / np.std(wander)
+        noisy = wander + loud * 1e-4 * rng.normal(size=wander.size)
+        kept, _ = told_from_noise(noisy, 1e-6, 1.0 / rate_hz)
+        shares.append(float(np.var(kept) / np.var(wander)))
+        # Per line the motion is so many times the noise; a Wiener filter keeps the square of its share of the power.
+        over = 1.0 / loud**2 * 0.5 * rate_hz / 1.4
+        least_square.append(over / (1.0 + over))
+    print(
+        f"noise {loud} of the motion: kept {np.mean(shares):.3f} of its power, by least squares {least_square[0]:.3f}"
+    )
+    assert np.mean(shares) == pytest.approx(1.0, abs=0.05)
+    assert np.mean(shares) > np.mean(least_square)
 
 
 def test_what_is_only_noise_is_taken_out() -> None:
