@@ -63,9 +63,13 @@ class Tried:
         """Index of its first size among the parameters."""
         return _sizes(self.effect)[0]
 
+    def likeness(self, other: Tried) -> float:
+        """Cosine of this effect and another, at the phases at which they are most alike."""
+        return min(1.0, float(np.linalg.svd(self.basis.T @ other.basis, compute_uv=False)[0]))
+
     def apart(self, other: Tried) -> float:
         """RMS over the floor from which this effect is separated from another."""
-        alike = min(1.0, float(np.linalg.svd(self.basis.T @ other.basis, compute_uv=False)[0]))
+        alike = self.likeness(other)
         left = max(1.0 - alike, 1e-12)
         least = ALIKE_SHARE / np.sqrt(max(1.0 - alike**2, 1e-12))
         return float(max(np.sqrt(TOLD_STRENGTH / left / self.counted), least))
@@ -84,8 +88,8 @@ class PlannedEffects:
         """The positive and the negative size from which an effect is named with this power, by its name or in a set;
         infinite where the run cannot show it, equal where the sign makes no difference.
 
-        Another effect that the run cannot tell from it at the least size may be accepted in its place: then it is
-        exchanged for the better of the two, or both are in a set.
+        Another effect that differs from it by less than the loop tells apart, at the least size, may be accepted in its
+        place: then it is exchanged for the better of the two, or both are in a set.
         """
         if one.shown is None:
             return np.inf, np.inf
@@ -96,9 +100,7 @@ class PlannedEffects:
         rivals = [
             other.shown
             for other in self.tried
-            if other is not one
-            and other.shown
-            and (other.effect.key == one.effect.key or one.apart(other) > LEAST_FALL)
+            if other is not one and other.shown and np.sqrt(1.0 - one.likeness(other) ** 2) < ALIKE_SHARE / LEAST_FALL
         ]
         positive = self._size(one, rivals, power, 1.0, start)
         both = self._bent(one) and one.effect.parameters[one.size_index].low < 0.0
