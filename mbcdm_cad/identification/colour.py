@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import minimize
 from scipy.signal import lfilter
+from scipy.special import expit, logit
 
 from mbcdm_cad.identification.noise import FEWEST_SWEEPS, Noise, curves
 from mbcdm_cad.identification.setup import Setup
@@ -21,12 +22,14 @@ from mbcdm_cad.routes import Floats
 
 # Samples that the colour is found on.
 MOST_SAMPLES = 8_000
-# Correlation times, s, and shares of the mean square that last, between which the likelihood is searched; and those
-# from the best of which the search begins.
-MEMORY_S, SHARE = (0.02, 5.0), (1e-3, 0.999)
+# Logits of the share of the mean square that lasts, and logarithms of correlation times, s, between which the likelihood
+# is searched; and shares and times from the best of which the search begins.
+BOUNDS = np.array([[logit(1e-3), np.log(0.02)], [logit(0.999), np.log(5.0)]])
 MEMORIES_S, SHARES = (0.05, 0.25, 1.0, 3.0), (0.05, 0.27, 0.73)
 # First corners of the search around its beginning: in the logarithms of share / (1 - share) and of the memory.
 FIRST_STEPS = np.array([[0.0, 0.0], [0.7, 0.0], [0.0, -0.5]])
+# Step of the second differences, least curvature, number of likely colours.
+CURVED, FLATTEST, LIKELY, SEED = 0.3, 0.25, 24, 2
 # A pause between samples this many times as long as the usual step begins a new stretch.
 PAUSE = 3.0
 # Directions of the curves with a smaller share of the largest one's size are none.
@@ -53,12 +56,15 @@ def coloured(noise: Noise, setup: Setup, residual: Floats) -> Noise:
     step = float(np.median(steps))
     starts = np.concatenate([[0], np.flatnonzero(steps > PAUSE * step) + 1, [at.size]])
     rows = np.vstack([basis[:, size > RANK * size[0]].T, y / np.linalg.norm(y)])
-    share, memory = _Likelihood(rows, starts, step).greatest()
+    likelihood = _Likelihood(rows, starts, step)
+    greatest = likelihood.greatest()
+    share, memory = _colour(greatest)
     return replace(
         noise,
         white_rad=noise.total_rad * float(np.sqrt(1.0 - share)),
         coloured_rad=noise.total_rad * float(np.sqrt(share)),
         memory_s=memory,
+        likely=likelihood.likely(greatest),
     )
 
 
@@ -73,18 +79,30 @@ class _Likelihood:
     starts: NDArray[np.int64]
     step_s: float
 
-    def greatest(self) -> tuple[float, float]:
-        """Share of the mean square that lasts, and its memory in s, at which the likelihood is greatest."""
-        bounds = [(_logit(SHARE[0]), _logit(SHARE[1])), (np.log(MEMORY_S[0]), np.log(MEMORY_S[1]))]
-        begins = [np.array([_logit(share), np.log(memory)]) for share in SHARES for memory in MEMORIES_S]
+    def greatest(self) -> Floats:
+        """Where the likelihood is greatest, (2,): logit of the share of the mean square that lasts, log of its
+        memory in s."""
+        begins = [np.array([logit(share), np.log(memory)]) for share in SHARES for memory in MEMORIES_S]
         first = min(begins, key=self._badness)
         options = {"xatol": 0.02, "fatol": 0.02, "initial_simplex": first + FIRST_STEPS}
-        found = minimize(self._badness, first, method="Nelder-Mead", bounds=bounds, options=options).x
-        return float(1.0 / (1.0 + np.exp(-found[0]))), float(np.exp(found[1]))
+        return np.asarray(minimize(self._badness, first, method="Nelder-Mead", bounds=BOUNDS.T, options=options).x)
+
+    def likely(self, greatest: Floats) -> tuple[tuple[float, float], ...]:
+        """Equally likely shares and memories, from the curvature of the likelihood at its maximum (Laplace)."""
+        steps = CURVED * np.eye(2)
+        curved = np.empty((2, 2))
+        for i, one in enumerate(steps):
+            for j, other in enumerate(steps):
+                corners = [self._badness(greatest + a * one + b * other) for a in (1, -1) for b in (1, -1)]
+                curved[i, j] = (corners[0] - corners[1] - corners[2] + corners[3]) / (4.0 * CURVED**2)
+        values, vectors = np.linalg.eigh(0.25 * (curved + curved.T))
+        spread = vectors / np.sqrt(np.maximum(values, FLATTEST))
+        drawn = greatest + np.random.default_rng(SEED).standard_normal((LIKELY, 2)) @ spread.T
+        return tuple(_colour(one) for one in np.clip(drawn, BOUNDS[0], BOUNDS[1]))
 
     def _badness(self, at: Floats) -> float:
         """Twice the negative logarithm of the likelihood, but for a constant, at (logit of the share, log memory)."""
-        white = self._whitened(float(1.0 / (1.0 + np.exp(-at[0]))), float(np.exp(at[1])))
+        white = self._whitened(*_colour(at))
         gram = white @ white.T
         root = np.linalg.cholesky(gram[:-1, :-1])
         known = solve_triangular(root, gram[:-1, -1], lower=True)
@@ -106,8 +124,9 @@ class _Likelihood:
         return np.hstack([lfilter([1.0, -phi], [1.0, -theta], part, axis=1) for part in parts])
 
 
-def _logit(share: float) -> float:
-    return float(np.log(share / (1.0 - share)))
+def _colour(at: Floats) -> tuple[float, float]:
+    """Share and memory in s, from (logit of the share, log memory)."""
+    return float(expit(at[0])), float(np.exp(at[1]))
 
 
 def along(column: Floats, noise: Noise, step_s: float, logged_s: float | None = None) -> float:

@@ -51,6 +51,7 @@ class Noise:
     memory_s: float
     declared_rad: float
     source: str
+    likely: tuple[tuple[float, float], ...] = ()
 
     @property
     def far_above(self) -> bool:

@@ -108,12 +108,16 @@ def draws_of(noise: Noise, p: Prepared, offsets: Floats) -> Draws:
     n = int(p.used.sum())
     rng = np.random.default_rng(SEED)
     m = int(np.clip(MOST_SAMPLES // n, FEWEST_DRAWS, MOST_DRAWS))
-    errors = noise.white_rad * rng.standard_normal((m, n))
-    if noise.memory_s > 0.0:
-        keep = float(np.exp(-p.step_s / noise.memory_s))
-        kicks = np.sqrt(1.0 - keep**2) * rng.standard_normal((m, n))
-        kicks[:, 0] /= np.sqrt(1.0 - keep**2)
-        errors += noise.coloured_rad * lfilter([1.0], [1.0, -keep], kicks, axis=1)
+    errors = rng.standard_normal((m, n))
+    known = ((noise.coloured_rad / noise.total_rad) ** 2, noise.memory_s)
+    colours = noise.likely or (known,)
+    for part, (share, memory) in zip(np.array_split(np.arange(m), len(colours)), colours, strict=True):
+        errors[part] *= noise.total_rad * np.sqrt(1.0 - share)
+        if share > 0.0 and memory > 0.0:
+            keep = float(np.exp(-p.step_s / memory))
+            kicks = np.sqrt(1.0 - keep**2) * rng.standard_normal((part.size, n))
+            kicks[:, 0] /= np.sqrt(1.0 - keep**2)
+            errors[part] += noise.total_rad * np.sqrt(share) * lfilter([1.0], [1.0, -keep], kicks, axis=1)
     errors -= errors[:, ~p.test[p.used]].mean(axis=1, keepdims=True)
     return Draws(errors, offsets, noise, p)
 
