@@ -22,8 +22,8 @@ from mbcdm_cad.routes import Floats
 
 # Samples that the colour is found on.
 MOST_SAMPLES = 8_000
-# Logits of the share of the mean square that lasts, and logarithms of correlation times, s, between which the likelihood
-# is searched; and shares and times from the best of which the search begins.
+# Logits of the share of the mean square that lasts, and logarithms of its correlation time, s, between which the
+# likelihood is searched; and shares and times from the best of which the search begins.
 BOUNDS = np.array([[logit(1e-3), np.log(0.02)], [logit(0.999), np.log(5.0)]])
 MEMORIES_S, SHARES = (0.05, 0.25, 1.0, 3.0), (0.05, 0.27, 0.73)
 # First corners of the search around its beginning: in the logarithms of share / (1 - share) and of the memory.

@@ -56,6 +56,22 @@ def test_the_memory_of_the_noise_is_found(memory_s: float) -> None:
         assert np.hypot(noise.white_rad, noise.coloured_rad) == pytest.approx(noise.total_rad), noise
 
 
+def test_the_likely_colours_hold_the_true_one() -> None:
+    p, white, slow, memory_s = run(), 8e-6, 4e-6, 0.4
+    setup = declared(None, RATIO, p)
+    true = slow**2 / (slow**2 + white**2) * memory_s
+    inside, wide = 0, []
+    for seed in range(20):
+        rng = np.random.default_rng(100 + seed)
+        residual = white * rng.normal(size=p.time_s.size) + slow * lasting(p.time_s.size, memory_s, rng)
+        noise = coloured(noise_of([setup], [residual]), setup, residual)
+        low, high = np.quantile([share * memory for share, memory in noise.likely], [0.05, 0.95])
+        inside += low < true < high
+        wide.append(high / low)
+    print(f"inside the middle 90 % in {inside} of 20; its ends are a factor {np.median(wide):.2f} apart")
+    assert inside >= 15 and np.median(wide) < 4.0
+
+
 def test_a_floor_of_declared_steps_is_left_as_it_is() -> None:
     p = run()
     setup = declared(None, RATIO, p)
