@@ -151,12 +151,12 @@ class Shown:
         """Fall of the sum of squares held out by fitting the noise alone, (m,); below zero as a rule."""
         return np.asarray(np.sum(self.fitted * (2.0 * self.held - self.fitted @ self.gram), axis=1))
 
-    def itself(self, change: Floats, added: Floats) -> Way:
+    def itself(self, change: Floats, added: Floats) -> Detection:
         """The effect fitted to its own ``change`` (n,) by one unit of size, which adds ``added`` (k,) to its sizes."""
         there = change[self.draws.test]
-        return Way(self, float(there @ there), 2.0 * there @ self.draws.held_out, added, added)
+        return Detection(self, float(there @ there), 2.0 * there @ self.draws.held_out, added, added)
 
-    def in_place(self, change: Floats) -> Way:
+    def in_place(self, change: Floats) -> Detection:
         """The effect fitted in the place of another that makes this ``change`` (n,) by one unit of its size."""
         test, k = self.draws.test, self.unit.shape[1]
         train = self.unit[~test]
@@ -167,11 +167,11 @@ class Shown:
         tested = fitted if self.slopeless else tested
         held = self.unit[test].T @ change[test]
         linear = 2.0 * (self.held @ fitted + self.fitted @ (held - self.gram @ fitted))
-        return Way(self, float(fitted @ (2.0 * held - self.gram @ fitted)), linear, fitted, tested)
+        return Detection(self, float(fitted @ (2.0 * held - self.gram @ fitted)), linear, fitted, tested)
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class Detection:
     """One way to find an effect of any size: what is ``shown`` of the effect that is fitted, the parts of the fall of
     the sum of squares held out that go with the square of the size and, (m,), with the size, and what one unit of it
     adds to the ``fitted`` and ``tested`` sizes, (k,)."""
@@ -194,7 +194,7 @@ class Way:
         return np.asarray(accepted & (size * self.fitted[0] + s.fitted[:, 0] > 0.0) if s.one_sign else accepted)
 
 
-def smallest(ways: Sequence[Way], power: float) -> float:
+def smallest(ways: Sequence[Detection], power: float) -> float:
     """Size with which the first of ``ways``, or one of the others in its place, is accepted with this power; infinite
     if there is none."""
 
