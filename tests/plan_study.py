@@ -198,9 +198,10 @@ def page(rows: list[dict[str, Any]]) -> str:
             textwrap.fill(
                 "On each bench a pilot run without an effect gives the noise (`mbcdm plan --noise-from`). The plan "
                 "gives, for each effect, the size that is found with a probability of 0.5 and of 0.9 (`mbcdm plan` "
-                "prints the size for 0.9). Runs with that size go to the loop. *Found*: the effect is named, or a "
-                "member of a set that the data cannot separate. The aim is a found share within 10 percentage points "
-                "of the promised one.",
+                "prints the size for 0.9). Runs with that size go to the loop. A wave has the phase that shows least "
+                "on the bench; an effect that may have either sign has one drawn at random, with the size of that "
+                "sign. *Found*: the effect is named, or a member of a set that the data cannot separate. The aim is a "
+                "found share within 10 percentage points of the promised one.",
                 WIDTH,
             ),
             "",
