@@ -137,23 +137,8 @@ def along(column: Floats, noise: Noise, step_s: float, logged_s: float | None = 
     """
     square = float(column @ column)
     white = noise.white_rad**2 * (1.0 if logged_s is None else logged_s / step_s)
-    if square == 0.0:
+    if noise.memory_s == 0.0 or square == 0.0:
         return float((white + noise.coloured_rad**2) / noise.total_rad**2)
-    lasting = float(lasting_square(column, noise, step_s, np.zeros(1, dtype=np.int64))[0]) / square
+    summed = lfilter([1.0], [1.0, -np.exp(-step_s / noise.memory_s)], column)
+    lasting = max(2.0 * float(column @ summed) / square - 1.0, 0.0)
     return float((white + noise.coloured_rad**2 * lasting) / noise.total_rad**2)
-
-
-def lasting_square(column: Floats, noise: Noise, step_s: float, starts: NDArray[np.int64]) -> Floats:
-    """Variance of the slow part of the noise, for one of RMS 1, along each stretch of a column (n,) that begins at one
-    of ``starts``."""
-    square = np.add.reduceat(column**2, starts)
-    if noise.memory_s == 0.0:
-        return np.asarray(square)
-    keep = float(np.exp(-step_s / noise.memory_s))
-    summed = lfilter([1.0], [1.0, -keep], column)
-    # What the sums at the beginning of a stretch hold of the stretches before fades on.
-    brought = np.concatenate([[0.0], summed[starts[1:] - 1]])
-    count = np.diff(np.append(starts, column.size))
-    since = np.arange(column.size) - np.repeat(starts, count) + 1
-    summed = summed - np.repeat(brought, count) * keep**since
-    return np.asarray(np.maximum(2.0 * np.add.reduceat(column * summed, starts) - square, 0.0))

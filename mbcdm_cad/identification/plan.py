@@ -2,7 +2,8 @@
 
 The same Jacobians as in the loop, on the planned motion and load. An effect is named if it lowers the error of held-out
 half sweeps by ``LEAST_FALL`` of the noise and is supported by all sweeps and sectors; two effects are separated if the
-part of one that the other cannot imitate is above the noise. Linear in the sizes, so valid for small effects.
+part of one that the other cannot imitate is above the noise. Effects of one size that strain the cables are taken at
+their size; all else, the rivals too, is linear in the sizes, so valid for small effects.
 """
 
 from __future__ import annotations

@@ -150,6 +150,8 @@ class PlannedEffects:
                 return np.inf
             high = min(high + STEP, most)
         while beyond(low) <= 0.0:
+            if low < np.log(start) - FAR:  # a cable is slack however small the effect is
+                return np.inf
             low -= STEP
         found = float(brentq(beyond, low, high, xtol=SETTLED))
         # Between a size that shows too little and one with which a cable is slack there need not be one that is enough.
