@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.identification.lines import strongest_orders
 from mbcdm_cad.identification.prepared import Prepared
+from mbcdm_cad.identification.quiet import SignalNoise
 from mbcdm_cad.identification.setup import Setup
 from mbcdm_cad.measurement.sweeps import smoothed
 from mbcdm_cad.routes import Floats
@@ -42,7 +43,9 @@ class Noise:
 
     ``total_rad`` is the floor in use; ``white_rad`` and ``coloured_rad`` its parts (quadratic sum), ``memory_s`` the
     correlation time of the coloured part, ``declared_rad`` the noise from the sensors' declared steps alone, 0 where
-    they are not given. ``source`` says how it was found.
+    they are not given. ``source`` says how it was found. For planning runs: ``likely``, equally likely shares of the
+    mean square that last, with their correlation times, and ``signals``, the noise of the signals that drive the
+    friction.
     """
 
     total_rad: float
@@ -52,6 +55,7 @@ class Noise:
     declared_rad: float
     source: str
     likely: tuple[tuple[float, float], ...] = ()
+    signals: SignalNoise | None = None
 
     @property
     def far_above(self) -> bool:

@@ -8,7 +8,7 @@ their size; all else, the rivals too, is linear in the sizes, so valid for small
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.noise import Noise, noise_of
 from mbcdm_cad.identification.planned import PlannedEffects, Tried, planned_fitter
+from mbcdm_cad.identification.quiet import signal_noise
 from mbcdm_cad.identification.result import readable
 from mbcdm_cad.measurement.run import Run
 
@@ -106,8 +107,9 @@ def noise_from(drive: Drive, run: Run) -> Noise:
 
 
 def _noise_in(fitter: Fitter, bare: Fit) -> Noise:
-    """The floor as the loop has it, and its colour."""
-    return coloured(noise_of(fitter.base, [bare.residual]), fitter.base[0], bare.residual)
+    """The floor as the loop has it, its colour, and the noise of the signals that drive the friction."""
+    noise = coloured(noise_of(fitter.base, [bare.residual]), fitter.base[0], bare.residual)
+    return replace(noise, signals=signal_noise(fitter.runs[0].run))
 
 
 def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:

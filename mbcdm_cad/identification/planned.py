@@ -15,6 +15,7 @@ from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.exchange import ALIKE_SHARE
 from mbcdm_cad.identification.fit import DIFFERENCE, Fit, Fitter
+from mbcdm_cad.identification.friction_errors import friction_errors
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.power import Draws, Shown, draws_of, shown, smallest, worst_phase
 from mbcdm_cad.identification.prepared import prepare
@@ -80,7 +81,8 @@ class PlannedEffects:
 
     def __init__(self, fitter: Fitter, bare: Fit, noise: Noise) -> None:
         self.fitter, self.bare, self.noise = fitter, bare, noise
-        self.draws: Draws = draws_of(noise, fitter.runs[0], bare.jacobian[fitter.used])
+        moved = None if noise.signals is None else friction_errors(fitter, bare, noise.signals)
+        self.draws: Draws = draws_of(noise, fitter.runs[0], bare.jacobian[fitter.used], moved)
         self.offered = [effect for effect in library(fitter.d, fitter.runs[0]) if not effect.inside]
         self.tried = [found for effect in self.offered for found in self._tried(effect)]
 

@@ -103,8 +103,9 @@ class Draws:
         return np.asarray((self._cells.multiply(column[None]).tocsr() @ self.trained).T)
 
 
-def draws_of(noise: Noise, p: Prepared, offsets: Floats) -> Draws:
-    """Draws of the noise on the used samples; ``offsets`` as in :class:`Draws`."""
+def draws_of(noise: Noise, p: Prepared, offsets: Floats, moved: Floats | None = None) -> Draws:
+    """Draws of the noise on the used samples; ``offsets`` as in :class:`Draws`, ``moved`` (k, n): errors of the
+    prediction, equally likely, which are added to the draws in turn."""
     n = int(p.used.sum())
     rng = np.random.default_rng(SEED)
     m = int(np.clip(MOST_SAMPLES // n, FEWEST_DRAWS, MOST_DRAWS))
@@ -118,6 +119,8 @@ def draws_of(noise: Noise, p: Prepared, offsets: Floats) -> Draws:
             kicks = np.sqrt(1.0 - keep**2) * rng.standard_normal((part.size, n))
             kicks[:, 0] /= np.sqrt(1.0 - keep**2)
             errors[part] += noise.total_rad * np.sqrt(share) * lfilter([1.0], [1.0, -keep], kicks, axis=1)
+    if moved is not None and len(moved):
+        errors += moved[rng.permutation(m) % len(moved)]
     errors -= errors[:, ~p.test[p.used]].mean(axis=1, keepdims=True)
     return Draws(errors, offsets, noise, p)
 

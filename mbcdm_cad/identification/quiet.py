@@ -6,6 +6,8 @@ Every window follows from the data.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,7 @@ from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
 
 # Longest window of the load's smoothing, s; the window in use follows from the data.
-LONGEST_LOAD_S = 1.3
+LONGEST_LOAD_S = 2.6
 # The difference of the inputs is separated from noise by its spectrum: power, over that of the noise, that is kept;
 # share of a frequency over which the spectrum is averaged, and least number of its lines; time added before and after.
 LEAST_POWER = 1.6
@@ -33,11 +35,21 @@ COUNTING_WINDOW_S = 0.2
 # The speed is computed over the shortest window that leaves noise of this share of its RMS, between these limits in s.
 SPEED_NOISE_SHARE = 0.01
 LONGEST_SPEED_S = 1.0
-# The narrowest mean is over so many samples; means differ if they are so many standard errors apart.
+# The narrowest mean is over so many samples; half the width of a confidence interval, standard errors.
 NARROWEST = 5
-APART_ERRORS = 2.5
-# Where mean and load differ by so many standard errors of one sample, the load is on a flank, and the sample is used.
+APART_ERRORS = 1.5
+# Where smoothed and measured load differ by so many standard errors of one sample, the load is on a flank, and the
+# sample is used.
 FLANK_ERRORS = 5.0
+
+
+@dataclass(frozen=True)
+class SignalNoise:
+    """White noise of the signals that drive the friction, standard deviations: of each input's difference from their
+    mean, rad, and of the load, Nm; 0 where the run has no such signal."""
+
+    difference_rad: tuple[float, ...]
+    load_Nm: float
 
 
 def noise_of_signal(values: Floats) -> float:
@@ -46,28 +58,40 @@ def noise_of_signal(values: Floats) -> float:
     return 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / math.sqrt(6.0)
 
 
-def adaptive_mean(values: Floats, noise: float, longest: int) -> tuple[Floats, NDArray[np.int64]]:
-    """A signal (n,) without noise of that standard deviation: its mean over the samples in which it is steady.
+def locally_fitted(values: Floats, noise: float, longest: int) -> tuple[Floats, NDArray[np.int64]]:
+    """A signal (n,) without white noise of that standard deviation, and the width of the window used at each sample.
 
-    At each sample the window is widened while the confidence interval of the mean intersects those of all narrower
-    windows (intersection of confidence intervals, after Lepski), up to ``longest`` samples. Returns also the width
-    chosen at each sample.
+    At each sample the mean over a window before, after or around it is taken, or a line (before, after) or parabola
+    (around) that is made of the means over two windows. Of each kind the window is widened while its confidence
+    interval intersects those of all narrower ones (intersection of confidence intervals: O. V. Lepski; windows to one
+    side, which keep a step: V. Katkovnik, IEEE Trans. Signal Process. 47 (1999)), up to ``longest`` samples. The value
+    of least variance is used.
     """
-    chosen = low = high = np.empty(0)
-    alive = np.ones(values.size, dtype=np.bool_)
-    width, widths = NARROWEST, np.full(values.size, NARROWEST)
-    while width <= max(longest, NARROWEST):
-        mean = uniform_filter1d(values, width, mode="nearest")
-        reach = APART_ERRORS * noise / math.sqrt(width)
-        if width == NARROWEST:
-            chosen, low, high = mean, mean - reach, mean + reach
-        else:
-            low, high = np.maximum(low, mean - reach), np.minimum(high, mean + reach)
-            alive &= low <= high
-            chosen = np.where(alive, mean, chosen)
-            widths[alive] = width
-        width = 2 * width - 1
-    return np.asarray(uniform_filter1d(chosen, NARROWEST, mode="nearest")), widths
+    widths = [NARROWEST]
+    while 2 * widths[-1] - 1 <= longest:
+        widths.append(2 * widths[-1] - 1)
+    fitted, chosen = values.copy(), np.zeros(values.size, dtype=np.int64)
+    least = np.full(values.size, np.inf)
+    for side in (0, -1, 1):
+        # The moment by which the mean of a bent or, to one side, a sloping signal is wrong.
+        moments = [(w**2 - 1.0) / 12.0 if side == 0 else (w - 1.0) / 2.0 for w in widths]
+        means = [uniform_filter1d(values, w, mode="reflect", origin=-side * (w // 2)) for w in widths]
+        straight, bent = [(mean, 1.0 / w) for mean, w in zip(means, widths, strict=True)], []
+        for (narrow, wide), (few, many), (before, after) in zip(
+            pairwise(means), pairwise(widths), pairwise(moments), strict=True
+        ):
+            share = after / (after - before)
+            variance = share**2 / few + (1.0 - share) ** 2 / many + 2.0 * share * (1.0 - share) / many
+            bent.append((share * narrow + (1.0 - share) * wide, variance))
+        for kind, sizes in ((straight, widths), (bent, widths[1:])):
+            low, high = np.full(values.size, -np.inf), np.full(values.size, np.inf)
+            for (value, variance), width in zip(kind, sizes, strict=True):
+                reach = APART_ERRORS * noise * math.sqrt(variance)
+                np.maximum(low, value - reach, out=low)
+                np.minimum(high, value + reach, out=high)
+                better = (low <= high) & (variance < least)
+                fitted[better], chosen[better], least[better] = value[better], width, variance
+    return fitted, chosen
 
 
 def told_from_noise(
@@ -160,16 +184,27 @@ def slow_difference(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
 def quiet_load(run: Run, factor: float = 1.0) -> tuple[Floats, float]:
     """Load without the sensor's noise, (n,), and the window used, s.
 
-    Noise in the load drives the friction of the model and makes the drive look too soft. A mean longer than a flank
-    misses the extreme loads, so a flank of a few samples is left as it was measured. ``factor`` scales the noise that
-    is assumed.
+    Noise in the load drives the friction of the model and makes the drive look too soft. A flank of a few samples is
+    left as it was measured. ``factor`` scales the noise that is assumed.
     """
     load_Nm = run.load_Nm
     assert load_Nm is not None, "a run without a torque column has no load to smooth"
     noise = factor * noise_of_signal(load_Nm)
-    quiet, widths = adaptive_mean(load_Nm, noise, int(LONGEST_LOAD_S / run.step_s))
-    kept = np.where(np.abs(load_Nm - quiet) > FLANK_ERRORS * noise, load_Nm, quiet)
+    quiet, widths = locally_fitted(load_Nm, noise, int(LONGEST_LOAD_S / run.step_s))
+    # Neighbouring values may come from windows of other kinds: their mean is taken, but not across a step.
+    kept = load_Nm
+    for smoother in (quiet, uniform_filter1d(quiet, NARROWEST, mode="reflect")):
+        kept = np.where(np.abs(load_Nm - smoother) > FLANK_ERRORS * noise, kept, smoother)
     return kept, float(np.median(widths)) * run.step_s
+
+
+def signal_noise(run: Run) -> SignalNoise:
+    """The noise of a measured run: what the smoothing removes from the differences, the fast part of the load."""
+    apart = run.input_rad - run.input_rad.mean(axis=0)
+    removed = apart - slow_difference(run)[0]
+    return SignalNoise(
+        tuple(float(np.std(row)) for row in removed), 0.0 if run.load_Nm is None else noise_of_signal(run.load_Nm)
+    )
 
 
 def speed_window_s(run: Run, ratio: float) -> float:
