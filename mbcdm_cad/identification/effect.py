@@ -128,12 +128,6 @@ class Effect:
 Offer = Callable[[DriveSI | None, Prepared], list[Effect]]
 
 
-def sign_of_speed(setup: Setup) -> Floats:
-    """Sense of motion, -1 to 1, with a smooth transition near standstill."""
-    speed = setup.p.speed_rad_s
-    return np.asarray(np.tanh(speed / (0.02 * np.sqrt(np.mean(speed**2)))))
-
-
 def elapsed_s(setup: Setup) -> Floats:
     """Time since the run began."""
     return np.asarray(setup.p.time_s - setup.p.time_s[0])

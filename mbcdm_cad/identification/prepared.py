@@ -22,7 +22,7 @@ from mbcdm_cad.identification.quiet import (
     noise_of_signal,
     quiet_load,
     slow_difference,
-    speed_window_s,
+    speed_window,
 )
 from mbcdm_cad.identification.stretches import Cut, search_cut, whole_cut
 from mbcdm_cad.measurement.run import Run
@@ -38,6 +38,8 @@ COARSE_TURN_RAD = 0.1
 # Simulated samples in one cycle of a ripple that moves the cables.
 IN_A_CYCLE = 10.0
 SECTORS = 8
+# The sense of motion changes where the speed is below this share of its RMS, or below so many times its noise.
+STANDSTILL_SHARE, STANDSTILL_NOISE = 0.005, 2.0
 # Without a measured torque, samples so near a reversal are not used, s: a brake changes sign there at an unknown time.
 FLIP_S = 0.25
 # If these are more than this share of a run, too few others remain, and all samples are used.
@@ -48,6 +50,9 @@ FEWEST_SWEEPS = 3
 # range, the load by this share of its sensor's noise.
 BENT_SHARE = 0.001
 BENT_NOISE = 0.05
+# A play or a friction changes sides within a jump of the load or a reversal: the load and the sense of motion change by
+# at most this share of their range between simulated samples.
+JUMP_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -68,7 +73,8 @@ class Prepared:
     ``sector`` is the angle sector; ``used`` marks samples of known history, ``held`` those held back. ``floor_rad`` is
     the RMS that the sensors alone put into the residual, 0 where the measurement file does not say; ``input_step_rad``
     one step of the inputs; ``few``: too few half sweeps to leave the first one out. ``cut``: which samples of the run
-    these are. ``cycles_a_turn``: order of the fastest ripple of the inputs that the simulated samples must follow.
+    these are. ``standstill_rad_s``: speed below which the sense of motion is not sharp. ``cycles_a_turn``: order of the
+    fastest ripple of the inputs that the simulated samples must follow.
     """
 
     time_s: Floats
@@ -86,6 +92,7 @@ class Prepared:
     step_s: float
     floor_rad: float
     input_step_rad: float
+    standstill_rad_s: float
     held_words: str
     few: bool
     run: Run
@@ -102,6 +109,11 @@ class Prepared:
     def test(self) -> NDArray[np.bool_]:
         """Samples held back."""
         return self.used & self.held
+
+    @cached_property
+    def sense(self) -> Floats:
+        """Sense of motion, -1 to 1, with a smooth transition near standstill, (n,)."""
+        return np.asarray(np.tanh(self.speed_rad_s / self.standstill_rad_s))
 
     @cached_property
     def mean_rad(self) -> Floats:
@@ -125,6 +137,9 @@ class Prepared:
             cycles = np.abs(np.diff(self.common_rad)) * self.cycles_a_turn / (2.0 * np.pi)
             turned = np.maximum(turned, IN_A_CYCLE * cycles)
         passed = np.maximum(turned, np.diff(self.time_s) / COARSEST_S)
+        for values in (self.sense, self.load_Nm):
+            if values is not None and np.ptp(values) > 0.0:
+                passed = np.maximum(passed, np.abs(np.diff(values)) / (JUMP_SHARE * float(np.ptp(values))))
         grid = np.flatnonzero(np.diff(np.floor(np.cumsum(passed)), prepend=-1.0))
         few = np.flatnonzero(self.cut.lead)
         ends = np.append(self.cut.starts[1:], n) - 1
@@ -198,7 +213,7 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
     shaft = smoothed_at(run.input_rad, time, COMMON_WINDOW_S, step)
-    speed_s = speed_window_s(run, ratio)
+    speed_s, speed_noise = speed_window(run, ratio)
     quiet = smoothed(run.input_rad.mean(axis=0) / ratio, speed_s, step)
     speed = smoothed(np.gradient(quiet, smoothed(time, speed_s, step)), speed_s, step)
     apart, apart_s = slow_difference(run)
@@ -243,6 +258,7 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
             cut.stride * step,
             floor,
             input_step,
+            max(STANDSTILL_SHARE * float(np.sqrt(np.mean(speed[at] ** 2))), STANDSTILL_NOISE * speed_noise, 1e-30),
             words,
             few,
             run,

@@ -207,15 +207,17 @@ def signal_noise(run: Run) -> SignalNoise:
     )
 
 
-def speed_window_s(run: Run, ratio: float) -> float:
-    """The shortest window that gives the drum's speed accurately enough from the inputs, s."""
+def speed_window(run: Run, ratio: float) -> tuple[float, float]:
+    """The shortest window that gives the drum's speed accurately enough from the inputs, s, and what noise it leaves,
+    rad/s."""
     mean = run.input_rad.mean(axis=0) / ratio
     noise = max(noise_of_signal(mean), input_step_rad(run) / ratio / math.sqrt(12.0 * run.input_rad.shape[0]))
     swept = np.diff(smoothed(mean, LONGEST_SPEED_S, run.step_s)) / np.diff(run.time_s)
     speed = float(np.sqrt(np.mean(swept**2))) or 1e-12
     # A slope over a window of w seconds at n samples a second has the deviation noise sqrt(12 / (w^3 n)).
     wanted = (12.0 * run.step_s * (noise / (SPEED_NOISE_SHARE * speed)) ** 2) ** (1.0 / 3.0)
-    return float(np.clip(wanted, SPEED_WINDOW_S, LONGEST_SPEED_S))
+    window = float(np.clip(wanted, SPEED_WINDOW_S, LONGEST_SPEED_S))
+    return window, noise * math.sqrt(12.0 * run.step_s / window**3)
 
 
 def input_step_rad(run: Run) -> float:

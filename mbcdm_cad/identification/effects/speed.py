@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from mbcdm_cad.identification.effect import Effect, Parameter, sign_of_speed
+from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.setup import Setup, Simulator
 from mbcdm_cad.model.si import DriveSI
@@ -15,15 +15,15 @@ from mbcdm_cad.routes import Floats
 
 
 def _bearing(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=setup.load + values[0] * sign_of_speed(setup))
+    return replace(setup, load_Nm=setup.load + values[0] * setup.p.sense)
 
 
 def _not_measured(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return replace(setup, load_Nm=values[0] * sign_of_speed(setup))
+    return replace(setup, load_Nm=values[0] * setup.p.sense)
 
 
 def _hysteresis(setup: Setup, values: Floats, _: Simulator) -> Setup:
-    return setup.with_added(-values[0] * sign_of_speed(setup))
+    return setup.with_added(-values[0] * setup.p.sense)
 
 
 def _late(setup: Setup, values: Floats, _: Simulator) -> Setup:
