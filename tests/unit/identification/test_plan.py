@@ -100,7 +100,7 @@ def test_an_offset_explains_no_more_than_its_limit_allows() -> None:
         left[times] = float(np.linalg.norm(without_offsets(fitter, bare, change[:, None], noise)))
     whole = float(np.linalg.norm(fitter.centred(change, fitter.train)[fitter.used]))
     print(f"an offset leaves {left[1.0] / whole:.3f} of a slack cable; if it had no limit, {left[1e4] / whole:.3f}")
-    assert left[1.0] > 0.97 * whole and left[1e4] < 0.75 * whole
+    assert left[1.0] > 0.97 * whole and left[1e4] < 0.92 * whole
 
 
 def test_each_sign_of_a_preload_has_the_size_at_which_it_shows() -> None:
