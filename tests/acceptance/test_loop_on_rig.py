@@ -16,8 +16,7 @@ SLOW = [
     ("preload-one-low-long", "exact"),
     ("eccentric-right-long", "exact"),
     ("ratio-encoder-long", "exact"),
-    # Bearing torque and drag do equally well here: 5.22 and 5.17 urad with the cables simulated on every sample.
-    ("pair-slip-friction", "set"),
+    ("pair-slip-friction", "exact"),
     ("pair-winding-guide", "exact"),
     ("out-wear", "unknown"),
     ("out-strand", "unknown"),
