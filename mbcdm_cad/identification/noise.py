@@ -45,7 +45,7 @@ class Noise:
     correlation time of the coloured part, ``declared_rad`` the noise from the sensors' declared steps alone, 0 where
     they are not given. ``source`` says how it was found. For planning runs: ``likely``, equally likely shares of the
     mean square that last, with their correlation times, and ``signals``, the noise of the signals that drive the
-    friction.
+    friction, None where the planned run shall have its own.
     """
 
     total_rad: float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -19,6 +19,7 @@ from mbcdm_cad.identification.friction_errors import friction_errors
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.power import Draws, Shown, draws_of, shown, smallest, worst_phase
 from mbcdm_cad.identification.prepared import prepare
+from mbcdm_cad.identification.quiet import signal_noise
 from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
@@ -81,8 +82,11 @@ class PlannedEffects:
 
     def __init__(self, fitter: Fitter, bare: Fit, noise: Noise) -> None:
         self.fitter, self.bare, self.noise = fitter, bare, noise
-        moved = None if noise.signals is None else friction_errors(fitter, bare, noise.signals)
-        self.draws: Draws = draws_of(noise, fitter.runs[0], bare.jacobian[fitter.used], moved)
+        p = fitter.runs[0]
+        own, pilot = signal_noise(p.run), noise.signals
+        # A pilot run without a torque sensor says nothing of the noise of one.
+        signals = own if pilot is None else replace(pilot, load_Nm=pilot.load_Nm or own.load_Nm)
+        self.draws: Draws = draws_of(noise, p, bare.jacobian[fitter.used], friction_errors(fitter, bare, signals))
         self.offered = [effect for effect in library(fitter.d, fitter.runs[0]) if not effect.inside]
         self.tried = [found for effect in self.offered for found in self._tried(effect)]
 
