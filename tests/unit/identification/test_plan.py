@@ -18,7 +18,6 @@ from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.identification.planned import planned_fitter, without_offsets
 from mbcdm_cad.identification.power import worst_phase
-from mbcdm_cad.identification.quiet import SignalNoise
 from mbcdm_cad.identification.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
@@ -107,14 +106,12 @@ def test_an_offset_explains_no_more_than_its_limit_allows() -> None:
 def test_each_sign_of_a_preload_has_the_size_at_which_it_shows() -> None:
     """Louder noise asks for changes of the preload so large that the two signs show unlike.
 
-    The noise of the load and of the inputs is left out: it makes a drive look a little too soft, so that one sign has to
-    show more than the other.
+    Noise of the load makes a drive look a little too soft or too stiff, so that one sign has to show more: some 10 %.
     """
     run = bench()
     fitter = planned_fitter(DRIVE, run)
     bare = fitter.fit()
-    without = SignalNoise((0.0, 0.0), 1e-12)
-    noise = Noise(1.5e-5, 1.5e-5, 0.0, 0.0, 4.4e-6, "as the test has it", signals=without)
+    noise = Noise(1.5e-5, 1.5e-5, 0.0, 0.0, 4.4e-6, "as the test has it")
     label = "preload_error (all cables)"
     found = next(one for one in plan_of(DRIVE, run, noise).effects if one.label == label)
     preload = next(one for one in library(fitter.d, fitter.runs[0]) if one.label == label)
@@ -127,7 +124,7 @@ def test_each_sign_of_a_preload_has_the_size_at_which_it_shows() -> None:
         shows[share] = float(np.sqrt(np.mean(left[fitter.test[fitter.used]] ** 2))) / noise.total_rad
     print({f"{share:+.3f}": round(seen, 3) for share, seen in shows.items()})
     up, down, same_size = shows.values()
-    assert up == pytest.approx(down, rel=0.03), shows
+    assert up == pytest.approx(down, rel=0.15), shows
     assert same_size > 1.2 * up, shows
 
 
