@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,31 +66,39 @@ def locally_fitted(values: Floats, noise: float, longest: int) -> tuple[Floats, 
     side, which keep a step: V. Katkovnik, IEEE Trans. Signal Process. 47 (1999)), up to ``longest`` samples. The value
     of least variance is used.
     """
-    widths = [NARROWEST]
-    while 2 * widths[-1] - 1 <= longest:
-        widths.append(2 * widths[-1] - 1)
     fitted, chosen = values.copy(), np.zeros(values.size, dtype=np.int64)
     least = np.full(values.size, np.inf)
     for side in (0, -1, 1):
-        # The moment by which the mean of a bent or, to one side, a sloping signal is wrong.
-        moments = [(w**2 - 1.0) / 12.0 if side == 0 else (w - 1.0) / 2.0 for w in widths]
-        means = [uniform_filter1d(values, w, mode="reflect", origin=-side * (w // 2)) for w in widths]
-        straight, bent = [(mean, 1.0 / w) for mean, w in zip(means, widths, strict=True)], []
-        for (narrow, wide), (few, many), (before, after) in zip(
-            pairwise(means), pairwise(widths), pairwise(moments), strict=True
-        ):
-            share = after / (after - before)
-            variance = share**2 / few + (1.0 - share) ** 2 / many + 2.0 * share * (1.0 - share) / many
-            bent.append((share * narrow + (1.0 - share) * wide, variance))
-        for kind, sizes in ((straight, widths), (bent, widths[1:])):
-            low, high = np.full(values.size, -np.inf), np.full(values.size, np.inf)
-            for (value, variance), width in zip(kind, sizes, strict=True):
-                reach = APART_ERRORS * noise * math.sqrt(variance)
-                np.maximum(low, value - reach, out=low)
-                np.minimum(high, value + reach, out=high)
-                better = (low <= high) & (variance < least)
+        straight, bent = _Agreement(values.size), _Agreement(values.size)
+        width, mean, moment = NARROWEST, np.empty(0), 0.0
+        while width <= max(longest, NARROWEST):
+            few, narrow, before = (width + 1) // 2, mean, moment
+            mean = uniform_filter1d(values, width, mode="reflect", origin=-side * (width // 2))
+            # The moment by which the mean of a bent or, to one side, a sloping signal is wrong.
+            moment = (width**2 - 1.0) / 12.0 if side == 0 else (width - 1.0) / 2.0
+            found = [(straight, mean, 1.0 / width)]
+            if narrow.size:
+                share = moment / (moment - before)
+                variance = share**2 / few + (1.0 - share**2) / width
+                found.append((bent, share * narrow + (1.0 - share) * mean, variance))
+            for kind, value, variance in found:
+                better = kind.narrowed(value, APART_ERRORS * noise * math.sqrt(variance)) & (variance < least)
                 fitted[better], chosen[better], least[better] = value[better], width, variance
+            width = 2 * width - 1
     return fitted, chosen
+
+
+class _Agreement:
+    """The values that agree with all confidence intervals so far, at each of n samples."""
+
+    def __init__(self, n: int) -> None:
+        self.low, self.high = np.full(n, -np.inf), np.full(n, np.inf)
+
+    def narrowed(self, value: Floats, reach: float) -> NDArray[np.bool_]:
+        """Where there still are such values (n,) after one more interval, ``value`` (n,) give or take ``reach``."""
+        np.maximum(self.low, value - reach, out=self.low)
+        np.minimum(self.high, value + reach, out=self.high)
+        return np.asarray(self.low <= self.high)
 
 
 def told_from_noise(
