@@ -20,7 +20,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 from scipy.stats import f as f_distribution
 from scipy.stats import norm
 from scipy.stats import t as t_distribution
@@ -152,14 +151,12 @@ def _solve(grams: Floats, sides: Floats) -> Floats:
 def _jackknife(grams: Floats, sides: Floats, group: NDArray[np.int64], solved: Floats) -> Floats:
     """Covariance from leaving out one group of cells at a time."""
     groups, number = np.unique(group, return_inverse=True)
-    # A long run has ten thousand cells: a full matrix of cells by groups would take most of a GiB.
-    chosen = csr_array((np.ones(number.size), (number, np.arange(number.size))))
-
-    def without(sums: Floats) -> Floats:
-        """Sums over all cells but those of one group, (groups, ...), from (cells, ...)."""
-        return np.asarray(sums.sum(axis=0) - (chosen @ sums.reshape(number.size, -1)).reshape(-1, *sums.shape[1:]))
-
-    moved = _solve(without(grams), np.moveaxis(without(np.moveaxis(sides, -2, 0)), 0, -2)) - solved
+    if groups.size < group.size:
+        chosen = (number == np.arange(groups.size)[:, None]).astype(float)
+        own_grams, own_sides = np.tensordot(chosen, grams, axes=1), chosen @ sides
+    else:  # every cell is a group: a matrix of cells by cells would take 800 MiB for a long run
+        own_grams, own_sides = grams, sides
+    moved = _solve(grams.sum(axis=0) - own_grams, sides.sum(axis=-2)[..., None, :] - own_sides) - solved
     return np.asarray((groups.size - 1) / groups.size * np.swapaxes(moved, -1, -2) @ moved)
 
 
