@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 
 from mbcdm_cad.identification.fit import Fit, Fitter
-from mbcdm_cad.identification.prepared import Prepared
 from mbcdm_cad.identification.quiet import SignalNoise, quiet_load, slow_difference
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.errors import ModelError
@@ -38,7 +37,7 @@ def friction_errors(fitter: Fitter, bare: Fit, noise: SignalNoise) -> Floats:
     still = fitter.predict([], [], bare.offsets)
     rng, found = np.random.default_rng(SEED), []
     for _ in range(int(np.clip(MOST_SAMPLES // p.run.time_s.size, FEWEST_REPEATED, MOST_REPEATED))):
-        again = Fitter(fitter.d, fitter.ratio, [_driven_by(p, _noisy(quiet, noise, rng))], fitter.known)
+        again = Fitter(fitter.d, fitter.ratio, [p.driven_by(_noisy(quiet, noise, rng))], fitter.known)
         try:
             moved = still - again.predict([], [], bare.offsets)
         except ModelError:
@@ -60,10 +59,3 @@ def _noisy(run: Run, noise: SignalNoise, rng: np.random.Generator) -> Run:
     size = np.array(noise.difference_rad)[:, None] / np.maximum(np.std(apart, axis=1, keepdims=True), 1e-30)
     load = None if run.load_Nm is None else run.load_Nm + noise.load_Nm * rng.standard_normal(run.load_Nm.size)
     return replace(run, input_rad=run.input_rad + size * apart, load_Nm=load)
-
-
-def _driven_by(p: Prepared, run: Run) -> Prepared:
-    """The prepared run with the smoothed signals of another run of the same samples."""
-    at = p.cut.index
-    load = None if run.load_Nm is None else quiet_load(run)[0][at]
-    return replace(p, apart_rad=slow_difference(run)[0][:, at], load_Nm=load)

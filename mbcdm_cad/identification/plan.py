@@ -103,13 +103,12 @@ def _words(parameter: str, size: float | None) -> str:
 def noise_from(drive: Drive, run: Run) -> Noise:
     """The noise of a measured run, for planning other runs."""
     fitter = planned_fitter(drive, run)
-    return _noise_in(fitter, fitter.fit())
+    return replace(_noise_in(fitter, fitter.fit()), signals=signal_noise(fitter.runs[0].run))
 
 
 def _noise_in(fitter: Fitter, bare: Fit) -> Noise:
-    """The floor as the loop has it, its colour, and the noise of the signals that drive the friction."""
-    noise = coloured(noise_of(fitter.base, [bare.residual]), fitter.base[0], bare.residual)
-    return replace(noise, signals=signal_noise(fitter.runs[0].run))
+    """The floor as the loop has it, and its colour."""
+    return coloured(noise_of(fitter.base, [bare.residual]), fitter.base[0], bare.residual)
 
 
 def plan_of(drive: Drive, run: Run, noise: Noise | None = None, power: float = POWER) -> RunPlan:

@@ -83,11 +83,11 @@ class PlannedEffects:
     def __init__(self, fitter: Fitter, bare: Fit, noise: Noise) -> None:
         self.fitter, self.bare, self.noise = fitter, bare, noise
         p = fitter.runs[0]
-        own, pilot = signal_noise(p.run), noise.signals
-        # A pilot run without a torque sensor says nothing of the noise of one.
-        signals = own if pilot is None else replace(pilot, load_Nm=pilot.load_Nm or own.load_Nm)
+        signals = noise.signals or signal_noise(p.run)
+        if not signals.load_Nm:  # a pilot run without a torque sensor says nothing of the noise of one
+            signals = replace(signals, load_Nm=signal_noise(p.run).load_Nm)
         self.draws: Draws = draws_of(noise, p, bare.jacobian[fitter.used], friction_errors(fitter, bare, signals))
-        self.offered = [effect for effect in library(fitter.d, fitter.runs[0]) if not effect.inside]
+        self.offered = [effect for effect in library(fitter.d, p) if not effect.inside]
         self.tried = [found for effect in self.offered for found in self._tried(effect)]
 
     def sizes(self, one: Tried, power: float) -> tuple[float, float]:

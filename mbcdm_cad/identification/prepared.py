@@ -189,9 +189,14 @@ class Prepared:
 
     def rewindowed(self, factor: float) -> Prepared:
         """The same samples with other windows on the difference of the inputs and on the load."""
+        return self.driven_by(self.run, factor)
+
+    def driven_by(self, run: Run, factor: float = 1.0) -> Prepared:
+        """The same samples with the smoothed difference of the inputs and load of ``run``, logged at the same times;
+        ``factor`` scales the noise that the smoothing assumes."""
         at = self.cut.index
-        load = None if self.run.load_Nm is None else quiet_load(self.run, factor)[0][at]
-        return replace(self, apart_rad=slow_difference(self.run, factor)[0][:, at], load_Nm=load)
+        load = None if run.load_Nm is None else quiet_load(run, factor)[0][at]
+        return replace(self, apart_rad=slow_difference(run, factor)[0][:, at], load_Nm=load)
 
 
 def _until_straight(at: NDArray[np.int64], values: Floats, most: float) -> NDArray[np.int64]:

@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import lfilter
 
 from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.identification import planned
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.evidence import ALPHA, chance
@@ -103,13 +104,16 @@ def test_an_offset_explains_no_more_than_its_limit_allows() -> None:
     assert left[1.0] > 0.97 * whole and left[1e4] < 0.92 * whole
 
 
-def test_each_sign_of_a_preload_has_the_size_at_which_it_shows() -> None:
+def test_each_sign_of_a_preload_has_the_size_at_which_it_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Louder noise asks for changes of the preload so large that the two signs show unlike.
 
-    Noise of the load makes a drive look a little too soft or too stiff, so that one sign has to show more: some 10 %.
+    Noise of the load makes a drive look a little too soft or too stiff, so that one sign has to show more, some 10 %:
+    it is left out.
     """
     run = bench()
     fitter = planned_fitter(DRIVE, run)
+    without = np.empty((0, int(fitter.used.sum())))
+    monkeypatch.setattr(planned, "friction_errors", lambda *_: without)
     bare = fitter.fit()
     noise = Noise(1.5e-5, 1.5e-5, 0.0, 0.0, 4.4e-6, "as the test has it")
     label = "preload_error (all cables)"
@@ -124,7 +128,7 @@ def test_each_sign_of_a_preload_has_the_size_at_which_it_shows() -> None:
         shows[share] = float(np.sqrt(np.mean(left[fitter.test[fitter.used]] ** 2))) / noise.total_rad
     print({f"{share:+.3f}": round(seen, 3) for share, seen in shows.items()})
     up, down, same_size = shows.values()
-    assert up == pytest.approx(down, rel=0.15), shows
+    assert up == pytest.approx(down, rel=0.03), shows
     assert same_size > 1.2 * up, shows
 
 
