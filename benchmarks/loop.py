@@ -38,7 +38,7 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
     from bench_geometry import chain_of
     from bench_motion import RATE_HZ, Bench, Plan, bench_run, read_sensors
 
-    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.layouts.loader import load_design
 
     drive = load_design(DESIGN).drive
     chain = chain_of(drive)
@@ -69,8 +69,8 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
 
 def loop_once(path: Path) -> dict[str, Any]:
     """Read and close the loop, timed apart."""
-    from mbcdm_cad.configurations.loader import load_design
     from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.layouts.loader import load_design
     from mbcdm_cad.measurement.reading import load_measurement
 
     drive = load_design(DESIGN).drive
@@ -94,7 +94,7 @@ def plain_once(path: Path, effects: str) -> dict[str, Any]:
     from bench_geometry import chain_of, path_of_eccentric
     from scipy.optimize import least_squares
 
-    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.layouts.loader import load_design
     from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.hysteresis import simulate
     from mbcdm_cad.model.si import to_si

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 import mbcdm_cad as mc
-from mbcdm_cad.configurations.loader import load_design, load_text
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many
 from mbcdm_cad.model.hysteresis import simulate

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import capability, hysteresis, stiffness
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.rig import chain

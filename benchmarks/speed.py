@@ -98,8 +98,8 @@ def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
     import cadquery as cq
 
     from mbcdm_cad.build.meshing import kernel_tolerances
-    from mbcdm_cad.configurations.loader import load_design
-    from mbcdm_cad.configurations.registry import configuration_of
+    from mbcdm_cad.layouts.loader import load_design
+    from mbcdm_cad.layouts.registry import configuration_of
 
     drive = load_design(design).drive
     kind = configuration_of(drive)

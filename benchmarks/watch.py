@@ -26,7 +26,7 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
-from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.layouts.loader import load_text
 
 REFERENCE = Path(__file__).parents[1] / "params" / "mbcdm.yaml"
 FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]

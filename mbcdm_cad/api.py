@@ -79,7 +79,7 @@ class DriveDesign:
         An item of a list is named by its index from 0: ``cables__0__preload_N=65.0``. Raises ``InputError`` with the
         same messages as for the edited file.
         """
-        from mbcdm_cad.configurations.changes import with_changes
+        from mbcdm_cad.layouts.changes import with_changes
 
         return DriveDesign(with_changes(self.loaded, {**(changes or {}), **fields}))
 
@@ -184,14 +184,14 @@ class MeasuredRun:
 
 def load(path: str | Path) -> DriveDesign:
     """Read a design file. Raises ``InputError`` with file, line, value, limit and remedy of all mistakes."""
-    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.layouts.loader import load_design
 
     return DriveDesign(load_design(path))
 
 
 def reference_design(name: str = "mbcdm") -> DriveDesign:
     """The reference design of the paper, as ``mbcdm init --reference`` writes it, without a file."""
-    from mbcdm_cad.configurations.loader import load_text, new_design_text
+    from mbcdm_cad.layouts.loader import load_text, new_design_text
 
     return DriveDesign(load_text(new_design_text(name), f"<{name}>"))
 

@@ -32,8 +32,8 @@ from bench_real import DECLARED_FLOOR_RAD, REAL_CASES, simulate_real, truth_of  
 from bench_score import label, outcome_of, said_of, values_of  # noqa: E402
 from bench_separable import separability  # noqa: E402
 
-from mbcdm_cad.configurations.loader import load_design  # noqa: E402
 from mbcdm_cad.design.drive import Drive  # noqa: E402
+from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 # Of 800 runs 200 effect-free, 300 with one effect, 150 with two, 50 with three, and 100 with a cause that has no name.

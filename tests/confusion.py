@@ -30,7 +30,7 @@ from bench_data import CASES, simulate_case, write_case, write_run  # noqa: E402
 from bench_score import Score, label, outcome_of, said_of, values_of  # noqa: E402
 from bench_tables import aims_table, matrix, outcome_table, value_table  # noqa: E402
 
-from mbcdm_cad.configurations.loader import load_design  # noqa: E402
+from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 STORE = ROOT / "out" / "confusion.jsonl"

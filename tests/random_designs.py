@@ -39,16 +39,16 @@ from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
-from mbcdm_cad.configurations.miso_bevel.checks import envelope
-from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES as BEVEL_VOLUMES
-from mbcdm_cad.configurations.miso_spur.checks import room as round_room
-from mbcdm_cad.configurations.miso_spur.support.volume import VOLUMES as ROUND_VOLUMES
-from mbcdm_cad.configurations.registry import configuration_of
-from mbcdm_cad.configurations.siso_bevel.checks import room as bevel_room
-from mbcdm_cad.configurations.siso_bevel.support.volume import VOLUMES as SISO_BEVEL_VOLUMES
-from mbcdm_cad.configurations.siso_spur.checks import room
-from mbcdm_cad.configurations.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.miso_bevel.checks import envelope
+from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES as BEVEL_VOLUMES
+from mbcdm_cad.layouts.miso_spur.checks import room as round_room
+from mbcdm_cad.layouts.miso_spur.support.volume import VOLUMES as ROUND_VOLUMES
+from mbcdm_cad.layouts.registry import configuration_of
+from mbcdm_cad.layouts.siso_bevel.checks import room as bevel_room
+from mbcdm_cad.layouts.siso_bevel.support.volume import VOLUMES as SISO_BEVEL_VOLUMES
+from mbcdm_cad.layouts.siso_spur.checks import room
+from mbcdm_cad.layouts.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.make import make
 from tests.support.workshop import at_rest, forced, forced_parts, workshop

@@ -12,12 +12,12 @@ import yaml
 
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.configurations.check_design import checks_of
-from mbcdm_cad.configurations.loader import load_text
-from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.registry import configuration_of
 
 Data = dict[str, Any]
 PRINTED = {"drum": {"material": "pa12"}, "guide": {"material": "pa12"}, "support": {"material": "pa12"}}

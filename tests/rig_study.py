@@ -61,8 +61,8 @@ def judge(task: tuple[str, int]) -> Row:
     """Simulate one experiment, give it to the loop, compare with the truth."""
     import yaml
 
-    from mbcdm_cad.configurations.loader import load_design
     from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.layouts.loader import load_design
     from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.si import to_si
     from mbcdm_cad.rig.quasistatic.experiment import Experiment

@@ -1,9 +1,9 @@
 """Compare the files that two states of the code write; for moves of code, which must not change any byte of output.
 
-    python tests/same_outputs.py BASE [--designs 10] [--no-build] [--work FOLDER]
+    python tests/same_outputs.py BASE [--designs 10] [--only siso_spur] [--no-build] [--work FOLDER]
 
-Checks out the commit ``BASE`` in another folder, writes the reference design and some random designs that pass BASE's
-checks, and runs check, analyse, build, simulate and loop on each of them with both states. Files and ``--json`` output
+Checks out the commit ``BASE`` in another folder, writes the reference design of each layout and some random designs of
+it that pass BASE's checks, and runs check, analyse, build, simulate and loop on each of them with both states. Files and ``--json`` output
 are compared byte for byte, after hashes of inputs and code and times of day are masked; text for the terminal is not
 compared. Prints each file that differs; exit 1 if any does. ``--work`` keeps the outputs of BASE for the next time.
 """
@@ -21,23 +21,31 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
-# One run with the rope carried along, one with many causes at once; the loop reads what they write.
-EXPERIMENTS = ("winding-short-brake", "pair-left-lines", "dynamic/lash-and-cogging")
-LOOPED = ("winding-short-brake", "pair-left-lines")
+# Runs of each layout, a rope that is carried along and several causes at once among them; the loop reads all but the last.
+EXPERIMENTS = {
+    "miso_bevel": ("winding-short-brake", "pair-left-lines", "dynamic/lash-and-cogging"),
+    "siso_bevel": ("winding-short-brake", "preload-all-low", "dynamic/stick-slip"),
+    "siso_spur": ("siso_spur/input-creep", "preload-all-low", "dynamic/stick-slip"),
+    "miso_spur": ("siso_spur/input-creep", "friction-rope-slick", "dynamic/stick-slip"),
+}
+REFERENCES = {name: f"params/{'mbcdm' if name == 'miso_bevel' else name}.yaml" for name in EXPERIMENTS}
 _HASH = re.compile(rb"[0-9a-f]{64}")
 
 _WRITE_DESIGNS = """
 import sys
 from pathlib import Path
 import yaml
-from random_generator import Passing, passing
-folder, wanted, seed = Path(sys.argv[1]), int(sys.argv[2]), 0
-while wanted:
-    seed += 1
-    found = passing(seed)
-    if isinstance(found, Passing):
-        (folder / f"{found.data['name']}.yaml").write_text(yaml.safe_dump(found.data, sort_keys=False))
-        wanted -= 1
+from random_generator import LAYOUTS, USUAL, Passing, passing
+folder = Path(sys.argv[1])
+for layout, space in (LAYOUTS | {"miso_bevel": USUAL}).items():
+    wanted, seed = int(sys.argv[2]), 0
+    while wanted:
+        seed += 1
+        found = passing(seed, space)
+        if isinstance(found, Passing):
+            found.data["name"] = f"{layout}-{seed}"
+            (folder / f"{layout}-{seed}.yaml").write_text(yaml.safe_dump(found.data, sort_keys=False))
+            wanted -= 1
 """
 
 
@@ -47,9 +55,10 @@ def _environment(tree: Path, cache: Path) -> dict[str, str]:
 
 
 def write_designs(tree: Path, folder: Path, count: int) -> None:
-    """The reference design and ``count`` random ones that pass the checks of ``tree``."""
+    """The reference design of each layout and ``count`` random ones of it that pass the checks of ``tree``."""
     folder.mkdir(parents=True)
-    (folder / "mbcdm.yaml").write_bytes((tree / "params/mbcdm.yaml").read_bytes())
+    for layout, reference in REFERENCES.items():
+        (folder / f"{layout}.yaml").write_bytes((tree / reference).read_bytes())
     environment = _environment(tree, folder / ".cache")
     subprocess.run(
         [sys.executable, "-c", _WRITE_DESIGNS, str(folder), str(count)], env=environment, check=True, cwd=folder
@@ -76,13 +85,19 @@ def capture(tree: Path, design: Path, experiments: Path, out: Path, build: bool)
 
         mbcdm("check", "check", str(design), "--json")
         mbcdm("analyse", "analyse", str(design), "--json")
-        for experiment in EXPERIMENTS:
+        runs = EXPERIMENTS[next(name for name in EXPERIMENTS if design.stem.startswith(name))]
+        for experiment in runs:
             mbcdm(f"simulate-{Path(experiment).name}", "simulate", str(design), str(experiments / f"{experiment}.yaml"))
-        for run in LOOPED:
+        for run in (Path(experiment).name for experiment in runs[:-1]):
             found = ["--json", f"{run}.json", "--apply", f"{run}-as-built.yaml", "--report", f"{run}-page"]
             mbcdm(f"loop-{run}", "loop", str(design), f"out/{run}/{run}.yaml", *found)
         if build:
             mbcdm("build", "build", str(design), "--force", "--jobs", "1")
+
+
+def name_of(design: Path) -> str:
+    """The design's name, which is that of its output folder."""
+    return next(line.split()[1] for line in design.read_text("utf-8").splitlines() if line.startswith("name:"))
 
 
 def differences(one: Path, other: Path) -> Iterator[str]:
@@ -126,8 +141,8 @@ def main() -> int:
                 capture(base, design, base / "params/experiments", kept, True)
             capture(TREE, design, base / "params/experiments", new / design.stem, not given.no_build)
             found = differences(kept, new / design.stem)
-            built = (f"out/{design.stem}/", "build.code")
-            return [f"{design.stem}/{line}" for line in found if not (given.no_build and line.startswith(built))]
+            left_out = given.no_build and {f"out/{name_of(design)}/", "build.code"}
+            return [f"{design.stem}/{line}" for line in found if not (left_out and line.startswith(tuple(left_out)))]
 
         with ThreadPoolExecutor(given.jobs) as pool:
             found = [line for lines in pool.map(compare, designs) for line in lines]

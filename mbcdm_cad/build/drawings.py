@@ -16,10 +16,10 @@ from mbcdm_cad.build.assembly_sheet import assembly_sheet
 from mbcdm_cad.build.mass import assembly_mass
 from mbcdm_cad.build.run import drawn
 from mbcdm_cad.build.store import MadePart, Progress
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_module, sheet_of

@@ -12,9 +12,9 @@ import numpy as np
 from mbcdm_cad.build.run import drawn
 from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.build.trianglemesh import FloatArray, TriangleMesh
-from mbcdm_cad.configurations.interface import Layout
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.interface import Layout
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector

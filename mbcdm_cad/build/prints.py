@@ -6,8 +6,8 @@ import os
 
 from mbcdm_cad.build.run import drawn, exported_parts
 from mbcdm_cad.build.store import MadePart, Progress, Store
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions

@@ -25,12 +25,12 @@ from mbcdm_cad.checks.built import (
     printed_walls_check,
 )
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.interface import FrameCompliance, FrameStudy, Layout
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy, Layout
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache

@@ -8,8 +8,8 @@ from math import radians
 
 import numpy as np
 
-from mbcdm_cad.configurations.interface import Layout
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.interface import Layout
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.routes.cable_path import CablePath, Stretch

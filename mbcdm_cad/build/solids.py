@@ -6,9 +6,9 @@ import cadquery as cq
 
 from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.run import drawn
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.storage.cache import Cache, cache_folder
 

@@ -19,9 +19,9 @@ from mbcdm_cad.build.known import TEST_MODULES, KnownTests
 from mbcdm_cad.build.pairs import PartShape
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.scene import scenes
-from mbcdm_cad.configurations.interface import FrameCompliance, Layout
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
+from mbcdm_cad.layouts.interface import FrameCompliance, Layout
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache

@@ -13,9 +13,9 @@ import click
 from mbcdm_cad.build.bodies import bodies, is_cable
 from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import build, drawn
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.report.build_report import build_report
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.storage.cache import Cache, cache_folder

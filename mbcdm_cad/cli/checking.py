@@ -10,9 +10,9 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.cli.screen import coloured, screen_width
-from mbcdm_cad.configurations.loader import design_file, load_design
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.loader import design_file, load_design
 from mbcdm_cad.report.check_report import CheckReport, Shown, check_design
 
 

@@ -89,7 +89,7 @@ def loop(
 
     Each MEASUREMENTS file (YAML) describes one run and names the columns of its CSV file. All runs are used together.
     """
-    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.layouts.loader import load_design
 
     loaded = load_design(design)  # before the other imports, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
@@ -123,7 +123,7 @@ def plan(
     For each effect: the smallest size that the loop would name, and each effect with which it could be confused, with
     the size up to which this happens.
     """
-    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.layouts.loader import load_design
 
     loaded = load_design(design)
     from mbcdm_cad.cli.plan import plan_command
@@ -140,7 +140,7 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 
     Writes the measured run for 'mbcdm loop', and in a separate file the truth, which the loop does not read.
     """
-    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.layouts.loader import load_design
 
     loaded = load_design(design)
     from mbcdm_cad.rig.reading import read_experiment

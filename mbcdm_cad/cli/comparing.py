@@ -10,9 +10,9 @@ import click
 
 from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import build, drawn
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.report.comparison import ComparedDesign, compared, comparison_data, comparison_table
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.report.explain import chain_lines, explain_all, explain_field, fields_data, table_lines
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 

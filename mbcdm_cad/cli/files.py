@@ -12,11 +12,11 @@ from typing import Any
 
 import click
 
-from mbcdm_cad.configurations.loader import DEFAULT, design_file, load_design, new_design_text, short_design_text
 from mbcdm_cad.design.editor import editor_schema
 from mbcdm_cad.design.reference import reference_page
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.layouts.loader import DEFAULT, design_file, load_design, new_design_text, short_design_text
 from mbcdm_cad.storage.files import refuse_missing_folder
 
 

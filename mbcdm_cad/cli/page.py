@@ -9,7 +9,7 @@ import click
 from mbcdm_cad.build.drawings import drawings_folder
 from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import build, drawn
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.report.page.stage import page_figures, page_of
 from mbcdm_cad.storage.cache import Cache, cache_folder

@@ -8,7 +8,7 @@ import click
 
 from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import drawn
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import mechanism
 from mbcdm_cad.storage.cache import Cache, cache_folder

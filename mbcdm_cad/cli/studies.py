@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.cli.screen import screen_width
-from mbcdm_cad.configurations.loader import load_design, load_text, new_design_text
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model.figures import readable_figure
 from mbcdm_cad.parts.making import model_tolerances
 from mbcdm_cad.report.table import ReportTable

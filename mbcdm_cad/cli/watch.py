@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.live.watch import Watch, Watched
 
 

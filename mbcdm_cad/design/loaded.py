@@ -1,4 +1,4 @@
-"""A design that was read: what :func:`mbcdm_cad.configurations.loader.load_design` gives."""
+"""A design that was read: what :func:`mbcdm_cad.layouts.loader.load_design` gives."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Reading a design file: YAML, schema, rules, ``Drive``; every fault becomes an ``InputError``.
 
 The caller says which configuration the file has, and so its :class:`~mbcdm_cad.design.design_file.DesignFile`: this
-room does not know the configurations (:mod:`mbcdm_cad.configurations.loader`).
+room does not know the configurations (:mod:`mbcdm_cad.layouts.loader`).
 """
 
 from __future__ import annotations

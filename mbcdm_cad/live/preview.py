@@ -15,9 +15,9 @@ from mbcdm_cad.build.store import MadePart, Store
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.checks.built import envelope_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
 from mbcdm_cad.report.explain import fields_data

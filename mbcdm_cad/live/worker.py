@@ -8,8 +8,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.configurations.loader import load_text
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.parallel import allow_processes
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.measurement.run import Run, VettingNote, column_of
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_reach import reach_findings

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import torsional_modes_Hz

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, Geometry, RoutedDrive

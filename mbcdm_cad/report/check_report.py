@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from mbcdm_cad.checks.result import CheckResult, failed, figures
-from mbcdm_cad.configurations.check_design import advised_checks
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.check_design import advised_checks
 from mbcdm_cad.report.table import ReportTable
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.checks.result import figures
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import configuration
 
 _HEAD = """\
 # The checks
@@ -72,6 +72,6 @@ def _row(check: Check, design: DesignUnderTest) -> str:
 if __name__ == "__main__":
     from pathlib import Path
 
-    from mbcdm_cad.configurations.loader import load_design
+    from mbcdm_cad.layouts.loader import load_design
 
     print(checks_page(load_design(Path("params/mbcdm.yaml")).drive), end="")

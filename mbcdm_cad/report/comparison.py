@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 from math import sqrt
 from typing import Any
 
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_of

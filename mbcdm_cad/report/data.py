@@ -12,9 +12,9 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.mass import MassProperties, combined
 from mbcdm_cad.build.store import MadePart
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.configurations.interface import Conventions, FrameCompliance, Layout
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.interface import Conventions, FrameCompliance, Layout
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model import Analysis, analyse, measured
 from mbcdm_cad.model.preload_table import preload_table
 from mbcdm_cad.model.stack_up import stack_data

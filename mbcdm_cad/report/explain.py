@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from mbcdm_cad.configurations.loader import design_file
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.errors import MbcdmError, did_you_mean
+from mbcdm_cad.layouts.loader import design_file
 
 # Blocks whose entries have names chosen by the user.
 _WITHOUT_RULES = ("catalogue", "as_built", "waivers")

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.build.run import drawn
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.report.data import Tested, report_data
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
@@ -93,7 +93,7 @@ class GalleryDrive:
 
 
 def gallery_drive(path: Path, cache: Cache) -> GalleryDrive:
-    """One drive, drawn. Raises as :func:`~mbcdm_cad.configurations.loader.load_design` and ``drawn`` do."""
+    """One drive, drawn. Raises as :func:`~mbcdm_cad.layouts.loader.load_design` and ``drawn`` do."""
     from mbcdm_cad.build.export.picture import picture_png  # loads the drawing library
 
     loaded = load_design(path)

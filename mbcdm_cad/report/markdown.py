@@ -6,8 +6,8 @@ from typing import Any
 
 import jinja2
 
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.describe import flow
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.report.motor_words import motor_lines
 
 _AT_DRUM = "_at_drum"

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from mbcdm_cad.build.bodies import bodies
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.store import MadePart
-from mbcdm_cad.configurations.interface import Layout
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.interface import Layout
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.interface import Layout, PathFigures
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.interface import Layout, PathFigures
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model import DriveSI, ModelError, to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.stiffness import sticking_response

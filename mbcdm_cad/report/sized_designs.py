@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.changes import sized_many
+from mbcdm_cad.layouts.changes import sized_many
 from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many, merged
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import to_si

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.changes import changed_drives
+from mbcdm_cad.layouts.changes import changed_drives
 from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many, merged, stack_designs
 from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import DriveSI, to_si
@@ -51,7 +51,7 @@ def sweep(loaded: LoadedDesign, ranges: Mapping[str, Any], *, grid: bool = False
     """Analyse the designs that ``ranges`` describe: for each field an array of values, one a design, or one for all.
 
     ``grid`` makes all combinations of the values instead, the last field varying fastest. Fields are named and
-    validated as in :func:`mbcdm_cad.configurations.changes.with_changes`; what the file leaves out is sized again for
+    validated as in :func:`mbcdm_cad.layouts.changes.with_changes`; what the file leaves out is sized again for
     each design, which takes 10 to 60 ms each. Errors: ``InputError`` for a value that the file could not hold,
     ``MbcdmError`` for arrays of different lengths or none.
     """

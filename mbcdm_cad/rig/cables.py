@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.routes.route import CableRoute, DriveRoutes, Wrap
 
 

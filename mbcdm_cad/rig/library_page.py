@@ -17,8 +17,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.rig.effects.registry import AnyEffect
 from mbcdm_cad.rig.plot import transmission_error_urad
 from mbcdm_cad.rig.quasistatic.experiment import Experiment

@@ -13,9 +13,9 @@ from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector

@@ -9,8 +9,6 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.configurations.loader import design_file_of, reference_data
-from mbcdm_cad.configurations.pins import FEW
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved, resolved
@@ -19,6 +17,8 @@ from mbcdm_cad.design.sized import Sizing
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError
+from mbcdm_cad.layouts.loader import design_file_of, reference_data
+from mbcdm_cad.layouts.pins import FEW
 from mbcdm_cad.solving.fields import leaves, put, take_out, value_at
 
 # Factors within which a number that a rule gives may be changed, unless the configuration states others.

@@ -15,12 +15,12 @@ from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.configurations.check_design import checks_of
-from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.design.sized import Sizing
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Times
 from mbcdm_cad.storage.parallel import fork_map
 
@@ -83,7 +83,7 @@ class Trials:
     @cached_property
     def checks(self) -> dict[str, Check]:
         """The checks of this configuration by their ids."""
-        from mbcdm_cad.configurations.registry import configuration
+        from mbcdm_cad.layouts.registry import configuration
 
         families = configuration(self.question.data["configuration"]).check_families()
         return {check.id: check for family in families for check in family.CHECKS}

@@ -19,7 +19,7 @@ import pytest
 import yaml
 
 from mbcdm_cad import cli
-from mbcdm_cad.configurations import registry
+from mbcdm_cad.layouts import registry
 
 SUPPORT = Path(__file__).parents[1] / "support"
 # A rope a fifth softer than declared, turned through most of the travel.

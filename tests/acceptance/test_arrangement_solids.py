@@ -9,13 +9,13 @@ import pytest
 from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.validate import validate_faces, validate_solid
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
-from mbcdm_cad.configurations.loader import load_text, new_design_text
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.checks.envelope import box_mm
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.drive import bevel
-from mbcdm_cad.configurations.miso_bevel.layout import layout
-from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
+from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.checks.envelope import box_mm
+from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.drive import bevel
+from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 from tests.support.interference_of_solids import body, run_of

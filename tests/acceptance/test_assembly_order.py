@@ -14,14 +14,14 @@ import pytest
 from numpy.typing import NDArray
 
 from mbcdm_cad.build.kernel import kernel_shape, location
-from mbcdm_cad.configurations.loader import load_design, load_text
-from mbcdm_cad.configurations.miso_bevel.assembly_order import assembly_order
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.cable_path import FREE
-from mbcdm_cad.configurations.miso_bevel.drive import bevel
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
+from mbcdm_cad.layouts.miso_bevel.drive import bevel
+from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.parts.make import make

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design, load_text
-from mbcdm_cad.configurations.miso_bevel.drive import bevel
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
-from mbcdm_cad.configurations.miso_bevel.support.loads import seat_loads, unit_tensions_N
-from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
+from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.miso_bevel.drive import bevel
+from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.support.loads import seat_loads, unit_tensions_N
+from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance
 from mbcdm_cad.model.si import to_si
 from tests.support.motors_above import ABOVE
 
@@ -82,7 +82,7 @@ def test_brick_stores_nothing_in_rigid_motion_and_bends_as_a_beam() -> None:
 
 @pytest.mark.slow
 def test_shape_of_the_elements_is_that_of_the_parts() -> None:
-    from mbcdm_cad.configurations.miso_bevel.bill import bill
+    from mbcdm_cad.layouts.miso_bevel.bill import bill
     from mbcdm_cad.parts.make import make
 
     dims = dims_of()

@@ -19,8 +19,8 @@ from belt_bench import belt_of, run_belt, write_belt_run
 from bench_motion import Plan
 
 from mbcdm_cad import cli
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive, spur
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.reading import read_experiment
 

@@ -21,7 +21,7 @@ from bench_geometry import chain_of
 from bench_motion import Bench
 
 from mbcdm_cad.cli import run as mbcdm
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 
 DESIGN = Path(__file__).resolve().parents[2] / "params" / "mbcdm.yaml"
 DRIVE = load_design(DESIGN).drive

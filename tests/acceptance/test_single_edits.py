@@ -14,9 +14,9 @@ import yaml
 
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.configurations.check_design import checks_of
-from mbcdm_cad.configurations.loader import load_text
-from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.registry import configuration_of
 
 Edit = Callable[[dict[str, Any]], None]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.loader import new_design_text
+from mbcdm_cad.layouts.loader import new_design_text
 from tests.acceptance.test_siso_spur import DESIGN, output, run
 
 # One of both preloads 15 percent low, turned through most of the travel.

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_design
 
 PARAMS = Path(__file__).parents[2] / "params" / "mbcdm.yaml"
 SPICE = [

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.unusable import FEWEST_SAMPLES

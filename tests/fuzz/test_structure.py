@@ -10,9 +10,9 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.configurations.loader import load_text, reference_data
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_text, reference_data
 
 BIG = "x" * 3000
 EXTREME = st.sampled_from(

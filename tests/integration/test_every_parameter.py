@@ -11,12 +11,12 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.loader import design_file, load_text, reference_data
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.describe import named_values
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import design_file, load_text, reference_data
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.layout import layout
 from mbcdm_cad.model import analyse
 
 Path = tuple[str | int, ...]
@@ -303,7 +303,7 @@ def test_a_waiver_passes_a_failing_check_with_its_reason() -> None:
 @pytest.mark.slow
 def test_prototype_mass_stands_in_the_report() -> None:
     from mbcdm_cad.build.store import Store
-    from mbcdm_cad.configurations.miso_bevel.support.stiffness import frame_compliance
+    from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance
     from mbcdm_cad.report.data import Tested, report_data
     from mbcdm_cad.storage.cache import Cache, cache_folder
 

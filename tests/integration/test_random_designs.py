@@ -15,9 +15,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # the tests are no package: 
 import random_designs
 from random_generator import Passing, passing, requirements
 
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.registry import configuration
 
 SEEDS = range(1, 25)
 # All that draw are slow: finding one design that passes and building it takes half a minute.

@@ -8,9 +8,9 @@ import cadquery as cq
 import pytest
 
 from mbcdm_cad.build.kernel import location
-from mbcdm_cad.configurations.loader import load_text, new_design_text
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.layout import layout
+from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.layout import layout
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.shapes import cylinder

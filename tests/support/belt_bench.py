@@ -19,7 +19,7 @@ from bench_data import Simulated, stream, write_run
 from bench_motion import Plan, bench_run, read_sensors
 from numba import njit
 
-from mbcdm_cad.configurations.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 
 MARK_M = 0.25e-3
 DRUM_WRAP_RAD = 2.2

@@ -25,9 +25,9 @@ from bench_data import Simulated, write_run  # noqa: E402
 from bench_motion import Bench  # noqa: E402
 from bench_real import REAL_CASES, simulate_real  # noqa: E402
 
-from mbcdm_cad.configurations.loader import load_design  # noqa: E402
 from mbcdm_cad.errors import MbcdmError  # noqa: E402
 from mbcdm_cad.identification.judge import judge  # noqa: E402
+from mbcdm_cad.layouts.loader import load_design  # noqa: E402
 from mbcdm_cad.measurement.file import load_file  # noqa: E402
 
 LOADED = load_design(ROOT / "params" / "mbcdm.yaml")

@@ -16,7 +16,7 @@ import scipy.sparse.linalg as spla
 from frame_shape import in_support
 from numpy.typing import NDArray
 
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import Layout
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

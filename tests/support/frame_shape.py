@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.dims import FrameDims, TopPlateDims
+from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims
 
 COLUMN_WALL_MM = 1.2
 Floats = NDArray[np.float64]

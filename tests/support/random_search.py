@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.design_under_test import NoFigureError
-from mbcdm_cad.configurations.check_design import checks_of
-from mbcdm_cad.configurations.loader import design_file
-from mbcdm_cad.configurations.registry import configuration_of
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.loader import resolved
 from mbcdm_cad.design.yamltree import Tree
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import checks_of
+from mbcdm_cad.layouts.loader import design_file
+from mbcdm_cad.layouts.registry import configuration_of
 from tests.random_generator import WHOLE
 
 # Random starts of a search, how many of them are followed, and by how many mutations each.

@@ -17,10 +17,10 @@ from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.makefiles import drawn_part
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.wider_holes import RoundHole, round_holes, with_wider_holes
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement

@@ -1,4 +1,4 @@
-"""The order of the rooms, read from the imports; and that no room outside configurations/ knows one of them."""
+"""The order of the rooms, read from the imports; and that no room outside layouts/ knows one of them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.configurations import registry
+from mbcdm_cad.layouts import registry
 
 PACKAGE = Path(__file__).parents[2] / "mbcdm_cad"
 # A room may import from those before it and from itself. ``errors`` may be imported everywhere.
@@ -23,7 +23,7 @@ ORDER = (
     "model",
     "parts",
     "checks",
-    "configurations",
+    "layouts",
     "solving",
     "drawings",
     "build",
@@ -38,13 +38,13 @@ ORDER = (
     "cli",
 )
 # What all rooms may know of configurations: that there are some, and what each supplies.
-FACE = ("configurations", "configurations.interface", "configurations.registry")
+FACE = ("layouts", "layouts.interface", "layouts.registry")
 # Imports against the order that are known: the importing module, the imported room, and why. None may be added without
 # a reason; one that is no longer there fails the test as well.
 AGAINST_THE_ORDER: dict[tuple[str, str], str] = {
     ("build.run", "report"): "the job writes the report, whose figures come from the built parts",
 }
-# Files outside configurations/ that hold a configuration's name or a guide as an identifier, and why.
+# Files outside layouts/ that hold a configuration's name or a guide as an identifier, and why.
 NAMED: dict[str, str] = {
     "rig.dynamic.experiment": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
     "rig.effects.bearing_friction": "experiment files of before say guide_mNm and guide_slip; these words stay valid",
@@ -131,9 +131,7 @@ def _named(path: Path) -> list[str]:
 
 def test_no_room_outside_names_a_configuration_or_its_guide() -> None:
     found = {
-        _module(path): _named(path)
-        for path in _files()
-        if _room(_module(path)) not in ("configurations", "face", "paper")
+        _module(path): _named(path) for path in _files() if _room(_module(path)) not in ("layouts", "face", "paper")
     }
     named = {module: lines for module, lines in found.items() if lines}
     new = {module: lines for module, lines in named.items() if module not in NAMED}

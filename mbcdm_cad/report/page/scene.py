@@ -18,8 +18,8 @@ from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
 from mbcdm_cad.build.mass import item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import Bill, cable_item
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece

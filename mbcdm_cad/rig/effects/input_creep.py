@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.rig.bench import Bench
 from mbcdm_cad.rig.effects.base import RigEffect
 

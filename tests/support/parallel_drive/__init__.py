@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
-from mbcdm_cad.configurations.interface import Conventions
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.interface import Conventions
 
 
 class ParallelConfiguration:
-    """See :class:`mbcdm_cad.configurations.interface.Configuration`."""
+    """See :class:`mbcdm_cad.layouts.interface.Configuration`."""
 
     name = "parallel_test"
     title = "one input and a drum on parallel axes, for the tests"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import mbcdm_cad as mc
-from mbcdm_cad.configurations.loader import load_text
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.loader import load_text
 
 SHORT = """
 name: short

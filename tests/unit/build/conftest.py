@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.build.clash import Clash, cable_overlaps, centre_line_distance
-from mbcdm_cad.configurations.miso_bevel.cable_path import cable_path
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
+from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Line
 

@@ -17,9 +17,9 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import InterferenceRun, answers
 from mbcdm_cad.build.pairs import CABLE_UNDERSIZE_MM, Found
 from mbcdm_cad.build.scene import travel_poses
-from mbcdm_cad.configurations.miso_bevel import CONFIGURATION
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel import CONFIGURATION
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.make import make

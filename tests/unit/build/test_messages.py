@@ -12,7 +12,7 @@ from mbcdm_cad.build import run
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.progress import progress
 from mbcdm_cad.build.run import build
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.storage.cache import Cache
 
 ROOT = Path(__file__).parents[3]
@@ -22,7 +22,7 @@ _STEP_WITHOUT_CADQUERY = """
 import sys
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
 from mbcdm_cad.build.export.step import part_step
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from pathlib import Path
 material = load_design(Path(sys.argv[1])).drive.material("steel")
 assert len(part_step("box", BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape(), material)) > 1000

@@ -18,7 +18,7 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.known import KnownTests
 from mbcdm_cad.build.pairs import Faces, Pair, PartShape, Rod
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import Layout
 from mbcdm_cad.storage import parallel
 from mbcdm_cad.storage.cache import Cache
 

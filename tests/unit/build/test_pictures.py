@@ -13,9 +13,9 @@ import pytest
 from mbcdm_cad.build import pictures
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.pictures import EXPLODED, exploded, transfer_section
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.design.bought import Material
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 

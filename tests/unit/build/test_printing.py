@@ -14,9 +14,9 @@ from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.wider_holes import round_holes, with_wider_holes
 from mbcdm_cad.checks.built import overhang_check, printed_walls_check
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.loader import load_design, load_text
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
 

@@ -10,8 +10,8 @@ import pytest
 
 from mbcdm_cad.build.mass import rod_shape
 from mbcdm_cad.build.measure import measure
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.routes.curves import Arc, Line

@@ -23,7 +23,7 @@ from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.overlap import common, rod
 from mbcdm_cad.build.pairs import Rod, RodShape
 from mbcdm_cad.build.separation import Surface, apart
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import Layout
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.curves import Arc, Helix, Line
 

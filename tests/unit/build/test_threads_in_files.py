@@ -9,8 +9,8 @@ from typing import Any, cast
 
 from mbcdm_cad.build.run import exported_parts
 from mbcdm_cad.build.store import MadePart, Store
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import PartSpec
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
-from mbcdm_cad.configurations.loader import load_text, new_design_text
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_text, new_design_text
 
 Change = Callable[[Drive, float], Drive]
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import yaml
 
-from mbcdm_cad.configurations.loader import design_file, load_text, reference_data
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import design_file, load_text, reference_data
 
 Path = tuple[str | int, ...]
 NODES = design_file().nodes

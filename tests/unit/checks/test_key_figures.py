@@ -18,12 +18,12 @@ from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
 from mbcdm_cad.checks.surfaces import ratio_if_cut_as_surface
-from mbcdm_cad.configurations.miso_bevel.cable_path import self_clearance_mm
-from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
-from mbcdm_cad.configurations.miso_bevel.checks.bearings import guide_forces_N
-from mbcdm_cad.configurations.miso_bevel.checks.spans import straight_span_clearance_mm
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.miso_bevel.cable_path import self_clearance_mm
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.miso_bevel.checks.bearings import guide_forces_N
+from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
+from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 
 BY_ID = {check.id: check for check in CHECKS}
 

@@ -14,11 +14,11 @@ from loadable_designs import loaded, random_data, random_drives
 
 from mbcdm_cad.checks.design_variables import ALL_RADII
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.configurations.miso_bevel.design_variables import VARIABLES
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.design_variables import VARIABLES
 
 BY_ID = {check.id: check for check in CHECKS}
 CHANGE = re.compile(r"(?:raise|lower) ([\w.]+) from \S+ to at (?:least|most) ([-\d.e]+)")

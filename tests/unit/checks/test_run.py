@@ -13,12 +13,12 @@ from designs import put, reference, with_cable
 
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.result import CheckResult, failed
-from mbcdm_cad.configurations.check_design import known_ids, run_checks
-from mbcdm_cad.configurations.loader import load_design, load_text, reference_data
-from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
-from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.design.drive import Drive, Waiver
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import known_ids, run_checks
+from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.miso_bevel.layout import layout
 
 PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

@@ -9,12 +9,12 @@ from designs import reference
 
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.checks.run import run_all
-from mbcdm_cad.configurations.loader import load_text, new_design_text
-from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 
 ROPES = package_entries("ropes")
 OWN_MODULUS = ("  modulus_GPa:", "  modulus_area:")

@@ -10,9 +10,9 @@ from designs import Change, preloaded, put, radius_of, reference, scaled, to, wi
 
 from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import run_check
-from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
-from mbcdm_cad.configurations.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 
 BY_ID = {check.id: check for check in CHECKS}
 BISECTIONS = 60

@@ -11,8 +11,8 @@ import pytest
 
 from mbcdm_cad import cli
 from mbcdm_cad.checks.result import CheckResult
-from mbcdm_cad.configurations.loader import new_design_text
-from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.loader import new_design_text
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.report.check_report import CheckReport
 
 FIELDS = {

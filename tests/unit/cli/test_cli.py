@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.configurations.loader import load_design, new_design_text
+from mbcdm_cad.layouts.loader import load_design, new_design_text
 
 PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 

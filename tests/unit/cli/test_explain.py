@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from mbcdm_cad import cli
-from mbcdm_cad.configurations.loader import load_design, load_text, short_design_text
+from mbcdm_cad.layouts.loader import load_design, load_text, short_design_text
 
 
 @pytest.fixture

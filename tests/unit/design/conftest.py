@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.loader import load_text, reference_data
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.layouts.loader import load_text, reference_data
 
 Edit = Callable[..., LoadedDesign]
 

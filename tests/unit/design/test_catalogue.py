@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_text, new_design_text
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS, Entry
 from mbcdm_cad.design.entry_rules import entry_orders
 from mbcdm_cad.design.lookup import BOUGHT, Catalogue
+from mbcdm_cad.layouts.loader import load_text, new_design_text
 
 ALL = [(kind, name) for kind in KINDS for name in package_entries(kind)]
 WIRES = {"7x7": (49, 9), "7x19": (133, 15), "1x19": (19, 5)}  # count, and rope diameter over wire diameter

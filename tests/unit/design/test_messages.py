@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design, load_text, new_design_text
 from mbcdm_cad.errors import InputError, did_you_mean, shortened
+from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
 
 TEXT = new_design_text("trial")
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.configurations.loader import design_file, load_design, reference_data
 from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.layouts.loader import design_file, load_design, reference_data
 
 from .conftest import Edit
 

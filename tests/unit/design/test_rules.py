@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.configurations.loader import reference_data
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import reference_data
 
 from .conftest import Edit
 

@@ -15,12 +15,12 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbcdm_cad.configurations.loader import design_file, load_design, load_text, new_design_text, reference_data
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.fields import SLUG
 from mbcdm_cad.design.reference import reference_page
 from mbcdm_cad.design.template import slug
 from mbcdm_cad.design.yamltree import parse
+from mbcdm_cad.layouts.loader import design_file, load_design, load_text, new_design_text, reference_data
 
 ROOT = Path(__file__).parents[3]
 NODES = design_file().nodes
@@ -157,8 +157,6 @@ def test_page_names_the_commands(word: str) -> None:
 
 def test_reference_is_written_before_any_design_was_read() -> None:
     """Blocks are built when they first validate something, so only a process of its own shows that none is needed."""
-    code = (
-        "from mbcdm_cad.configurations.loader import new_design_text; print(len(new_design_text('new', 'siso_bevel')))"
-    )
+    code = "from mbcdm_cad.layouts.loader import new_design_text; print(len(new_design_text('new', 'siso_bevel')))"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert found.returncode == 0 and int(found.stdout) > 1000, found.stderr[-500:]

@@ -6,8 +6,8 @@ from collections import Counter
 from pathlib import Path
 
 from mbcdm_cad.build.assembly_sheet import assembly_sheet
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.sheets.description import Linear
 
 ROOT = Path(__file__).parents[3]

@@ -11,9 +11,9 @@ import cadquery as cq
 import ezdxf
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import document, table, texts_on_texts, texts_outside

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design, load_text
 from mbcdm_cad.identification.as_built import applied_words, as_built_text, known_effects
 from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.result import Errors, LoopResult, Named, Value
 from mbcdm_cad.identification.setup import Simulator, declared
+from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.si import to_si

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design, load_text
 from mbcdm_cad.identification import effects
 from mbcdm_cad.identification.as_built import as_built_text
 from mbcdm_cad.identification.effect import Effect, Parameter
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.setup import Setup, Simulator
+from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate

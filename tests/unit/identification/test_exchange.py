@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.exchange import other_pairs
 from mbcdm_cad.identification.fit import Fitter
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.screening import Screening
 from mbcdm_cad.identification.select import Search
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes import Floats

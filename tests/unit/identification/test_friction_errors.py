@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.fit import Fit, Fitter
 from mbcdm_cad.identification.friction_errors import friction_errors
 from mbcdm_cad.identification.planned import planned_fitter
 from mbcdm_cad.identification.quiet import signal_noise
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si

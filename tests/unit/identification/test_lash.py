@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects.lash import offer
 from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.identification.prepared import Prepared, prepare
 from mbcdm_cad.identification.setup import Setup, Simulator, declared, input_torque_Nm, respond, taken_up
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.si import DriveSI, to_si
 

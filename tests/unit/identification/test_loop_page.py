@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.result import VERDICTS
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import to_si
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effect import Effect
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.plain import certainty, described, finding, rounded, steps
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.result import Errors, LoopResult, Named, Value
 from mbcdm_cad.identification.unknown import Unknown
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.model.si import to_si
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification import planned
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.engine import close_loop
@@ -20,6 +19,7 @@ from mbcdm_cad.identification.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.identification.planned import planned_fitter, without_offsets
 from mbcdm_cad.identification.power import worst_phase
 from mbcdm_cad.identification.select import LEAST_FALL
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si

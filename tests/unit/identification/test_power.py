@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.clusters import cluster_estimate
 from mbcdm_cad.identification.evidence import ALPHA
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.power import Draws, Shown, draws_of, shown, smallest, worst_phase
 from mbcdm_cad.identification.prepared import SECTORS, Prepared, prepare
 from mbcdm_cad.identification.select import LEAST_FALL
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.routes import Floats
 

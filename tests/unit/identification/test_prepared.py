@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.fit import Fitter
 from mbcdm_cad.identification.planned import planned_fitter
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si

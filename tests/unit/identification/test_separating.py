@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.cli.next_run import next_run
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.effects import library
 from mbcdm_cad.identification.noise import Noise
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.result import Named
 from mbcdm_cad.identification.separating import wrong_choice
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si

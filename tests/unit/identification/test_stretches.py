@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.identification.fit import Fitter
 from mbcdm_cad.identification.prepared import prepare
 from mbcdm_cad.identification.stretches import SEARCH_SAMPLES, Cut, search_cut, whole_cut
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.sweeps import half_sweeps
 from mbcdm_cad.model.si import to_si

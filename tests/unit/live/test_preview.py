@@ -8,7 +8,7 @@ import cadquery as cq
 
 from mbcdm_cad.build.makefiles import make_part_files
 from mbcdm_cad.build.store import MadePart
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.live.preview import Previewer
 from mbcdm_cad.storage.cache import Cache
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from bench_data import CASES, simulate_case, write_run
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.measurement.vet import vet
 

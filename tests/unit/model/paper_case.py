@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.configurations.miso_bevel.routes import BevelGeometry
+from mbcdm_cad.layouts.miso_bevel.routes import BevelGeometry
 from mbcdm_cad.model.si import DriveSI
 
 GEOMETRY = BevelGeometry(

@@ -15,8 +15,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import Analysis, ModelError, analyse, to_si
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from paper_case import paper_drive
 
-from mbcdm_cad.configurations.loader import load_text, reference_data
+from mbcdm_cad.layouts.loader import load_text, reference_data
 from mbcdm_cad.model import analyse
 from mbcdm_cad.model.bulk import Requirements
 from mbcdm_cad.model.errors import ModelError

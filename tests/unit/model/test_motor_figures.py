@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.bought import without_gearhead
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse, to_si
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.preload_table import SLACK_SHARE, preload_table, torque_at_first_slack_Nm

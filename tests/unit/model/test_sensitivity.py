@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from paper_case import paper_drive
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import plots
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.bulk import Requirements

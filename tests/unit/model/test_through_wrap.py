@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats

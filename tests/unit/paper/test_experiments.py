@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.experiments import EXPERIMENTS, PaperResult
 from mbcdm_cad.paper.experiments_files import result_files
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.cli import run
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.measurement.file import load_file
 from mbcdm_cad.measurement.reading import read_run
 from mbcdm_cad.model.backlash import drum_backlash

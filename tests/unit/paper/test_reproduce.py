@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.reproduce import as_markdown, reproduce
 
 ROOT = Path(__file__).parents[3]

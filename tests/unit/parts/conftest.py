@@ -7,10 +7,10 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.layout import Layout, layout
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.make import make
 

@@ -19,9 +19,9 @@ def golden_volumes() -> dict[str, float]:
 
 
 def _write() -> None:
-    from mbcdm_cad.configurations.loader import load_design
-    from mbcdm_cad.configurations.miso_bevel.bill import bill
-    from mbcdm_cad.configurations.miso_bevel.layout import layout
+    from mbcdm_cad.layouts.loader import load_design
+    from mbcdm_cad.layouts.miso_bevel.bill import bill
+    from mbcdm_cad.layouts.miso_bevel.layout import layout
     from mbcdm_cad.parts.make import make
 
     drive = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive

@@ -10,7 +10,7 @@ import pytest
 
 from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import Layout
 from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.routes.curves import Arc, Coil, Line
 

@@ -8,9 +8,9 @@ from math import acos, pi, radians, sqrt
 import cadquery as cq
 import numpy as np
 
-from mbcdm_cad.configurations.miso_bevel.layout import Layout
-from mbcdm_cad.configurations.miso_bevel.support.top_plate import create_top_plate
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.support.top_plate import create_top_plate
 from mbcdm_cad.parts.drum_sector.draw import create_drum
 from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.loader import load_text
-from mbcdm_cad.configurations.registry import configuration_of
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.motor_head.dims import HeadDims
 

@@ -7,15 +7,15 @@ from dataclasses import replace
 import pytest
 
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
-from mbcdm_cad.configurations.loader import load_text, new_design_text
-from mbcdm_cad.configurations.miso_bevel.bill import bill
-from mbcdm_cad.configurations.miso_bevel.drive import BevelDrive, bevel
-from mbcdm_cad.configurations.miso_bevel.layout import layout
-from mbcdm_cad.configurations.miso_bevel.support.volume import VOLUMES
-from mbcdm_cad.configurations.registry import configuration
-from mbcdm_cad.configurations.siso_bevel.support.volume import VOLUMES as SISO_VOLUMES
-from mbcdm_cad.configurations.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.miso_bevel.bill import bill
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
+from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES
+from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.siso_bevel.support.volume import VOLUMES as SISO_VOLUMES
+from mbcdm_cad.layouts.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.parts import volume
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.make import make

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mbcdm_cad.configurations.check_design import known_ids
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.miso_bevel.checks import CHECKS
+from mbcdm_cad.layouts.check_design import known_ids
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.report.checks_page import checks_page
 
 ROOT = Path(__file__).parents[3]

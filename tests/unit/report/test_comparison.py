@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table

@@ -13,7 +13,7 @@ import networkx as nx
 import pytest
 
 from mbcdm_cad.cli import run
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.report.dependencies import DependencyGraph, dependency_graph, dependency_svg
 from mbcdm_cad.report.explain import fields_data
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.report.page import content
 from mbcdm_cad.report.page.page import LICENCE, THREE, THREE_SHA256
 from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, cable_lines

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_text, new_design_text
-from mbcdm_cad.configurations.miso_bevel.layout import layout
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.miso_bevel.layout import layout
 from mbcdm_cad.model import to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.report.analysis_report import analyse_design

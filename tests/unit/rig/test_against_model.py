@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si

@@ -7,7 +7,7 @@ from math import log
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.rig import chain
 from mbcdm_cad.rig.cables import cables_of
 

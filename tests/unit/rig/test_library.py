@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.rig.library_page import added, effects_table
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate

@@ -11,8 +11,8 @@ import yaml
 
 import mbcdm_cad.rig
 from mbcdm_cad.cli import run as cli
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.quasistatic.simulate import simulate
 from mbcdm_cad.rig.reading import read_experiment
@@ -127,6 +127,6 @@ def test_the_rig_uses_nothing_of_the_model():
                 names = [f"{node.module}.{a.name}" for a in node.names]
             for name in (name for name in names if name.startswith("mbcdm_cad")):
                 room = name.split(".")[1]
-                assert room in {"storage", "design", "rig", "routes", "configurations", "errors", "__version__"}, (
+                assert room in {"storage", "design", "rig", "routes", "layouts", "errors", "__version__"}, (
                     f"{module.name} imports {name}"
                 )

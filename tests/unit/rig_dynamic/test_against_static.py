@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.loader import load_design
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.inertia import disc_kg_m2, sector_kg_m2
 from mbcdm_cad.rig.dynamic.controller import LAST, SPEED, STATES, SUM, ControllerSpec, control
 from mbcdm_cad.rig.dynamic.gearhead import GearheadSpec, gearhead_of, shaft_torque

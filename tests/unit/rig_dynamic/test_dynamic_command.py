@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.loader import load_design
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.command import experiment_command
 from mbcdm_cad.paper.experiments import Compared, PaperResult
 from mbcdm_cad.paper.experiments_files import result_json, result_text

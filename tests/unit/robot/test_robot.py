@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.build.run import drawn
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot import mechanism as mechanism_module

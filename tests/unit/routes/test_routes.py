@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.miso_bevel.routes import BevelGeometry, routed
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.miso_bevel.routes import BevelGeometry, routed
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.displaced import offset_m, path_change_m, path_slope
 from mbcdm_cad.routes.geometry import RoutedDrive

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.configurations.miso_bevel.sizing import BEFORE_FRAME
-from mbcdm_cad.configurations.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.design.sized import SizingError
+from mbcdm_cad.layouts.miso_bevel.sizing import BEFORE_FRAME
+from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
 from mbcdm_cad.sizing.arithmetic import Split, greatest, index_of_greatest, least, per_design, significant
 from mbcdm_cad.sizing.bulk import fill_many, gathered
 from mbcdm_cad.sizing.engine import fill

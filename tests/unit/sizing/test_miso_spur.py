@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.loader import load_text
-from mbcdm_cad.configurations.miso_spur.design_file import DESIGN_FILE
-from mbcdm_cad.configurations.miso_spur.sizing import size
-from mbcdm_cad.configurations.siso_spur.sizing import size as size_of_one
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.miso_spur.design_file import DESIGN_FILE
+from mbcdm_cad.layouts.miso_spur.sizing import size
+from mbcdm_cad.layouts.siso_spur.sizing import size as size_of_one
 
 PRINTED = ("drum", "support")
 PARAMS = Path(__file__).parents[3] / "params"

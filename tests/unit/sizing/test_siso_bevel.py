@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.loader import load_text
-from mbcdm_cad.configurations.siso_bevel.checks.input_turn import highest_ratio
-from mbcdm_cad.configurations.siso_bevel.drive import direct
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_text
+from mbcdm_cad.layouts.siso_bevel.checks.input_turn import highest_ratio
+from mbcdm_cad.layouts.siso_bevel.drive import direct
 
 
 def short(half_deg: float, radius_mm: float, peak_Nm: float) -> dict[str, Any]:

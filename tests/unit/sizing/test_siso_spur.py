@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.check_design import run_checks
-from mbcdm_cad.configurations.loader import load_design, load_text
-from mbcdm_cad.configurations.registry import configuration_of
-from mbcdm_cad.configurations.siso_spur.sizing import DERIVED, size
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_design, load_text
+from mbcdm_cad.layouts.registry import configuration_of
+from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, size
 
 PARAMS = Path(__file__).parents[3] / "params"
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from mbcdm_cad.configurations.siso_spur.design_file import DESIGN_FILE
-from mbcdm_cad.configurations.siso_spur.sizing import size
-from mbcdm_cad.configurations.siso_spur.sizing.known import CHECKS, SpurKnown
-from mbcdm_cad.configurations.trial_drives import TrialDrives
 from mbcdm_cad.design.loader import open_data
 from mbcdm_cad.design.yamltree import parse
+from mbcdm_cad.layouts.siso_spur.design_file import DESIGN_FILE
+from mbcdm_cad.layouts.siso_spur.sizing import size
+from mbcdm_cad.layouts.siso_spur.sizing.known import CHECKS, SpurKnown
+from mbcdm_cad.layouts.trial_drives import TrialDrives
 
 SHORT = """\
 name: short

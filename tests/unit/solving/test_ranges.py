@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from mbcdm_cad.configurations.loader import load_text
 from mbcdm_cad.design.freedom import scaled
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.solving.question import question_of
 
 SHORT = """\

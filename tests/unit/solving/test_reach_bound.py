@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from mbcdm_cad.configurations.loader import load_text
+from mbcdm_cad.layouts.loader import load_text
 from tests.acceptance.test_gallery import GALLERY
 from tests.random_generator import WHOLE, failing, requirements
 from tests.support.reach_bound import Asked, asked, excluding

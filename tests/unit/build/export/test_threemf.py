@@ -13,8 +13,8 @@ import trimesh
 
 from mbcdm_cad.build.export.threemf import lying, threemf_bytes
 from mbcdm_cad.build.meshing import mesh_solid
-from mbcdm_cad.configurations.loader import load_design
-from mbcdm_cad.configurations.registry import configuration
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 
 ROOT = Path(__file__).parents[4]

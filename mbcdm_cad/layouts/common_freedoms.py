@@ -1,0 +1,36 @@
+"""What ``mbcdm solve`` may change in every configuration, besides derived dimensions: parts and preload."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from mbcdm_cad.checks.design_variables import ROPE_DIAMETER
+from mbcdm_cad.design.freedom import Freedom
+from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
+
+DRIVE: tuple[Freedom, ...] = (
+    Freedom("rope.type", kind="ropes", order="diameter_mm", mends=((ROPE_DIAMETER, 1),)),
+    Freedom("rope.preload_N", 0.5, 2.0),
+    Freedom("drive.motor", kind="motors", order="rated_torque_mNm"),
+    Freedom("drive.gearhead", kind="gearheads", order="max_torque_mNm"),
+    Freedom("drum.tensioner", kind="tensioners", order="stud_length_mm"),
+    Freedom("drum.bearing", kind="bearings", order="bore_mm"),
+)
+INPUTS: tuple[Freedom, ...] = (
+    Freedom("input_pulleys.lower_bearing", kind="bearings", order="bore_mm"),
+    Freedom("input_pulleys.upper_bearing", kind="bearings", order="bore_mm"),
+    Freedom("input_pulleys.collar_screw", words=COLLAR_SCREWS),
+)
+SURFACE = Freedom("input_pulleys.surface", words=("smooth", "grooved"))
+ENCODERS: tuple[Freedom, ...] = (
+    Freedom("drive.encoder", kind="encoders", order="bore_mm"),
+    Freedom("drive.drum_encoder", kind="encoders", order="bore_mm"),
+)
+PARTS = (*DRIVE, *INPUTS, *ENCODERS)
+
+
+def first_radius(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Of a file with all radii of the drum, the field that gives the first alone; empty if it has none."""
+    radii = data["transmission"].get("drum_radii_mm")
+    return {"transmission.drum_radius_mm": radii[0]} if radii else {}

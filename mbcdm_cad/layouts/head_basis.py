@@ -1,0 +1,146 @@
+"""The first rules for drives with a motor head: limits, materials, motor and gearhead, the rope's limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mbcdm_cad.design.bought import NO_GEARHEAD
+from mbcdm_cad.layouts.common_rules import (
+    BEND_RATIO,
+    DRUM_MATERIAL,
+    FRICTION,
+    MESH_TOLERANCE,
+    PRELOAD_SHARE,
+    RUNNING,
+    SHAFT_MATERIAL,
+    STOP_CLEARANCE,
+    SUPPORT_MATERIAL,
+    TENSION_SAFETY,
+    TEST_TORQUE,
+)
+from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
+
+# Assumed strength of a rope's end over that of the rope, before rope and ends are chosen.
+END_SHARE = 0.8
+CONSTRUCTION = "7x7"
+# Preload over the least that keeps a cable taut at peak torque, if friction on an input need not hold the cable.
+PRELOAD_FACTOR = 2.0
+# Required rated torque of the motor over its torque at the peak torque.
+TORQUE_SPARE = 1.02
+
+
+def thinnest_rope(given: TrialKnown, tension_N: float) -> Found:
+    """The thinnest rope of the construction that holds a tension with its safety factor."""
+    return thinnest_rope_by(given, lambda diameter_mm: tension_N)
+
+
+def thinnest_rope_by(given: TrialKnown, tension_N: Callable[[float], float]) -> Found:
+    """As :func:`thinnest_rope`, for a tension that depends on the rope's diameter in mm."""
+    needed = given["limits.tension_safety_factor"] / END_SHARE
+    ropes = sorted(
+        (entry["diameter_mm"], name, entry["breaking_load_N"])
+        for name, entry in given.entries("ropes").items()
+        if entry["construction"] == CONSTRUCTION
+    )
+    strong = (name for diameter_mm, name, breaking in ropes if breaking >= needed * tension_N(diameter_mm))
+    return Found(next(strong, ropes[-1][1]), "tension", "next size of the catalogue")
+
+
+def taut_rope(given: TrialKnown) -> Found:
+    """The thinnest rope for the preload that keeps every cable taut at peak torque."""
+    return thinnest_rope(given, (PRELOAD_FACTOR + 1.0) * given.half_torque_N)
+
+
+def taut_preload(given: TrialKnown) -> Found:
+    """The preload that keeps every cable taut at peak torque, or the highest that the rope may have."""
+    return preload(given, PRELOAD_FACTOR * given.half_torque_N, "no_slack")
+
+
+def preload(given: TrialKnown, wanted_N: float, driver: str) -> Found:
+    """The preload that ``driver`` needs, or the highest that the rope may have."""
+    most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
+    return Found(float(f"{min(wanted_N, most):.2g}"), driver if wanted_N <= most else "preload_share", "two digits")
+
+
+def rope(value: Callable[[Any], Found]) -> Rule:
+    """The rule of the rope, if the file gives none."""
+    return Rule(
+        "rope.type",
+        "the thinnest wire rope that holds preload and peak torque with its safety factor",
+        "tension",
+        value,
+        applies=lambda given: not given.has("rope.inline"),
+    )
+
+
+def needed_ratio(given: TrialKnown) -> float:
+    """Least ratio of drum to input with which the motor, through its gearhead, holds the peak torque continuously."""
+    motor = given.entry("motors", "drive.motor")
+    gear = given.gearhead.ratio
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / (motor["rated_torque_mNm"] * gear)
+    return rounded_up(max(needed, 1.0), 0.05)
+
+
+def _has_face(given: TrialKnown) -> bool:
+    return given.has("drive.motor") and given.peek("drive.motor") in given.motors_with_faces()
+
+
+def _gearhead(given: TrialKnown) -> Found:
+    if _has_face(given):
+        given["drive.motor"]
+        return Found(NO_GEARHEAD, "the motor's own shaft")
+    # If the ratio follows from motor and gearhead, any of them holds the torque.
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio if given.has_ratio else 0.0
+    motors = given.entries("motors") if not given.has("drive.motor") else {"": given.entry("motors", "drive.motor")}
+    pairs = [
+        (motor["mass_g"] + head["mass_g"], name)
+        for motor in motors.values()
+        for name, head in given.entries("gearheads").items()
+        if "shaft_diameter_mm" not in motor
+        and motor["rated_torque_mNm"] * head["ratio"] >= needed
+        and head["max_torque_mNm"] >= (needed or motor["rated_torque_mNm"] * head["ratio"])
+        and motor["diameter_mm"] <= head["diameter_mm"] + 1.0
+    ]
+    if pairs:
+        return Found(min(pairs)[1], "motor_torque_forward", "lightest of the catalogue")
+    return Found(NO_GEARHEAD, "no gearhead with a motor of the catalogue reaches the torque")
+
+
+def _motor(given: TrialKnown) -> Found:
+    needed = TORQUE_SPARE * given.input_peak_Nm * 1e3 / given.ratio
+    head = given["drive.gearhead"]
+    if head == NO_GEARHEAD:
+        rated = {name: motor for name, (motor, _) in given.motors_with_faces().items()}
+        ratio, wide = 1.0, float("inf")
+    else:
+        entry = given.entry("gearheads", "drive.gearhead")
+        rated = {name: m for name, m in given.entries("motors").items() if "shaft_diameter_mm" not in m}
+        ratio, wide = entry["ratio"], entry["diameter_mm"] + 1.0
+    fitting = {
+        name: m for name, m in rated.items() if m["rated_torque_mNm"] * ratio >= needed and m["diameter_mm"] <= wide
+    }
+    if not fitting:
+        strongest = max(rated, key=lambda name: rated[name]["rated_torque_mNm"])
+        return Found(strongest, "motor_torque_forward", "no motor of the catalogue does: the strongest")
+    return Found(min(fitting, key=lambda name: (fitting[name]["mass_g"], name)), "motor_torque_forward", "the lightest")
+
+
+LIMITS = (STOP_CLEARANCE, TEST_TORQUE, TENSION_SAFETY, PRELOAD_SHARE, MESH_TOLERANCE, RUNNING)
+METALS = (
+    DRUM_MATERIAL,
+    SHAFT_MATERIAL,
+    constant("input_pulleys.material", "steel", "allows thin walls round the motor's shaft", "bore_wall"),
+    SUPPORT_MATERIAL,
+)
+TRAIN = (
+    Rule(
+        "drive.gearhead",
+        "none for a motor with its own shaft, else that of the lightest motor and gearhead that hold the torque",
+        "motor_torque_forward",
+        _gearhead,
+    ),
+    Rule("drive.motor", "the lightest motor that holds the peak torque", "motor_torque_forward", _motor),
+)
+ROPE_LIMITS = (BEND_RATIO, FRICTION)

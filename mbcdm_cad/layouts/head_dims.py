@@ -1,0 +1,139 @@
+"""Sizing rules that drives with a motor head share: shelves of the head, and the drum without its width."""
+
+from __future__ import annotations
+
+from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+
+# Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
+SIDE_MM, WEB_MM = (4.0, 6.0), (2.0, 4.0)
+# Engaged thread of a face's screws, in diameters.
+ENGAGED = 1.25
+# Bore of the drum's shaft over the bore of its bearings.
+SHAFT_BORE_SHARE = 0.5
+# Angle of the sector beyond the travel, before the limits of the wraps are known.
+SECTOR_SPARE_DEG = 15.0
+
+
+def either(given: TrialKnown, part: str, values: tuple[float, float]) -> float:
+    """The first value for a milled part, the second for a printed one."""
+    return values[1] if given.printed(part) else values[0]
+
+
+def _motor_shelf(given: TrialKnown) -> Found:
+    """Screw length minus the needed thread, mm; at least what wall and pilot need."""
+    gear = given.gearhead
+    screw = given.screw(gear.screw)
+    needs = {
+        "walls": given.wall_mm("support"),
+        "engagement": screw.length_mm - ENGAGED * screw.thread_mm - 0.75 * screw.thread_mm,
+        "pilot_room": gear.pilot_height_mm + 0.5,
+    }
+    driver = max(needs, key=lambda name: needs[name])
+    return Found(rounded_up(min(needs[driver], screw.length_mm - screw.thread_mm), 0.1), driver, "up to 0.1")
+
+
+def _bearing_shelf(given: TrialKnown) -> Found:
+    """Shelf of the bearing next to the motor."""
+    width = given.entry("bearings", "input_pulleys.lower_bearing")["width_mm"]
+    start = max(width + given.wall_mm("support"), 3.0)
+    return given.moved("support.bearing_shelf_mm", start, 0.1, ("bearing_seats", "walls"))
+
+
+def _encoder_shelf(given: TrialKnown) -> Found:
+    """Shelf of the bearing next to the encoder."""
+    width = given.entry("bearings", "input_pulleys.upper_bearing")["width_mm"]
+    start = max(width + given.wall_mm("support"), 3.0)
+    return given.moved("support.encoder_shelf_mm", start, 0.1, ("encoder_shelf",))
+
+
+def _coupling_space(given: TrialKnown) -> Found:
+    """Space between the shelves of motor and bearing."""
+    return given.moved("support.coupling_space_mm", 5.0, 0.1, ("coupling_height", "collar_space"))
+
+
+def side_wall(given: TrialKnown) -> float:
+    """Walls beside the motor head."""
+    return max(either(given, "support", SIDE_MM), 2 * given.wall_mm("support"))
+
+
+def _shaft_bore(given: TrialKnown) -> Found:
+    """Bore of the drum's shaft."""
+    bore = given.entry("bearings", "drum.bearing")["bore_mm"]
+    return given.moved("drum.shaft_bore_mm", SHAFT_BORE_SHARE * bore, -0.5, ("shaft_wall", "shaft_twist"))
+
+
+def _web(given: TrialKnown) -> float:
+    """Web of the drum."""
+    return either(given, "drum", WEB_MM)
+
+
+def _hub(given: TrialKnown) -> Found:
+    """Diameter of the drum's hub."""
+    start = given.entry("bearings", "drum.bearing")["bore_mm"] + 4.0
+    return given.moved("drum.hub_diameter_mm", start, 0.5, ("hub_walls", "hub_spigot", "hub_set_screws", "engagement"))
+
+
+def _rim(given: TrialKnown) -> Found:
+    """Inner radius of the drum's rim."""
+    start = given.drum_mm - 2 * given.d_mm
+    return given.moved("drum.rim_inner_radius_mm", start, -0.5, ("rim_height", "pocket_corners"))
+
+
+def _stop_pin(given: TrialKnown) -> Found:
+    """Diameter of the stop pin."""
+    return given.first("drum.stop_pin_mm", (3.0, 4.0, 5.0, 6.0, 8.0, 10.0), ("stop_pin",))
+
+
+def _hub_face(given: TrialKnown) -> Found:
+    """Face of the drum's hub."""
+    return given.moved("drum.hub_face_y_mm", given["drum.outer_face_y_mm"], 0.1, ("hub_length",))
+
+
+def _sector(given: TrialKnown) -> Found:
+    """Half angle of the drum's sector."""
+    start = min(given["travel.half_angle_deg"] + SECTOR_SPARE_DEG, 174.0)
+    checks = ("wrap_left", "terminal_clears_input", "stop_slot", "terminal_angles")
+    return given.moved("drum.sector_half_angle_deg", start, 1.0, checks)
+
+
+MOTOR_SHELF = Rule(
+    "support.motor_shelf_mm",
+    "thickness that leaves enough engagement for the screws of motor or gearhead",
+    "engagement",
+    _motor_shelf,
+)
+BEARING_SHELF = Rule(
+    "support.bearing_shelf_mm",
+    "least height for the bearing next to the motor and a shoulder",
+    "bearing_seats",
+    _bearing_shelf,
+)
+ENCODER_SHELF = Rule(
+    "support.encoder_shelf_mm",
+    "least height for bearing, shoulder and sunk screw heads",
+    "encoder_shelf",
+    _encoder_shelf,
+)
+COUPLING_SPACE = Rule(
+    "support.coupling_space_mm",
+    "least space to insert the collar, the screws of the motor or gearhead and their key",
+    "coupling_height",
+    _coupling_space,
+)
+WEB = Rule("drum.web_thickness_mm", "usual thickness for its material", "web_in_rim", _web)
+SHAFT_BORE = Rule(
+    "drum.shaft_bore_mm", "half the bearings' bore, or less for the wall of the shaft", "shaft_wall", _shaft_bore
+)
+HUB = Rule(
+    "drum.hub_diameter_mm",
+    "least diameter for the walls round shaft, set screws and payload threads",
+    "hub_walls",
+    _hub,
+)
+SECTOR = Rule(
+    "drum.sector_half_angle_deg", "least angle for the travel and the wrap that must remain", "wrap_left", _sector
+)
+STOP_PIN = Rule("drum.stop_pin_mm", "the thinnest pin that holds the stalled motor", "stop_pin", _stop_pin)
+RIM = Rule("drum.rim_inner_radius_mm", "the thinnest rim that the terminals' pockets allow", "rim_height", _rim)
+HUB_FACE = Rule("drum.hub_face_y_mm", "least length for set screws and payload threads", "hub_length", _hub_face)

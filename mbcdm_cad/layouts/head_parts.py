@@ -1,0 +1,111 @@
+"""Rules that choose the bought parts of drives with a motor head: the lightest with which the checks pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
+from mbcdm_cad.layouts.common_rules import COLLAR_SCREWS
+from mbcdm_cad.layouts.trial_sizing import TrialKnown
+from mbcdm_cad.sizing.rule import Found, Rule
+
+_RING = "ring"
+
+
+def _bores(given: TrialKnown) -> set[float]:
+    """Bores of the encoders that sit on the end of a shaft."""
+    return {entry["bore_mm"] for name, entry in given.entries("encoders").items() if _RING not in name}
+
+
+def _by_mass(given: TrialKnown, kind: str, wanted: Callable[[str, dict[str, Any]], bool]) -> list[str]:
+    """Names of the entries that are ``wanted``, the lightest first."""
+    entries = given.entries(kind)
+    return sorted((n for n, e in entries.items() if wanted(n, e)), key=lambda n: (entries[n]["mass_g"], n))
+
+
+def _rings(given: TrialKnown, bearing: dict[str, Any]) -> list[str]:
+    """Ring encoders of a bearing's bore, whose screws are beside its seat; the lightest first."""
+
+    def fits(name: str, ring: dict[str, Any]) -> bool:
+        if _RING not in name or ring["bore_mm"] != bearing["bore_mm"]:
+            return False
+        web = (ring["bolt_circle_mm"] - given.screw(ring["screw"]).thread_mm - bearing["outer_diameter_mm"]) / 2
+        return bool(web >= HOLE_WEB_MM)
+
+    return _by_mass(given, "encoders", fits)
+
+
+def _drum_bearing(given: TrialKnown) -> Found:
+    names = _by_mass(given, "bearings", lambda _, entry: bool(_rings(given, entry)))
+    return given.first("drum.bearing", names, ("drum_bearings", "shaft_twist"))
+
+
+def _lower(given: TrialKnown) -> Found:
+    shaft, wall = given.gearhead.shaft_diameter_mm, given.wall_mm("input_pulleys")
+    names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] >= shaft + 2 * wall)
+    return given.first("input_pulleys.lower_bearing", names, ("bore_wall", "key_access", "input_bearings"))
+
+
+def _upper(given: TrialKnown) -> Found:
+    bores = _bores(given)
+    names = _by_mass(given, "bearings", lambda _, entry: entry["bore_mm"] in bores)
+    return given.first("input_pulleys.upper_bearing", names, ("input_bearings",))
+
+
+def _encoder(given: TrialKnown) -> Found:
+    bore = given.entry("bearings", "input_pulleys.upper_bearing")["bore_mm"]
+    names = _by_mass(given, "encoders", lambda name, entry: _RING not in name and entry["bore_mm"] == bore)
+    return given.first("drive.encoder", names, ("encoder_shelf",))
+
+
+def _drum_encoder(given: TrialKnown) -> Found:
+    bearing = given.entry("bearings", "drum.bearing")
+    # For a bearing that the file states there may be none beside its seat: the checks then state what is missing.
+    names = _rings(given, bearing) or _by_mass(
+        given, "encoders", lambda name, entry: _RING in name and entry["bore_mm"] == bearing["bore_mm"]
+    )
+    return given.first("drive.drum_encoder", names, ("boss",))
+
+
+def _tensioner(given: TrialKnown) -> Found:
+    entries = given.entries("tensioners")
+    names = sorted(entries, key=lambda name: entries[name]["stud_length_mm"])
+    return given.first("drum.tensioner", names, ("sleeve_fits", "stud_stress", "take_up"))
+
+
+def _collar_screw(given: TrialKnown) -> Found:
+    return given.first("input_pulleys.collar_screw", COLLAR_SCREWS, ("collar_grip",))
+
+
+PARTS = (
+    Rule(
+        "drum.bearing",
+        "the lightest with a ring encoder that carries the drum and has a strong enough shaft",
+        "drum_bearings",
+        _drum_bearing,
+    ),
+    Rule(
+        "input_pulleys.lower_bearing",
+        "the lightest that fits journal and shaft, carries the cables' load and leaves access to the screws",
+        "input_bearings",
+        _lower,
+    ),
+    Rule(
+        "input_pulleys.upper_bearing",
+        "the lightest that carries the cables' load and fits an encoder",
+        "input_bearings",
+        _upper,
+    ),
+    Rule(
+        "input_pulleys.collar_screw", "the smallest whose clamp holds the input's torque", "collar_grip", _collar_screw
+    ),
+    Rule("drive.encoder", "the lightest that fits the journal", "encoder_fit", _encoder),
+    Rule("drive.drum_encoder", "the lightest ring that fits the drum's shaft", "encoder_fit", _drum_encoder),
+    Rule(
+        "drum.tensioner",
+        "the shortest whose sleeve fits the rope and whose stud is strong and long enough",
+        "take_up",
+        _tensioner,
+    ),
+)

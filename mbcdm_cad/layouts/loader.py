@@ -1,0 +1,92 @@
+"""Read, create and describe design files of any configuration; the field ``configuration`` of a file names it."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.design.loader import loaded, resolved
+from mbcdm_cad.design.source import read_text
+from mbcdm_cad.design.template import new_text, reference_values, with_derived
+from mbcdm_cad.design.yamltree import Tree, parse
+from mbcdm_cad.errors import InputError, MbcdmError, Problem, did_you_mean, shortened
+from mbcdm_cad.layouts.registry import DEFAULT, configuration, names
+
+__all__ = [
+    "DEFAULT",
+    "design_file",
+    "design_file_of",
+    "load_design",
+    "load_text",
+    "load_tree",
+    "new_design_text",
+    "reference_data",
+    "resolve_tree",
+    "short_design_text",
+]
+
+
+def load_design(path: str | Path) -> LoadedDesign:
+    """Read, validate and resolve a design file. Raises InputError with all problems found at one stage."""
+    path = Path(path)
+    return load_text(read_text(path), path)
+
+
+def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
+    """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
+    return load_tree(parse(text, str(path)), text, path)
+
+
+def load_tree(tree: Tree, text: str, path: str | Path) -> LoadedDesign:
+    """As :func:`load_text`, from a tree that was read from ``text`` or has the same values."""
+    return loaded(tree, text, Path(path), design_file_of(tree, str(path)))
+
+
+def resolve_tree(tree: Tree, path: str | Path) -> Drive:
+    """The drive alone of a tree of the file's values. Raises as :func:`load_design`."""
+    return resolved(tree, Path(path), design_file_of(tree, str(path))).drive
+
+
+def new_design_text(name: str, of: str = DEFAULT) -> str:
+    """Text of a design file called ``name`` (a slug): the reference design of the configuration ``of``, commented."""
+    return new_text(design_file(of).nodes, name)
+
+
+def short_design_text(name: str, of: str = DEFAULT, *, derived: bool = False) -> str:
+    """Text of a short design file called ``name`` (a slug): the requirements of a drive of configuration ``of``.
+
+    ``derived``: with every value that follows, as a comment. Raises ``MbcdmError`` for a configuration without rules.
+    """
+    file = design_file(of)
+    if not file.starting:
+        raise MbcdmError(f"{of}: no sizing rules yet; leave --full out for a file with all values")
+    text = file.starting.format(name=name)
+    return with_derived(text, load_text(text, f"{name}.yaml").sized) if derived else text
+
+
+def reference_data(of: str = DEFAULT) -> dict[str, Any]:
+    """The reference design of a configuration as plain data, as its file would be read."""
+    return reference_values(design_file(of).nodes)
+
+
+def design_file(name: str = DEFAULT) -> DesignFile:
+    """The design files of one configuration. Raises ``MbcdmError`` if there is none of that name."""
+    return configuration(name).design_file()
+
+
+def design_file_of(tree: Tree, path: str) -> DesignFile:
+    """The design files of the file's ``configuration``; if it is missing, the default's, whose schema reports that."""
+    if not isinstance(tree.data, dict) or "configuration" not in tree.data:
+        return design_file()
+    name: Any = tree.data["configuration"]
+    if isinstance(name, str):
+        with suppress(MbcdmError):
+            return design_file(name)
+    known = names()
+    line, limit = tree.line_of(("configuration",)), "one of " + ", ".join(known)
+    remedy = did_you_mean(str(name), known)
+    raise InputError([Problem(path, line, "configuration", "not a known word", shortened(name), limit, remedy)])

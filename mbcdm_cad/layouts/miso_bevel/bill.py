@@ -1,0 +1,213 @@
+"""The bill of the assembly: every part with the function that draws it, every instance with its place.
+
+This module needs no CAD kernel: if all parts are in the cache, a build draws nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import radians
+
+from mbcdm_cad.design.bought import Bearing, Screw
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
+from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
+from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
+from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.bought.train import add_train
+from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
+from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
+from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
+from mbcdm_cad.parts.placement import Placement
+
+_X: tuple[float, float, float] = (1.0, 0.0, 0.0)
+_Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
+_Z: tuple[float, float, float] = (0.0, 0.0, 1.0)
+# Placements that turn a part drawn along +Z to +Y, or to -Y.
+_ALONG_Y = Placement.about(_X, -90.0)
+_AGAINST_Y = Placement.about(_X, 90.0)
+_UPSIDE_DOWN = Placement.about(_X, 180.0)
+# The same, but what points to the front still does.
+_TURNED_OVER = Placement.about(_Y, 180.0)
+# Colours (linear RGB) that distinguish bought bodies and cables from machined metal.
+
+
+def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
+    """Drum, guide and inputs: theta_g = -theta_o r_o/r_g, theta_m = theta_o r_o/r_m."""
+    first = layout.drive.cables[0]
+    inputs = []
+    for pulley in layout.inputs:
+        cable = next(c for c in layout.drive.cables if c.input_name == pulley.name)
+        inputs.append(
+            MovingBody(
+                f"input_{pulley.name}",
+                "input",
+                (pulley.x, pulley.y, 0.0),
+                _Z,
+                cable.drum_radius_mm,
+                cable.input_radius_mm,
+            )
+        )
+    return (
+        MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y),
+        MovingBody("guide", "passed", (0.0, 0.0, 0.0), _Z, -first.drum_radius_mm, first.guide_radius_mm),
+        *inputs,
+    )
+
+
+class _Builder(BillBuilder):
+    """Knows the layout and what bought parts are made of."""
+
+    def __init__(self, layout: Layout, drum_angle_deg: float) -> None:
+        super().__init__(moving_bodies(layout), drum_angle_deg)
+        self.layout = layout
+        self.drive: BevelDrive = layout.drive
+
+    def steel_screw(self, name: str, screw: Screw, place: Placement, group: str = FIXED) -> None:
+        """A screw of the catalogue's steel."""
+        self.screw(name, screw, self.drive.material("steel"), place, group)
+
+    def steel_bearing(self, name: str, bearing: Bearing, place: Placement, group: str = FIXED) -> None:
+        """A bearing of the catalogue's bearing steel."""
+        self.bearing(name, bearing, self.drive.material("bearing-steel"), place, group)
+
+
+def _at(x: float, y: float, z: float) -> Placement:
+    return Placement.translation(x, y, z)
+
+
+def _support(b: _Builder) -> None:
+    lay, drive, v = b.layout, b.drive, b.layout.levels
+    metal = drive.support.material
+    head = drive.screw(drive.encoder.screw)
+    b.add("frame", "mbcdm_cad.layouts.miso_bevel.support.frame:create_frame", (lay.frame,), material=metal)
+    insert = lay.frame.plate_insert
+    tapped = replace(
+        lay.frame,
+        axle_screw_radius=drive.screw(AXLE_SCREW).tap_drill_mm / 2,
+        plate_screw_radius=lay.frame.plate_screw_radius if insert else plate_screw_of(drive).tap_drill_mm / 2,
+        encoder_screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2,
+    )
+    b.drilled("frame", tapped)
+    b.add(
+        "top_plate",
+        "mbcdm_cad.layouts.miso_bevel.support.top_plate:create_top_plate",
+        (lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2),
+        material=metal,
+    )
+    steel = drive.guide.axle_material
+    b.add("guide_axle", "mbcdm_cad.parts.axle.draw:create_axle", (lay.axle,), material=steel)
+    b.add("guide_spacer", "mbcdm_cad.parts.axle.draw:create_spacer", (lay.axle,), material=steel)
+    pin_length = lay.drum.web_end_y + 0.5 - lay.frame.stop_pin_start_y
+    b.add(
+        "stop_pin",
+        "mbcdm_cad.parts.ring:create_pin",
+        (lay.frame.stop_pin_radius, pin_length),
+        material=drive.material("steel"),
+        place=_at(0.0, lay.frame.stop_pin_start_y, lay.frame.stop_pin_z) @ _ALONG_Y,
+    )
+    for n, (x, y) in enumerate(lay.frame.dowels, 1):
+        b.add(
+            f"dowel_{n}",
+            "mbcdm_cad.parts.ring:create_pin",
+            (lay.frame.dowel_radius, dowel_length_mm(drive)),
+            part="dowel",
+            material=drive.material("steel"),
+            place=_at(x, y, v.top_plate_top_z - dowel_length_mm(drive)),
+        )
+    plate_screw = plate_screw_of(drive)
+    for n, (x, y) in enumerate(lay.frame.plate_screws, 1):
+        b.steel_screw(f"plate_screw_{n}", plate_screw, _at(x, y, v.top_plate_top_z - lay.top_plate.screw_head_depth))
+        if insert is not None:
+            b.insert(f"plate_insert_{n}", insert, drive.material("brass"), _at(x, y, v.top_plate_bottom_z))
+    shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
+    axle_screw = drive.screw(AXLE_SCREW)
+    b.steel_screw(
+        "axle_set_screw", axle_screw, _at(0.0, lay.frame.axle_radius + axle_screw.length_mm, shelf_z) @ _ALONG_Y
+    )
+
+
+def _bearings(b: _Builder) -> None:
+    lay, v, bearings = b.layout, b.layout.levels, b.drive.bearings
+    shaft = lay.drum_shaft
+    b.steel_bearing("drum_bearing_rear", bearings.drum, _at(0.0, shaft.rear_bearing_y, 0.0) @ _ALONG_Y)
+    add_preload_spring(b, b.drive, lay.preload_spring)
+    b.steel_bearing("drum_bearing_front", bearings.drum, _at(0.0, shaft.front_bearing_y, 0.0) @ _ALONG_Y)
+    b.steel_bearing("guide_bearing_lower", bearings.guide, _at(0.0, 0.0, v.guide_bottom_z), "guide")
+    b.steel_bearing(
+        "guide_bearing_upper", bearings.guide, _at(0.0, 0.0, v.guide_top_z - bearings.guide.width_mm), "guide"
+    )
+    shelf_z, plate_z = v.bearing_shelf_top_z, v.top_plate_bottom_z
+    for p in lay.inputs:
+        low = _at(p.x, p.y, shelf_z - b.drive.shelf_bearing.width_mm)
+        high = _at(p.x, p.y, plate_z)
+        if b.drive.motors_above:
+            low, high = high, low
+        b.steel_bearing(f"input_bearing_lower_{p.name}", bearings.input_lower, low)
+        b.steel_bearing(f"input_bearing_upper_{p.name}", bearings.input_upper, high)
+
+
+def _drives(b: _Builder) -> None:
+    """Gearheads, motors and encoders; in the frame of each input, z runs from the gearhead to the encoder."""
+    lay, drive, v = b.layout, b.drive, b.layout.levels.from_gearhead
+    body = drive.material("stainless")
+    gear, encoder = drive.gearhead, drive.encoder
+    gear_screw, encoder_screw = (drive.screw(x.screw) for x in (gear, encoder))
+    gear_depth = gear_screw.length_mm - drive.support.motor_shelf_mm + 1.0
+    head_depth = encoder_screw.head_height_mm + ENCODER_HEAD_SUNK_MM
+    encoder_depth = encoder_screw.length_mm - (drive.encoder_plate_mm - head_depth) + 0.5
+    for p in lay.inputs:
+        at_input, turn = _at(p.x, p.y, 0.0) @ _stand(drive), drive.turn_deg(p.x)
+        add_train(b, drive, p.name, gear_depth, at_input @ _at(0.0, 0.0, v.motor_shelf_bottom_z), turn)
+        b.add(
+            f"encoder_{p.name}",
+            "mbcdm_cad.parts.bought.draw:create_encoder",
+            (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_depth),
+            part="encoder",
+            material=replace(body, colour=ENCODER_COLOUR),
+            place=at_input @ _at(0.0, 0.0, v.top_plate_top_z),
+            mass_g=encoder.mass_g,
+        )
+        # Sorted by number, since the order of the items is that in the files.
+        gear_places = screw_places(gear.screw_count, gear.bolt_circle_mm / 2, turn)
+        encoder_places = screw_places(2, encoder.bolt_circle_mm / 2)
+        for n in range(max(len(gear_places), len(encoder_places))):
+            if n < len(gear_places):
+                x, y = gear_places[n]
+                at = at_input @ _at(x, y, v.motor_shelf_top_z)
+                b.steel_screw(f"{drive.mounted}_screw_{p.name}_{n + 1}", gear_screw, at)
+            if n < len(encoder_places):
+                x, y = encoder_places[n]
+                place = at_input @ _at(x, y, v.top_plate_bottom_z + head_depth) @ _UPSIDE_DOWN
+                b.steel_screw(f"encoder_screw_{p.name}_{n + 1}", encoder_screw, place)
+    add_drum_encoder(b, drive, lay.frame.encoder_pocket_floor_y, lay.frame.encoder_screw_circle)
+
+
+def _stand(drive: BevelDrive) -> Placement:
+    """How parts whose heights count from the gearhead stand."""
+    return _TURNED_OVER if drive.motors_above else UPRIGHT
+
+
+def _pulleys(b: _Builder) -> None:
+    lay, drive = b.layout, b.drive
+    b.add(
+        "guide",
+        "mbcdm_cad.parts.idler_pulley.draw:create_idler_pulley",
+        (lay.guide,),
+        material=drive.guide.material,
+        group="guide",
+    )
+    for p in lay.inputs:
+        add_input_pulley(b, drive, p, lay.collar, drive.support.material, _stand(drive))
+
+
+def bill(layout: Layout, drum_angle_deg: float = 0.0) -> Bill:
+    """All parts and instances with the drum at ``drum_angle_deg``."""
+    b = _Builder(layout, drum_angle_deg)
+    for section in (_support, _bearings, _drives):
+        section(b)
+    add_drum(b, b.drive, layout.drum, layout.drum_shaft)
+    _pulleys(b)
+    add_cables(b, b.drive, layout.cable_paths(radians(drum_angle_deg)))
+    return b.bill()

@@ -1,0 +1,204 @@
+"""Centre line of each cable at a given drum angle, and figures that follow from it.
+
+A cable runs: chord through the input pulley (swaged stop) - inward bend - helix on the input pulley - free span,
+joined to helix and guide by short parabolas - arc on the guide - transfer - arc on the drum - straight into the
+tensioner. Geometry derived from the pitch cone (transfer of step k at (0, r_gk, r_ok)).
+
+Drawn state: the guide's arc lies in the plane z = r_ok, as it does after a move that winds the cable onto the input
+pulley; `guide_landing_walk_mm` gives how far it moves in a full sweep.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt, tau
+
+import numpy as np
+
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
+from mbcdm_cad.routes.curves import Arc, Helix, Line, Parabola, Piece, Triple, Vector
+
+# The rope's bending stiffness rounds the change of slope between span and pulley over a few sqrt(EI/T), about 0.7 mm
+# for 49 free wires of 0.09 mm at 70 N; this transition is drawn 2.5 diameters long.
+BLEND_DIAMETERS = 2.5
+
+
+@dataclass(frozen=True)
+class Winding:
+    """Tangent points of a cable on input pulley and guide; angles in rad about Z, seen from +z, for any drum angle."""
+
+    input_x_mm: float
+    input_y_mm: float
+    guide_sense: int  # +1: the cable, followed towards the drum, goes anticlockwise round the guide
+    guide_landing_rad: float
+    guide_wrap_rad: float
+    input_contact_rad: float
+    free_span_mm: float
+    outward: int  # +1: the dead turn lies at larger z than the step plane
+    payout: int  # +1: a positive drum angle takes cable off the input pulley
+    reduction: float  # r_o / r_m
+
+
+def winding(drive: BevelDrive, cable: BevelRun) -> Winding:
+    """Tangent points of the figure-eight span between an input pulley and the guide.
+
+    Free span sqrt(L^2 - (r_g + r_m)^2), paper Eq. (11). Raises ValueError if L <= r_g + r_m (pulleys overlap).
+    """
+    length, r_g, r_m = drive.centre_distance_mm, cable.guide_radius_mm, cable.input_radius_mm
+    if length <= r_g + r_m:
+        raise ValueError(f"centre distance {length} mm must exceed r_g + r_m = {r_g + r_m} mm for {cable.name}")
+    sense = -cable.drum_side
+    towards_input = pi + drive.input_turn_rad if cable.input_side < 0 else 0.0 - drive.input_turn_rad
+    beta = acos((r_g + r_m) / length)
+    # Of the two internal tangents, the one whose direction of travel agrees with the sense of rotation.
+    landing = towards_input + sense * beta
+    wrap = (sense * (pi / 2 - landing)) % tau
+    others = [c for c in drive.cables if c.input_name == cable.input_name and c.name != cable.name]
+    outward = 1 if all(cable.step > c.step for c in others) else -1
+    return Winding(
+        input_x_mm=cable.input_side * drive.input_x_mm,
+        input_y_mm=drive.input_y_mm,
+        guide_sense=sense,
+        guide_landing_rad=landing % tau,
+        guide_wrap_rad=wrap,
+        input_contact_rad=(landing + pi) % tau,
+        free_span_mm=sqrt(length**2 - (r_g + r_m) ** 2),
+        outward=outward,
+        payout=cable.drum_side,
+        reduction=cable.drum_radius_mm / cable.input_radius_mm,
+    )
+
+
+def stop_of(drive: BevelDrive, cable: BevelRun) -> StopGeometry:
+    """The cable's end in its input pulley."""
+    w = winding(drive, cable)
+    wound = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
+    return stop_geometry(drive, cable.input_radius_mm, w.input_contact_rad + w.guide_sense * wound, w.guide_sense)
+
+
+# The stretches of a cable by what carries them: wound on the input pulley, free and on the guide, on the drum.
+WOUND = (*STOP_PIECES, "helix")
+FREE = ("span_in", "span", "span_out", "guide")
+ON_DRUM = ("drum", "tail")
+
+
+def axial_walk_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
+    """Offset of the input contact from the step plane, positive away from the dead turn. p (r_o/r_m) theta / 2 pi."""
+    w = winding(drive, cable)
+    return -w.payout * w.reduction * drum_angle_rad * drive.helix_lead_mm / tau
+
+
+def _t(v: Vector) -> Triple:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def cable_path(
+    drive: BevelDrive, cable: BevelRun, anchor_rad: float, tail_mm: float, drum_angle_rad: float
+) -> CablePath:
+    """Centre line at ``drum_angle_rad``.
+
+    ``anchor_rad``: angle on the drum, from +Z towards the cable's side, where the cable leaves its land with the drum
+    centred; ``tail_mm``: straight length from there into the tensioner.
+    """
+    w = winding(drive, cable)
+    r_m, r_g, r_o = cable.input_radius_mm, cable.guide_radius_mm, cable.drum_radius_mm
+    half_travel = radians(drive.half_travel_deg)
+    z_step = r_o
+    inward = -w.outward
+    walk = axial_walk_mm(drive, cable, drum_angle_rad)
+    z_contact = z_step + inward * walk
+    lead = drive.helix_lead_mm
+    wound = tau * drive.dead_turns + w.reduction * (half_travel - w.payout * drum_angle_rad)
+    away = w.guide_sense  # sense from the contact into the winding; towards the guide it is opposite
+    a_contact = w.input_contact_rad
+    a_end = a_contact + away * wound
+    z_end = z_contact + w.outward * lead * wound / tau
+    helix = Helix((w.input_x_mm, w.input_y_mm), r_m, a_end, a_contact, z_end, z_contact)
+
+    pieces: list[tuple[str, Piece]] = []
+    # Inward bend and chord, in the plane of the helix's end tangent and the radius there.
+    radial = np.array([cos(a_end), sin(a_end), 0.0])
+    start = np.array([w.input_x_mm + r_m * radial[0], w.input_y_mm + r_m * radial[1], z_end])
+    back = -helix.tangent(0.0)
+    ends = stop_pieces(start, radial, back, r_m, stop_of(drive, cable))
+    pieces.extend(zip(STOP_PIECES, ends, strict=True))
+    pieces.append(("helix", helix))
+
+    contact = helix.points(np.array([1.0]))[0]
+    a_land = w.guide_landing_rad
+    landing = np.array([r_g * cos(a_land), r_g * sin(a_land), z_step])
+    plan = (landing - contact) * np.array([1.0, 1.0, 0.0]) / w.free_span_mm
+    slope_helix = helix.tangent(1.0)
+    slope_helix = slope_helix[2] / hypot(slope_helix[0], slope_helix[1])
+    blend = min(BLEND_DIAMETERS * drive.cable.diameter_mm, 0.3 * w.free_span_mm)
+    up = np.array([0.0, 0.0, 1.0])
+    first_mid = contact + blend / 2 * (plan + slope_helix * up)
+    last_mid = landing - blend / 2 * plan
+    chord = last_mid - first_mid
+    chord_rate = chord / hypot(chord[0], chord[1])
+    first_end = first_mid + blend / 2 * chord_rate
+    last_start = last_mid - blend / 2 * chord_rate
+    pieces.append(("span_in", Parabola(_t(contact), _t(first_mid), _t(first_end))))
+    pieces.append(("span", Line(_t(first_end), _t(last_start))))
+    pieces.append(("span_out", Parabola(_t(last_start), _t(last_mid), _t(landing))))
+    a_transfer = a_land + w.guide_sense * w.guide_wrap_rad
+    pieces.append(("guide", Arc((0.0, 0.0, z_step), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_g, a_land, a_transfer)))
+
+    side = cable.drum_side
+    drum_end = anchor_rad + side * drum_angle_rad
+    pieces.append(("drum", Arc((0.0, r_g, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), r_o, 0.0, drum_end)))
+    leave = np.array([side * r_o * sin(drum_end), r_g, r_o * cos(drum_end)])
+    along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
+    pieces.append(("tail", Line(_t(leave), _t(leave + tail_mm * along))))
+    stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch(None, FREE), Stretch("drum", ON_DRUM))
+    return CablePath(cable, drum_angle_rad, tuple(pieces), stretches)
+
+
+def fleet_angle_at_deg(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
+    """Fleet angle at a drum angle, with the sign of the walk: atan(walk / free span)."""
+    return degrees(atan2(axial_walk_mm(drive, cable, drum_angle_rad), winding(drive, cable).free_span_mm))
+
+
+def fleet_angle_deg(drive: BevelDrive, cable: BevelRun) -> float:
+    """Largest fleet angle over the travel, at both of its ends (the walk is symmetric)."""
+    return abs(fleet_angle_at_deg(drive, cable, radians(drive.half_travel_deg)))
+
+
+def self_clearance_mm(drive: BevelDrive, cable: BevelRun, drum_angle_rad: float) -> float:
+    """Centre-line distance less d between the leaving span and the turn wound just before it (negative: they overlap).
+
+    The fleet angle leads the span back over its own last turn, most at the fully wound end.
+    """
+    path = cable_path(drive, cable, 1.0, 1.0, drum_angle_rad)
+    helix = path.piece("helix")
+    assert isinstance(helix, Helix)
+    per_turn = tau / abs(helix.angle_end - helix.angle_start)
+    span = path.only(("span_in",)).sample(0.02)
+    line = path.piece("span")
+    span = np.concatenate([span, line.points(np.linspace(0.0, min(1.0, 8.0 / line.length_mm), 400))])
+    span = np.concatenate([helix.points(np.linspace(1.0 - per_turn / 4, 1.0, 200)), span])
+    turn = helix.points(np.linspace(max(0.0, 1.0 - 1.5 * per_turn), 1.0 - 0.5 * per_turn, 2000))
+    best = np.inf
+    for chunk in np.array_split(span, 8):
+        gap = np.linalg.norm(chunk[:, None, :] - turn[None, :, :], axis=2).min()
+        best = min(best, float(gap))
+    return best - drive.cable.diameter_mm
+
+
+def guide_landing_walk_mm(drive: BevelDrive, cable: BevelRun) -> float:
+    """Largest offset of the landing point on the guide from its step plane in a full sweep towards the drum (mm).
+
+    Cable that comes from the drum lies in the step plane; cable that comes from the input follows the input's walk with
+    a lag whose space constant is the free span, dz/ds = (w - z)/L_free, without lateral slip (derived).
+    """
+    w = winding(drive, cable)
+    amplitude = abs(axial_walk_mm(drive, cable, radians(drive.half_travel_deg)))
+    stroke = 2 * cable.drum_radius_mm * radians(drive.half_travel_deg)
+    s = np.linspace(0.0, stroke, 2001)
+    slope = -2 * amplitude / stroke
+    span = w.free_span_mm
+    # Closed form of the first-order lag on a ramp that starts at +amplitude, from z(0) = 0.
+    z = amplitude + slope * (s - span) - (amplitude - slope * span) * np.exp(-s / span)
+    return float(np.max(np.abs(z)))

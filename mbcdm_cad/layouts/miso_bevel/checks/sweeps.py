@@ -1,0 +1,200 @@
+"""Gaps between turning and fixed parts: the drum with its terminals and the drives, the collars and their space.
+
+The drum is represented by its swept volume over a full turn, each of its zones by a ring: at radius r from the Y axis
+no part of it lies nearer to the frame than the zone's y. Drives are cylinders along Z. Cables are sampled over the
+travel.
+"""
+
+from __future__ import annotations
+
+from math import hypot, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart, nearest_mm, step_mm
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.checks.drum_outline import Ring, drum_zones
+from mbcdm_cad.checks.geometry import corner_gap
+from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
+from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
+from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.corners import pocket_corner_mm
+
+# Gap between two bodies that both turn in bearings (estimate).
+MOVING_GAP_MM = 0.1
+
+
+class Upright(NamedTuple):
+    """A cylinder with an axis parallel to Z at x = +-``x``, ``y``; ``moves``: it turns in bearings of its own."""
+
+    name: str
+    x: float
+    y: float
+    radius: float
+    low: float
+    high: float
+    moves: bool = False
+
+
+def _collar_reach_mm(s: BevelUnderTest) -> float:
+    return collar_sweep_mm(s.drive, *s.drive.collar_seat)
+
+
+def uprights(s: BevelUnderTest) -> list[Upright]:
+    """Drives and pulleys, one of each symmetric pair."""
+    drive, v, lay = s.drive, s.levels, s.layout
+    x, y, box = drive.input_x_mm, drive.input_y_mm, lay.top_plate.box
+    bodies = [
+        Upright("gearheads", x, y, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.gearhead_top_z),
+        Upright("motors", x, y, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.motor_top_z),
+        Upright("encoders", x, y, drive.encoder.diameter_mm / 2, v.encoder_bottom_z, v.encoder_top_z),
+        Upright("clamp collars", x, y, _collar_reach_mm(s), *_heights(s, lay.collar.bottom_z, lay.collar.top_z), True),
+    ]
+    if box is not None:
+        reach = hypot(box.outer_x, max(box.front_y, -box.back_y))
+        bodies.append(Upright("coupling boxes", x, y, reach, v.top_plate_top_z, v.motor_shelf_top_z))
+    for p in lay.inputs:
+        radius = max(c.input_radius_mm for c in s.steps if c.input_name == p.name) + s.flank_mm
+        heights = _heights(s, p.land_bottom_z, p.land_top_z)
+        bodies.append(Upright(f"{p.name} input pulley", x, y, radius, *heights, True))
+    return bodies
+
+
+def _heights(s: BevelUnderTest, low: float, high: float) -> tuple[float, float]:
+    """Heights in the assembly of what lies between two heights from the gearhead."""
+    return (-high, -low) if s.drive.motors_above else (low, high)
+
+
+def ring_gap(ring: Ring, body: Upright, want: float) -> float:
+    """Gap of a swept ring of the drum to a cylinder along Z: along y, else radially if the ring could reach it."""
+    along_y = ring.y - body.y - body.radius
+    if along_y >= want:
+        return along_y
+    # The part of the body that reaches the ring's y: |x| within its chord there.
+    chord = sqrt(max(body.radius**2 - max(ring.y - body.y - want, 0.0) ** 2, 0.0))
+    far_x, near_x = body.x + chord, max(body.x - chord, 0.0)
+    near_z = 0.0 if body.low <= 0.0 <= body.high else min(abs(body.low), abs(body.high))
+    furthest = hypot(far_x, max(abs(body.low), abs(body.high)))
+    return max(along_y, ring.inner - furthest, hypot(near_x, near_z) - ring.outer)
+
+
+def drum_sweep(s: BevelUnderTest) -> Comparison:
+    """Gap from drum, terminals and wound cables to drives and pulleys over the whole travel."""
+    running = s.drive.clearances.running_mm
+    found = []
+    for body in uprights(s):
+        for ring in drum_zones(s):
+            want = min(MOVING_GAP_MM, running) if body.moves else running
+            found.append(at_least(f"{ring.name} to the {body.name}", ring_gap(ring, body, want), want, "mm"))
+    return worst(found)
+
+
+def frame_front(s: BevelUnderTest) -> Comparison:
+    """Gap from all parts that turn with the drum to shelves, plate and boss behind them."""
+    v, running = s.levels, s.drive.clearances.running_mm
+    found = []
+    for ring in drum_zones(s):
+        if ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the frame", ring.y - v.front_y, running, "mm"))
+        if ring.inner < s.layout.frame.boss_radius and ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    return worst(found)
+
+
+def collar_space(s: BevelUnderTest) -> Comparison:
+    """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads, or to their boxes."""
+    v, running = s.levels, s.drive.clearances.running_mm
+    reach, box, c = _collar_reach_mm(s), s.layout.top_plate.box, s.layout.collar
+    if box is None:
+        return worst(in_pocket(s, "clamp collar", reach))
+    low, high = v.from_gearhead.motor_shelf_top_z, v.from_gearhead.bearing_shelf_bottom_z
+    corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, high - low)
+    heads = box.gear_bolt_circle + s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
+    return worst(
+        at_least(what, gap, running, "mm")
+        for what, gap in (
+            ("clamp collar from walls and motor shelf", corner_gap(reach, c.bottom_z, box.inner_x, low, corner)),
+            ("clamp collar from walls and top plate", corner_gap(reach, -c.top_z, box.inner_x, -high, corner)),
+            (f"{s.drive.mounted} screws' heads from the corner", box.inner_x - corner - heads),
+        )
+    )
+
+
+def _free(s: BevelUnderTest) -> list[tuple[float, np.ndarray]]:
+    """(drum angle in deg, points of all free stretches) at centre and both ends of travel."""
+    step = step_mm(s)
+    return [
+        (float(np.degrees(angle)), np.concatenate([path.only(FREE).sample(step) for path in paths]))
+        for angle, paths in s.extreme_paths
+    ]
+
+
+def spans_clear(s: BevelUnderTest) -> Comparison:
+    """Gap from free spans and cables on the guide to the terminals, drum centred and at both ends of travel."""
+    d, step, found = s.layout.drum, step_mm(s), []
+    keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
+    for angle, free in _free(s):
+        cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+        for t in d.tensioners:
+            along = np.linspace(t.slack_start, t.last_tip, int(t.last_tip / step) + 2)
+            axis = np.array([(x, t.y_mm, z) for x, z in (t.at(a) for a in along)]) @ turn.T
+            what = f"terminal of {t.cable_name} from the free spans with the drum at {angle:+.4g} deg"
+            found.append(at_least(what, nearest_mm(free, axis, step) - keep, CABLE_GAP_MM, "mm"))
+    return worst(found)
+
+
+CHECKS = (
+    Check(
+        "drum_sweep",
+        "Drum clears drives and pulleys",
+        "clearances.running_mm; 0.1 mm between turning bodies: estimate",
+        drum_sweep,
+        adjust=(
+            up("transmission.input_setback_mm"),
+            down("transmission.centre_distance_mm"),
+            up("transmission.centre_distance_mm"),
+            up("all radii of transmission"),
+            up("support.coupling_space_mm"),
+            down("support.coupling_space_mm"),
+            up("drum.rim_inner_radius_mm"),
+        ),
+    ),
+    Check(
+        "frame_front",
+        "Drum clears the frame",
+        "clearances.running_mm",
+        frame_front,
+        advice="choose a smaller drum.tensioner",
+    ),
+    Check(
+        "collar_space",
+        "Clamp collars turn freely",
+        "clearances.running_mm",
+        collar_space,
+        adjust=(up("transmission.centre_distance_mm"), down("support.back_plate_mm"), down("support.back_y_mm")),
+    ),
+    Check(
+        "cables_apart",
+        "Gaps between cables",
+        "derived; 0.1 mm: estimate",
+        cables_apart,
+        adjust=(
+            up("transmission.centre_distance_mm"),
+            up("all radii of transmission"),
+            down("travel.half_angle_deg"),
+            down("rope diameter_mm"),
+        ),
+    ),
+    Check(
+        "spans_clear",
+        "Free spans clear the terminals",
+        "derived; 0.1 mm: estimate",
+        spans_clear,
+        adjust=(down("travel.half_angle_deg"), up("drum.sector_half_angle_deg"), up("all radii of transmission")),
+    ),
+)

@@ -1,0 +1,144 @@
+"""Dimensions of the input pulleys (with stop slots and coupling) and of the guide pulley with its axle.
+
+Input pulley, axis parallel to Z:
+
+    encoder end  |journal|neck|  upper step  |  lower step  |neck|journal, bored for the gearhead's shaft|
+
+The swaged stop of each cable sits in a slot milled from the end face next to its dead turn. With motors above, the part
+is turned about Y by half a turn: (x, y, z) of the part are (-x, y, -z) there, and its lower end is above.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import pi, radians, tau
+
+from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of, winding
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM, Band, Stack, band, outward_of
+from mbcdm_cad.parts.axle.dims import AxleDims
+from mbcdm_cad.parts.collar.dims import collar_width_mm
+from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
+from mbcdm_cad.parts.input_pulley.dims import (
+    ENCODER_INSERTION_MM,
+    GROOVE_LEAD,
+    GROOVE_RADIUS,
+    JOURNAL_SLIT_MM,
+    InputPulleyDims,
+)
+from mbcdm_cad.parts.input_pulley.stop import (
+    StopGeometry,
+    anchored_groove,
+    helix_stop_land_mm,
+    neck_radius_mm,
+    stop_slot,
+)
+
+
+def smallest_lead_mm(drive: BevelDrive) -> float:
+    """Least lead of the helix on the input pulleys: turns side by side, or grooves with crests between them."""
+    d = drive.cable.diameter_mm
+    return GROOVE_LEAD * GROOVE_RADIUS * d if drive.input_pulleys.grooved else d
+
+
+@dataclass(frozen=True)
+class _Wound:
+    """One cable on its pulley, in the frame of the part."""
+
+    cable: BevelRun
+    band: Band
+    stop: StopGeometry
+    wound_rad: float  # what it winds at most
+
+
+def _wound(drive: BevelDrive, name: str) -> tuple[_Wound, _Wound]:
+    """The cables of the input ``name``, the one towards its gearhead first."""
+    found = []
+    for cable in sorted((c for c in drive.cables if c.input_name == name), key=lambda c: c.step):
+        on_pulley, stop = band(drive, cable, outward_of(drive, cable)), stop_of(drive, cable)
+        if drive.motors_above:
+            on_pulley = Band(-on_pulley.high_mm, -on_pulley.low_mm, -on_pulley.dead_end_mm)
+            stop = replace(stop, end_angle_rad=pi - stop.end_angle_rad, away=-stop.away)
+        wound = tau * drive.dead_turns + 2 * winding(drive, cable).reduction * radians(drive.half_travel_deg)
+        found.append(_Wound(cable, on_pulley, stop, wound))
+    low, high = reversed(found) if drive.motors_above else found
+    return low, high
+
+
+def input_pulley(drive: BevelDrive, in_assembly: Stack, name: str) -> InputPulleyDims:
+    """Dimensions of the input pulley called ``name``; its place is that in the assembly."""
+    low, high = _wound(drive, name)
+    levels = in_assembly.from_gearhead
+    flank = drive.cable.diameter_mm / 2
+    bearings = drive.bearings
+    beyond = helix_stop_land_mm(drive)
+    land_bottom = low.band.low_mm - beyond
+    land_top = high.band.high_mm + beyond
+    slots = tuple(
+        stop_slot(drive, w.cable.name, w.cable.input_radius_mm, w.stop, w.band.dead_end_mm, face)
+        for w, face in ((low, land_bottom), (high, land_top))
+    )
+    grooves = tuple(
+        anchored_groove(drive, slot, w.stop, w.wound_rad)
+        for w, slot in zip((low, high), slots, strict=True)
+        if drive.input_pulleys.grooved
+    )
+    gear = drive.gearhead
+    shaft_end = levels.motor_shelf_bottom_z + gear.shaft_length_mm
+    journal_bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
+    return InputPulleyDims(
+        name=name,
+        x=low.cable.input_side * drive.input_x_mm,
+        y=drive.input_y_mm,
+        journal_bottom_z=journal_bottom,
+        lower_journal_radius=bearings.input_lower.bore_mm / 2,
+        lower_neck_bottom_z=levels.bearing_shelf_top_z,
+        lower_neck_radius=neck_radius_mm(bearings.input_lower.inner_shoulder_mm, low.stop),
+        land_bottom_z=land_bottom,
+        lower_surface_radius=low.cable.input_radius_mm - flank,
+        wall_z=(low.band.high_mm + high.band.low_mm) / 2,
+        upper_surface_radius=high.cable.input_radius_mm - flank,
+        land_top_z=land_top,
+        upper_neck_radius=neck_radius_mm(bearings.input_upper.inner_shoulder_mm, high.stop),
+        upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
+        upper_journal_radius=bearings.input_upper.bore_mm / 2,
+        journal_top_z=levels.top_plate_top_z + ENCODER_INSERTION_MM,
+        bore_radius=gear.shaft_diameter_mm / 2,
+        bore_top_z=shaft_end + 0.5,
+        slit_width=JOURNAL_SLIT_MM,
+        slit_top_z=journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
+        slots=slots,
+        grooves=grooves,
+    )
+
+
+def guide(drive: BevelDrive, levels: Stack) -> IdlerDims:
+    """Guide pulley: walls in the middle between the steps, so that the landing point may move in both directions."""
+    cables = sorted(drive.cables, key=lambda c: c.step)
+    flank = drive.cable.diameter_mm / 2
+    bearing = drive.bearings.guide
+    return IdlerDims(
+        bottom_z=levels.guide_bottom_z,
+        top_z=levels.guide_top_z,
+        surface_radii=tuple(c.guide_radius_mm - flank for c in cables),
+        walls_z=tuple((a.drum_radius_mm + b.drum_radius_mm) / 2 for a, b in pairwise(cables)),
+        seat_radius=bearing.outer_diameter_mm / 2,
+        seat_depth=bearing.width_mm,
+        shoulder_radius=bearing.outer_shoulder_mm / 2,
+    )
+
+
+def axle(drive: BevelDrive, levels: Stack) -> AxleDims:
+    """Guide axle between bearing shelf and top plate, with the spacer above the upper bearing."""
+    bearing = drive.bearings.guide
+    return AxleDims(
+        radius=bearing.bore_mm / 2,
+        bottom_z=levels.bearing_shelf_bottom_z,
+        top_z=levels.top_plate_top_z,
+        collar_radius=bearing.inner_shoulder_mm / 2,
+        collar_bottom_z=levels.bearing_shelf_top_z,
+        collar_top_z=levels.guide_bottom_z,
+        spacer_bottom_z=levels.guide_top_z,
+        spacer_top_z=levels.top_plate_bottom_z,
+    )

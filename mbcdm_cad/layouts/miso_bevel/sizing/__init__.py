@@ -1,0 +1,89 @@
+"""Sizing rules of miso_bevel, in the order of the drive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.layouts.common_rules import FRICTION, needed
+from mbcdm_cad.layouts.miso_bevel.sizing.basis import CLEARANCES, LIMITS, METALS, NAMES
+from mbcdm_cad.layouts.miso_bevel.sizing.drum import DRUM, HUB_FACE, WEB
+from mbcdm_cad.layouts.miso_bevel.sizing.frame import BACK, FRAME, STOP_PIN
+from mbcdm_cad.layouts.miso_bevel.sizing.known import BevelKnown
+from mbcdm_cad.layouts.miso_bevel.sizing.parts import DRIVES, PARTS, TENSIONER
+from mbcdm_cad.layouts.miso_bevel.sizing.radii import DISTANCE, MOTOR_SIDE, RADII, RATIOS, SETBACK, SURFACE
+from mbcdm_cad.layouts.miso_bevel.sizing.rope import LEAD, PRELOAD, ROPE
+from mbcdm_cad.layouts.miso_bevel.sizing.turn import TURN
+from mbcdm_cad.sizing.engine import fill
+from mbcdm_cad.sizing.rule import Rule
+
+# Rope, parts by load, radii, places of the pulleys. None of these rules runs a check on a drive, so that they also work
+# on many designs at once.
+BEFORE_FRAME: tuple[Rule, ...] = (
+    *NAMES,
+    *LIMITS,
+    *ROPE,
+    FRICTION,
+    *PRELOAD,
+    *METALS,
+    *TENSIONER,
+    *DRIVES,
+    *PARTS,
+    *CLEARANCES,
+    *RADII,
+    *RATIOS,
+    *SURFACE,
+    *LEAD,
+    *MOTOR_SIDE,
+    *DISTANCE,
+)
+# Then frame and drum.
+RULES: tuple[Rule, ...] = (
+    *BEFORE_FRAME,
+    *FRAME,
+    *WEB,
+    *STOP_PIN,
+    *DRUM,
+    *SETBACK,
+    *BACK,
+    *TURN,
+    *HUB_FACE,
+)
+
+# Derived dimensions: fields that are neither a requirement nor a choice of part, material or arrangement.
+DERIVED = tuple(
+    rule.field
+    for rule in (*LEAD, *CLEARANCES, *FRAME, *WEB, *STOP_PIN, *DRUM, *SETBACK, *BACK, *HUB_FACE)
+    if not rule.field.startswith("limits.")
+)
+
+
+def size(data: dict[str, Any], moved: Moved | None = None) -> Sizing:
+    """The data with its open fields filled; ``moved`` changes the values of rules.
+
+    Raises ``SizingError`` where a requirement is missing.
+    """
+    given = BevelKnown(data)
+    missing = list(_missing(given))
+    if missing:
+        raise SizingError(*missing)
+    return fill(given, RULES, moved)
+
+
+def _missing(given: BevelKnown) -> Any:
+    for field, meaning, example in (
+        ("travel.half_angle_deg", "travel from the centre to each side, deg", "35.0"),
+        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "3.15"),
+    ):
+        if not given.has(field):
+            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    radii = ("transmission.drum_radii_mm", "transmission.drum_radius_mm")
+    if not any(given.has(field) for field in radii):
+        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 54.0 (drum pitch radius of step 1)")
+    explicit = any(given.has(f"transmission.{body}_radii_mm") for body in ("guide", "input"))
+    if explicit and not given.has("transmission.drum_radii_mm"):
+        yield needed("transmission.drum_radii_mm", "add the drum's radii, as other pulleys' are given")
+    ratios = ("transmission.ratios.guide_to_drum", "transmission.ratios.input_to_guide")
+    known = given.has("transmission.ratio") or given.has("transmission.input_radii_mm")
+    if not known and not all(given.has(field) for field in ratios):
+        yield needed("transmission.ratio", "add ratio: 9.0 (drum radius over input radius)")

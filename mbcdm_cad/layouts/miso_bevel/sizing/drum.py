@@ -1,0 +1,254 @@
+"""Rules of the drum sector, its hub and shaft."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import asin, atan2, degrees, hypot
+
+from mbcdm_cad.checks.comparison import Comparison
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.checks.drum_sector import (
+    HUB_DIAMETERS,
+    RIM_WALLS,
+    SPIGOT_MM,
+)
+from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
+from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
+from mbcdm_cad.layouts.miso_bevel.checks.wraps import terminal_clears_guide
+from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.drum import STOP_PIN_WALL_MM
+from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
+from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
+from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
+from mbcdm_cad.parts.drum_sector.sizes import (
+    FLAT_PLAY_MM,
+    HUB_SCREW,
+    MIN_FLOOR_MM,
+    PAYLOAD_DEPTH_MM,
+    PAYLOAD_THREAD_MM,
+    SECTOR_MARGIN_DEG,
+    SLOT_WALLS,
+    STOP_SLOT_PLAY_MM,
+    SWAGE_START_MM,
+)
+from mbcdm_cad.sizing.rule import Found, Rule, largest, rounded_down, rounded_up
+
+# Height of the hub over its set screws, so that they never project.
+SCREW_LIP_MM = 1.0
+# Web in multiples of the thinnest wall, and as a share of the outermost radius, to be stiff enough (estimate).
+WEB_WALLS, WEB_SHARE = 2.5, 1.0 / 33.0
+# Rim under the deepest pocket as a share of the radius of step 1 (estimate; the limit of the check is lower).
+RIM_SHARE = 0.08
+# Wrap left at the end of travel over the limit of its check: reserve for the slip zone at small loads (estimate).
+WRAP_SPARE_DEG = 6.0
+# Reserve of the gap between terminal and guide over the running clearance.
+GUIDE_SPARE_MM = 0.3
+THINNEST_STOP_PIN_MM = 3.0
+WIDEST_DEG = 170.0
+# Strength of the lug over the limit of its check.
+LUG_SPARE = 1.1
+
+
+def _web(given: BevelKnown) -> Found:
+    needs = {"web_in_rim": WEB_WALLS * given.wall_mm("drum"), "stiffness": WEB_SHARE * max(given.drum_mm)}
+    return largest(needs, 0.1)
+
+
+def _web_end(given: BevelKnown) -> float:
+    start = given.drum_inner_mm + 3 * given["clearances.running_mm"]
+    return float(start + given["drum.web_thickness_mm"])
+
+
+def _floor_under_pockets(given: BevelKnown) -> float:
+    """Least outer face, mm, with which no pocket below an outer cable goes through the whole rim."""
+    guide, drum = given.guide_mm, given.drum_mm
+    floor = given.nut_mm + given["clearances.running_mm"] + MIN_FLOOR_MM
+    reach = given.nut_pocket_mm + given.d_mm / 2 + MIN_FLOOR_MM
+    tip = given.entry("tensioners", "drum.tensioner")["stud_length_mm"] + take_up_mm(given) + 1.5
+    # Steps 1 and 4 run to one side, 2 and 3 to the other; those too close are staggered instead.
+    passed = [guide[k] for k, other in ((0, 3), (1, 2)) if drum[other] - drum[k] > reach + tip**2 / (2 * drum[k])]
+    return float(max(passed, default=0.0) + floor)
+
+
+def _outer_face(given: BevelKnown) -> Found:
+    spec = given.entry("tensioners", "drum.tensioner")
+    strength = given.entry("materials", "drum.material")["yield_MPa"]
+    last = max(given.guide_mm)
+    hole = spec["clearance_mm"] / 2
+    lug_end = terminal_mm(given)[0] - 2 * spec["nut_height_mm"]
+    outer, flat = max(given.drum_mm), spec["swage_flats_mm"] / 2 + FLAT_PLAY_MM
+    root = lug_root_mm(flat, outer - given.d_mm / 2, outer, lug_end)
+    lug = LUG_SPARE * LUG_SAFETY * 6 * given.highest_tension_N * root / (strength * spec["lug_thickness_mm"] ** 2)
+    needs = {
+        "outermost_land": last + given.d_mm / 2 + EDGE_BREAK_MM,
+        "outer_face": last + max(given.nut_mm, hole + given.wall_mm("drum")),
+        "web_in_rim": _web_end(given),
+        "lug_stress": last + hole + lug,
+        "lands_intact": _floor_under_pockets(given),
+    }
+    return largest(needs, 0.5)
+
+
+def _rim_inner(given: BevelKnown) -> Found:
+    first, wall = min(given.drum_mm), given.wall_mm("drum")
+    most = first - max(given.nut_pocket_mm, given.d_mm / 2) - RIM_WALLS * wall
+    wanted = rounded_down(min(first - given.nut_pocket_mm - RIM_SHARE * first, most), 0.5)
+    slot = given.shelf_bottom_mm + STOP_PIN_WALL_MM + _stop_slot_mm(given) + SLOT_WALLS * wall
+    if slot <= wanted:
+        return Found(wanted, "rim_height", "down to 0.5")
+    return Found(min(rounded_up(slot, 0.1), rounded_down(most, 0.1)), "stop_slot", "up to 0.1")
+
+
+def _stop_slot_mm(given: BevelKnown) -> float:
+    """Distance from the inner side of the stop pin to the outer edge of its slot, mm: the pin and half its play."""
+    return float(given.get("drum.stop_pin_mm", THINNEST_STOP_PIN_MM)) + STOP_SLOT_PLAY_MM / 2
+
+
+def _shaft_radius(given: BevelKnown) -> float:
+    return float(given.entry("bearings", "drum.bearing")["bore_mm"] / 2)
+
+
+def _hub_diameter(given: BevelKnown) -> Found:
+    shaft, insert = _shaft_radius(given), given.insert("drum", PAYLOAD_THREAD_MM)
+    hole, wall = (insert.hole_mm, insert.wall_mm) if insert is not None else (PAYLOAD_THREAD_MM, given.wall_mm("drum"))
+    spigot = given.entry("bearings", "drum.bearing")["inner_shoulder_mm"] / 2
+    needs = {
+        "hub_walls": 2 * (shaft + given.screw(HUB_SCREW).length_mm + SCREW_LIP_MM),
+        "payload's threads": 2 * (shaft + hole) + 4 * wall,
+        "hub_spigot": 2 * (spigot + SPIGOT_MM),
+    }
+    return largest(needs, 0.5)
+
+
+def _hub_face(given: BevelKnown) -> Found:
+    start = given.drum_inner_mm - 3 * given["clearances.running_mm"] + 0.5
+    screw = given.screw(HUB_SCREW).thread_mm
+    end = _web_end(given)
+    needs = {
+        "hub_length": start + HUB_DIAMETERS * 2 * _shaft_radius(given),
+        "payload's threads": end + PAYLOAD_DEPTH_MM,
+        "set screws": end + screw + 2 * given.wall_mm("drum"),
+        "outer_face": given["drum.outer_face_y_mm"],
+    }
+    box = given.get("targets.envelope_mm")
+    if box is not None:
+        needs["targets.envelope_mm"] = box[2] + given["support.back_y_mm"]
+    return largest(needs, 0.1)
+
+
+def _shaft_bore(given: BevelKnown) -> float:
+    return _shaft_radius(given)
+
+
+def terminal_mm(given: BevelKnown) -> tuple[float, float]:
+    """(end of the nuts, tip) of a terminal drawn in completely, mm from the point where its cable leaves the land."""
+    spec = given.entry("tensioners", "drum.tensioner")
+    travel = take_up_mm(given)
+    lug_end = SWAGE_START_MM + spec["swage_length_mm"] + travel + 0.5 + spec["lug_thickness_mm"]
+    return lug_end + 2 * spec["nut_height_mm"], SWAGE_START_MM + spec["stud_length_mm"] + travel
+
+
+def _wrap_clear_of_guide_deg(given: BevelKnown) -> float:
+    """Least remaining wrap at which a terminal clears the guide, deg: across sin w + along cos w = reach."""
+    reach = max(given.guide_mm) + given.d_mm / 2 + given["clearances.running_mm"] + GUIDE_SPARE_MM
+    across = given.drum_mm[0] - given.nut_pocket_mm
+    return degrees(asin(min(reach / hypot(across, SWAGE_START_MM), 1.0)) - atan2(SWAGE_START_MM, across))
+
+
+def _sector(given: BevelKnown) -> Found:
+    """Half angle of the sector, deg: for the travel, the terminals behind the anchors, and staggered neighbours."""
+    box = given.get("targets.envelope_mm")
+    outer = max(given.drum_mm) - given.d_mm / 2
+    nuts_end, tip = terminal_mm(given)
+    lug_end = nuts_end - 2 * given.entry("tensioners", "drum.tensioner")["nut_height_mm"]
+    clear = _wrap_clear_of_guide_deg(given)
+    wrap = max(LEAST_WRAP_DEG + WRAP_SPARE_DEG, clear)
+    driver = "terminal_clears_guide" if clear >= wrap else "wrap_left"
+    half = float(given["travel.half_angle_deg"])
+    radii = sorted(given.drum_mm)
+    # The inner of two neighbours on one side is further out by the outer one's lug.
+    staggered = half + wrap + 0.3 + degrees(atan2(lug_end, radii[2])) + degrees(atan2(tip, radii[1]))
+    single = half + wrap + degrees(atan2(tip, radii[0]))
+    slot = half + float(given["travel.stop_clearance_deg"])
+    stop = degrees(
+        (
+            (float(given.get("drum.stop_pin_mm", THINNEST_STOP_PIN_MM)) + STOP_SLOT_PLAY_MM) / 2
+            + SLOT_WALLS * given.wall_mm("drum")
+        )
+        / (0.25 * radii[0])
+    )
+    needs = {
+        driver: max(staggered, single) + SECTOR_MARGIN_DEG,
+        "stop_slot": slot + stop,
+    }
+    stated = [float(c["terminal_angle_deg"]) for c in given["cables"] if c.get("terminal_angle_deg") is not None]
+    if stated:
+        needs["terminal_angles"] = max(stated) + degrees(atan2(tip, radii[0])) + SECTOR_MARGIN_DEG
+    if box is not None and box[0] < 2 * outer:
+        # A sector wider than the target box would exceed it: the box takes precedence, and the checks show the effect.
+        return Found(round(degrees(asin(box[0] / 2 / outer)), 1), "targets.envelope_mm", "to 0.1")
+    driver = max(needs, key=lambda name: needs[name])
+    angle = min(rounded_up(needs[driver], 0.5), WIDEST_DEG)
+    if not _holds(given, angle, wrap_left, terminal_clears_guide):
+        # The outermost two terminals of a side are staggered too.
+        angle = min(angle + rounded_up(degrees(atan2(tip, radii[0])), 0.5), WIDEST_DEG)
+    while stated and angle < WIDEST_DEG and not _holds(given, angle, terminal_angles):
+        driver, angle = "terminal_angles", angle + 0.5
+    return Found(angle, driver, "up to 0.5")
+
+
+def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelUnderTest], Comparison]) -> bool:
+    """Whether these checks hold with a sector of this half angle, or have no figure there."""
+    try:
+        trial = BevelUnderTest(given.trial(**{**LATER, "drum__sector_half_angle_deg": angle_deg}))
+        return all(check(trial).holds for check in checks)
+    except NoFigureError:
+        return True
+
+
+WEB = (
+    Rule(
+        "drum.web_thickness_mm",
+        "a multiple of the least wall of the material, larger for a larger drum",
+        "web_in_rim",
+        _web,
+    ),
+    Rule(
+        "drum.outer_face_y_mm",
+        "least distance that covers the last cable's flank, the nuts and the lugs",
+        "outer_face",
+        _outer_face,
+    ),
+)
+# The stop pin of the drum is in a slot between hub and rim.
+DRUM = (
+    Rule("drum.rim_inner_radius_mm", "least height of the rim under the deepest pocket", "rim_height", _rim_inner),
+    Rule(
+        "drum.hub_diameter_mm",
+        "least diameter for the shaft, its set screws and the payload's threads",
+        "hub_walls",
+        _hub_diameter,
+    ),
+    Rule(
+        "drum.shaft_bore_mm",
+        "half of the shaft's diameter: lighter, and nearly as stiff as a solid shaft",
+        "shaft_wall",
+        _shaft_bore,
+    ),
+    Rule(
+        "drum.sector_half_angle_deg",
+        "least angle for the travel, the wrap left and the terminals; larger if a box is stated",
+        "wrap_left",
+        _sector,
+    ),
+)
+# The box is measured from the frame's back, so this rule comes after that of the back.
+HUB_FACE = (
+    Rule(
+        "drum.hub_face_y_mm",
+        "least length for shaft, set screws and payload's threads; the front of the box if one is stated",
+        "hub_length",
+        _hub_face,
+    ),
+)

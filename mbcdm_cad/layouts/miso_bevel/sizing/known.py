@@ -1,0 +1,271 @@
+"""The data that the sizing rules of miso_bevel read: fields, catalogue, and figures that several rules share."""
+
+from __future__ import annotations
+
+from functools import partial
+from math import pi, sqrt
+
+from pydantic import ValidationError
+
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.design.bought import (
+    Gearhead,
+    InsertSpec,
+    Screw,
+    least_wall_mm,
+    shortest_insert,
+)
+from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.rules import every_broken_rule
+from mbcdm_cad.design.sized import SizingError
+from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
+from mbcdm_cad.layouts.miso_bevel.design_file.resolve import drive
+from mbcdm_cad.layouts.miso_bevel.design_file.rules import broken_rules, named_entries
+from mbcdm_cad.layouts.miso_bevel.design_file.schema import BevelDesign
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
+from mbcdm_cad.layouts.miso_bevel.stack import stack
+from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
+from mbcdm_cad.sizing.arithmetic import atan, greatest, hypot, number, radians, tan
+from mbcdm_cad.sizing.known import RopeKnown
+
+STEPS = 4
+# Largest share of a cable in the torque over an even one: inner steps are shorter, hence stiffer.
+UNEVEN = 1.25
+# Values of fields that are filled last, for trial drives: they do not affect the checks that are run on these.
+LATER = {
+    "drum__hub_face_y_mm": 100.0,
+    "drum__outer_face_y_mm": 50.0,
+    "drum__web_thickness_mm": 2.0,
+    "drum__rim_inner_radius_mm": 20.0,
+    "drum__hub_diameter_mm": 20.0,
+    "drum__shaft_bore_mm": 1.0,
+    "drum__sector_half_angle_deg": 90.0,
+    "support__rib_mm": 1.0,
+    "support__back_y_mm": -100.0,
+    "limits__frame_windup_max_mrad": 1.0,
+}
+# Fields on which the height of the frame's lowest shelf depends.
+_SHELF_RESTS_ON = (
+    "travel",
+    "transmission",
+    "rope",
+    "clearances",
+    "cables",
+    "input_pulleys",
+    "support.bearing_shelf_mm",
+    "support.coupling_space_mm",
+    "support.motor_shelf_mm",
+    "drive",
+)
+# The schema's own.
+NOZZLE_MM = 0.4
+# Largest fleet angle on grooves where the file names none: the schema's own.
+GROOVED_FLEET_DEG = 2.0
+# A lead that just clears the turn before it is raised by this share of the rope's diameter: stacked tolerances.
+LEAD_SPARE = 0.008
+LEAD_STEP_MM = 0.01
+
+
+class BevelKnown(RopeKnown):
+    """Adds figures that follow from a few fields each; reading a figure records these fields."""
+
+    # The values on which the height of the lowest shelf depends, as text, and that height; two rules read it.
+    _shelf_bottom: tuple[str, float] | None = None
+
+    @property
+    def modulus_GPa(self) -> float:
+        """The rope's modulus: the design's own, else the catalogue's."""
+        return number(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
+
+    @property
+    def area_mm2(self) -> float:
+        """The rope's area that the modulus refers to."""
+        if self.get("rope.modulus_area", self.rope["modulus_area"]) == "nominal":
+            return pi / 4 * self.d_mm**2
+        return float(self.rope["metallic_area_mm2"])
+
+    @property
+    def half_travel_rad(self) -> float:
+        """Travel each way."""
+        return radians(self["travel.half_angle_deg"])
+
+    @property
+    def total_ratio(self) -> float:
+        """Drum radius over input radius."""
+        both = ("transmission.ratios.input_to_guide", "transmission.ratios.guide_to_drum")
+        if all(self.has(field) for field in both):
+            return number(self[both[0]] * self[both[1]])
+        if self.has("transmission.input_radii_mm"):
+            return number(self.drum_mm[0] / self["transmission.input_radii_mm"][0])
+        return number(self["transmission.ratio"])
+
+    @property
+    def drum_mm(self) -> list[float]:
+        """Pitch radii of the drum."""
+        return list(self["transmission.drum_radii_mm"])
+
+    @property
+    def first_drum_mm(self) -> float:
+        """Pitch radius of the drum's step 1."""
+        if self.has("transmission.drum_radii_mm"):
+            return self.drum_mm[0]
+        return number(self["transmission.drum_radius_mm"])
+
+    @property
+    def guide_mm(self) -> list[float]:
+        """Pitch radii of the guide."""
+        if self.has("transmission.guide_radii_mm"):
+            return list(self["transmission.guide_radii_mm"])
+        return [radius / self["transmission.ratios.guide_to_drum"] for radius in self.drum_mm]
+
+    @property
+    def input_mm(self) -> list[float]:
+        """Pitch radii of the input pulleys."""
+        if self.has("transmission.input_radii_mm"):
+            return list(self["transmission.input_radii_mm"])
+        return [radius / self["transmission.ratios.input_to_guide"] for radius in self.guide_mm]
+
+    @property
+    def nut_mm(self) -> float:
+        """Half the tensioner's nut across its corners."""
+        return float(self.entry("tensioners", "drum.tensioner")["nut_across_flats_mm"] / sqrt(3.0))
+
+    @property
+    def nut_pocket_mm(self) -> float:
+        """Half width of the nuts' pocket: the cutter's corner does not lift the nut."""
+        corner = self.entry("materials", "drum.material")["min_internal_radius_mm"]
+        return number(self.nut_mm + self["clearances.running_mm"] + corner)
+
+    def wall_mm(self, part: str) -> float:
+        """Thinnest wall of the material of a part, ``"drum"``."""
+        metal = self.entry("materials", f"{part}.material")
+        nozzle = self.get("printing.nozzle_mm", NOZZLE_MM) if metal["process"] == "printed" else 0.0
+        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
+
+    def insert(self, part: str, thread_mm: float) -> InsertSpec | None:
+        """The insert that a thread gets in a part, as :meth:`mbcdm_cad.design.drive.Drive.insert` has it."""
+        process = self.entry("materials", f"{part}.material")["process"]
+        if process not in ("printed", "sintered") or self.get("printing.threads") != "inserts":
+            return None
+        return shortest_insert((InsertSpec(name=n, **e) for n, e in self.entries("inserts").items()), thread_mm)
+
+    def screw(self, name: str) -> Screw:
+        """A screw of the catalogue."""
+        return Screw(name=name, **self.entries("screws")[name])
+
+    @property
+    def gearhead(self) -> Gearhead:
+        """The gearhead of each input."""
+        return Gearhead(name=self["drive.gearhead"], **self.entry("gearheads", "drive.gearhead"))
+
+    @property
+    def drum_inner_mm(self) -> float:
+        """y of the drum's inner face."""
+        return self.guide_mm[0] - self.d_mm / 2 + number(self["clearances.transfer_gap_mm"])
+
+    @property
+    def highest_tension_N(self) -> float:
+        """Largest cable tension: preload and the share of the peak torque."""
+        share = self["loads.peak_torque_Nm"] * 1e3 / sum(self.drum_mm)
+        return float(self["rope.preload_N"] + UNEVEN * share)
+
+    def walk_mm(self, lead_mm: float) -> float:
+        """How far a cable walks along its input pulley from the centred drum to the end of travel."""
+        return lead_mm * self.total_ratio * self.half_travel_rad / (2 * pi)
+
+    @property
+    def fleet_limit_deg(self) -> float:
+        """Largest fleet angle that the input pulleys' surface allows; smooth ones as long as none is chosen."""
+        if self.get("input_pulleys.surface", "smooth") == "grooved":
+            return self.grooved_fleet_deg
+        return number(self["limits.fleet_angle_max_deg"])
+
+    def clearing_lead_mm(self, input_radius_mm: float) -> float:
+        """Least lead at which the span clears the turn before it, at the largest fleet angle that is allowed."""
+        if self.get("input_pulleys.surface", "smooth") == "grooved":
+            return self.grooved_lead_mm(input_radius_mm)
+        return clearing_lead_mm(self.d_mm, input_radius_mm, self.fleet_limit_deg)
+
+    @property
+    def grooved_fleet_deg(self) -> float:
+        """Largest fleet angle on grooves."""
+        return number(self.get("limits.fleet_angle_grooved_max_deg", GROOVED_FLEET_DEG))
+
+    def grooved_lead_mm(self, input_radius_mm: float) -> float:
+        """The same on grooves, whose crests need room too."""
+        lead = clearing_lead_mm(self.d_mm, input_radius_mm, self.grooved_fleet_deg)
+        return greatest(lead, GROOVE_LEAD * GROOVE_RADIUS * self.d_mm)
+
+    @property
+    def motors_above(self) -> bool:
+        """Whether motors and gearheads are on the top plate."""
+        return bool(self.get("drive.motor_side", "below") == "above")
+
+    @property
+    def shelf_bearing(self) -> str:
+        """Field of the input pulleys' bearing in the bearing shelf."""
+        return f"input_pulleys.{'upper' if self.motors_above else 'lower'}_bearing"
+
+    @property
+    def plate_bearing(self) -> str:
+        """Field of the input pulleys' bearing in the top plate."""
+        return f"input_pulleys.{'lower' if self.motors_above else 'upper'}_bearing"
+
+    @property
+    def shelf_bottom_mm(self) -> float:
+        """z of the lower face of the frame's lowest shelf. Raises ``ValueError`` where the pulleys have no place."""
+        rests_on = repr([self.peek(field) for field in _SHELF_RESTS_ON])
+        if self._shelf_bottom is None or self._shelf_bottom[0] != rests_on:
+            try:
+                self._shelf_bottom = rests_on, stack(self.trial(**LATER)).shelf_bottom_z
+            except NoFigureError as error:
+                raise ValueError(str(error)) from None
+        return self._shelf_bottom[1]
+
+    def trial(self, **open_fields: float) -> BevelDrive:
+        """The drive that the fields known so far make, with figures for those that are still open.
+
+        Of the open fields, ``block__name``, only such may be left to a figure that the asking rule does not depend on.
+        Raises ``NoFigureError`` where what is known makes no drive, ``SizingError`` where the file breaks a rule.
+        """
+        # Only blocks are copied; the values inside a block are shared.
+        data = {block: dict(fields) if isinstance(fields, dict) else fields for block, fields in self.data.items()}
+        for field, value in open_fields.items():
+            block, name = field.split("__")
+            data.setdefault(block, {}).setdefault(name, value)
+        try:
+            design = BevelDesign.model_validate(data)
+        except ValidationError as error:
+            raise NoFigureError(f"the values known so far describe no drive: {error.errors()[0]['msg']}") from None
+        catalogue = Catalogue(design)
+        broken = next(every_broken_rule(design, catalogue, broken_rules(design), named_entries(design)), None)
+        if broken is not None:
+            raise SizingError(broken)
+        return drive(design, catalogue, {})
+
+
+def clearing_lead_mm(d_mm: float, radius_mm: float, fleet_deg: float) -> float:
+    """Least lead, mm, at which a straight span that rises by the fleet angle clears its last turn by a rope's diameter.
+
+    The distance grows by nearly as much as the lead, so that two secant steps are enough.
+    """
+    distance = partial(straight_span_distance_mm, radius_mm, slope=tan(radians(fleet_deg)))
+    lead = d_mm * 1.05
+    for _ in range(3):
+        lead += d_mm * (1.0 + LEAD_SPARE) - distance(lead_mm=lead)
+    return lead
+
+
+def reach_mm(span_mm: float, across_mm: float) -> float:
+    """Centre distance of two pulleys with a crossed span of this length, radii adding up to ``across_mm``."""
+    return hypot(span_mm, across_mm)
+
+
+def span_for_fleet_mm(walk_mm: float, fleet_deg: float) -> float:
+    """Free span at which a walk makes the fleet angle."""
+    return walk_mm / tan(radians(fleet_deg))
+
+
+def fleet_deg(walk_mm: float, span_mm: float) -> float:
+    """Fleet angle of a walk over a free span."""
+    return atan(walk_mm / span_mm) * 180.0 / pi

@@ -1,0 +1,116 @@
+"""Rules of the rope: which one, its preload, its lead on the input pulleys."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.bending import ANCHOR_RATIO
+from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.design.bought import TerminationSpec
+from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO
+from mbcdm_cad.layouts.miso_bevel.sizing.known import LEAD_STEP_MM, STEPS, UNEVEN, BevelKnown
+from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
+from mbcdm_cad.sizing.arithmetic import greatest, least, number, significant
+from mbcdm_cad.sizing.rule import Found, Rule, driver_of, rounded_up
+
+# Preload over the least at which no cable goes slack at peak torque, cables assumed equal.
+PRELOAD_FACTOR = 2.0
+# The same if a rope for that preload is too thick: with this factor the longest cable is still taut.
+LEAST_PRELOAD_FACTOR = 1.3
+# Termination of a rope that the rule chooses, and the thinnest wall of the input pulleys' steel.
+USUAL_END, WALL_MM = "swaged", 0.5
+# Strength of a swaged end over the rope's, before rope and ends are chosen.
+SWAGED_SHARE = 0.9
+# Strength over the safety factor, because steps and ends are not known yet when the rope is chosen.
+STRENGTH_SPARE = 1.01
+# The same if the rope's strength limits the preload: the tension added by the peak torque is an estimate.
+HELD_SPARE = 1.02
+# Construction of a rope that the rule chooses: the most flexible wire rope of the catalogue in all sizes.
+CONSTRUCTION = "7x7"
+# Mean drum radius over that of step 1, before the steps are known.
+MEAN_OVER_FIRST = 1.1
+
+
+def _share_N(given: BevelKnown) -> float:
+    """Tension that the peak torque adds to a cable, N, shared by four cables."""
+    return number(given["loads.peak_torque_Nm"] * 1e3 / (STEPS * MEAN_OVER_FIRST * given.first_drum_mm))
+
+
+def _rope(given: BevelKnown) -> Found:
+    """The thinnest rope of the construction that holds preload and peak torque.
+
+    If the input pulleys are too thin for it, the thickest that they allow, provided that it holds a smaller preload.
+    """
+    ropes = sorted(
+        (entry["diameter_mm"], name, entry["breaking_load_N"])
+        for name, entry in given.entries("ropes").items()
+        if entry["construction"] == CONSTRUCTION
+    )
+
+    def strong(factor: float) -> list[tuple[float, str]]:
+        tension = (UNEVEN + factor) * _share_N(given) * STRENGTH_SPARE
+        needed = tension * given["limits.tension_safety_factor"] / SWAGED_SHARE
+        return [(d, name) for d, name, breaking in ropes if breaking >= needed]
+
+    wanted, least = strong(PRELOAD_FACTOR), strong(LEAST_PRELOAD_FACTOR)
+    if not wanted:
+        return Found(ropes[-1][1], "tension", "the thickest of the catalogue")
+    thin = [name for d, name in least if d < wanted[0][0] and _bends(given, d)]
+    if thin and not _bends(given, wanted[0][0]):
+        return Found(thin[-1], "anchor_bend", "next smaller size of the catalogue")
+    return Found(wanted[0][1], "tension", "next size of the catalogue")
+
+
+def _bends(given: BevelKnown, d_mm: float) -> bool:
+    """Whether the smallest input pulley has room for a wire rope's bend, its stop, and a neck round the shaft."""
+    radius = given.first_drum_mm / given.total_ratio
+    needed = given["loads.peak_torque_Nm"] * 1e3 / (2 * given.total_ratio)
+    shafts = [head["shaft_diameter_mm"] for head in given.entries("gearheads").values()]
+    shaft = min(
+        (h["shaft_diameter_mm"] for h in given.entries("gearheads").values() if h["max_torque_mNm"] >= needed),
+        default=max(shafts),
+    )
+    entry = given.entries("terminations")[USUAL_END]
+    end = TerminationSpec(name=USUAL_END, **{**entry, "constructions": tuple(entry["constructions"])})
+    return bool(
+        2 * radius >= LEAST_WIRE_RATIO * d_mm
+        and 2 * widest_bend_mm(d_mm, end, WALL_MM, radius) >= ANCHOR_RATIO * d_mm
+        and neck_mm(d_mm, end, WALL_MM, radius) >= shaft / 2 + WALL_MM + SHOULDER_MM
+    )
+
+
+def _preload(given: BevelKnown) -> Found:
+    share = _share_N(given)
+    most = given["limits.preload_share_max"] * given.rope["breaking_load_N"]
+    ends = given.rope["breaking_load_N"] * given.termination.strength_share
+    held = ends / (given["limits.tension_safety_factor"] * HELD_SPARE) - UNEVEN * share
+    wanted = PRELOAD_FACTOR * share
+    driver = driver_of({"no_slack": wanted, "tension": least(most, held)}, min)
+    return Found(significant(greatest(least(wanted, most, held), 0.5 * wanted), 2), driver, "two digits")
+
+
+def _lead(given: BevelKnown) -> Found:
+    largest_input = greatest(*given.input_mm)
+    return Found(
+        rounded_up(given.clearing_lead_mm(largest_input), LEAD_STEP_MM), "self_clearance", f"up to {LEAD_STEP_MM:g}"
+    )
+
+
+ROPE = (
+    Rule(
+        "rope.type",
+        "the thinnest wire rope that holds preload and peak torque with its safety factor",
+        "tension",
+        _rope,
+        applies=lambda given: not given.has("rope.inline"),
+    ),
+)
+PRELOAD = (
+    Rule("rope.preload_N", "twice the preload that keeps every cable taut at peak torque", "no_slack", _preload),
+)
+LEAD = (
+    Rule(
+        "rope.helix_lead_mm",
+        "the least lead at which a span clears the turn wound before it at the largest fleet angle",
+        "self_clearance",
+        _lead,
+    ),
+)

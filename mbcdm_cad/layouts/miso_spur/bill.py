@@ -1,0 +1,81 @@
+"""The bill of the assembly: that of siso_spur for each input, turned about the drum's axis, and the shared parts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, degrees, radians, sin
+
+from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
+from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
+from mbcdm_cad.layouts.siso_spur.bill import ALONG_Y, add_drum_bearings, add_own_input, add_stop_pin, tapped
+from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder, add_output, add_terminals
+from mbcdm_cad.parts.input_pulley.items import add_input_pulley
+from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.threads import thread
+
+_Y, _BACK = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+_FRAME = "mbcdm_cad.layouts.miso_spur.support.frame:create_star"
+
+
+def moving_bodies(lay: RoundDrumLayout) -> tuple[MovingBody, ...]:
+    """Drum about +Y and inputs about -Y: theta_i = theta_o r_o/r_i."""
+    drive = lay.drive
+    bodies = [MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y)]
+    for name, angle in zip(drive.input_names, drive.angles_rad, strict=True):
+        at = (drive.centre_distance_mm * sin(angle), 0.0, drive.centre_distance_mm * cos(angle))
+        ratio = drive.drum_radius_mm, drive.input_radius_mm
+        bodies.append(MovingBody(f"input_{name}", "input", at, _BACK, *ratio))
+    return tuple(bodies)
+
+
+def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns: list[Placement]) -> None:
+    """Add the sectors, hub on hub, the dowels between them, and the shaft, which the last hub holds."""
+    d, steel = lay.drum, drive.material("steel")
+    screw = drive.screw(d.set_screw)
+    stands = [turn @ Placement.translation(0.0, level, 0.0) for turn, level in zip(turns, drive.levels_mm, strict=True)]
+    for unit, stand, name in zip(lay.units, stands, drive.input_names, strict=True):
+        b.add(
+            f"drum_{name}",
+            "mbcdm_cad.parts.drum_sector.draw:create_drum",
+            (d, screw.thread_mm),
+            part="drum",
+            material=drive.drum.material,
+            group="drum",
+            place=stand,
+        )
+        add_terminals(b, drive, unit.drum, stand)
+    payload = thread(d.payload_screw_thread).tap_drill_mm
+    b.drilled("drum", replace(d, payload_screw_thread=payload), screw.tap_drill_mm)
+    pins = lay.dowels
+    for stand, name in zip(stands[:-1], drive.input_names[:-1], strict=True):
+        for n, (x, z) in enumerate(pins.places(pins.face_angles_deg), 1):
+            b.add(
+                f"hub_dowel_{name}_{n}",
+                "mbcdm_cad.parts.ring:create_pin",
+                (pins.radius, pins.length),
+                part="hub_dowel",
+                material=steel,
+                group="drum",
+                place=stand @ Placement.translation(x, d.hub_face_y - pins.face_depth, z) @ ALONG_Y,
+            )
+    add_output(b, drive, d, lay.drum_shaft, stands[-1])
+
+
+def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
+    """All parts and instances with the drum at ``drum_angle_deg``."""
+    drive, star, frame = lay.drive, lay.star, lay.frame
+    b = BillBuilder(moving_bodies(lay), drum_angle_deg)
+    turns = [Placement.about(_Y, degrees(angle)) for angle in drive.angles_rad]
+    b.add("frame", _FRAME, (star,), material=drive.support.material)
+    b.drilled("frame", replace(star, arms=tuple(tapped(drive, arm) for arm in star.arms)))
+    add_stop_pin(b, lay.units[0])
+    add_drum_bearings(b, lay.units[0])
+    add_drum_encoder(b, drive, frame.boss.encoder_pocket_floor_y, frame.boss.screw_circle)
+    for unit, turn in zip(lay.units, turns, strict=True):
+        add_own_input(b, unit, turn, f"_{unit.drive.input_names[0]}")
+    _sectors(b, lay, drive, turns)
+    for pulley, turn in zip(lay.inputs, turns, strict=True):
+        add_input_pulley(b, drive, pulley, lay.collar, drive.support.material, turn @ ALONG_Y)
+    add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
+    return b.bill()

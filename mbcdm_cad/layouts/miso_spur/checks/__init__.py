@@ -1,0 +1,34 @@
+"""The checks of this configuration; the families in the order in which they run and are shown.
+
+Each input with its cable and sector is checked as in siso_spur.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from mbcdm_cad.checks import bearings, creep, drum_sector, fixings, motor_head, motors, strength, take_up, terminals
+from mbcdm_cad.layouts.miso_spur.checks import room, sectors, sharing
+from mbcdm_cad.layouts.siso_spur.checks import pulley_fits, ratios, support, tolerances, winding, wraps
+
+# First the checks of the mechanism, then those of the parts.
+FAMILIES: tuple[ModuleType, ...] = (
+    ratios,
+    winding,
+    sharing,
+    tolerances,
+    wraps,
+    strength,
+    creep,
+    motors,
+    bearings,
+    fixings,
+    pulley_fits,
+    drum_sector,
+    terminals,
+    take_up,
+    sectors,
+    support,
+    motor_head,
+    room,
+)

@@ -1,0 +1,38 @@
+"""Gaps between turning and fixed parts, and the box of all inputs compared with its target."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbcdm_cad.checks.box import box_checks
+from mbcdm_cad.checks.estimated_mass import mass_check
+from mbcdm_cad.layouts.miso_spur.bill import bill
+from mbcdm_cad.layouts.miso_spur.design_under_test import RoundDrumUnderTest
+from mbcdm_cad.layouts.miso_spur.support.volume import VOLUMES
+from mbcdm_cad.layouts.siso_spur.checks.room import BOX_ADJUSTMENTS, ROOM, outline
+
+
+def box_mm(s: RoundDrumUnderTest) -> tuple[float, float, float]:
+    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
+    lay, drive = s.layout, s.drive
+    # All sectors have the terminals of the first, except for their take-up.
+    own = outline(s, lay.frame, lay.drum)
+    cloud = np.concatenate(
+        [
+            np.stack(
+                [own[:, 0] * np.cos(a) + own[:, 1] * np.sin(a), own[:, 1] * np.cos(a) - own[:, 0] * np.sin(a)], axis=1
+            )
+            for a in drive.angles_rad
+        ]
+    )
+    wide, high = cloud.max(axis=0) - cloud.min(axis=0)
+    v, levels = lay.levels, drive.levels_mm
+    front = max(v.hub_face_y + levels[-1], v.encoder_top_z + levels[-1])
+    return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
+
+
+CHECKS = (
+    *ROOM,
+    *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
+    mass_check(bill, VOLUMES),
+)

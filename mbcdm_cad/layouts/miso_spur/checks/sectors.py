@@ -1,0 +1,203 @@
+"""Sectors side by side on one shaft: apart from each other, past the inputs of the others, and pinned hub to hub."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import atan2, hypot, pi, tan
+from typing import NamedTuple
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.fixings import STRESS_SAFETY
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
+from mbcdm_cad.checks.strength import rated_input_Nm
+from mbcdm_cad.layouts.miso_spur.design_under_test import RoundDrumUnderTest
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+
+# Shear strength over yield (von Mises).
+SHEAR_SHARE = 0.577
+
+
+class Zone(NamedTuple):
+    """Space of a part at an input: range along y, least distance from the drum's axis, width; mm."""
+
+    name: str
+    low: float
+    high: float
+    inner: float
+    half_width: float
+
+
+def sectors_apart(s: RoundDrumUnderTest) -> Comparison:
+    """Rims, terminals and the stop pin of a sector stay behind the rim of the next."""
+    d, pitch = s.layout.drum, s.drive.pitch_mm
+    nut, lug = nut_corner_radius_mm(s.drive), d.lug_half_width
+    next_rear = pitch + min(d.lands[0].y_start, d.web_start_y, *(t.y_mm - max(nut, lug) for t in d.tensioners))
+    front = max(d.lands[-1].y_end, d.web_end_y + 0.5, *(t.y_mm + nut for t in d.tensioners))
+    return at_least("a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm, "mm")
+
+
+def _shelf(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
+    """The encoder shelf at an input, which begins just outside the rim for any centre distance."""
+    f, v = s.layout.units[index].frame, s.levels_of(index)
+    name = f"encoder shelf of {s.drive.input_names[index]}"
+    yield Zone(name, v.top_plate_bottom_z, v.top_plate_top_z, f.shelf_bottom_z, f.shelf_half_width)
+
+
+def _on_axis(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
+    """Parts round the axis of an input."""
+    unit, v, drive = s.layout.units[index], s.levels_of(index), s.drive
+    pulley, f = unit.inputs[0], unit.frame
+    axis, encoder = f.axis_z, drive.encoder.diameter_mm / 2
+    land = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    name = pulley.name
+    yield Zone(f"neck of the {name} pulley", v.front_y, v.land_bottom_z, axis - pulley.lower_neck_radius, land)
+    yield Zone(f"{name} pulley", v.land_bottom_z, v.land_top_z, axis - land, land)
+    yield Zone(f"encoder of {name}", v.top_plate_top_z, v.encoder_top_z, axis - encoder, encoder)
+
+
+def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -> list[tuple[str, float, float, float]]:
+    """(name, lowest y, highest y, outermost radius) of the parts of a sector that pass an input over the travel."""
+    drive, d = s.drive, s.layout.drum
+    level, flank = drive.levels_mm[sector], s.flank_mm
+    found = [
+        (
+            f"rim of {drive.input_names[sector]}",
+            level + d.lands[0].y_start,
+            level + d.lands[-1].y_end,
+            drive.drum_radius_mm + flank,
+        )
+    ]
+    nut = nut_corner_radius_mm(drive)
+    between = (drive.angles_rad[index] - drive.angles_rad[sector]) % (2 * pi)
+    for t in s.layout.units[sector].drum.tensioners:
+        # Angle from the sector's own line of centres to the other input, on the side of this terminal.
+        away = between if t.side > 0 else 2 * pi - between
+        margin = s.half_travel_rad + half_width / drive.centre_distance_mm
+        if t.anchor_rad - margin < away < t.anchor_rad + atan2(t.last_tip, t.radius_mm) + margin:
+            outer = hypot(t.radius_mm + nut, t.last_tip)
+            found.append((f"terminal of {t.cable_name}", level + t.y_mm - nut, level + t.y_mm + nut, outer))
+    return found
+
+
+def _gaps(s: RoundDrumUnderTest, zones: Callable[[RoundDrumUnderTest, int], Iterator[Zone]]) -> Comparison:
+    """Gaps between each sector and zones at the other inputs."""
+    running, found = s.drive.clearances.running_mm, []
+    for index in range(s.drive.n_inputs):
+        for zone in zones(s, index):
+            for sector in range(s.drive.n_inputs):
+                if sector == index:
+                    continue
+                for name, low, high, outer in _passes(s, sector, index, zone.half_width):
+                    along = max(low - zone.high, zone.low - high)
+                    found.append(at_least(f"{name} from {zone.name}", max(along, zone.inner - outer), running, "mm"))
+    return worst(found)
+
+
+def sectors_clear_inputs(s: RoundDrumUnderTest) -> Comparison:
+    """Gap between each sector and the pulleys and encoders of the other inputs."""
+    return _gaps(s, _on_axis)
+
+
+def sectors_clear_shelves(s: RoundDrumUnderTest) -> Comparison:
+    """Gap between each sector and the encoder shelves of the other inputs."""
+    return _gaps(s, _shelf)
+
+
+def heads_apart(s: RoundDrumUnderTest) -> Comparison:
+    """Gaps between motor heads of neighbouring inputs, and between the mounting threads near the frame's middle."""
+    f, half = s.layout.frame, pi / s.drive.n_inputs
+    flange_low = f.axis_z + s.layout.head.flange.back_y
+    # Two opposite heads have the drum's axis between them.
+    heads = flange_low if half >= pi / 2 else flange_low * tan(half) - f.half_width
+    found = [at_least("motor heads of neighbours, half the way between them", heads, 0.0, "mm")]
+    for x, z in f.mounts:
+        room = hypot(x, z) if half >= pi / 2 else z * tan(half) - abs(x)
+        found.append(
+            at_least(
+                "mounting thread from that of the next arm, half way", room - f.mount_radius, HOLE_WEB_MM / 2, "mm"
+            )
+        )
+    return worst(found)
+
+
+def hub_dowels(s: RoundDrumUnderTest) -> Comparison:
+    """The dowels between the last two hubs transmit the torque of all other sectors, motors stalled."""
+    drive, pins, metal = s.drive, s.layout.dowels, s.drive.drum.material
+    share = (drive.n_inputs - 1) / drive.n_inputs
+    torque = max(drive.loads.peak_torque_Nm, drive.n_inputs * rated_input_Nm(s) * drive.total_ratio) * share
+    force = torque * 1e3 / pins.circle_radius / len(pins.face_angles_deg)
+    shear, pressed = force / (pi * pins.radius**2), force / (2 * pins.radius * min(pins.face_depth, pins.back_depth))
+    steel = drive.material("steel").yield_MPa
+    what = f"at {torque:.4g} N m"
+    return worst(
+        (
+            at_least(
+                f"shear strength over the hub dowels' {shear:.4g} MPa {what}",
+                SHEAR_SHARE * steel / shear,
+                STRESS_SAFETY,
+                "times",
+            ),
+            at_least(
+                f"yield of {metal.name} over the {pressed:.4g} MPa in the dowels' holes {what}",
+                metal.yield_MPa / pressed,
+                STRESS_SAFETY,
+                "times",
+            ),
+        )
+    )
+
+
+def dowel_holes(s: RoundDrumUnderTest) -> Comparison:
+    """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
+
+    In the face the holes are opposite the set screws.
+    """
+    d, pins = s.layout.drum, s.layout.dowels
+    near = pins.circle_radius - pins.radius
+    screw = s.drive.screw(d.set_screw).thread_mm / 2
+    # The nearest payload hole, an eighth of a turn away.
+    payload = 2 * pins.circle_radius * 0.3826834 - pins.radius - d.payload_hole / 2
+    rooms = (
+        ("bore", near - d.bore_radius),
+        ("outside of the hub", d.hub_radius - pins.circle_radius - pins.radius),
+        ("payload's thread", payload),
+        ("set screw", d.set_screw_y - screw - d.hub_start_y - pins.back_depth),
+    )
+    return worst(at_least(f"hub dowel from the {name}", room, HOLE_WEB_MM, "mm") for name, room in rooms)
+
+
+_APART: tuple[Adjustment, ...] = (up("drum.hub_face_y_mm"), down("drum.outer_face_y_mm"))
+_OUT: tuple[Adjustment, ...] = (up("transmission.centre_distance_mm"),)
+CHECKS = (
+    Check("sectors_apart", "Gap between sectors on the shaft", "clearances.running_mm", sectors_apart, adjust=_APART),
+    Check(
+        "sectors_clear_inputs",
+        "Sectors clear the other inputs",
+        "clearances.running_mm",
+        sectors_clear_inputs,
+        adjust=_OUT,
+    ),
+    Check(
+        "sectors_clear_shelves",
+        "Sectors clear the encoder shelves of the other inputs",
+        "clearances.running_mm",
+        sectors_clear_shelves,
+        adjust=(up("drum.hub_face_y_mm"), *_OUT),
+    ),
+    Check("heads_apart", "Gap between motor heads", "derived", heads_apart, adjust=_OUT),
+    Check(
+        "hub_dowels",
+        "Stress in the dowels between the hubs",
+        "material: yield_MPa; 1.5: usual rule",
+        hub_dowels,
+        adjust=(down("loads.peak_torque_Nm"), up("drum.hub_diameter_mm")),
+    ),
+    Check(
+        "dowel_holes",
+        "Walls round the dowels in the hub",
+        "usual rule",
+        dowel_holes,
+        adjust=(up("drum.hub_diameter_mm"), up("drum.hub_face_y_mm")),
+    ),
+)

@@ -1,0 +1,31 @@
+"""Rules of a miso_spur design file: two to four inputs, and both sides of a cable for each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.layouts.miso_spur.design_file.schema import RoundDrumDesign
+from mbcdm_cad.layouts.siso_spur.design_file.rules import broken_radius
+
+FEWEST, MOST = 2, 4
+
+
+def broken_rules(design: RoundDrumDesign) -> Iterator[Broken]:
+    """The rules of this configuration that the design breaks, in the order of the file's blocks."""
+    yield from broken_radius(design.transmission)
+    count = len(design.inputs)
+    if not FEWEST <= count <= MOST:
+        remedy = "take configuration siso_spur for one input" if count < FEWEST else "leave out some"
+        what = f"wrong number of inputs for {design.configuration}"
+        yield Broken(("inputs",), what, str(count), f"{FEWEST} to {MOST}", remedy)
+    for item in design.inputs:
+        sides = sorted(cable.drum_side for cable in design.cables if cable.input == item.name)
+        if sides != ["+x", "-x"]:
+            yield Broken(
+                ("cables",),
+                f"the cable of input {item.name} has not two sides that run apart",
+                ", ".join(sides) or "none",
+                "one to -x and one to +x",
+                "give both sides of its cable, one for each sense of the drum",
+            )

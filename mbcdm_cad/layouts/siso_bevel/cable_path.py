@@ -1,0 +1,128 @@
+"""Centre line of each cable at a given drum angle, and its end in the input pulley.
+
+A cable runs: chord through the input pulley (swaged stop) - inward bend - arc on the input - transfer - arc on the drum
+- straight into its terminal. On the input it stays in the plane z = r_o of the transfer point; on a helix it would
+leave this plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, atan2, cos, degrees, hypot, pi, radians, sin
+
+import numpy as np
+
+from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
+from mbcdm_cad.parts.input_pulley.dims import SLOT_PLAY_MM, WEDGE_MM
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
+from mbcdm_cad.routes.curves import Arc, Line, Piece, Triple, Vector
+
+# The bend before the stop, D/d: the sharpest usual static bend, so that the slot uses a small angle of the turn.
+STOP_BEND_RATIO = 8.0
+# Straight cable before the swaged stop on its end.
+STOP_LEAD_MM = 0.3
+# Gap between the cable that leaves a full pulley and its own end that enters the slot (estimate).
+DIP_GAP_MM = 0.1
+# Angle about Z of the point of the input at which all cables change to the drum.
+TRANSFER_RAD = pi / 2
+
+
+@dataclass(frozen=True)
+class StopBend:
+    """End of a cable in the input pulley: a bend inward in the plane of its step, then a chord with the swaged stop.
+
+    Positions along the chord are measured from the pulley's middle plane through the axis, positive towards the bend.
+    ``taken_rad``: angle by which the winding must end before a whole turn, so that the cable that leaves there clears
+    the end and still lies on land.
+    """
+
+    bend_radius_mm: float
+    stop_radius_mm: float
+    stop_start_mm: float
+    stop_end_mm: float
+    taken_rad: float
+
+
+def stop_bend(drive: DirectDrive, cable: DirectRun) -> StopBend:
+    """The end of a cable in the input pulley. Raises ValueError if the pulley is too small for the bend."""
+    d, r = drive.cable.diameter_mm, cable.input_radius_mm
+    rho = STOP_BEND_RATIO * d / 2
+    centre = r - rho
+    start = centre - STOP_LEAD_MM
+    end = start - drive.termination.stop_length_ratio * d
+    if end <= 0.0:
+        raise ValueError(
+            f"input radius {r:g} mm of {cable.name} leaves no room for the bend of {rho:.4g} mm and the stop behind it"
+        )
+
+    # The cable that leaves a full pulley is straight after the transfer. The end of the winding, this angle before a
+    # full turn, comes near to that line where it bends inward; the least distance is (r - rho)(1 - cos angle)
+    # (derived).
+    passing = acos(max(-1.0, 1.0 - (d + DIP_GAP_MM) / centre))
+    outer = rho + (d + SLOT_PLAY_MM) / 2
+    cosine = ((r - d / 2 - WEDGE_MM) ** 2 - centre**2 - outer**2) / (2 * centre * outer)
+    turned = acos(min(1.0, max(-1.0, cosine)))
+    opened = atan2(outer * sin(turned), centre + outer * cos(turned))
+    return StopBend(rho, drive.termination.stop_radius_ratio * d, start, end, max(passing, opened))
+
+
+def input_wrap_rad(drive: DirectDrive, cable: DirectRun, drum_angle_rad: float) -> float:
+    """Wrap on the input: reserve + i (half travel - q theta); a cable that runs to +x leaves it as the drum turns."""
+    half = radians(drive.half_travel_deg)
+    ratio = cable.drum_radius_mm / cable.input_radius_mm
+    return radians(drive.reserve_deg) + ratio * (half - cable.drum_side * drum_angle_rad)
+
+
+def full_input_turn_deg(drive: DirectDrive, cable: DirectRun) -> float:
+    """i x full travel + reserve + angle of the stop's slot, deg: together they must fit on one turn of the input."""
+    return degrees(input_wrap_rad(drive, cable, -cable.drum_side * radians(drive.half_travel_deg))) + degrees(
+        stop_bend(drive, cable).taken_rad
+    )
+
+
+# The stretches of a cable by the body that carries them.
+WOUND = ("chord", "bend", "wound")
+ON_DRUM = ("drum", "tail")
+
+
+def _t(v: Vector) -> Triple:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def cable_path(
+    drive: DirectDrive, cable: DirectRun, anchor_rad: float, tail_mm: float, drum_angle_rad: float
+) -> CablePath:
+    """Centre line at ``drum_angle_rad``.
+
+    ``anchor_rad``: angle on the drum, from +Z towards the cable's side, where the cable leaves its land with the drum
+    centred; ``tail_mm``: straight length from there into the terminal.
+    """
+    side, r_m, r_o = cable.drum_side, cable.input_radius_mm, cable.drum_radius_mm
+    stop = stop_bend(drive, cable)
+    rho = stop.bend_radius_mm
+    end = TRANSFER_RAD + side * input_wrap_rad(drive, cable, drum_angle_rad)
+    radial = np.array([cos(end), sin(end), 0.0])
+    onward = side * np.array([-sin(end), cos(end), 0.0])
+    centre = (r_m - rho) * radial + np.array([0.0, 0.0, r_o])
+    bend_end = centre + rho * onward
+    chord_end = bend_end - radial * ((r_m - rho) - stop.stop_end_mm)
+    drum_end = anchor_rad + side * drum_angle_rad
+    leave = np.array([side * r_o * sin(drum_end), r_m, r_o * cos(drum_end)])
+    along = np.array([side * cos(drum_end), 0.0, -sin(drum_end)])
+    pieces: tuple[tuple[str, Piece], ...] = (
+        ("chord", Line(_t(chord_end), _t(bend_end))),
+        ("bend", Arc(_t(centre), _t(radial), _t(onward), rho, pi / 2, 0.0)),
+        ("wound", Arc((0.0, 0.0, r_o), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), r_m, end, TRANSFER_RAD)),
+        ("drum", Arc((0.0, r_m, 0.0), (0.0, 0.0, 1.0), (float(side), 0.0, 0.0), r_o, 0.0, drum_end)),
+        ("tail", Line(_t(leave), _t(leave + tail_mm * along))),
+    )
+    stretches = (Stretch(f"input_{cable.input_name}", WOUND), Stretch("drum", ON_DRUM))
+    return CablePath(cable, drum_angle_rad, pieces, stretches)
+
+
+def longest_mm(drive: DirectDrive, cable: DirectRun, anchor_rad: float) -> float:
+    """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; slightly more than the drawn path."""
+    stop = stop_bend(drive, cable)
+    ends = pi / 2 * stop.bend_radius_mm + hypot(STOP_LEAD_MM, 6.0 * drive.cable.diameter_mm)
+    wound = cable.input_radius_mm * input_wrap_rad(drive, cable, 0.0)
+    return wound + cable.drum_radius_mm * anchor_rad + ends

@@ -1,0 +1,60 @@
+"""What the sizing rules of siso_bevel read: fields, catalogue, and results of checks on a trial drive."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.layouts.siso_bevel.checks import FAMILIES
+from mbcdm_cad.layouts.siso_bevel.design_file.resolve import drive
+from mbcdm_cad.layouts.siso_bevel.design_file.rules import broken_rules, named_entries
+from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign
+from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.trial_sizing import TrialKnown, sound
+
+CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
+
+
+class DirectKnown(TrialKnown):
+    """Adds the values of an input at the drum."""
+
+    schema = DirectDesign
+    asked = (
+        "travel.half_angle_deg",
+        "loads.peak_torque_Nm",
+        "transmission.input_to_drum",
+        "rope.type",
+        "rope.preload_N",
+        "drive.motor",
+        "drive.gearhead",
+    )
+    own_checks: Mapping[str, tuple[str, ...]] = {"input_pulleys.lower_bearing": ("bearing_seats",)}
+
+    @property
+    def drum_mm(self) -> float:
+        """Pitch radius of the drum's step 1."""
+        if self.has("transmission.drum_radii_mm"):
+            return float(self["transmission.drum_radii_mm"][0])
+        return float(self["transmission.drum_radius_mm"])
+
+    @property
+    def ratio(self) -> float:
+        """Drum radius over input radius."""
+        if self.has("transmission.input_to_drum"):
+            return float(self["transmission.input_to_drum"])
+        return float(self["transmission.drum_radii_mm"][0] / self["transmission.input_radii_mm"][0])
+
+    def checks(self) -> Mapping[str, Check]:
+        """See the base class."""
+        return CHECKS
+
+    def of_design(self, design: DirectDesign) -> DirectUnderTest:
+        """See the base class."""
+        return DirectUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))
+
+    def trial_drive(self, field: str, value: float) -> DirectDrive:
+        """The drive of a trial. Raises as :meth:`trial` does."""
+        found = self.trial(field, value).drive
+        assert isinstance(found, DirectDrive)
+        return found

@@ -1,0 +1,187 @@
+"""Sizing rules of siso_bevel that other drives with a motor head do not have: ratio, steps, transfer, frame."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from math import ceil
+
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, TRANSFER_GAP
+from mbcdm_cad.layouts.head_basis import rope, taut_preload, taut_rope
+from mbcdm_cad.layouts.head_dims import (
+    BEARING_SHELF,
+    COUPLING_SPACE,
+    ENCODER_SHELF,
+    HUB,
+    HUB_FACE,
+    MOTOR_SHELF,
+    RIM,
+    SECTOR,
+    SHAFT_BORE,
+    STOP_PIN,
+    WEB,
+    either,
+    side_wall,
+)
+from mbcdm_cad.layouts.siso_bevel.checks.input_turn import LEAST_RESERVE_DEG, highest_ratio
+from mbcdm_cad.layouts.siso_bevel.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.siso_bevel.sizing.known import DirectKnown
+from mbcdm_cad.sizing.rule import Found, Rule, constant
+
+# Wrap that stays on the input, and estimated angle of the stop's slot before it is known, deg.
+RESERVE_DEG, SLOT_DEG = 18.0, 8.0
+# Walls of a milled part and of a printed one, mm (estimate: the modulus of filament is about twenty times smaller).
+BACK_MM, RIB_MM = (3.0, 6.0), (5.0, 8.0)
+_STEPS_TRIED = 24
+# Reserves that are tried, the usual one first: a ratio that the file states may leave less of the turn.
+RESERVES_DEG = (RESERVE_DEG, 17.0, 16.0, LEAST_RESERVE_DEG)
+
+
+def _ratio(given: DirectKnown) -> Found:
+    """The highest ratio at which the travel, the reserve and the stop's slot stay within a turn of the input."""
+    field, reserve = "transmission.input_to_drum", given.get("transmission.reserve_deg", RESERVE_DEG)
+    most = (360.0 - reserve - SLOT_DEG) / (2 * given["travel.half_angle_deg"])
+    with suppress(ValueError, NoFigureError):
+        # The pulley of so high a ratio may be too small for the stop of a thick rope: then the checks alone limit it.
+        most = highest_ratio(given.trial_drive(field, 1.0))
+    return given.moved(field, most, -0.05, ("input_under_turn", "drum_sweep", "bearing_seats", "bend_ratio"))
+
+
+def _reserve(given: DirectKnown) -> Found:
+    return given.first("transmission.reserve_deg", RESERVES_DEG, ("input_under_turn",))
+
+
+def _land_edge(given: DirectKnown) -> Found:
+    wanted, limit = EDGE_BREAK_MM + RUN_OUT_MM, given.d_mm / 2 - RUN_OUT_MM
+    return Found(round(max(min(wanted, limit), EDGE_BREAK_MM), 4), "land_edge")
+
+
+def _drum_radii(given: DirectKnown) -> Found:
+    """The smallest radius of step 2 that the lands at the transfer allow."""
+    first, rise = given["transmission.drum_radius_mm"], 0.1 * given.d_mm * given.ratio
+    pairs = [[first, round(first + (4 + k) * rise, 2)] for k in range(_STEPS_TRIED)]
+    checks = ("radii_rise", "land_width", "land_edge", "bodies_clear", "transfer_gap", "stop_pocket_floor")
+    return given.first("transmission.drum_radii_mm", pairs, checks)
+
+
+def _side_wall(given: DirectKnown) -> Found:
+    return given.moved("support.side_wall_mm", side_wall(given), 0.1, ("flange", "collar_space", "walls"))
+
+
+def _back_plate(given: DirectKnown) -> float:
+    return max(either(given, "support", BACK_MM), given.wall_mm("support"))
+
+
+def _rib(given: DirectKnown) -> Found:
+    """The usual thickness, or less if the pockets of a small drum else have no height."""
+    least = given.wall_mm("support")
+    usual = max(either(given, "support", RIB_MM), least)
+    tried = [round(usual - 0.5 * k, 2) for k in range(ceil((usual - least) / 0.5))]
+    return given.first("support.rib_mm", [*tried, least], ("pockets", "mounts"))
+
+
+def _back(given: DirectKnown) -> Found:
+    start = -given.drum_mm / given.ratio
+    checks = ("drum_bearing_spacing", "boss", "pockets", "pulley_room", "encoder_room")
+    return given.moved("support.back_y_mm", start, -0.5, checks)
+
+
+def _outer_face(given: DirectKnown) -> Found:
+    checks = (
+        "outermost_land",
+        "land_thickness",
+        "outer_face",
+        "terminals_apart",
+        "lands_intact",
+        "lug_stress",
+        "web_in_rim",
+    )
+    return given.moved("drum.outer_face_y_mm", given.drum_mm / given.ratio, 0.1, checks)
+
+
+def _windup(given: DirectKnown) -> float:
+    """A value scaled from the reference design by load and drum, because both cables stretch only over their wraps."""
+    turn = 0.1 * given["loads.test_torque_Nm"] * (60.0 / given.drum_mm) ** 2
+    return float(f"{turn * (20.0 if given.printed('support') else 1.0):.3g}")
+
+
+NAMES = (
+    SCHEMA_VERSION,
+    constant("inputs", INPUTS, "one", "the configuration"),
+    constant("cables", CABLES, "one cable for each sense of the drum", "the configuration"),
+)
+RATIO = (
+    Rule(
+        "transmission.input_to_drum",
+        "the highest with which travel and reserve fit on one turn of the input",
+        "input_under_turn",
+        _ratio,
+        applies=lambda given: not given.has("transmission.input_radii_mm"),
+    ),
+)
+ROPE = (rope(taut_rope),)
+PRELOAD = (
+    Rule("rope.preload_N", "twice the preload that keeps both cables taut at peak torque", "no_slack", taut_preload),
+)
+TRANSFER = (
+    Rule(
+        "clearances.land_edge_mm",
+        "a broken edge and the run-out, or less for a thin rope",
+        "land_edge",
+        _land_edge,
+    ),
+    TRANSFER_GAP,
+    Rule(
+        "transmission.drum_radii_mm",
+        "step 1 as stated; step 2 the smallest that the lands allow",
+        "land_width",
+        _drum_radii,
+    ),
+)
+RESERVE = (
+    Rule(
+        "transmission.reserve_deg",
+        "usual wrap that never unwinds, or less if one turn of the input leaves less",
+        "input_reserve",
+        _reserve,
+    ),
+)
+FRAME = (
+    MOTOR_SHELF,
+    Rule(
+        "support.back_plate_mm",
+        "usual thickness for the stiffness and for making it in its material",
+        "walls",
+        _back_plate,
+    ),
+    Rule("support.rib_mm", "usual thickness for the stiffness, or less for the height of its pockets", "walls", _rib),
+    BEARING_SHELF,
+    ENCODER_SHELF,
+    COUPLING_SPACE,
+    Rule("support.side_wall_mm", "usual walls, thick enough for the motor head's screws", "flange", _side_wall),
+)
+DRUM = (
+    WEB,
+    SHAFT_BORE,
+    HUB,
+    SECTOR,
+    STOP_PIN,
+    RIM,
+    Rule("drum.outer_face_y_mm", "least width for lands and terminals", "outer_face", _outer_face),
+    HUB_FACE,
+)
+BACK = (
+    Rule(
+        "support.back_y_mm",
+        "nearest plane with space for the pulley and between the drum's bearings",
+        "drum_bearing_spacing",
+        _back,
+    ),
+    Rule(
+        "limits.frame_windup_max_mrad",
+        "about ten times the drum's rotation due to its cables at test torque; twenty times that if printed",
+        "frame_windup",
+        _windup,
+    ),
+)

@@ -1,0 +1,123 @@
+"""Levels along the input's axis and depths along Y that all parts share.
+
+Heights are measured along -Z, from the motor (lowest) to the encoder (highest), since the motor is above the pulley and
+its parts are drawn with the gearhead below:
+
+    motor | gearhead | motor shelf | coupling space | bearing shelf | pulley | encoder shelf | encoder
+
+The drum's axis intersects the input's at height 0; the steps are at -r_o. The pulley ends just beyond its cables, the
+shelves follow from the pulley, the drive from the shelves. All mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.input_pulley.stop import stop_land_mm
+from mbcdm_cad.parts.motor_head.dims import TOOL_SLENDERNESS, flange_screw, inner_half_width_mm
+
+# Between the heads of the flange's screws and the motor head's wall.
+HEAD_ROOM_MM = 0.1
+
+# Corners of a printed frame's pockets (estimate).
+PRINTED_CORNER_MM = 2.0
+# Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
+SHOULDER_MM = 0.6
+# Axial play of the pulley between its two bearings.
+END_PLAY_MM = 0.1
+
+
+@dataclass(frozen=True)
+class DirectStack:
+    """Levels along -Z (names in ``_z``) and along Y, mm; in those along -Z the named body lies just below or above."""
+
+    motor_bottom_z: float
+    gearhead_bottom_z: float
+    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_top_z: float
+    bearing_shelf_bottom_z: float
+    bearing_shelf_top_z: float
+    land_bottom_z: float
+    land_top_z: float
+    top_plate_bottom_z: float  # the encoder shelf
+    top_plate_top_z: float
+    encoder_top_z: float
+    back_y: float
+    pocket_floor_y: float  # front surface of the back plate
+    front_y: float
+    drum_inner_y: float
+    drum_outer_y: float
+    hub_face_y: float
+    boss_front_y: float
+    side_inner_x: float
+    side_outer_x: float
+    head_inner_x: float
+    head_outer_x: float
+
+
+def pocket_corner_radius_mm(drive: DirectDrive, depth_mm: float) -> float:
+    """Corner radius of the frame's pockets: an end mill no longer than four times its diameter reaches the floor.
+
+    No cutter has to reach into a printed frame, whose corners are rounded only for strength.
+    """
+    metal, cutter = drive.support.material, depth_mm / TOOL_SLENDERNESS / 2
+    return max(metal.min_internal_radius_mm, min(cutter, PRINTED_CORNER_MM) if metal.printed else cutter)
+
+
+def direct_stack(drive: DirectDrive) -> DirectStack:
+    """Compute the levels of a design without tests; the checks find impossible levels."""
+    flank, running = drive.cable.diameter_mm / 2, drive.clearances.running_mm
+    steps = sorted(c.drum_radius_mm for c in drive.cables)
+    beyond = stop_land_mm(drive)
+    land_bottom = -steps[-1] - flank - beyond
+    land_top = -steps[0] + flank + beyond
+    s = drive.support
+    bearing_top = land_bottom - SHOULDER_MM
+    bearing_bottom = bearing_top - s.bearing_shelf_mm
+    motor_top = bearing_bottom - s.coupling_space_mm
+    motor_bottom = motor_top - s.motor_shelf_mm
+    shelf_bottom = land_top + SHOULDER_MM + END_PLAY_MM
+    shelf_top = shelf_bottom + s.encoder_shelf_mm
+
+    smallest, largest = (f(c.input_radius_mm for c in drive.cables) for f in (min, max))
+    drum_inner = smallest - flank + drive.clearances.transfer_gap_mm
+    front = min(smallest - nut_corner_radius_mm(drive), drum_inner) - running
+    head_inner = inner_half_width_mm(drive)
+    head_outer = head_inner + s.side_wall_mm / 2
+    # The flange's screws are in the middle of the side walls, with their heads clear of the motor head.
+    beside_head = head_outer + flange_screw(drive).head_diameter_mm / 2 + HEAD_ROOM_MM - s.side_wall_mm / 2
+    side_inner = max(largest + flank + running, drive.encoder.diameter_mm / 2 + running, beside_head)
+    # The rounded corners of the box begin at the encoder's shelf.
+    corner = pocket_corner_radius_mm(drive, front - s.back_y_mm - s.back_plate_mm)
+    edges = [(c.input_radius_mm + flank, c.drum_radius_mm - flank) for c in drive.cables]
+    for x, z in (*edges, (smallest - flank, -land_top)):
+        above = max(corner - (z + shelf_bottom), 0.0)
+        room = max((corner - running) ** 2 - above**2, 0.0)
+        side_inner = max(side_inner, x + corner - sqrt(room))
+    return DirectStack(
+        motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
+        gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,
+        motor_shelf_bottom_z=motor_bottom,
+        motor_shelf_top_z=motor_top,
+        bearing_shelf_bottom_z=bearing_bottom,
+        bearing_shelf_top_z=bearing_top,
+        land_bottom_z=land_bottom,
+        land_top_z=land_top,
+        top_plate_bottom_z=shelf_bottom,
+        top_plate_top_z=shelf_top,
+        encoder_top_z=shelf_top + drive.encoder.length_mm,
+        back_y=s.back_y_mm,
+        pocket_floor_y=s.back_y_mm + s.back_plate_mm,
+        front_y=front,
+        drum_inner_y=drum_inner,
+        drum_outer_y=drive.drum.outer_face_y_mm,
+        hub_face_y=drive.drum.hub_face_y_mm,
+        boss_front_y=drum_inner - 3 * running,
+        side_inner_x=side_inner,
+        side_outer_x=side_inner + s.side_wall_mm,
+        head_inner_x=head_inner,
+        head_outer_x=head_outer,
+    )

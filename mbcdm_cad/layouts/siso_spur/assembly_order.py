@@ -1,0 +1,179 @@
+"""The order of assembly: the parts that each step adds, the tool, and the direction from which it works."""
+
+from __future__ import annotations
+
+from math import tau
+
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW
+from mbcdm_cad.layouts.siso_spur.tensioning import plan
+from mbcdm_cad.parts.bill import AssemblyStep, cable_item
+from mbcdm_cad.parts.bought.train import train_items, train_words
+from mbcdm_cad.parts.inserts import insert_items, insert_words
+from mbcdm_cad.parts.motor_head.dims import flange_screw
+from mbcdm_cad.parts.terminal.instructions import terminal_steps
+
+
+def assembly_order(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
+    """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
+    return (*_frame(layout), *input_steps(layout), _base(layout), *_drum(layout))
+
+
+def key(layout: SpurLayout, screw: str) -> str:
+    """The key that fits a screw."""
+    return f"{layout.drive.screw(screw).key_mm:g} mm key"
+
+
+def numbered(stem: str, count: int) -> tuple[str, ...]:
+    """Names of items of one kind."""
+    return tuple(f"{stem}_{n}" for n in range(1, count + 1))
+
+
+def _frame(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
+    drive, f = layout.drive, layout.frame
+    inserts = (
+        *insert_items("flange_insert", f.flange_insert, len(f.flange_screws)),
+        *insert_items("mount_insert", f.mount_insert, len(f.mounts)),
+    )
+    return (
+        AssemblyStep(ends_words(drive) if drive.anchored else _cut_words(layout)),
+        boss_step(layout, 1, inserts),
+        encoder_step(layout),
+    )
+
+
+def ends_words(drive: SpurDrive) -> str:
+    """Instruction to make the ends of anchored cables."""
+    rope = drive.cable
+    return (
+        f"End each cable ({rope.name}, {rope.diameter_mm:g} mm) in a stop on one side and a threaded terminal "
+        f"({drive.tensioner.name}) on the other, both {drive.termination.name}, to the cut lengths of the bill of "
+        "materials."
+    )
+
+
+def _cut_words(layout: SpurLayout) -> str:
+    drive, rope = layout.drive, layout.drive.cable
+    cut = sum(setting.cut_length_m for setting in plan(layout).cables) * 1e3
+    return (
+        f"Cut one cable ({rope.name}, {rope.diameter_mm:g} mm) {cut:.1f} mm long, both halves of the bill of "
+        f"materials together, and end it in a threaded terminal ({drive.tensioner.name}) on either side, "
+        f"{drive.termination.name}. Mark its middle."
+    )
+
+
+def boss_step(layout: SpurLayout, heads: int, inserts: tuple[str, ...]) -> AssemblyStep:
+    """Bearings, shaft and encoder of the drum in a frame with ``heads`` motor heads."""
+    drive, spring, f = layout.drive, layout.preload_spring, layout.frame
+    ring, flange, mount = drive.drum_encoder, f.flange_insert, f.mount_insert
+    for_heads = "the motor head" if heads == 1 else "the motor heads"
+    return AssemblyStep(
+        insert_words(flange, heads * len(f.flange_screws), f"the back of the plate, for {for_heads},")
+        + insert_words(mount, heads * len(f.mounts), "the back of the plate, for its own screws,")
+        + f"Press the front drum bearing ({drive.bearings.drum.name}) into the frame's boss from the front. From "
+        f"behind, lay the wave spring ({spring.force_N:g} N at {spring.height:g} mm) on the shoulder, slide the "
+        "rear bearing in, push the drum shaft in until its flange rests on the rear bearing, and screw the "
+        f"ring encoder on behind it ({ring.screw_count} x {ring.screw}, {key(layout, ring.screw)}).",
+        (
+            *("frame", "drum_bearing_front", "drum_preload_spring"),
+            *("drum_bearing_rear", "drum_shaft", "drum_encoder"),
+            *numbered("drum_encoder_screw", 2),
+            *inserts,
+        ),
+    )
+
+
+def encoder_step(layout: SpurLayout) -> AssemblyStep:
+    """Encoder and front bearing of the input on the encoder shelf."""
+    drive, encoder, name = layout.drive, layout.drive.encoder, layout.drive.input_names[0]
+    return AssemblyStep(
+        f"Hold the encoder before its shelf and screw it on from behind, through the opening of the plate "
+        f"({encoder.screw_count} x {encoder.screw}, {key(layout, encoder.screw)}); their heads are sunk below the "
+        f"pulley. Through the same opening press the bearing ({drive.bearings.input_upper.name}) into the shelf.",
+        (f"encoder_{name}", *numbered(f"encoder_screw_{name}", 2), f"input_bearing_upper_{name}"),
+    )
+
+
+def input_steps(layout: SpurLayout, mark: str = "") -> tuple[AssemblyStep, ...]:
+    """Pulley, motor head and cable of the input; ``mark`` as in the bill."""
+    drive, collar_screw, name = layout.drive, layout.collar.screw, layout.drive.input_names[0]
+    flange = flange_screw(drive).name
+    gear = drive.gearhead
+    return (
+        _pulley_step(drive),
+        AssemblyStep(
+            f"On the bench, screw the {train_words(drive)} on the motor head ({gear.screw_count} x {gear.screw}). "
+            f"The screws go in through the open side of the coupling space; the {key(layout, gear.screw)} reaches "
+            "their heads from the flange, through the key holes in the shoulder of the empty bearing seat. Pass the "
+            f"clamp collar, its screw ({collar_screw}) loose, over the {drive.mounted}'s shaft through the open side, "
+            f"and press the bearing ({drive.bearings.input_lower.name}) into the flange.",
+            (
+                *(f"motor_head{mark}", *train_items(drive, name)),
+                *numbered(f"{drive.mounted}_screw_{name}", gear.screw_count),
+                *(f"collar_{name}", f"collar_screw_{name}", f"input_bearing_lower_{name}"),
+            ),
+        ),
+        AssemblyStep(
+            "Press the two dowels into the plate. Slide the head from behind over the pulley's journal and the dowels, "
+            f"its open side away from the drum, tighten four {flange} from behind "
+            f"({key(layout, flange)}), then the collar through the open side ({key(layout, collar_screw)}).",
+            (*numbered(f"dowel{mark}", 2), *numbered(f"flange_screw{mark}", len(layout.frame.flange_screws))),
+        ),
+        _winding_step(drive),
+    )
+
+
+def _pulley_step(drive: SpurDrive) -> AssemblyStep:
+    """The pulley into its front bearing, with the stops of anchored cables, which cannot be reached later."""
+    name = drive.input_names[0]
+    hook = "Hook the stops of both cables into the slots in the end faces of the input pulley. " * drive.anchored
+    led = ", their free ends before it," if drive.anchored else ""
+    stops = tuple(f"stop_{c.name}" for c in drive.cables) if drive.anchored else ()
+    return AssemblyStep(
+        f"{hook}Push the input pulley{led} through the opening from behind, through the bearing into the encoder, and "
+        "tighten the encoder's own clamp.",
+        (f"input_pulley_{name}", *stops),
+    )
+
+
+def _winding_step(drive: SpurDrive) -> AssemblyStep:
+    if not drive.anchored:
+        how = "in the groove" if drive.input_pulleys.grooved else "side by side"
+        return AssemblyStep(
+            f"Lead the cable round the input from its middle out, {drive.turns} turns {how}, under the bridge, "
+            "and hold it with tape; its ends lie on both sides of the plate, crossed.",
+            (cable_item(drive.input_names[0]),),
+        )
+    how = "in its groove" if drive.input_pulleys.grooved else "side by side"
+    return AssemblyStep(
+        f"Wind each cable on to the input from its stop towards the middle, {drive.wound_rad / tau:.1f} turns {how}, "
+        "in opposite senses, and hold both with tape; their ends lie on both sides of the plate, crossed.",
+        tuple(cable_item(c.name) for c in drive.cables),
+    )
+
+
+def _base(layout: SpurLayout) -> AssemblyStep:
+    count = len(layout.frame.mounts)
+    return AssemblyStep(
+        f"Screw the frame to its base with {count} {MOUNT_SCREW} from behind, into the plate's threads."
+    )
+
+
+def _drum(layout: SpurLayout) -> tuple[AssemblyStep, ...]:
+    drive, hub_screw, insert = layout.drive, layout.drum.set_screw, layout.drum.payload_insert
+    places = len(layout.drum.payload_places)
+    each = "each cable" if drive.anchored else "each end of the cable"
+    return (
+        AssemblyStep(
+            insert_words(insert, places, "the holes in the hub's face")
+            + "Push the drum onto the shaft, its set screws over the shaft's flats, until its spigot touches the front "
+            "bearing, then press the stop pin through the slot of its web into the plate. To preload the bearings, "
+            "draw shaft and hub together until the shaft's end is flush with the hub's face, which presses the spring "
+            f"with {layout.preload_spring.force_N:g} N, and tighten the hub's two set screws ({hub_screw}, "
+            f"{key(layout, hub_screw)}, radially, in front of the web). Take off the tape and lay "
+            f"{each} over the rim to its own side, the one that leaves the input in front to the front.",
+            ("drum", "stop_pin", *numbered("hub_set_screw", 2), *insert_items("payload_insert", insert, places)),
+        ),
+        *terminal_steps(drive, plan(layout)),
+    )

@@ -1,0 +1,112 @@
+"""Bill of the assembly: every part with the function that draws it, every instance with its placement."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import radians
+
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW, YokeDims
+from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
+from mbcdm_cad.parts.input_pulley.items import add_input_pulley
+from mbcdm_cad.parts.motor_head.dims import flange_screw
+from mbcdm_cad.parts.motor_head.items import (
+    EncoderShelf,
+    add_flange_fixings,
+    add_input_bearings,
+    add_input_line,
+    add_motor_head,
+)
+from mbcdm_cad.parts.placement import Placement
+
+_X, _Y, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+# Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
+ALONG_Y = Placement.about(_X, -90.0)
+_TO_BACK = Placement.about(_X, 90.0)
+_SUPPORT = "mbcdm_cad.layouts.siso_spur.support"
+
+
+def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
+    """Drum about +Y and input about -Y: theta_i = theta_o r_o/r_i."""
+    drive = lay.drive
+    name, axis = f"input_{drive.input_names[0]}", (0.0, 0.0, drive.centre_distance_mm)
+    return (
+        MovingBody("drum", "drum", (0.0, 0.0, 0.0), _Y),
+        MovingBody(name, "input", axis, _BACK, drive.drum_radius_mm, drive.input_radius_mm),
+    )
+
+
+def _at(x: float, y: float, z: float) -> Placement:
+    return Placement.translation(x, y, z)
+
+
+def tapped(drive: SpurDrive, frame: YokeDims) -> YokeDims:
+    """The frame with the tap drill diameters of its threads."""
+    return replace(
+        frame,
+        flange_screw_radius=(
+            frame.flange_screw_radius if frame.flange_insert else flange_screw(drive).tap_drill_mm / 2
+        ),
+        mount_radius=frame.mount_radius if frame.mount_insert else drive.screw(MOUNT_SCREW).tap_drill_mm / 2,
+        boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
+    )
+
+
+def add_stop_pin(b: BillBuilder, lay: SpurLayout) -> None:
+    """Pin in the plate, through the slot of the sector."""
+    v, frame = lay.levels, lay.frame
+    b.add(
+        "stop_pin",
+        "mbcdm_cad.parts.ring:create_pin",
+        (frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - v.plate_back_y),
+        material=lay.drive.material("steel"),
+        place=_at(0.0, v.plate_back_y, frame.stop_pin_z) @ ALONG_Y,
+    )
+
+
+def add_drum_bearings(b: BillBuilder, lay: SpurLayout) -> None:
+    """Both bearings of the drum's shaft with their spring."""
+    drive, shaft = lay.drive, lay.drum_shaft
+    ring, bearing = drive.material("bearing-steel"), drive.bearings.drum
+    b.bearing("drum_bearing_rear", bearing, ring, _at(0.0, shaft.rear_bearing_y, 0.0) @ ALONG_Y)
+    add_preload_spring(b, drive, lay.preload_spring)
+    b.bearing("drum_bearing_front", bearing, ring, _at(0.0, shaft.front_bearing_y, 0.0) @ ALONG_Y)
+
+
+def add_own_input(b: BillBuilder, lay: SpurLayout, turn: Placement, mark: str = "") -> None:
+    """Add the fixed items at the one input of ``lay``, turned by ``turn`` about the drum's axis.
+
+    ``mark`` distinguishes its items from those of other inputs.
+    """
+    drive, f = lay.drive, lay.frame
+    if f.mount_insert is not None:
+        for n, (x, z) in enumerate(f.mounts, 1):
+            # The insert is set from behind, the side from which the screw is driven.
+            place = turn @ _at(x, lay.levels.plate_back_y, z) @ _TO_BACK
+            b.insert(f"mount_insert{mark}_{n}", f.mount_insert, drive.material("brass"), place)
+    # Z of the motor head points away from the pulley, to the back.
+    stand = turn @ _at(0.0, 0.0, f.axis_z) @ _TO_BACK
+    shelf = EncoderShelf(f.encoder_shelf_bottom_z, f.encoder_shelf_top_z, f.encoder_circle_radius, f.encoder_head_depth)
+    add_motor_head(b, drive, lay.head, stand, mark)
+    add_flange_fixings(b, drive, lay.head, f.flange_insert, stand, mark)
+    add_input_bearings(b, drive, lay.head, shelf, stand)
+    add_input_line(b, drive, lay.head, shelf, stand)
+
+
+def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
+    """All parts and instances with the drum at ``drum_angle_deg``."""
+    drive, f = lay.drive, lay.frame
+    b = BillBuilder(moving_bodies(lay), drum_angle_deg)
+    b.add("frame", f"{_SUPPORT}.frame:create_yoke", (f,), material=drive.support.material)
+    b.drilled("frame", tapped(drive, f))
+    add_stop_pin(b, lay)
+    add_drum_bearings(b, lay)
+    add_own_input(b, lay, Placement.identity())
+    add_drum_encoder(b, drive, f.boss.encoder_pocket_floor_y, f.boss.screw_circle)
+    add_drum(b, drive, lay.drum, lay.drum_shaft)
+    for pulley in lay.inputs:
+        add_input_pulley(b, drive, pulley, lay.collar, drive.support.material, ALONG_Y)
+    add_cables(b, drive, lay.cable_paths(radians(drum_angle_deg)))
+    return b.bill()

@@ -1,0 +1,164 @@
+"""Centre line of each cable at a given drum angle: of one from terminal to terminal, of two from their stops.
+
+Input, span and drum have the same helix angle: the turns move along the input by one lead a turn, each span leaves in
+line with them, and on the drum the cable lies on a helix of the same slope. The cable therefore bends in no other
+direction at any angle of the drum, and the landing points move along the drum together with the turns on the input.
+Beyond the last point that ever leaves the drum, the cable changes into the plane of its terminal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import cos, pi, radians, sin, tan, tau
+
+import numpy as np
+
+from mbcdm_cad.layouts.siso_spur.drive import CHANGE_RAD, SpurDrive, SpurRun, contact_rad
+from mbcdm_cad.parts.input_pulley.stop import STOP_PIECES, StopGeometry, stop_geometry, stop_pieces
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
+from mbcdm_cad.routes.curves import Arc, Coil, Line, Parabola, Piece, Triple, Vector, reverse
+
+ON_INPUT = ("wound",)
+_Y, _Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_SIDE = ("span", "drum", "lay", "dead", "tail")
+
+
+def input_wrap_rad(drive: SpurDrive, cable: SpurRun, drum_angle_rad: float) -> float:
+    """Wrap of one side on the input, from the cable's middle or stop, at a drum angle.
+
+    It decreases with the drum angle for a side that runs to +x. Negative if the middle has left the input.
+    """
+    return drive.wound_rad - cable.drum_side * drive.total_ratio * drum_angle_rad
+
+
+def walked_mm(drive: SpurDrive, drum_angle_rad: float) -> float:
+    """Movement of turns, spans and landing points along y since the centred drum."""
+    return drive.input_radius_mm * drive.slope * drive.total_ratio * drum_angle_rad
+
+
+def _t(v: Vector) -> Triple:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def side_pieces(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float, angle_rad: float) -> list[Piece]:
+    """Pieces of one side at a drum angle, from the point where it leaves the input to its terminal.
+
+    ``anchor_rad``: angle on the drum, from +Z towards the cable's side, at which the cable leaves its land with the
+    drum centred; ``tail_mm``: straight length from there into the terminal.
+    """
+    side, r_i, r_o = cable.drum_side, cable.input_radius_mm, cable.drum_radius_mm
+    middle = drive.level_mm + walked_mm(drive, angle_rad)
+    leave, land = (middle + cable.outward * y for y in (drive.leave_mm, drive.land_mm))
+    at = contact_rad(drive, side)
+
+    def on_drum(angle: float, y: float, radius: float = r_o) -> Triple:
+        return (side * radius * sin(angle), y, radius * cos(angle))
+
+    # Angles on the drum from +Z towards the cable's side.
+    moved, landing = side * angle_rad, drive.landing_rad
+    start = landing + radians(drive.half_travel_deg) + CHANGE_RAD + moved
+    last, end = start + CHANGE_RAD, start + 2 * CHANGE_RAD
+    plane = cable.terminal_y_mm
+    # Direction along y in which the helix continues: away from the middle, or for two anchored cables across it.
+    onward = -cable.outward if drive.anchored else cable.outward
+    start_y = plane - onward * r_o * drive.slope * tan(CHANGE_RAD)
+    anchor = anchor_rad + moved
+    along = np.array([side * cos(anchor), 0.0, -sin(anchor)])
+    leaving = np.array(on_drum(anchor, plane))
+    return [
+        Line((r_i * sin(at), leave, drive.centre_distance_mm + r_i * cos(at)), on_drum(landing, land)),
+        Coil((0.0, 0.0, 0.0), _Y, _Z, r_o, side * landing, side * start, land, start_y),
+        Parabola(on_drum(start, start_y), on_drum(last, plane, r_o / cos(CHANGE_RAD)), on_drum(end, plane)),
+        Arc((0.0, plane, 0.0), _Z, (float(side), 0.0, 0.0), r_o, end, anchor),
+        Line(_t(leaving), _t(leaving + tail_mm * along)),
+    ]
+
+
+def cable_paths(
+    drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], angle_rad: float
+) -> tuple[CablePath, ...]:
+    """Centre lines at a drum angle; ``anchors``: (anchor_rad, tail_mm) of each side by its name."""
+    if drive.anchored:
+        return tuple(anchored_path(drive, c, *anchors[c.name], angle_rad) for c in drive.cables)
+    return (cable_path(drive, anchors, angle_rad),)
+
+
+def stop_of(drive: SpurDrive, cable: SpurRun) -> StopGeometry:
+    """End of an anchored cable in the input pulley; its angle is in the frame of the pulley."""
+    end = contact_rad(drive, cable.drum_side) - pi / 2 + cable.drum_side * drive.wound_rad
+    return stop_geometry(drive, cable.input_radius_mm, end, cable.drum_side)
+
+
+def anchored_path(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float, angle_rad: float) -> CablePath:
+    """Centre line of one of two anchored cables, from the end of its stop; arguments as of :func:`side_pieces`."""
+    axis = (0.0, 0.0, drive.centre_distance_mm)
+    leave = drive.level_mm + walked_mm(drive, angle_rad) + cable.outward * drive.leave_mm
+    wrap = input_wrap_rad(drive, cable, angle_rad)
+    at = contact_rad(drive, cable.drum_side)
+    end, end_y = at + cable.drum_side * wrap, leave + cable.outward * drive.helix_lead_mm * wrap / tau
+    wound = Coil(axis, _Y, _Z, cable.input_radius_mm, end, at, end_y, leave)
+    start = wound.points(np.array([0.0]))[0]
+    radial = np.array([sin(end), 0.0, cos(end)])
+    ends = stop_pieces(start, radial, -wound.tangent(0.0), cable.input_radius_mm, stop_of(drive, cable))
+    side = side_pieces(drive, cable, anchor_rad, tail_mm, angle_rad)
+    on_input = (*STOP_PIECES, *ON_INPUT)
+    pieces = (*zip(on_input, (*ends, wound), strict=True), *zip(_SIDE, side, strict=True))
+    stretches = (Stretch(f"input_{cable.input_name}", on_input), Stretch(None, _SIDE[:1]), Stretch("drum", _SIDE[1:]))
+    return CablePath(cable, angle_rad, pieces, stretches)
+
+
+def cable_path(drive: SpurDrive, anchors: Mapping[str, tuple[float, float]], angle_rad: float) -> CablePath:
+    """Centre line of the one cable, which has the name of its input; arguments as of :func:`cable_paths`."""
+    first, second = drive.cables
+    ends = [side_pieces(drive, c, *anchors[c.name], angle_rad) for c in (first, second)]
+    at = contact_rad(drive, first.drum_side)
+    middle = drive.level_mm + walked_mm(drive, angle_rad)
+    leave = [middle + c.outward * drive.leave_mm for c in (first, second)]
+    wound = Coil(
+        (0.0, 0.0, drive.centre_distance_mm),
+        _Y,
+        _Z,
+        drive.input_radius_mm,
+        at,
+        at + first.drum_side * drive.wrap_rad,
+        leave[0],
+        leave[1],
+    )
+    names = [[f"{name}_{c.name}" for name in _SIDE] for c in (first, second)]
+    pieces: tuple[tuple[str, Piece], ...] = (
+        *((name, reverse(piece)) for name, piece in zip(names[0][::-1], ends[0][::-1], strict=True)),
+        (ON_INPUT[0], wound),
+        *zip(names[1], ends[1], strict=True),
+    )
+    stretches = (
+        Stretch("drum", tuple(names[0][:0:-1])),
+        Stretch(None, (names[0][0],)),
+        Stretch(f"input_{first.input_name}", ON_INPUT),
+        Stretch(None, (names[1][0],)),
+        Stretch("drum", tuple(names[1][1:])),
+    )
+    return CablePath(replace(first, name=first.input_name), angle_rad, pieces, stretches)
+
+
+def side_length_mm(drive: SpurDrive, cable: SpurRun, anchor_rad: float, tail_mm: float) -> float:
+    """Length of one side, from the middle of the cable or the end of its stop to the bottom of the swage's bore."""
+    wound = drive.input_radius_mm * drive.stretched * drive.wound_rad
+    if drive.anchored:
+        wound += stop_length_mm(stop_of(drive, cable), cable.input_radius_mm)
+    return wound + sum(piece.length_mm for piece in side_pieces(drive, cable, anchor_rad, tail_mm, 0.0))
+
+
+def stop_length_mm(stop: StopGeometry, radius_mm: float) -> float:
+    """Length of bend and chord in the input pulley."""
+    return pi / 2 * stop.bend_radius_mm + (radius_mm - stop.bend_radius_mm) - stop.stop_end_mm
+
+
+def longest_mm(drive: SpurDrive, anchor_rad: float) -> float:
+    """Upper estimate of the length of a side that leaves its land at ``anchor_rad``."""
+    wound = drive.input_radius_mm * drive.wound_rad + drive.free_span_mm
+    if drive.anchored:
+        first = drive.cables[0]
+        wound += stop_length_mm(stop_of(drive, first), first.input_radius_mm)
+    on_drum = drive.drum_radius_mm * max(anchor_rad - drive.landing_rad, 0.0)
+    return (wound + on_drum) * drive.stretched + 6.0 * drive.cable.diameter_mm

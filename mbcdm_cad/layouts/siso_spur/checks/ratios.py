@@ -1,0 +1,48 @@
+"""Radii: surfaces that can be machined, bend ratios that the rope allows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mbcdm_cad.checks.bending import anchor_check, bending_checks
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
+from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
+from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.drive import is_anchored
+
+
+def cut_at_pitch(s: SpurUnderTest) -> Comparison:
+    """The layout cuts every surface at the pitch radius less d/2."""
+    lay, drive = s.layout, s.drive
+    cut = [("input pulley", lay.inputs[0].lower_surface_radius - drive.input_radius_mm)]
+    cut += [(f"drum, {land.step}", land.surface_radius_mm - drive.drum_radius_mm) for land in lay.drum.lands]
+    return worst(
+        at_most(f"surface of {name} from pitch radius less d/2", abs(off + s.flank_mm), SURFACE_TOLERANCE_MM, "mm")
+        for name, off in cut
+    )
+
+
+def _stop_bends_mm(s: SpurUnderTest) -> Iterator[tuple[str, float]]:
+    for c in s.steps:
+        yield c.name, stop_of(s.drive, c).bend_radius_mm
+
+
+WIDER: tuple[Adjustment, ...] = (
+    down("transmission.input_to_drum"),
+    down("rope diameter_mm"),
+    up("all radii of transmission"),
+)
+CHECKS = (
+    SURFACE_RADIUS,
+    Check(
+        "cut_at_pitch",
+        "Surfaces are cut half a cable inside the pitch radii",
+        "derived from paper Table 2, which gives pitch radii",
+        cut_at_pitch,
+        advice="the layout cuts at r - d/2; this fails only if that is changed",
+    ),
+    *bending_checks(WIDER),
+    anchor_check(_stop_bends_mm, WIDER)._replace(applies=is_anchored),
+)

@@ -1,0 +1,125 @@
+"""Gaps between turning and fixed parts, and the box compared with its target."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.checks.box import box_checks
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
+from mbcdm_cad.checks.estimated_mass import mass_check
+from mbcdm_cad.checks.terminals import bodies_of
+from mbcdm_cad.layouts.siso_spur.bill import bill
+from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.layouts.siso_spur.support.volume import VOLUMES
+from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.motor_head.dims import body_radius_mm
+
+# Points on a full circle of the outline.
+_CORNERS = 72
+
+
+def frame_front(s: SpurUnderTest) -> Comparison:
+    """Gap from all parts that turn with the drum to plate and boss behind them."""
+    v, running, found = s.levels, s.drive.clearances.running_mm, []
+    for ring in drum_zones(s):
+        if ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the plate", ring.y - v.front_y, running, "mm"))
+        if ring.inner < s.layout.frame.boss.radius and ring.name != "drum's hub":
+            found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    return worst(found)
+
+
+def drum_and_input(s: SpurUnderTest) -> Comparison:
+    """Gap between rim and pulley with their cables."""
+    drive, pulley = s.drive, s.layout.inputs[0]
+    rim = drive.drum_radius_mm + s.flank_mm
+    own = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    return at_least(
+        "drum's rim from the input pulley, cables on",
+        drive.centre_distance_mm - rim - own,
+        drive.clearances.running_mm,
+        "mm",
+    )
+
+
+def bodies_behind(s: SpurUnderTest) -> Comparison:
+    """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
+    drive, boss = s.drive, s.layout.frame.boss
+    beside = max(boss.radius, boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
+    gap = drive.centre_distance_mm - body_radius_mm(drive) - beside
+    behind = s.levels.back_y - s.levels.motor_shelf_bottom_z
+    return at_least(
+        "motor from the drum's boss and encoder, beside or behind them",
+        max(gap, behind),
+        drive.clearances.running_mm,
+        "mm",
+    )
+
+
+def outline(s: SpurUnderTest, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
+    """Points (n, 2) in x and z that bound the box of one input with its sector, the input above the drum; mm."""
+    drive, head = s.drive, s.layout.head
+    sector = [
+        rim_points(d),
+        wrap_points(d, s.flank_mm),
+        *(o for t in d.tensioners for _, o, _, _ in bodies_of(s, t, moved=False)),
+    ]
+    encoder = drive.drum_encoder.diameter_mm / 2
+    bodies = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm, drive.encoder.diameter_mm) / 2
+    wide, low = max(f.half_width, f.boss.ear_reach, encoder), max(f.half_width, d.hub_radius)
+    flats = encoder * RING_ENCODER_FLATS
+    reach = [(-wide, 0.0), (wide, 0.0), (0.0, -low), (0.0, -flats), (0.0, f.axis_z + head.front_y)]
+    # Motor, gearhead and encoder are round, and the frame's upper corners are rounded.
+    angle = np.linspace(0.0, 2 * np.pi, _CORNERS + 1)
+    circle = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    corner = np.array([f.half_width, f.top_z]) + f.corner_radius * (circle[: _CORNERS // 4 + 1] - 1.0)
+    round_bodies = np.array([0.0, f.axis_z]) + bodies * circle
+    return np.concatenate([*sector, np.array(reach), corner, corner * np.array([-1.0, 1.0]), round_bodies])
+
+
+def box_mm(s: SpurUnderTest) -> tuple[float, float, float]:
+    """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
+    v = s.levels
+    cloud = outline(s, s.layout.frame, s.layout.drum)
+    wide, high = cloud.max(axis=0) - cloud.min(axis=0)
+    return float(wide), float(high), max(v.hub_face_y, v.encoder_top_z) - min(v.motor_bottom_z, v.back_y)
+
+
+_X: tuple[Adjustment, ...] = (down("drum.sector_half_angle_deg"), up("drum.sector_half_angle_deg"))
+_Z: tuple[Adjustment, ...] = (down("transmission.centre_distance_mm"), up("transmission.centre_distance_mm"))
+_Y: tuple[Adjustment, ...] = (down("support.coupling_space_mm"), up("support.coupling_space_mm"))
+BOX_ADJUSTMENTS = (_X, _Z, _Y)
+ROOM = (
+    Check(
+        "frame_front",
+        "Drum clears the frame",
+        "clearances.running_mm",
+        frame_front,
+        advice="choose a smaller drum.tensioner",
+    ),
+    Check(
+        "drum_and_input",
+        "Drum and input clear each other",
+        "clearances.running_mm",
+        drum_and_input,
+        adjust=_Z[1:],
+    ),
+    Check(
+        "bodies_behind",
+        "Motor clears the drum's boss and encoder",
+        "clearances.running_mm",
+        bodies_behind,
+        adjust=(up("transmission.centre_distance_mm"), up("support.coupling_space_mm")),
+    ),
+)
+CHECKS = (
+    *ROOM,
+    *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
+    mass_check(bill, VOLUMES),
+)

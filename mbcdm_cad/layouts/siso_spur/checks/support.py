@@ -1,0 +1,171 @@
+"""Frame: walls thick enough to be made, metal round its holes, space for pulley, drum and screws."""
+
+from __future__ import annotations
+
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
+from mbcdm_cad.checks.design_variables import Adjustment, down, up
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
+from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
+from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
+
+# Space above the pulley that is needed to lead the cable round it (estimate).
+WINDING_ROOM_MM = 2.0
+# Depth of a mounting screw's thread over its diameter (usual rule).
+MOUNT_DIAMETERS = 1.0
+
+
+def walls(s: SpurUnderTest) -> Comparison:
+    """The thinnest wall of frame and motor head, against the minimum of the material."""
+    support, f, head = s.drive.support, s.layout.frame, s.layout.head
+    limit = support.material.min_wall_mm
+    names = ("plate_mm", "bridge_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm")
+    found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
+    found.append(at_least("wall of the motor head", head.outer_x - head.inner_x, limit, "mm"))
+    found.append(at_least("encoder shelf under its bearing", f.seat_edge_z - f.shelf_bottom_z, limit, "mm"))
+    found.append(at_least("encoder shelf beside its bearing", f.shelf_half_width - f.seat_radius, limit, "mm"))
+    heads = f.encoder_circle_radius + f.encoder_head_radius
+    found.append(at_least("encoder shelf beside the heads of its screws", f.shelf_half_width - heads, limit, "mm"))
+    return worst(found)
+
+
+def bearing_seats(s: SpurUnderTest) -> Comparison:
+    """Shoulders of the shelves behind their bearings."""
+    support, bearings, limit = s.drive.support, s.drive.bearings, s.drive.support.material.min_wall_mm
+    return worst(
+        at_least(f"shoulder of the bearing next to the {end}", shelf - bearing.width_mm, limit, "mm")
+        for end, shelf, bearing in (
+            ("gearhead", support.bearing_shelf_mm, bearings.input_lower),
+            ("encoder", support.encoder_shelf_mm, bearings.input_upper),
+        )
+    )
+
+
+def input_room(s: SpurUnderTest) -> Comparison:
+    """Pulley and front bearing fit through the plate, the drum clears the shelf, fingers reach round the pulley."""
+    drive, f = s.drive, s.layout.frame
+    pulley, running = s.layout.inputs[0], drive.clearances.running_mm
+    rim = drive.drum_radius_mm + s.flank_mm
+    over = f.bridge_bottom_z - f.axis_z - max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    return worst(
+        (
+            at_least(
+                "opening of the plate round the input pulley",
+                f.opening_radius - pulley.lower_land_radius,
+                0.1 + (drive.cable.diameter_mm if drive.anchored else 0.0),
+                "mm",
+            ),
+            at_least("opening of the plate round the far bearing", f.opening_radius - f.seat_radius, 0.1, "mm"),
+            at_least("encoder shelf over the drum's rim and its cable", f.shelf_bottom_z - rim, running, "mm"),
+            at_least("bridge over the cable on the pulley", over, WINDING_ROOM_MM, "mm"),
+        )
+    )
+
+
+def _wall(insert: InsertSpec | None) -> float:
+    """Least wall beside a thread, or beside an insert."""
+    return insert.wall_mm if insert else HOLE_WEB_MM
+
+
+def flange(s: SpurUnderTest) -> Comparison:
+    """Screws and dowels of the motor head engage by their diameter in the plate, with enough metal round them."""
+    f, drive, head = s.layout.frame, s.drive, s.layout.head
+    screw, shelf, plate = flange_screw(drive), drive.support.bearing_shelf_mm, drive.support.plate_mm
+    v = s.levels
+    holes: list[tuple[str, float, float, float, float, float]] = [
+        ("opening", 0.0, f.axis_z, f.opening_radius, v.plate_back_y, v.front_y),
+        ("bearing", 0.0, f.axis_z, head.seat_radius, v.bearing_shelf_bottom_z, v.bearing_shelf_top_z),
+    ]
+    holes += [("flange screw", x, z, f.flange_screw_radius, v.plate_back_y, v.front_y) for x, z in f.flange_screws]
+    holes += [("dowel", x, z, f.dowel_radius, v.plate_back_y, v.plate_back_y + f.dowel_depth) for x, z in f.dowels]
+    holes += [("mount", x, z, f.mount_radius, v.plate_back_y, v.front_y) for x, z in f.mounts]
+    found = [at_least(f"plate, {name}", web, HOLE_WEB_MM, "mm") for name, web in web_between(holes)]
+    into = screw.length_mm - shelf
+    reach = max(abs(x) for x, _ in f.flange_screws)
+    grip = min(into, f.flange_insert.length_mm) if f.flange_insert else into
+    found += [
+        at_least("engaged length of a flange screw over its diameter", grip - screw.thread_mm, 0.0, "mm"),
+        at_least("plate behind the flange screws", plate - into, 0.0, "mm"),
+        at_least(
+            "engaged length of a dowel over its diameter",
+            dowel_length_mm(drive) - shelf - 2 * f.dowel_radius,
+            0.0,
+            "mm",
+        ),
+        at_least(
+            "plate beside a flange screw", f.half_width - reach - f.flange_screw_radius, _wall(f.flange_insert), "mm"
+        ),
+        at_least(
+            "flange beyond its bearing's seat", min(-head.back_y, head.front_y) - head.seat_radius, HOLE_WEB_MM, "mm"
+        ),
+    ]
+    return worst(found)
+
+
+def mounts(s: SpurUnderTest) -> Comparison:
+    """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
+    f, plate = s.layout.frame, s.drive.support.plate_mm
+    flange_low = f.axis_z + s.layout.head.flange.back_y
+    rooms = [("depth over the diameter", plate - MOUNT_DIAMETERS * 2 * f.mount_radius, 0.0)]
+    for x, z in f.mounts:
+        rooms.append(("plate beside the thread", f.half_width - abs(x) - f.mount_radius, _wall(f.mount_insert)))
+        rooms.append(("drum's boss", (x**2 + z**2) ** 0.5 - f.boss.radius - f.mount_radius, HOLE_WEB_MM))
+        rooms.append(("motor head's flange", flange_low - z - f.mount_radius, HOLE_WEB_MM))
+        pin = (x**2 + (z - f.stop_pin_z) ** 2) ** 0.5 - f.stop_pin_radius - f.mount_radius
+        rooms.append(("stop pin", pin, HOLE_WEB_MM))
+    return worst(at_least(f"mounting thread: {name}", room, limit, "mm") for name, room, limit in rooms)
+
+
+def boss(s: SpurUnderTest) -> Comparison:
+    """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
+    f, limit = s.layout.frame, s.drive.support.material.min_wall_mm
+    around = at_least("plate round the boss", f.half_width - f.boss.seat_radius, limit, "mm")
+    behind = at_least(
+        "plate before the end of the boss", s.levels.plate_back_y - f.boss.encoder_pocket_floor_y, 0.0, "mm"
+    )
+    return worst((around, behind, *boss_walls(s)))
+
+
+_WALL = "material: min_wall_mm"
+_SHELVES: tuple[Adjustment, ...] = (up("support.bearing_shelf_mm"), up("support.encoder_shelf_mm"))
+CHECKS = (
+    Check(
+        "walls",
+        "Walls of frame and motor head are thick enough",
+        _WALL,
+        walls,
+        adjust=(
+            up("support.plate_mm"),
+            up("support.bridge_mm"),
+            up("support.side_wall_mm"),
+            up("support.motor_shelf_mm"),
+            *_SHELVES,
+            up("transmission.centre_distance_mm"),
+        ),
+    ),
+    Check("bearing_seats", "Shelves take the input's bearings", _WALL, bearing_seats, adjust=_SHELVES),
+    ENCODER_SHELF,
+    Check(
+        "input_room",
+        "Input and drum turn freely in the frame",
+        "clearances.running_mm; 2 mm: estimate",
+        input_room,
+        adjust=(up("transmission.centre_distance_mm"),),
+    ),
+    Check(
+        "flange",
+        "Motor head is held and located",
+        "usual rule: one diameter",
+        flange,
+        adjust=(up("support.plate_mm"), down("support.bearing_shelf_mm"), up("support.side_wall_mm")),
+    ),
+    Check(
+        "mounts",
+        "Mounting threads have metal round them",
+        "usual rule: one diameter",
+        mounts,
+        adjust=(up("support.plate_mm"), up("transmission.centre_distance_mm")),
+    ),
+    Check("boss", "Boss takes drum bearings and encoder", _WALL, boss, adjust=(down("support.back_y_mm"),)),
+)

@@ -1,0 +1,73 @@
+"""Gaps of the winding compared with the tolerances of the parts, and the transmission error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf
+
+from mbcdm_cad.checks.stacks import TRANSMISSION_ERROR, stack_check
+from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
+from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
+from mbcdm_cad.parts.making import axial_play_mm, land_band_mm, rope_band_mm
+
+
+def turn_gap(s: SpurUnderTest) -> list[StackUp]:
+    """A span and the turn beside it on the input."""
+    drive = s.drive
+    gap = turn_distance_mm(drive.input_radius_mm, drive.helix_lead_mm) - drive.cable.diameter_mm
+    return [
+        StackUp(
+            "span from the turn beside it, mm",
+            gap,
+            (
+                # Half a rope on each side of the gap: together one diameter.
+                Contribution("rope's diameter", rope_band_mm(drive)),
+                Contribution("lead of the groove over a turn", drive.making.position_mm),
+            ),
+        )
+    ]
+
+
+def rim_edge(s: SpurUnderTest) -> list[StackUp]:
+    """The cable on the drum and the nearer face of its rim."""
+    drive, making = s.drive, s.drive.making
+    plane, (low, *_, high) = drive.on_drum_mm + s.flank_mm, s.layout.drum.lands
+    return [
+        StackUp(
+            "flank of the cable from the rim's face, mm",
+            min(-plane - low.y_start, high.y_end - plane),
+            (
+                Contribution("place of the input's bearings along y", making.position_mm),
+                Contribution("axial play of the input", axial_play_mm(drive), 0.5),
+                Contribution("place of the drum's bearings in the frame", making.position_mm),
+                Contribution("place of the rim's face on the drum", making.position_mm),
+                Contribution("rope's diameter", rope_band_mm(drive), 0.5),
+            ),
+        )
+    ]
+
+
+def stacks(s: SpurUnderTest) -> Iterator[StackUp]:
+    """The stack of each gap and of the ratio; of several, the one with the least reserve."""
+    for of in (turn_gap, rim_edge):
+        yield tightest(of(s))
+    r_o, r_i = s.drive.drum_radius_mm, s.drive.input_radius_mm
+    yield StackUp(
+        "total ratio, relative",
+        inf,
+        (
+            Contribution("drum radius", land_band_mm(s.drive, r_o), 1.0 / r_o),
+            Contribution("input radius", land_band_mm(s.drive, r_i), -1.0 / r_i),
+            Contribution("rope's diameter", rope_band_mm(s.drive), (1.0 / r_o - 1.0 / r_i) / 2.0),
+        ),
+    )
+
+
+CHECKS = (
+    stack_check("turn_gap", "Turns stay apart with tolerances", turn_gap, "raise rope.helix_lead_mm"),
+    stack_check(
+        "rim_edge", "The cable stays within the rim with tolerances", rim_edge, "raise clearances.land_edge_mm"
+    ),
+    TRANSMISSION_ERROR,
+)

@@ -1,0 +1,254 @@
+"""Cables on the input: load that friction holds, wrap that stays on the input, axial walk of the turns.
+
+Friction holds T_h / T_l <= e^(mu theta) over the whole wrap theta; if both sides are linear and equal, this is a
+difference of 2 T_pre tanh(mu theta / 2) (derived). Above it the cable slips through. Below it each end of the wrap
+creeps over the slip angle of its side. If a part in the middle sticks and stays on the input over the whole travel,
+this creep does not accumulate. If the travel unwinds that part, the cable moves on a little in every cycle.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import acos, ceil, degrees, log, tau
+
+import numpy as np
+
+from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart
+from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
+from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
+from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.drive import is_anchored, is_continuous
+from mbcdm_cad.model.capability import torque_at_slip_of_Nm
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
+
+# Largest fleet angle on a smooth pulley (rope makers); from a groove the cable leaves in line with it.
+SMOOTH_FLEET_DEG = 1.5
+# Least crest between two grooves, in rope diameters: a thinner one would be a burr that cuts the rope (estimate).
+GROOVE_CREST = 0.05
+# Least land beyond the cable's flank at the ends of its walk (estimate).
+LAND_EDGE_MM = 0.3
+# Directions of the load at both ends of the travel.
+_BOTH_WAYS = np.array([1, 1, -1, -1])
+
+
+def free_span(s: SpurUnderTest) -> Comparison:
+    """Centre distance compared with the sum of the pitch radii."""
+    drive = s.drive
+    reach = drive.drum_radius_mm + drive.input_radius_mm
+    return at_least("centre distance over r_o + r_i", drive.centre_distance_mm - reach, CABLE_GAP_MM, "mm")
+
+
+def slip(s: SpurUnderTest) -> Comparison:
+    """Drum torque at which the cable slips on the input over the peak torque: lowest of all directions and ends.
+
+    It depends on the wraps of the pose: a short wrap on the drum stretches less, so that the slackened side loses more
+    tension.
+    """
+    drive, si = s.drive, s.loads.si
+    # Four cases at once: both ends of the travel in both directions.
+    on_drum = np.stack([s.wraps_rad(angle)[1] for angle in 2 * (s.half_travel_rad, -s.half_travel_rad)], axis=1)
+    try:
+        holds = float(torque_at_slip_of_Nm(si.spread(4).with_(drum_wrap_rad=on_drum), 0, _BOTH_WAYS).min())
+    except ModelError as error:
+        raise NoFigureError(f"the model has no answer: {error}") from None
+    peak = drive.loads.peak_torque_Nm
+    theta, mu = drive.wrap_rad, drive.friction_coefficient
+    note = (
+        f"wrap {degrees(theta):.0f} deg, T_h/T_l up to {np.exp(min(mu * theta, 30.0)):.3g}; "
+        f"{2 * drive.cables[0].preload_N * np.tanh(mu * theta / 2):.4g} N by 2 T_pre tanh(mu theta/2)"
+    )
+    what = f"cable slips on the input at {holds:.4g} N m of the drum, over the peak of {peak:g}"
+    return at_least(what, holds / peak, drive.limits.slip_margin_min, "times", note)
+
+
+def _slip_angles_deg(s: SpurUnderTest) -> float:
+    """Sum of the slip angles at both ends of a wrap at peak torque, for the worst direction and input."""
+    preload, most = np.array([c.preload_N for c in s.drive.cables]), 0.0
+    for tension in (s.loads.peak_forward, s.loads.peak_back):
+        ratio = np.abs(np.log(np.maximum(tension, 1e-9) / preload))
+        of_inputs = [s.loads.si.of_input(i) @ ratio for i in range(s.loads.si.n_inputs)]
+        most = max(most, float(max(of_inputs)) / s.drive.friction_coefficient)
+    return degrees(most)
+
+
+def stays_on(s: SpurUnderTest) -> Comparison:
+    """Part of the wrap that neither creeps at peak torque nor leaves the input over the travel."""
+    drive, creeping = s.drive, _slip_angles_deg(s)
+    wrap, travel = degrees(drive.wrap_rad), degrees(drive.input_travel_rad)
+    note = f"wrap {wrap:.0f}, less {travel:.0f} that the travel unwinds and {creeping:.0f} that creeps at peak torque"
+    return at_least("wrap that sticks on the input over the whole travel", wrap - travel - creeping, 0.0, "deg", note)
+
+
+def _turns_that_hold(s: SpurUnderTest) -> str:
+    """Remedy: the number of turns with which both checks of the wrap pass."""
+    try:
+        short = max(0.0, -stays_on(s).margin)
+        tension = max(float(np.max(t)) / max(float(np.min(t)), 1e-9) for t in (s.loads.peak_forward, s.loads.peak_back))
+    except NoFigureError:
+        return ""
+    # Tensions at the slip margin, for linear sides.
+    share = (tension - 1.0) / (tension + 1.0) * s.drive.limits.slip_margin_min
+    if share >= 1.0:
+        return "raise rope.preload_N: at this margin one side would be slack for any number of turns"
+    wrap = log((1.0 + share) / (1.0 - share)) / s.drive.friction_coefficient
+    more = max(short / 360.0, (wrap - s.drive.wrap_rad) / tau)
+    return f"raise transmission.turns to {s.drive.turns + max(1, ceil(more))}"
+
+
+def lead(s: SpurUnderTest) -> Comparison:
+    """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
+    d = s.drive.cable.diameter_mm
+    least = GROOVE_LEAD * GROOVE_RADIUS * d if s.drive.input_pulleys.grooved else d
+    return at_least("lead of the helix on the input", s.drive.helix_lead_mm, least, "mm")
+
+
+def crest(s: SpurUnderTest) -> Comparison:
+    """Crest between neighbouring turns of a groove, and between the grooves of two cables."""
+    grooves = s.layout.inputs[0].grooves
+    if not grooves:
+        return noted("no groove: crest", 0.0, "mm")
+    limit = GROOVE_CREST * s.drive.cable.diameter_mm
+    found = [at_least("crest between turns", g.lead - 2 * g.half_width, limit, "mm") for g in grooves]
+    for low, high in pairwise(grooves):
+        between = min(high.start_z, high.end_z) - max(low.start_z, low.end_z) - low.half_width - high.half_width
+        found.append(at_least(f"crest between {low.cable_name} and {high.cable_name}", between, limit, "mm"))
+    return worst(found)
+
+
+def on_land(s: SpurUnderTest) -> Comparison:
+    """The walk of both spans stays on the input's land."""
+    pulley, drive = s.layout.inputs[0], s.drive
+    reach = (drive.dead_end_mm if drive.anchored else drive.leave_mm + drive.walk_mm / 2) + s.flank_mm
+    room = min(pulley.land_top_z, -pulley.land_bottom_z) - reach
+    note = f"{drive.helix_lead_mm:g} x {drive.total_ratio:.4g} x travel / 360 deg = {drive.walk_mm:.3g} mm of walk"
+    return at_least("land of the input beyond the cable at the ends of its walk", room, LAND_EDGE_MM, "mm", note)
+
+
+def land_spacing(s: SpurUnderTest) -> Comparison:
+    """Gap along y between the parts of the drum that both sides use over the travel."""
+    gap = 2 * (s.drive.land_mm - s.drive.walk_mm / 2) - s.drive.cable.diameter_mm
+    return at_least("gap of the two sides on the drum, walk included", gap, CABLE_GAP_MM, "mm")
+
+
+def on_rim(s: SpurUnderTest) -> Comparison:
+    """The cable's outermost planes lie inside the rim's faces."""
+    lands, edge = s.layout.drum.lands, s.drive.clearances.land_edge_mm
+    plane = s.drive.on_drum_mm + s.flank_mm
+    return worst(
+        (
+            at_least("rim's inner face beyond the cable", -plane - lands[0].y_start, edge, "mm"),
+            at_least("rim's outer face beyond the cable", lands[-1].y_end - plane, edge, "mm"),
+        )
+    )
+
+
+def fleet_angle(s: SpurUnderTest) -> Comparison:
+    """Span against the turns on the input, over the travel: measured on the cable's path."""
+    found = []
+    for angle, path in ((angle, path) for angle, paths in s.extreme_paths for path in paths):
+        names = [name for name, _ in path.pieces]
+        at = names.index(ON_INPUT[0])
+        beyond = ((path.pieces[at - 1][1], 0.0), (path.pieces[at + 1][1], 1.0))
+        for span, end in beyond[1:] if s.drive.anchored else beyond:
+            along = span.tangent(0.5)
+            off = acos(min(1.0, abs(float(along @ path.piece(ON_INPUT[0]).tangent(end)))))
+            # On a smooth land only friction holds the turns at their helix angle.
+            turned = off if s.drive.input_pulleys.grooved else float(np.arcsin(abs(along[1])))
+            found.append(
+                at_most(
+                    f"fleet angle with the drum at {degrees(angle):+.3g} deg", degrees(turned), SMOOTH_FLEET_DEG, "deg"
+                )
+            )
+    return worst(found)
+
+
+def turn_distance_mm(radius_mm: float, lead_mm: float) -> float:
+    """Least distance between the span, straight in line with its helix, and the turn wound before it, mm."""
+    slope = lead_mm / (tau * radius_mm)
+    angle = np.linspace(-0.5, 0.5, 2001)
+    # The span starts at the contact, (0, 0, 0), along y; the turn before it lies one lead back along the axis.
+    x, y, z = radius_mm * (1 - np.cos(angle)), radius_mm * np.sin(angle), -lead_mm + slope * radius_mm * angle
+    along = np.maximum((y + slope * z) / (1 + slope**2), 0.0)
+    return float(np.sqrt(x**2 + (along - y) ** 2 + (slope * along - z) ** 2).min())
+
+
+def self_clearance(s: SpurUnderTest) -> Comparison:
+    """Gap between each span and the turn beside it on the input."""
+    gap = turn_distance_mm(s.drive.input_radius_mm, s.drive.helix_lead_mm) - s.drive.cable.diameter_mm
+    return at_least("span from the turn beside it", gap, 0.0, "mm")
+
+
+_LESS = (up("rope.preload_N"), down("loads.peak_torque_Nm"))
+_LEAD = (up("rope.helix_lead_mm"), down("rope diameter_mm"))
+CHECKS = (
+    Check(
+        "free_span",
+        "Centre distance leaves a free span",
+        "paper Eq. (11)",
+        free_span,
+        adjust=(up("transmission.centre_distance_mm"), down("all radii of transmission")),
+    ),
+    Check(
+        "input_slip",
+        "Friction holds the cable on the input",
+        "T_h/T_l <= e^(mu theta); limits.slip_margin_min",
+        slip,
+        adjust=_LESS,
+        advice=_turns_that_hold,
+        applies=is_continuous,
+    ),
+    Check(
+        "input_sticks",
+        "Part of the cable never leaves the input",
+        "derived: otherwise the cable creeps on in every cycle",
+        stays_on,
+        "warn",
+        adjust=(down("travel.half_angle_deg"), *_LESS),
+        advice=_turns_that_hold,
+        applies=is_continuous,
+    ),
+    Check("helix_lead", "Turns lie side by side", "rope makers' tables for grooves", lead, adjust=_LEAD),
+    Check("groove_crest", "Crests between the grooves", "0.05 d: estimate", crest, adjust=_LEAD),
+    Check("self_clearance", "Spans clear the turns next to them", "derived", self_clearance, adjust=_LEAD),
+    Check(
+        "input_walk",
+        "Walk of the cable stays on the input",
+        "derived: lead x ratio x travel / 360 deg; 0.3 mm: estimate",
+        on_land,
+        adjust=(down("travel.half_angle_deg"),),
+    ),
+    Check(
+        "fleet_angle",
+        "Fleet angle at the input",
+        "1.5 deg: rope makers",
+        fleet_angle,
+        adjust=(down("rope.helix_lead_mm"), up("all radii of transmission")),
+        advice="set input_pulleys.surface: grooved",
+    ),
+    Check(
+        "land_spacing",
+        "Gap between both sides on the drum",
+        "derived: N leads and the spans' slope; 0.1 mm: estimate",
+        land_spacing,
+        adjust=(up("transmission.turns"), up("transmission.centre_distance_mm"), down("travel.half_angle_deg")),
+        applies=is_continuous,
+    ),
+    Check(
+        "cables_apart",
+        "Gaps between cables",
+        "derived: the spans converge; 0.1 mm: estimate",
+        cables_apart,
+        adjust=(down("transmission.centre_distance_mm"),),
+        applies=is_anchored,
+    ),
+    Check(
+        "rim_width",
+        "The cable lies within the rim",
+        "clearances.land_edge_mm",
+        on_rim,
+        adjust=(up("drum.outer_face_y_mm"),),
+    ),
+)

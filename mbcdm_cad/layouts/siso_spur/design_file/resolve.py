@@ -1,0 +1,93 @@
+"""Make the drive of a validated siso_spur design: radii of both sides, catalogue entries in place of names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from mbcdm_cad.design.fieldpath import FieldPath
+from mbcdm_cad.design.lookup import Catalogue, copied
+from mbcdm_cad.design.resolve import preload_N, shared_sigmas, shared_values
+from mbcdm_cad.layouts.siso_spur import drive as d
+from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurBlocks, SpurDesign, SpurTransmission
+from mbcdm_cad.parts.drum_sector.design import Clearances, WoundPulleySpec
+from mbcdm_cad.parts.drum_sector.resolve import sector_values, terminal_angle_rad
+
+_SIGN = {"-x": -1, "+x": 1}
+# Step of a side, by the value of ``transmission.cables``. The side that runs to +x has the smaller y, of two anchored
+# cables the larger one: the grooves are then right-handed, as usual on a lathe.
+_STEP = {"continuous": {"+x": 1, "-x": 2}, "two_anchored": {"+x": 2, "-x": 1}}
+
+
+def drive(design: SpurDesign, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> d.SpurDrive:
+    """The drive of a valid design; its sides are in the order of y."""
+    return d.laid(d.SpurDrive(**spur_values(design, catalogue, sigmas)))
+
+
+def spur_values(design: SpurBlocks, catalogue: Catalogue, sigmas: Mapping[FieldPath, float]) -> dict[str, Any]:
+    """The fields of :class:`~mbcdm_cad.layouts.siso_spur.drive.SpurDrive`, still without planes of terminals.
+
+    Sides are in the order of the inputs, then of y.
+    """
+    order, step = [item.name for item in design.inputs], _STEP[design.transmission.cables]
+    places = sorted(
+        range(len(design.cables)),
+        key=lambda k: (order.index(design.cables[k].input), step[design.cables[k].drum_side]),
+    )
+    transmission, pulleys = design.transmission, design.input_pulleys
+    radius = input_radius_mm(transmission)
+
+    def of(name: str) -> float:
+        return sigmas.get(("transmission", name), 0.0)
+
+    return (
+        shared_values(design, catalogue)
+        | sector_values(design, catalogue)
+        | {
+            "clearances": copied(Clearances, design.clearances),
+            "limits": copied(d.SpurLimitValues, design.limits),
+            "input_pulleys": WoundPulleySpec(
+                catalogue.material(pulleys.material), collar_screw=pulleys.collar_screw, surface=pulleys.surface
+            ),
+            "helix_lead_mm": design.rope.helix_lead_mm,
+            # ``laid`` sets it.
+            "dead_turns": 0.0,
+            "cables": tuple(
+                d.SpurRun(
+                    name=cable.name,
+                    input_name=cable.input,
+                    drum_side=_SIGN[cable.drum_side],
+                    step=step[cable.drum_side],
+                    input_radius_mm=radius,
+                    drum_radius_mm=transmission.drum_radius_mm,
+                    preload_N=preload_N(design, cable),
+                    terminal_angle_rad=terminal_angle_rad(cable),
+                    terminal_y_mm=0.0,
+                )
+                for cable in (design.cables[k] for k in places)
+            ),
+            "centre_distance_mm": transmission.centre_distance_mm,
+            "turns": transmission.turns,
+            "anchored": transmission.cables == "two_anchored",
+            "radii_explicit": transmission.input_to_drum is None,
+            "bearings": d.SpurBearings(
+                drum=catalogue.bearing(design.drum.bearing),
+                input_lower=catalogue.bearing(pulleys.lower_bearing),
+                input_upper=catalogue.bearing(pulleys.upper_bearing),
+            ),
+            "support": copied(d.YokeSpec, design.support, material=catalogue.material(design.support.material)),
+            "sigmas": d.SpurSigmas(
+                **shared_sigmas(design, catalogue, sigmas, places),
+                input_radius_mm=(of("input_radius_mm"),) * len(places),
+                drum_radius_mm=(of("drum_radius_mm"),) * len(places),
+                centre_distance_mm=of("centre_distance_mm"),
+            ),
+        }
+    )
+
+
+def input_radius_mm(transmission: SpurTransmission) -> float:
+    """Input pitch radius, as given or from the ratio, then rounded to 1e-9 mm."""
+    if transmission.input_to_drum is None:
+        return transmission.input_radius_mm or 0.0
+    return round(transmission.drum_radius_mm / transmission.input_to_drum, 9)

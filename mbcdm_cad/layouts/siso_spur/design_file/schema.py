@@ -1,0 +1,228 @@
+"""Schema of a siso_spur design file: the blocks that are this configuration's own, each field with its source.
+
+Reference values of shared blocks are in :mod:`mbcdm_cad.layouts.siso_spur.design_file.reference`.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from mbcdm_cad.design.blocks import Design, Input, Length, Limits, Rope
+from mbcdm_cad.design.fields import Block, EntryName, Integer, Number, choice, quantity
+from mbcdm_cad.design.sector_blocks import SectorCable, SectorDrum, SteppedPulleys
+from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, ESTIMATE, INPUTS
+
+
+class SpurTransmission(Block):
+    """Pitch radii (to the cable's centre line), centre distance, and how the cable is wound on the input."""
+
+    drum_radius_mm: Length = quantity(
+        "drum pitch radius r_o",
+        unit="mm",
+        uncertain=True,
+        source="the mean of the paper's Table 2",
+        reference=59.4,
+    )
+    input_to_drum: Number | None = quantity(
+        "drum radius over input radius; leave it out if the input radius is explicit",
+        unit="-",
+        source="input radius 6 mm, the smallest of miso_bevel's reference",
+        reference=9.9,
+        default=None,
+        ge=0.5,
+        le=60.0,
+    )
+    input_radius_mm: Length | None = quantity(
+        "explicit input pitch radius r_i, in place of input_to_drum",
+        unit="mm",
+        uncertain=True,
+        example=6.0,
+        default=None,
+    )
+    centre_distance_mm: Length = quantity(
+        "drum axis to input axis",
+        unit="mm",
+        uncertain=True,
+        source="estimate: space between rim and pulley to insert the cable",
+        reference=70.0,
+    )
+    cables: Literal["continuous", "two_anchored"] = choice(
+        "continuous: one cable for both senses, held on the input by friction; two_anchored: one for each sense, with "
+        "a stop in the input",
+        source="Fig. 1",
+        reference="continuous",
+        default="continuous",
+    )
+    turns: Integer = quantity(
+        "turns of the cable on the input, counted at the line of centres; of two anchored cables at the end of the "
+        "travel that winds each up",
+        unit="-",
+        source="a part of the cable stays on the input over the whole travel",
+        reference=3,
+        ge=1,
+        le=40,
+    )
+
+
+class SpurRope(Rope):
+    """The rope: a catalogue type, or all values inline."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "type",
+        "inline",
+        "modulus_GPa",
+        "modulus_area",
+        "termination",
+        "friction_coefficient",
+        "preload_N",
+        "helix_lead_mm",
+        "cut_tolerance_mm",
+    )
+
+    helix_lead_mm: Number = quantity(
+        "axial lead of the turns on the input; larger than the rope's diameter",
+        unit="mm",
+        source="rope makers' tables for grooves, rounded up",
+        reference=0.9,
+        ge=0.2,
+        le=10.0,
+    )
+
+
+class SpurClearances(Block):
+    """Gaps between finished surfaces."""
+
+    land_edge_mm: Number = quantity("flank of the cable to the inner face of the drum's rim", unit="mm", ge=0.0, le=5.0)
+    running_mm: Number = quantity("any moving solid to any fixed one", unit="mm", ge=0.01, le=5.0)
+
+
+class SpurDrum(SectorDrum):
+    """Drum sector with web, hub and tensioners; y is along the drum axis from the middle of the cable."""
+
+    sector_half_angle_deg: Number = quantity(
+        "half angle of the sector, from the line of centres", unit="deg", ge=20.0, le=175.0
+    )
+
+
+class SpurPulleys(SteppedPulleys):
+    """The input pulley, carried by a bearing at both ends."""
+
+    surface: Literal["smooth", "grooved"] = choice(
+        "a smooth land, or a helical groove that leads each cable",
+        source="usual in built capstan drives",
+        reference="grooved",
+        default="grooved",
+    )
+
+
+class YokeSupport(Block):
+    """Frame: a plate with the drum's boss and a yoke over the input, and the motor head behind it."""
+
+    material: EntryName = choice("material of frame and motor head", source=ESTIMATE, reference="aluminium-7075")
+    back_y_mm: Number = quantity(
+        "end of the drum's encoder behind the frame",
+        unit="mm",
+        source="distance between the drum's bearings",
+        reference=-25.5,
+        ge=-300.0,
+        le=-1.0,
+    )
+    plate_mm: Number = quantity("plate thickness", unit="mm", source=ESTIMATE, reference=5.0, ge=0.3, le=50.0)
+    bridge_mm: Number = quantity(
+        "bridge from the plate to the encoder shelf, over the input",
+        unit="mm",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.3,
+        le=50.0,
+    )
+    side_wall_mm: Number = quantity(
+        "twice the wall of the motor head", unit="mm", source=ESTIMATE, reference=4.0, ge=0.3, le=50.0
+    )
+    motor_shelf_mm: Number = quantity(
+        "shelf that carries the gearhead",
+        unit="mm",
+        source="gearhead screws engage one diameter",
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    coupling_space_mm: Number = quantity(
+        "length between the shelves: coupling collar, gearhead screws and the tools for both",
+        unit="mm",
+        source=ESTIMATE,
+        reference=9.6,
+        ge=2.0,
+        le=100.0,
+    )
+    bearing_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the gearhead, the motor head's flange",
+        unit="mm",
+        source=ESTIMATE,
+        reference=4.0,
+        ge=0.5,
+        le=50.0,
+    )
+    encoder_shelf_mm: Number = quantity(
+        "shelf of the bearing next to the encoder", unit="mm", source=ESTIMATE, reference=4.0, ge=0.5, le=50.0
+    )
+
+
+class SpurLimits(Limits):
+    """Limits of this design, which the checks use."""
+
+    ORDER: ClassVar[tuple[str, ...]] = (
+        "bend_ratio_min",
+        "slip_margin_min",
+        "tension_safety_factor",
+        "preload_share_max",
+        "frame_windup_max_mrad",
+    )
+
+    slip_margin_min: Number = quantity(
+        "torque at which a continuous cable slips on the input over the peak torque",
+        unit="-",
+        source="estimate: friction is known to a factor of two",
+        reference=2.0,
+        default=2.0,
+        ge=1.0,
+        le=20.0,
+    )
+
+
+class SpurSide(SectorCable):
+    """One side of the cable, or one of two anchored cables, from the input to the drum."""
+
+    drum_side: Literal["-x", "+x"] = choice("side of the drum, from the line of centres")
+
+
+class SpurBlocks(Design):
+    """The blocks of a drive whose cables go round inputs beside the drum."""
+
+    transmission: SpurTransmission
+    cables: tuple[SpurSide, ...]
+    rope: SpurRope
+    clearances: SpurClearances
+    drum: SpurDrum
+    input_pulleys: SpurPulleys
+    support: YokeSupport
+    limits: SpurLimits
+
+
+class SpurDesign(SpurBlocks):
+    """A cable drive."""
+
+    configuration: Literal["siso_spur"] = choice(
+        "layout: siso_spur is (a) of Fig. 1, one input beside the drum", source="Fig. 1", reference="siso_spur"
+    )
+    inputs: tuple[Input, ...] = choice(
+        "the input pulley", source="Fig. 1", reference=INPUTS, min_length=1, max_length=8
+    )
+    cables: tuple[SpurSide, ...] = choice(
+        "the two sides of the cable, or two anchored cables, and the side of the drum of each; each may have a "
+        "preload_N and a terminal_angle_deg",
+        source="Fig. 1",
+        reference=CABLES,
+        min_length=1,
+        max_length=16,
+    )

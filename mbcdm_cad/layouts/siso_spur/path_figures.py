@@ -1,0 +1,118 @@
+"""Figures of the cable's path over the travel: wraps, lengths, walk, usable travel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import atan2, degrees, pi, radians, tau
+from typing import Any
+
+import numpy as np
+
+from mbcdm_cad.layouts.siso_spur.cable_path import input_wrap_rad, walked_mm
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.routes.cable_path import EndOfTravel
+
+STATIONS = 9
+
+
+@dataclass(frozen=True)
+class SideFigures:
+    """One side of the cable, from its middle to its terminal, or one of two anchored cables, from the end of its stop.
+
+    The tuples are over the angles of :class:`SpurFigures`. ``length_um`` is the change of the whole cable's length
+    since the centred drum: 0 except for rounding, because the length that leaves the drum on one side is wound on its
+    other side, or on the input.
+    """
+
+    name: str
+    length_mm: float
+    input_wrap_deg: tuple[float, ...]
+    drum_wrap_deg: tuple[float, ...]
+    length_um: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class SpurFigures:
+    """Both sides over the travel.
+
+    The limits of each direction are sorted, the nearest first; it ends the usable travel. ``wrap_deg`` is the wrap of a
+    continuous cable on the input, None for anchored cables; ``walk_mm`` is the walk of the spans at each angle.
+    """
+
+    drum_angle_deg: tuple[float, ...]
+    cables: tuple[SideFigures, ...]
+    wrap_deg: float | None
+    walk_mm: tuple[float, ...]
+    limits_positive: tuple[EndOfTravel, ...]
+    limits_negative: tuple[EndOfTravel, ...]
+
+    @property
+    def usable_deg(self) -> tuple[float, float]:
+        """(lowest, highest) drum angle between the nearest limits."""
+        return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
+
+
+def path_figures(layout: SpurLayout) -> SpurFigures:
+    """The figures of one design at ``STATIONS`` drum angles over its travel."""
+    drive = layout.drive
+    angles = np.linspace(-drive.half_travel_deg, drive.half_travel_deg, STATIONS)
+    posed = [layout.cable_paths(float(angle)) for angle in np.radians(angles)]
+    centred = layout.cable_paths(0.0)
+    # Both sides of a continuous cable share one path.
+    at = [min(k, len(centred) - 1) for k in range(len(drive.cables))]
+    share = len(centred) / len(drive.cables)
+    cables = tuple(
+        SideFigures(
+            name=run.name,
+            length_mm=centred[k].length_mm * share,
+            input_wrap_deg=tuple(degrees(input_wrap_rad(drive, run, float(a))) for a in np.radians(angles)),
+            drum_wrap_deg=tuple(
+                degrees(layout.anchors[run.name][0] - drive.landing_rad) + run.drum_side * float(a) for a in angles
+            ),
+            length_um=tuple((paths[k].length_mm - centred[k].length_mm) * 1e3 for paths in posed),
+        )
+        for k, run in zip(at, drive.cables, strict=True)
+    )
+    ends = sorted(_ends(layout), key=lambda end: abs(end.angle_deg))
+    return SpurFigures(
+        tuple(float(a) for a in angles),
+        cables,
+        None if drive.anchored else degrees(drive.wrap_rad),
+        tuple(walked_mm(drive, float(a)) for a in np.radians(angles)),
+        tuple(end for end in ends if end.angle_deg > 0.0),
+        tuple(end for end in ends if end.angle_deg <= 0.0),
+    )
+
+
+def _ends(layout: SpurLayout) -> Iterator[EndOfTravel]:
+    drive = layout.drive
+    half = radians(drive.half_travel_deg)
+    terminals = {t.cable_name: t for t in layout.drum.tensioners}
+    stop = drive.half_travel_deg + drive.stop_clearance_deg
+    yield from (EndOfTravel(way * stop, "hard stop") for way in (1, -1))
+    for run in drive.cables:
+        terminal, off = terminals[run.name], -run.drum_side
+
+        def end(angle_rad: float, cause: str, off: int = off) -> EndOfTravel:
+            return EndOfTravel(off * degrees(angle_rad), cause)
+
+        yield end(terminal.anchor_rad - drive.landing_rad, f"wrap of {run.name} on the drum ends")
+        # Beyond this angle the cable would lift off where it changes into the plane of its terminal.
+        yield end(half + 0.01, f"{run.name} reaches the plane of its terminal")
+        round_rad = tau - drive.landing_rad - terminal.anchor_rad - atan2(terminal.last_tip, terminal.radius_mm)
+        yield end(-min(round_rad, pi), f"terminal of {run.name} comes round to the input")
+        if drive.anchored:
+            # The sense that unwinds it from the drum winds it on the input.
+            yield end(-half - tau * drive.dead_turns / drive.total_ratio, f"{run.name} is all off the input")
+
+
+def path_lines(c: dict[str, Any]) -> Iterator[str]:
+    """Figures of one side as text."""
+    middle = len(c["drum_wrap_deg"]) // 2
+    wound, on_drum = c["input_wrap_deg"], c["drum_wrap_deg"]
+    yield (
+        f"  {c['name']:<10} length {c['length_mm']:.2f} mm; wrap on the input {wound[middle]:.0f} "
+        f"({wound[0]:.0f}, {wound[-1]:.0f}), on the drum {on_drum[middle]:.1f} "
+        f"({on_drum[0]:.1f}, {on_drum[-1]:.1f}) deg"
+    )

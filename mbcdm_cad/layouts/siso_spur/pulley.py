@@ -1,0 +1,106 @@
+"""Dimensions of the input pulley. Heights count along +Y from the gearhead to the encoder; angles seen in +Y direction.
+
+    gearhead's shaft in a slit journal |neck|  land with its groove  |neck|journal| encoder
+
+Each of two anchored cables has its own groove, and a slot for its stop in the end face next to the end of its winding.
+
+In the assembly the part is turned about X by a quarter turn: (x, y, z) of the part are (x, z, -y) there.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
+from mbcdm_cad.layouts.siso_spur.stack import END_PLAY_MM, SpurStack
+from mbcdm_cad.parts.collar.dims import collar_width_mm
+from mbcdm_cad.parts.input_pulley.dims import (
+    ENCODER_INSERTION_MM,
+    GROOVE_RADIUS,
+    JOURNAL_SLIT_MM,
+    Groove,
+    InputPulleyDims,
+    StopSlot,
+)
+from mbcdm_cad.parts.input_pulley.stop import anchored_groove, neck_radius_mm, stop_slot
+
+
+def _through_groove(drive: SpurDrive) -> Groove:
+    """Groove of a continuous cable: its turns, the walk in both directions, and the run-out at both spans."""
+    beyond = drive.input_travel_rad / 2 + groove_run_out_rad(drive)
+    start = contact_rad(drive, 1) - pi / 2
+    per_rad = drive.input_radius_mm * drive.slope
+    return Groove(
+        cable_name=drive.input_names[0],
+        root_radius=drive.input_radius_mm - drive.cable.diameter_mm / 2,
+        radius=GROOVE_RADIUS * drive.cable.diameter_mm,
+        depth=groove_depth_mm(drive),
+        start_angle_rad=start - beyond,
+        end_angle_rad=start + drive.wrap_rad + beyond,
+        start_z=drive.level_mm - drive.leave_mm - per_rad * beyond,
+        end_z=drive.level_mm + drive.leave_mm + per_rad * beyond,
+    )
+
+
+def _slots(drive: SpurDrive, levels: SpurStack) -> tuple[StopSlot, ...]:
+    """Stop slots of both anchored cables, the lower first."""
+    return tuple(
+        stop_slot(
+            drive,
+            c.name,
+            c.input_radius_mm,
+            stop_of(drive, c),
+            drive.level_mm + c.outward * drive.dead_end_mm,
+            levels.land_bottom_z if c.outward < 0 else levels.land_top_z,
+        )
+        for c in sorted(drive.cables, key=lambda c: c.step)
+    )
+
+
+def _grooves(drive: SpurDrive, slots: tuple[StopSlot, ...]) -> tuple[Groove, ...]:
+    if not drive.input_pulleys.grooved:
+        return ()
+    if not drive.anchored:
+        return (_through_groove(drive),)
+    most = drive.wound_rad + drive.input_travel_rad / 2
+    runs = sorted(drive.cables, key=lambda c: c.step)
+    return tuple(anchored_groove(drive, slot, stop_of(drive, c), most) for c, slot in zip(runs, slots, strict=True))
+
+
+def input_pulley(drive: SpurDrive, levels: SpurStack) -> InputPulleyDims:
+    """Dimensions of the pulley: one land."""
+    slots = _slots(drive, levels) if drive.anchored else ()
+    bearings, gear = drive.bearings, drive.gearhead
+    journal_bottom = levels.motor_shelf_top_z + drive.screw(gear.screw).head_height_mm + 0.5
+    surface = drive.input_radius_mm - drive.cable.diameter_mm / 2
+
+    def neck(bearing: Bearing) -> float:
+        if not drive.anchored:
+            return bearing.inner_shoulder_mm / 2
+        return neck_radius_mm(bearing.inner_shoulder_mm, stop_of(drive, drive.cables[0]))
+
+    return InputPulleyDims(
+        name=drive.input_names[0],
+        x=0.0,
+        journal_bottom_z=journal_bottom,
+        lower_journal_radius=bearings.input_lower.bore_mm / 2,
+        lower_neck_bottom_z=levels.bearing_shelf_top_z,
+        lower_neck_radius=neck(bearings.input_lower),
+        land_bottom_z=levels.land_bottom_z,
+        lower_surface_radius=surface,
+        wall_z=drive.level_mm,
+        upper_surface_radius=surface,
+        land_top_z=levels.land_top_z,
+        upper_neck_radius=neck(bearings.input_upper),
+        upper_neck_top_z=levels.top_plate_bottom_z - END_PLAY_MM,
+        upper_journal_radius=bearings.input_upper.bore_mm / 2,
+        journal_top_z=levels.top_plate_top_z + ENCODER_INSERTION_MM,
+        bore_radius=gear.shaft_diameter_mm / 2,
+        bore_top_z=levels.motor_shelf_bottom_z + gear.shaft_length_mm + 0.5,
+        slit_width=JOURNAL_SLIT_MM,
+        slit_top_z=journal_bottom + collar_width_mm(drive, drive.input_pulleys.collar_screw) + 1.0,
+        slots=slots,
+        grooves=_grooves(drive, slots),
+    )

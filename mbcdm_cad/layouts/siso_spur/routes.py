@@ -1,0 +1,156 @@
+"""Routes of the cables: from the input on crossed spans to the drum (Fig. 1 a and b).
+
+The origin is on the drum's axis (Y), in the middle of the winding on the first input. The axis of the first input is at
+z = L; the axes of other inputs are turned about Y and moved along it; all are parallel. A continuous cable goes N times
+round its input, is anchored nowhere on it, and runs to the drum as an internal tangent on both sides. As long as a part
+of it sticks on the input, each side acts as a separate cable. Two anchored cables replace these sides: they are wound
+outwards from the points where their spans leave, so that the spans converge along Y.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import cos, sin
+
+import numpy as np
+
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
+from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
+
+DISTANCE = "centre_distance_m"
+DRUM = "drum"
+_MM = 1e-3
+_Y, _Z, _BACK = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SpurGeometry:
+    """Crossed spans from radii and centre distance. ``drum_side`` and ``outward`` (n_cables,) are those of the runs.
+
+    ``angle_rad`` and ``level_m`` (n_inputs,): position of each input, about Y from +Z towards +X, and along Y.
+    ``apart_m``: half the distance along Y at which two anchored cables leave an input; None for a continuous cable.
+    """
+
+    cable_names: tuple[str, ...]
+    input_names: tuple[str, ...]
+    input_of: tuple[int, ...]
+    angle_rad: tuple[float, ...]
+    level_m: tuple[float, ...]
+    drum_side: tuple[int, ...]
+    outward: tuple[int, ...]
+    turns: int
+    lead_m: float
+    apart_m: float | None = None
+    per_cable: tuple[str, ...] = (INPUT_RADIUS, DRUM_RADIUS)
+    varied: tuple[Varied, ...] = (
+        Varied(DISTANCE, "centre distance", (67e-3, 70e-3, 75e-3, 85e-3, 100e-3), (68e-3, 80e-3)),
+    )
+
+    @property
+    def sense(self) -> tuple[int, ...]:
+        """The side that runs towards +x turns the drum negative about +Y."""
+        return tuple(-side for side in self.drum_side)
+
+    @property
+    def passed_radii(self) -> dict[str, str]:
+        """None: the cable passes no other body."""
+        return {}
+
+    def free_span_m(self, parameters: Mapping[str, Floats]) -> Floats:
+        """L_free = sqrt(L^2 - (r_o + r_i)^2), Eq. (11)."""
+        return tangent_length_m(parameters[DISTANCE], parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS])
+
+    def passed_wrap_rad(self, parameters: Mapping[str, Floats]) -> tuple[Floats, ...]:
+        """None."""
+        return ()
+
+    def through_wrap_rad(self, parameters: Mapping[str, Floats]) -> Floats | None:
+        """N turns less the angles from the line of centres to both landings; (n_inputs, *batch). None if anchored."""
+        if self.apart_m is not None:
+            return None
+        reach = (parameters[INPUT_RADIUS] + parameters[DRUM_RADIUS]) / parameters[DISTANCE]
+        of = np.array(self.input_of)
+        with np.errstate(invalid="ignore"):
+            landing = np.arccos(reach)
+            left = [2 * np.pi * self.turns - landing[of == i].sum(axis=0) for i in range(len(self.input_names))]
+        return np.array(left)
+
+    def fault(self, parameters: Mapping[str, Floats]) -> str:
+        """Message if the pulleys overlap, else empty."""
+        reach = parameters[DRUM_RADIUS] + parameters[INPUT_RADIUS]
+        return (
+            f"free span: centre distance {np.min(parameters[DISTANCE]):.6g} m does not exceed r_o + r_i = "
+            f"{np.max(reach):.6g} m, so the cable has no straight span; raise centre_distance_mm or cut the radii"
+        )
+
+    def routes(self, parameters: Mapping[str, Floats]) -> DriveRoutes:
+        """Bodies and both sides of one design."""
+        distance, ratio = float(parameters[DISTANCE]), parameters[DRUM_RADIUS] / parameters[INPUT_RADIUS]
+        bodies = [Body(DRUM, "drum", (0.0, 0.0, 0.0), _Y, _Z, 1.0)]
+        for i, (name, angle) in enumerate(zip(self.input_names, self.angle_rad, strict=True)):
+            out = (sin(angle), 0.0, cos(angle))
+            turns = float(np.mean(ratio[np.array(self.input_of) == i]))
+            # With crossed spans the input turns against the drum: about -Y its angle has the sign of the drum's.
+            bodies.append(
+                Body(input_body(name), "input", (distance * out[0], 0.0, distance * out[2]), _BACK, out, turns)
+            )
+        free = self.free_span_m(parameters)
+        cables = tuple(self._side(parameters, j, float(free[j])) for j in range(len(self.cable_names)))
+        return DriveRoutes(tuple(bodies), cables)
+
+    def _side(self, parameters: Mapping[str, Floats], j: int, free_m: float) -> CableRoute:
+        i, side = self.input_of[j], self.drum_side[j]
+        input_name, level, angle = self.input_names[i], self.level_m[i], self.angle_rad[i]
+        name = input_body(input_name)
+        r_i, r_o = float(parameters[INPUT_RADIUS][j]), float(parameters[DRUM_RADIUS][j])
+        distance = float(parameters[DISTANCE])
+        cosine, sine = (r_o + r_i) / distance, free_m / distance
+        through = self.through_wrap_rad(parameters)
+        if through is None:
+            apart, rises = self.apart_m or 0.0, -self.outward[j]
+        else:
+            apart, rises = self.lead_m * float(through[i]) / (4 * np.pi), self.outward[j]
+        leave = level + self.outward[j] * apart
+        land = leave + rises * self.lead_m / (2 * np.pi * r_i) * free_m
+        # Towards the drum from an input at z = L, turned about Y to where this one stands.
+        across, down = side * cosine, -sine
+        along = (across * cos(angle) + down * sin(angle), 0.0, down * cos(angle) - across * sin(angle))
+        pieces = (
+            Anchor(name),
+            # Heights count along the input's own axis, -Y.
+            Wrap(name, r_i, np.inf, -leave, side, may_slip_through=through is not None, lead_m=self.lead_m),
+            Span(free_m, along),
+            Wrap(DRUM, r_o, np.inf, land, side),
+            Terminal(DRUM),
+        )
+        return CableRoute(self.cable_names[j], input_name, self.sense[j], pieces)
+
+
+def routed(drive: SpurDrive) -> RoutedDrive:
+    """The routes of ``drive``, and the lengths that follow from its file."""
+    return routed_round(drive, (0.0,), (drive.level_mm,))
+
+
+def routed_round(drive: SpurDrive, angle_rad: tuple[float, ...], level_mm: tuple[float, ...]) -> RoutedDrive:
+    """The routes with several inputs round the drum, at the positions of :class:`SpurGeometry`."""
+    geometry = SpurGeometry(
+        cable_names=tuple(run.name for run in drive.cables),
+        input_names=tuple(drive.input_names),
+        input_of=tuple(drive.input_names.index(run.input_name) for run in drive.cables),
+        angle_rad=angle_rad,
+        level_m=tuple(level * _MM for level in level_mm),
+        drum_side=tuple(run.drum_side for run in drive.cables),
+        outward=tuple(run.outward for run in drive.cables),
+        turns=drive.turns,
+        lead_m=drive.helix_lead_mm * _MM,
+        apart_m=drive.leave_mm * _MM if drive.anchored else None,
+    )
+    parameters = {
+        INPUT_RADIUS: np.array([run.input_radius_mm * _MM for run in drive.cables]),
+        DRUM_RADIUS: np.array([run.drum_radius_mm * _MM for run in drive.cables]),
+        DISTANCE: np.asarray(drive.centre_distance_mm * _MM),
+    }
+    return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})

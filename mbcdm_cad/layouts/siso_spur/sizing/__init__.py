@@ -1,0 +1,114 @@
+"""Sizing rules of siso_spur, in the order of the power flow; miso_spur uses all of them except those of names.
+
+Many rules evaluate checks on a trial drive, whose open fields have the values of the pass before. Passes are repeated
+until no field changes; the first one starts with the values of a drive of medium size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from mbcdm_cad.design.rules import Broken
+from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, needed
+from mbcdm_cad.layouts.head_basis import LIMITS, METALS, ROPE_LIMITS, TRAIN
+from mbcdm_cad.layouts.head_parts import PARTS
+from mbcdm_cad.layouts.siso_spur.sizing.basis import (
+    LAND_EDGE,
+    NAMES,
+    PRELOAD,
+    RADIUS,
+    RATIO,
+    ROPE,
+    WINDING,
+    WINDUP,
+)
+from mbcdm_cad.layouts.siso_spur.sizing.dims import BACK, DISTANCE, DRUM, FRAME
+from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.layouts.trial_sizing import MIDDLE_SIZE, repeated
+from mbcdm_cad.sizing.rule import Rule
+
+DERIVED = tuple(
+    rule.field for rule in (*WINDING, *FRAME, *DISTANCE, *DRUM, *BACK) if rule.field != "transmission.turns"
+)
+
+
+# Requirements, rope, train, radii, parts, frame, drum.
+RULES: tuple[Rule, ...] = (
+    *LIMITS,
+    *LAND_EDGE,
+    *METALS,
+    # With a ratio or radii given, motor and gearhead follow from the ratio; else the ratio from the motor.
+    *TRAIN,
+    *RATIO,
+    *ROPE,
+    *ROPE_LIMITS,
+    *RADIUS,
+    *PRELOAD,
+    *PARTS,
+    *FRAME,
+    *WINDING,
+    *DISTANCE,
+    *DRUM,
+    *BACK,
+    *WINDUP,
+)
+
+
+def size(data: dict[str, Any], moved: Moved | None = None, similar: Sizing | None = None) -> Sizing:
+    """The data with all open fields filled; ``moved`` changes the values that rules give.
+
+    ``similar``: see :func:`~mbcdm_cad.layouts.trial_sizing.repeated`. Raises ``SizingError`` if a requirement
+    is missing.
+    """
+    return sized(data, SpurKnown, NAMES, moved, similar)
+
+
+def sized(
+    data: dict[str, Any],
+    known: type[SpurKnown],
+    names: Sequence[Rule],
+    moved: Moved | None,
+    similar: Sizing | None,
+) -> Sizing:
+    """As :func:`size`, with the ``known`` of the configuration and its rules for the ``names`` of inputs and cables."""
+    missing = list(_missing(SpurKnown(data, {})))
+    if missing:
+        raise SizingError(*missing)
+    return repeated(data, known, (SCHEMA_VERSION, *names, *RULES), _first_guesses(data), moved, similar)
+
+
+def _first_guesses(data: dict[str, Any]) -> dict[str, Any]:
+    """Values of a drive of medium size, for fields that the first pass does not know yet."""
+    given = SpurKnown(data, {})
+    radius = float(given.peek("transmission.drum_radius_mm") or 80.0)
+    return {
+        **MIDDLE_SIZE,
+        "rope.helix_lead_mm": 1.5,
+        "transmission.turns": 5,
+        "transmission.centre_distance_mm": 1.4 * radius,
+        "drum.tensioner": "M3",
+        "drum.sector_half_angle_deg": 110.0,
+        "drum.rim_inner_radius_mm": 0.8 * radius,
+        "drum.outer_face_y_mm": 20.0,
+        "drum.hub_face_y_mm": 30.0,
+        "support.side_wall_mm": 4.0,
+        "support.bridge_mm": 4.0,
+        "support.plate_mm": 8.0,
+    }
+
+
+def _missing(given: SpurKnown) -> Iterator[Broken]:
+    for field, meaning, example in (
+        ("travel.half_angle_deg", "travel from the centre to each side, deg", "35.0"),
+        ("loads.peak_torque_Nm", "torque to hold both ways, N m", "2.15"),
+    ):
+        if not given.has(field):
+            yield needed(field, f"add {field.split('.')[1]}: {example} ({meaning})")
+    known = any(given.has(f"transmission.{name}") for name in ("input_to_drum", "input_radius_mm"))
+    if not known and not given.has("drive.motor"):
+        remedy = "add input_to_drum: 9.9 (drum radius over input radius), or name the motor under drive:"
+        yield needed("transmission.input_to_drum", remedy)
+    if given.has("transmission.input_radius_mm") and not given.has("transmission.drum_radius_mm"):
+        yield needed("transmission.drum_radius_mm", "add drum_radius_mm: 59.4 (drum pitch radius)")

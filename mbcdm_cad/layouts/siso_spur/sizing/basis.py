@@ -1,0 +1,188 @@
+"""The first rules: names, limits, materials, motor and gearhead, radii, rope, preload and turns."""
+
+from __future__ import annotations
+
+from math import degrees, inf, log, sqrt
+
+from mbcdm_cad.checks.bending import ANCHOR_RATIO
+from mbcdm_cad.checks.input_pulley import SHOULDER_MM
+from mbcdm_cad.layouts.common_rules import LEAST_WIRE_RATIO
+from mbcdm_cad.layouts.head_basis import PRELOAD_FACTOR, needed_ratio, preload, rope, thinnest_rope_by
+from mbcdm_cad.layouts.siso_spur.design_file.reference import CABLES, INPUTS
+from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
+from mbcdm_cad.layouts.trial_sizing import whole_turns
+from mbcdm_cad.parts.input_pulley.stop import neck_mm, widest_bend_mm
+from mbcdm_cad.sizing.rule import Found, Rule, constant, rounded_up
+
+# Preload over the preload that an infinite wrap would need for the slip margin.
+PRELOAD_SPARE = 1.35
+SLIP_MARGIN = 2.0
+# Preloads that are tried, over the usual one: below the last one no number of turns gives the slip margin.
+PRELOAD_SHARES = (1.0, 0.95, 0.9, 0.85, 0.8)
+# Least radius of an input pulley beyond the radius of the motor's shaft, for the walls of bore and neck (estimate).
+NECK_MM = 2.5
+# Windup of a printed frame over the windup of the cable's spans (estimate).
+PLASTIC_WINDUP = 20.0
+# Angle of both landings, before the centre distance is known, and wrap that should stick in addition.
+LANDINGS_DEG, STICKING_DEG = 50.0, 20.0
+# Step of the search for the smallest input that takes the stops of anchored cables, mm.
+_RADIUS_STEP_MM = 0.05
+
+
+def _windup(given: SpurKnown) -> Found:
+    """Windup of the cable's spans at the test torque; for a printed frame ``PLASTIC_WINDUP`` times as much."""
+    reach = given["transmission.drum_radius_mm"] + given.input_mm
+    span = sqrt(max(given["transmission.centre_distance_mm"] ** 2 - reach**2, 1.0))
+    stiffness = len(given["cables"]) * given.axial_stiffness_N / span * given["transmission.drum_radius_mm"] ** 2
+    turn = given["loads.test_torque_Nm"] * 1e3 / stiffness * 1e3
+    share, driver = (PLASTIC_WINDUP, "printed") if given.printed("support") else (1.0, "spans")
+    return Found(float(f"{max(share * turn, 1e-4):.3g}"), driver, "three digits")
+
+
+def _input_needs_mm(given: SpurKnown, d_mm: float, bend_ratio: float) -> dict[str, float]:
+    """Least radii of the input, for the limit of the bend ratio and for a neck round the shaft."""
+    return {
+        "bend_ratio": bend_ratio * d_mm / 2,
+        "bearing_shoulders": given.gearhead.shaft_diameter_mm / 2 + NECK_MM + d_mm / 2,
+    }
+
+
+def _drum_radius(given: SpurKnown) -> Found:
+    """The ratio times the smallest input that keeps the limit of the bend ratio and leaves a neck round the shaft.
+
+    With anchored cables the input must also take their stops. The drum is at least as large as the stop slot needs
+    between hub and rim, whose sizes are those of the pass before.
+    """
+    field = "transmission.drum_radius_mm"
+    on_input = _input_needs_mm(given, given.d_mm, given["limits.bend_ratio_min"])
+    if given.anchored:
+        on_input["anchor_bend"] = _stops_mm(given)
+    needs = {name: radius * given.ratio for name, radius in on_input.items()}
+    before = given.guesses.get(field)
+    if before is not None:
+        missed, _ = given.margins(field, before, ("stop_slot",))["stop_slot"]
+        needs["stop_slot"] = before + (-missed if -inf < missed < 0.0 else 0.0)
+    driver = max(needs, key=lambda name: needs[name])
+    return Found(rounded_up(needs[driver], 0.5), driver, "up to 0.5")
+
+
+def _stops_mm(given: SpurKnown) -> float:
+    """The smallest input with the bend radius of a stop and necks larger than the journals."""
+    d, end, wall = given.d_mm, given.termination, given.wall_mm("input_pulleys")
+    bearings, journals = given.entries("bearings"), []
+    for field in ("input_pulleys.lower_bearing", "input_pulleys.upper_bearing"):
+        name = given.get(field, given.guesses[field])
+        journals.append(float(bearings[name]["bore_mm"]) / 2 if name in bearings else 0.0)
+    radius = given["limits.bend_ratio_min"] * d / 2
+    while (
+        2 * widest_bend_mm(d, end, wall, radius) < ANCHOR_RATIO * d
+        or neck_mm(d, end, wall, radius) < max(journals) + SHOULDER_MM
+    ):
+        radius += _RADIUS_STEP_MM
+    return float(radius)
+
+
+def _wanted_preload_N(given: SpurKnown, half_torque_N: float) -> float:
+    if given.anchored:
+        return float(PRELOAD_FACTOR * half_torque_N)
+    margin = given.get("limits.slip_margin_min", SLIP_MARGIN)
+    return float(PRELOAD_SPARE * margin * half_torque_N)
+
+
+def _rope(given: SpurKnown) -> Found:
+    """The thinnest rope; if the drum's radius is open, each rope is checked on the drum that follows from it."""
+
+    def tension_N(d_mm: float) -> float:
+        if given.has("transmission.drum_radius_mm"):
+            share = given.half_torque_N
+        else:
+            needs = _input_needs_mm(given, d_mm, given.get("limits.bend_ratio_min", LEAST_WIRE_RATIO))
+            share = given.input_peak_Nm * 1e3 / (2 * rounded_up(max(needs.values()) * given.ratio, 0.5))
+        return _wanted_preload_N(given, share) + share
+
+    return thinnest_rope_by(given, tension_N)
+
+
+def _preload(given: SpurKnown) -> Found:
+    """The usual preload, or less if the ends of a stated rope cannot carry it and friction still holds the cable."""
+    driver = "no_slack" if given.anchored else "input_slip"
+    usual = preload(given, _wanted_preload_N(given, given.half_torque_N), driver)
+    if given.anchored:
+        return usual
+    tried = [float(f"{share * usual.value:.2g}") for share in PRELOAD_SHARES]
+    found = given.first("rope.preload_N", tried, ("cable_ends",)).value
+    return usual if found == usual.value else Found(found, "cable_ends", "two digits")
+
+
+def _turns(given: SpurKnown) -> Found:
+    """Turns for the travel, for the creep at both ends at peak torque and for a part that sticks.
+
+    For two anchored cables, turns for the travel and for the dead turns.
+    """
+    if given.anchored:
+        start = whole_turns(2 * given["travel.half_angle_deg"] * given.ratio)
+        return given.first("transmission.turns", range(start, start + 3), ("dead_turns", "cable_ends"))
+    tension, share, mu = given["rope.preload_N"], given.half_torque_N, given["rope.friction_coefficient"]
+    travel = 2 * given["travel.half_angle_deg"] * given.ratio
+    slack = max(tension - share, 0.05 * tension)
+    creeping = degrees(log((tension + share) / slack)) / mu
+    start = whole_turns(travel + creeping + LANDINGS_DEG + STICKING_DEG)
+    return given.first("transmission.turns", range(start, min(start + 12, 41)), ("input_slip",))
+
+
+def _lead(given: SpurKnown) -> Found:
+    step = 0.05 if given.d_mm > 0.5 else 0.01
+    checks = ("helix_lead", "groove_crest", "self_clearance")
+    return given.moved("rope.helix_lead_mm", 1.02 * given.d_mm, step, checks)
+
+
+LAND_EDGE = (constant("clearances.land_edge_mm", 0.3, "a broken edge and the run-out of the cutter", "rim_width"),)
+NAMES = (
+    constant("inputs", INPUTS, "one", "the configuration"),
+    constant("cables", CABLES, "two sides of one cable", "the configuration"),
+)
+RATIO = (
+    Rule(
+        "transmission.input_to_drum",
+        "the least with which the motor's continuous torque gives the peak torque",
+        "motor_torque_forward",
+        needed_ratio,
+        applies=lambda given: not given.has("transmission.input_radius_mm"),
+    ),
+)
+ROPE = (rope(_rope),)
+RADIUS = (
+    Rule(
+        "transmission.drum_radius_mm",
+        "the ratio times the smallest input for rope and shaft, or more for the stop slot",
+        "bend_ratio",
+        _drum_radius,
+    ),
+)
+PRELOAD = (
+    Rule(
+        "rope.preload_N",
+        "least preload for the slip margin at peak torque; with anchored cables twice the one that keeps them taut",
+        "input_slip",
+        _preload,
+    ),
+)
+WINDING = (
+    Rule(
+        "rope.helix_lead_mm", "the least lead with gaps between turns and crests between grooves", "helix_lead", _lead
+    ),
+    Rule(
+        "transmission.turns",
+        "least number for the travel, the creep at both ends and the slip margin; anchored: for travel and stop",
+        "input_slip",
+        _turns,
+    ),
+)
+WINDUP = (
+    Rule(
+        "limits.frame_windup_max_mrad",
+        "windup of the cable's spans at the test torque; twenty times that for a printed frame",
+        "frame_windup",
+        _windup,
+    ),
+)

@@ -1,0 +1,105 @@
+"""Levels along the axes, all parallel to Y, that all parts share; mm.
+
+From the back to the front; y = 0 is the middle of the winding on the input with the drum centred:
+
+    motor | gearhead | motor shelf | coupling space | flange | plate | pulley | encoder shelf | encoder
+                                        drum encoder | bearings in the boss | hub and sector
+
+Along the input's axis y counts as height from the gearhead (names in ``_z``), because its parts are drawn upright.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, run_out_mm
+from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
+from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
+
+# Land beyond the cable at each end of its walk.
+BAND_MARGIN_MM = 0.5
+# Gap between the pulley's end face and a shelf; the inner ring's shoulder bridges it.
+SHOULDER_MM = 0.6
+# Axial play of the pulley between its two bearings.
+END_PLAY_MM = 0.1
+
+
+@dataclass(frozen=True)
+class SpurStack:
+    """Levels along Y, mm; those in ``_z`` are named after the part next to them."""
+
+    motor_bottom_z: float
+    gearhead_bottom_z: float
+    motor_shelf_bottom_z: float  # the gearhead's face
+    motor_shelf_top_z: float
+    bearing_shelf_bottom_z: float
+    bearing_shelf_top_z: float  # back of the plate, where the motor head's flange lies
+    land_bottom_z: float
+    land_top_z: float
+    top_plate_bottom_z: float  # the encoder shelf
+    top_plate_top_z: float
+    encoder_top_z: float
+    back_y: float  # end of the drum's encoder
+    plate_back_y: float
+    front_y: float  # front of the plate
+    drum_inner_y: float
+    drum_outer_y: float
+    hub_face_y: float
+    boss_front_y: float
+
+
+def reach_mm(drive: SpurDrive) -> float:
+    """Half the length of the input that cables, grooves and walk use."""
+    if drive.anchored:
+        return drive.dead_end_mm + drive.cable.diameter_mm / 2
+    return drive.leave_mm + drive.walk_mm / 2 + run_out_mm(drive)
+
+
+def drum_inner_y_mm(drive: SpurDrive) -> float:
+    """Inner face of the drum's rim along y."""
+    return -drive.on_drum_mm - drive.cable.diameter_mm / 2 - drive.clearances.land_edge_mm
+
+
+def boss_front_y_mm(drive: SpurDrive) -> float:
+    """Front of the drum's boss along y, on which the hub stands."""
+    return drum_inner_y_mm(drive) - 3 * drive.clearances.running_mm
+
+
+def spur_stack(drive: SpurDrive) -> SpurStack:
+    """Compute the levels of a design, without validation: the checks find levels that are impossible."""
+    running, s = drive.clearances.running_mm, drive.support
+    land = reach_mm(drive) + (helix_stop_land_mm(drive) if drive.anchored else BAND_MARGIN_MM)
+    plane = abs(drive.terminal_mm)
+    drum_inner = drum_inner_y_mm(drive)
+    front = min(-plane - nut_corner_radius_mm(drive), drum_inner, -land) - running
+    plate_back = front - s.plate_mm
+    bearing_bottom = plate_back - s.bearing_shelf_mm
+    motor_top = bearing_bottom - s.coupling_space_mm
+    motor_bottom = motor_top - s.motor_shelf_mm
+    shelf_bottom = drive.level_mm + land + SHOULDER_MM + END_PLAY_MM
+    shelf_top = shelf_bottom + s.encoder_shelf_mm
+    return SpurStack(
+        motor_bottom_z=motor_bottom - drive.gearhead.length_mm - drive.motor.length_mm,
+        gearhead_bottom_z=motor_bottom - drive.gearhead.length_mm,
+        motor_shelf_bottom_z=motor_bottom,
+        motor_shelf_top_z=motor_top,
+        bearing_shelf_bottom_z=bearing_bottom,
+        bearing_shelf_top_z=plate_back,
+        land_bottom_z=drive.level_mm - land,
+        land_top_z=drive.level_mm + land,
+        top_plate_bottom_z=shelf_bottom,
+        top_plate_top_z=shelf_top,
+        encoder_top_z=shelf_top + drive.encoder.length_mm,
+        back_y=s.back_y_mm,
+        plate_back_y=plate_back,
+        front_y=front,
+        drum_inner_y=drum_inner,
+        drum_outer_y=drive.drum.outer_face_y_mm,
+        hub_face_y=drive.drum.hub_face_y_mm,
+        boss_front_y=boss_front_y_mm(drive),
+    )
+
+
+def least_wall_z_mm(drive: SpurDrive) -> float:
+    """Least distance of the encoder shelf from the drum's axis: it must clear the rim with its cables."""
+    return drive.drum_radius_mm + drive.cable.diameter_mm / 2 + drive.clearances.running_mm

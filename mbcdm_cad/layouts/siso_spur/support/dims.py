@@ -1,0 +1,208 @@
+"""Dimensions of the frame: a plate with the drum's boss, and a yoke over the input that carries its front bearing.
+
+In section, y to the right (front), z up:
+
+      bridge  ______________
+             |  ________    |
+    motor    | |        |   |  encoder
+    head ====|        pulley|====
+             | |         ---    encoder shelf
+             | |
+             | |   drum's rim passes here
+        _____| |
+       | boss  |               drum bearings, drum encoder behind
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, pi, tan
+
+from mbcdm_cad.checks.geometry import HOLE_WEB_MM
+from mbcdm_cad.design.bought import InsertSpec, Screw
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, groove_depth_mm
+from mbcdm_cad.layouts.siso_spur.stack import SpurStack, least_wall_z_mm
+from mbcdm_cad.parts.boss.dims import BossDims, boss
+from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS, STOP_SLOT_PLAY_MM
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.motor_head.dims import (
+    DOWEL_MM,
+    Flange,
+    body_radius_mm,
+    dowel_length_mm,
+    face_reach_mm,
+    flange_screw,
+    inner_half_width_mm,
+)
+
+# Thread of the encoder's screws in its housing, in diameters.
+ENCODER_GRIP = 1.25
+# Width of the shelf beyond the encoder, on each side.
+SHELF_MARGIN_MM = 0.5
+# Space above the pulley for the fingers that lead the cable round it.
+WINDING_ROOM_MM = 3.0
+# Screws that fix the frame to its base, from behind (ISO 4762).
+MOUNT_SCREW = "M3x8"
+# Wall beside a flange screw's thread, in its diameters.
+SCREW_WALL = 0.65
+# Metal between the opening of the plate and the nearest hole of the flange.
+OPENING_WEB_MM = 0.6
+# Gap between the heads of the flange's screws and the wall of the motor head.
+HEAD_ROOM_MM = 0.15
+# Radius of the stop pin's middle over the inner radius of the rim, where the hub leaves it room.
+STOP_SHARE = 0.62
+STOP_STEP_MM = 0.1
+CORNER_MM = 2.0
+
+
+@dataclass(frozen=True)
+class YokeDims:
+    """Dimensions of the frame in mm, in the position that it has in the assembly."""
+
+    levels: SpurStack
+    boss: BossDims
+    axis_z: float  # of the input
+    half_width: float
+    shelf_half_width: float
+    shelf_bottom_z: float
+    bridge_bottom_z: float
+    top_z: float
+    opening_radius: float
+    corner_radius: float
+    seat_radius: float
+    seat_depth: float
+    seat_shoulder_radius: float
+    encoder_screw_clearance: float
+    encoder_head_radius: float
+    encoder_head_depth: float
+    encoder_circle_radius: float
+    stop_pin_radius: float
+    stop_pin_z: float
+    flange_screw_radius: float
+    flange_insert: InsertSpec | None
+    flange_screws: tuple[tuple[float, float], ...]  # (x, z)
+    dowels: tuple[tuple[float, float], ...]  # (x, z)
+    dowel_radius: float
+    dowel_depth: float
+    mounts: tuple[tuple[float, float], ...]  # (x, z)
+    mount_radius: float
+    mount_insert: InsertSpec | None
+
+    @property
+    def encoder_screw_depth(self) -> float:
+        """Depth of the threads for the drum encoder's screws."""
+        return self.boss.screw_depth
+
+    @property
+    def encoder_shelf_bottom_z(self) -> float:
+        """Face of the encoder shelf away from the pulley, as a coordinate along -Y."""
+        return -self.levels.top_plate_top_z
+
+    @property
+    def encoder_shelf_top_z(self) -> float:
+        """Face of the encoder shelf towards the pulley, as a coordinate along -Y."""
+        return -self.levels.top_plate_bottom_z
+
+    @property
+    def seat_edge_z(self) -> float:
+        """Lowest point of the bearing's seat in the encoder's shelf."""
+        return self.axis_z - self.seat_radius
+
+
+def _round_thread_mm(drive: SpurDrive, screw: Screw, cut_mm: float) -> float:
+    """Distance from a screw's axis to the next edge: ``cut_mm``, or more if the wall of an insert needs it."""
+    insert = drive.insert(drive.support.material, screw.thread_mm)
+    return cut_mm if insert is None else max(cut_mm, insert.hole_mm / 2 + insert.wall_mm)
+
+
+def opening_radius_mm(drive: SpurDrive) -> float:
+    """Radius of the plate's opening for the pulley with anchored cables, the bearing and the encoder's screws."""
+    encoder, screw = drive.encoder, drive.screw(drive.encoder.screw)
+    land = drive.input_radius_mm + max(groove_depth_mm(drive) - drive.cable.diameter_mm / 2, 0.0)
+    heads = encoder.bolt_circle_mm / 2 + screw.head_diameter_mm / 2 + 0.1
+    beside = drive.cable.diameter_mm if drive.anchored else 0.0
+    return max(land + beside + 0.3, drive.bearings.input_upper.outer_diameter_mm / 2 + 0.3, heads + 0.1)
+
+
+def flange(drive: SpurDrive) -> Flange:
+    """Flange of the motor head on the back of the plate; its y points away from the drum."""
+    inner = inner_half_width_mm(drive)
+    outer = inner + drive.support.side_wall_mm / 2
+    screw = flange_screw(drive)
+    wall = _round_thread_mm(drive, screw, (SCREW_WALL + 0.5) * screw.thread_mm)
+    # The screws are driven from behind, beside the motor.
+    beside = body_radius_mm(drive) + drive.clearances.running_mm
+    x = max(outer, beside) + screw.head_diameter_mm / 2 + HEAD_ROOM_MM
+    # Screws and dowels lie outside the opening for the pulley.
+    x = max(x, opening_radius_mm(drive) + OPENING_WEB_MM + max(screw.thread_mm, DOWEL_MM) / 2)
+    front = max(inner, face_reach_mm(drive))
+    back = -outer
+    high, low = front - wall, back + wall
+    return Flange(
+        half_x=x + wall,
+        back_y=back,
+        front_y=front,
+        screws=((-x, high), (x, high), (-x, low), (x, low)),
+        dowels=((-x, (high + low) / 2), (x, (high + low) / 2)),
+    )
+
+
+def _stop_pin_z_mm(drive: SpurDrive, boss_radius_mm: float) -> float:
+    """Distance of the stop pin from the drum's axis: further out beside a wide boss or hub."""
+    d, running = drive.drum, drive.clearances.running_mm
+    slot = (d.stop_pin_mm + STOP_SLOT_PLAY_MM) / 2
+    beside = max(
+        d.hub_diameter_mm / 2 + SLOT_WALLS * d.material.min_wall_mm + slot,
+        boss_radius_mm + d.stop_pin_mm / 2 + running,
+    )
+    return max(STOP_SHARE * d.rim_inner_radius_mm, ceil(beside / STOP_STEP_MM) * STOP_STEP_MM)
+
+
+def yoke(drive: SpurDrive, levels: SpurStack, shaft: DrumShaftDims, head: Flange) -> YokeDims:
+    """Dimensions of the frame; ``head``: the flange of the motor head."""
+    s, encoder, upper = drive.support, drive.encoder, drive.bearings.input_upper
+    encoder_screw, screw = drive.screw(encoder.screw), flange_screw(drive)
+    round_boss = boss(drive, shaft, levels.back_y, levels.boss_front_y)
+    z = drive.centre_distance_mm
+    circle, head_radius = encoder.bolt_circle_mm / 2, encoder_screw.head_diameter_mm / 2 + 0.1
+    bridge = z + drive.input_radius_mm + drive.cable.diameter_mm / 2 + WINDING_ROOM_MM
+    bridge = max(bridge, z + head.front_y - s.bridge_mm, z + encoder.diameter_mm / 2 + SHELF_MARGIN_MM - s.bridge_mm)
+    mount = drive.screw(MOUNT_SCREW)
+    insert, mount_insert = (drive.insert(s.material, each.thread_mm) for each in (screw, mount))
+    edge = _round_thread_mm(drive, mount, mount.thread_mm)
+    beside = head.half_x - edge
+    thread = (mount_insert.hole_mm if mount_insert else mount.thread_mm) / 2
+    lowest, highest = round_boss.radius + edge, z + head.back_y - edge
+    if drive.frame_angle_rad < pi:
+        # Clear of the threads of the next arm.
+        lowest = max(lowest, (beside + thread + HOLE_WEB_MM) / tan(drive.frame_angle_rad / 2))
+    return YokeDims(
+        levels=levels,
+        boss=round_boss,
+        axis_z=z,
+        half_width=head.half_x,
+        shelf_half_width=max(encoder.diameter_mm / 2 + SHELF_MARGIN_MM, circle + head_radius + s.material.min_wall_mm),
+        shelf_bottom_z=least_wall_z_mm(drive),
+        bridge_bottom_z=bridge,
+        top_z=bridge + s.bridge_mm,
+        opening_radius=opening_radius_mm(drive),
+        corner_radius=max(CORNER_MM, s.material.min_internal_radius_mm),
+        seat_radius=upper.outer_diameter_mm / 2,
+        seat_depth=upper.width_mm,
+        seat_shoulder_radius=upper.outer_shoulder_mm / 2,
+        encoder_screw_clearance=encoder_screw.clearance_mm / 2,
+        encoder_head_radius=head_radius,
+        encoder_head_depth=s.encoder_shelf_mm - encoder_screw.length_mm + ENCODER_GRIP * encoder_screw.thread_mm,
+        encoder_circle_radius=circle,
+        stop_pin_radius=drive.drum.stop_pin_mm / 2,
+        stop_pin_z=_stop_pin_z_mm(drive, round_boss.radius),
+        flange_screw_radius=(insert.hole_mm if insert else screw.thread_mm) / 2,
+        flange_insert=insert,
+        flange_screws=tuple((x, z + y) for x, y in head.screws),
+        dowels=tuple((x, z + y) for x, y in head.dowels),
+        dowel_radius=DOWEL_MM / 2,
+        dowel_depth=dowel_length_mm(drive) - s.bearing_shelf_mm + 0.5,
+        mounts=((-beside, lowest), (beside, lowest), (-beside, highest), (beside, highest)),
+        mount_radius=thread,
+        mount_insert=mount_insert,
+    )

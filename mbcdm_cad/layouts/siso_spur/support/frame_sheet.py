@@ -1,0 +1,146 @@
+"""Sheet of the frame: rear view, middle section, front view; all holes in tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mbcdm_cad.design.bought import InsertSpec
+from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.motor_head.dims import Places
+from mbcdm_cad.parts.sheets.description import CuttingLine, FitLine, Linear, Radius, Sheet, Side, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.words import mm
+
+
+def _thread(insert: InsertSpec | None) -> dict[str, Any]:
+    """Arguments of a hole for a thread, or for an insert."""
+    return {"threaded": insert is None, "insert": insert}
+
+
+def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
+    """Holes along Y: first those of the plate, from behind, then those of the shelf and of the drum's encoder."""
+    v, b, z = d.levels, d.boss, d.axis_z
+    back, near, floor = v.plate_back_y, v.top_plate_bottom_z, b.encoder_pocket_floor_y
+    pressed = FITS["pin_press"].code
+
+    def on(y: float, places: Places) -> tuple[tuple[float, float, float], ...]:
+        return tuple((x, y, height) for x, height in places)
+
+    axis = ((0.0, z),)
+    beside = tuple((s * d.encoder_circle_radius, z) for s in (-1, 1))
+    encoder = tuple((s * b.screw_circle, 0.0) for s in (-1, 1))
+    seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
+    sunk = (2 * d.encoder_head_radius, d.encoder_head_depth, "")
+    screw, passing = 2 * d.flange_screw_radius, 2 * d.encoder_screw_clearance
+    pin = on(back, ((0.0, d.stop_pin_z),))
+    return (
+        Holes("A", 2 * d.opening_radius, THROUGH, on(back, axis), "plate", "input pulley"),
+        Holes("B", screw, THROUGH, on(back, d.flange_screws), "plate", "motor head", **_thread(d.flange_insert)),
+        Holes("C", 2 * d.dowel_radius, d.dowel_depth, on(back, d.dowels), "behind", "dowels", fit=pressed),
+        Holes(
+            "D", 2 * d.mount_radius, THROUGH, on(back, d.mounts), "plate", "mounting screws", **_thread(d.mount_insert)
+        ),
+        Holes("E", 2 * d.stop_pin_radius, THROUGH, pin, "plate", "stop pin", fit=pressed),
+        Holes("F", 2 * d.seat_shoulder_radius, THROUGH, on(near, axis), "shelf", "bearing", counterbore=seat),
+        Holes("G", passing, THROUGH, on(near, beside), "shelf", "encoder screws", counterbore=sunk),
+        Holes("H", 2 * b.screw_radius, b.screw_depth, on(floor, encoder), "boss", "drum encoder", threaded=True),
+    )
+
+
+def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
+    """Widths, and heights from the drum's axis."""
+    y, x, b = d.levels.plate_back_y, d.half_width, d.boss
+
+    def wide(half: float, z: float, side: Side, what: str = "") -> Linear:
+        return Linear("rear", (-half, y, z), (half, y, z), 2 * half, side, suffix=what)
+
+    return (
+        wide(x, d.top_z, "above"),
+        wide(b.radius, 0.0, "below", " = %%c boss"),
+        wide(b.ear_reach, 0.0, "below", " ears"),
+        Linear("rear", (0.0, y, 0.0), (x, y, d.top_z), d.top_z, "right", decimals=3),
+        Linear("rear", (0.0, y, 0.0), (0.0, y, d.axis_z), d.axis_z, "left", decimals=3),
+    )
+
+
+def _in_front(d: YokeDims) -> tuple[Linear, ...]:
+    y, wide = d.levels.top_plate_top_z, d.shelf_half_width
+    return (
+        Linear("front", (-wide, y, d.top_z), (wide, y, d.top_z), 2 * wide, "above", suffix=" yoke"),
+        Linear("front", (0.0, y, 0.0), (wide, y, d.shelf_bottom_z), d.shelf_bottom_z, "left", decimals=3),
+    )
+
+
+def _in_section(d: YokeDims) -> tuple[Linear, ...]:
+    """Depths from the end of the boss and from the plate's back, and the bores of the drum's shaft."""
+    v, b = d.levels, d.boss
+    end, back, top = b.encoder_pocket_floor_y, v.plate_back_y, d.top_z
+    near, far, under = v.top_plate_bottom_z, v.top_plate_top_z, d.bridge_bottom_z
+
+    def deep(y: float, z: float, what: str = "") -> Linear:
+        ends = ((0.0, end, -b.radius), (0.0, y, z))
+        return Linear("section", *ends, y - end, "below", suffix=what, decimals=3)
+
+    def over(y: float, z: float) -> Linear:
+        return Linear("section", (0.0, back, top), (0.0, y, z), y - back, "above", decimals=3)
+
+    def bore(radius: float, y: float, fit: str = "", count: str = "") -> Linear:
+        return Linear("section", (0.0, y, -radius), (0.0, y, radius), 2 * radius, "right", f"{count}%%c", fit=fit)
+
+    return (
+        deep(b.rear_seat_end_y, -b.seat_radius),
+        deep(back, -d.half_width),
+        deep(b.front_seat_start_y, -b.seat_radius),
+        deep(v.front_y, -d.half_width),
+        deep(b.front_y, -b.radius),
+        deep(b.ear_front_y, -b.ear_half_height, " ears"),
+        over(near, under),
+        over(far, top),
+        Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
+        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x "),
+        bore(b.shoulder_radius, b.front_seat_start_y),
+    )
+
+
+def yoke_sheet(part: str, d: YokeDims) -> Sheet:
+    """Rear, middle section and front."""
+    v, b, r = d.levels, d.boss, d.corner_radius
+    holes = frame_holes(d)
+    behind = tuple(group for group in holes if group.letter in "ABCDEH")
+    half, y = 0.5**0.5 * r, v.plate_back_y
+    corner = Radius(
+        "rear", (d.half_width - r, y, d.top_z - r), (d.half_width - r + half, y, d.top_z - r + half), r, prefix="2x "
+    )
+    axes = (
+        ((0.0, b.encoder_pocket_floor_y, 0.0), (0.0, b.front_y, 0.0)),
+        ((0.0, y, d.axis_z), (0.0, v.top_plate_top_z, d.axis_z)),
+    )
+    return Sheet(
+        part=part,
+        title="Frame",
+        paper="A2",
+        views=(
+            View("rear", X, Z),
+            View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axes),
+            View("front", minus(X), Z, column=2),
+        ),
+        dimensions=(*_from_behind(d), *_in_section(d), *_in_front(d), corner),
+        labels=(*hole_labels(behind, "rear"),),
+        cutting_lines=(CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
+        holes=holes,
+        tables=(
+            hole_table(holes),
+            position_table(holes, (0, 2), "Positions from the drum's axis"),
+        ),
+        fits=(
+            FitLine(2 * b.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
+            *(line for group in holes for line in group.fit_lines()),
+        ),
+        notes=(
+            "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis.",
+            "F parallel to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
+            f"Outer corners of plate and yoke R{mm(r)}; lower end of the plate rounded about the drum's axis.",
+            f"Ears {mm(2 * b.ear_half_height)} high. Seats Ra 0.8, elsewhere Ra 3.2.",
+        ),
+    )

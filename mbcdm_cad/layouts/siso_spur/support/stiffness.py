@@ -1,0 +1,153 @@
+"""Rotation of the drum due to the elastic frame: plate and yoke as folded plates on the mounting screws.
+
+By reciprocity the drum turns by f . u for each N m of load: f are the forces on the seats due to the change of tensions
+by that load, u the displacements due to these forces (:mod:`mbcdm_cad.model.plate_mesh`). The tension of one side
+rises, that of the other falls. Their components along the line of centres cancel and those across it add up: the input
+is pushed to one side, the drum to the other, and the gearhead holds the torque about the input's axis. Assumptions as
+in docs/decisions/0005. In addition, the plate has no opening where the flange of the motor head closes it, the boss is
+rigid, and the small couple of both spans, which are a few leads apart, is left out. Two such arms in line, one above
+the drum and one below, form one mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
+from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW
+from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, Y, Z, centred_load, plate_mesh, shares_urad
+from mbcdm_cad.model.si import MM, to_si
+from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.routes import Floats
+
+# Radius over which the force on a seat is spread, over the radius of the seat.
+_SPREAD = 1.5
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One input's part of a frame: ``way`` is +1 above the drum, -1 below it (turned by half a turn)."""
+
+    layout: SpurLayout
+    way: int = 1
+
+    def of(self, panel: str) -> str:
+        """Name of a panel of this arm; all arms share the plate."""
+        return panel if self.way > 0 or panel == "plate" else f"{panel} below"
+
+
+def walls(arms: Sequence[Arm]) -> list[Wall]:
+    """The walls of the half x >= 0."""
+    v, f = arms[0].layout.levels, arms[0].layout.frame
+    y_plate, z_bridge = (v.plate_back_y + v.front_y) / 2, (f.bridge_bottom_z + f.top_z) / 2
+    ends = sorted([arm.way * z_bridge for arm in arms])
+    plate = Wall(
+        "plate",
+        Y,
+        y_plate,
+        ((0.0, f.half_width), (min(ends[0], -f.boss.radius), ends[-1])),
+        v.front_y - v.plate_back_y,
+        embedded=((Z, -f.boss.radius, f.boss.radius),),
+    )
+    return [plate, *(wall for arm in arms for wall in _yoke(arm, y_plate, z_bridge))]
+
+
+def _yoke(arm: Arm, y_plate: float, z_bridge: float) -> Iterator[Wall]:
+    v, f, way = arm.layout.levels, arm.layout.frame, arm.way
+    y_shelf, wide = (v.top_plate_bottom_z + v.top_plate_top_z) / 2, (0.0, f.shelf_half_width)
+    shelf = v.top_plate_top_z - v.top_plate_bottom_z
+    depth = min(f.seat_depth, shelf)
+    seat = pi * (f.seat_radius**2 * depth + f.seat_shoulder_radius**2 * (shelf - depth))
+    low, high = sorted((way * f.shelf_bottom_z, way * z_bridge))
+    yield Wall(arm.of("bridge"), Z, way * z_bridge, (wide, (y_plate, y_shelf)), f.top_z - f.bridge_bottom_z)
+    hole = Hole(0.0, way * f.axis_z, seat)
+    yield Wall(arm.of("encoder shelf"), Y, y_shelf, (wide, (low, high)), shelf, (hole,))
+
+
+def seat_forces(layout: SpurLayout, tension_N: Floats) -> list[tuple[str, tuple[float, float, float], float, float]]:
+    """(panel, point in mm, force along x in N, couple about y in N mm) on the frame's seats due to the tensions."""
+    d, v, shaft, z = to_si(layout.drive), layout.levels, layout.drum_shaft, layout.frame.axis_z
+    loads = bearing_loads(d, tension_N)
+    bearings, pulley = layout.drive.bearings, loads.inputs[0]
+    lower = v.bearing_shelf_top_z - bearings.input_lower.width_mm / 2
+    upper = v.top_plate_bottom_z + bearings.input_upper.width_mm / 2
+    # Heights of the routes count along the axis of the input, which points to the back.
+    axis = d.routes.inputs[0].axis
+    pair = two_bearing_reactions_N(pulley.force_N, pulley.moment_Nm, pulley.height_m, -lower * MM, -upper * MM, axis)
+    rear, front = (y + bearings.drum.width_mm / 2 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
+    # The drum's bearings share force and couple along x by their distances; the moment about its axis is not theirs.
+    on_drum = float(loads.drum.force_N[0])
+    on_front = (-float(loads.drum.moment_Nm[2]) - rear * MM * on_drum) / ((front - rear) * MM)
+    # The gearhead holds the torque of the tensions about the input's axis, -Y, and loads the plate with it.
+    torque = float((d.sigma * np.asarray(tension_N) * d.input_radius_m).sum())
+    return [
+        ("plate", (0.0, lower, z), -float(pair[0, 0]), torque / MM),
+        ("encoder shelf", (0.0, upper, z), -float(pair[1, 0]), 0.0),
+        ("plate", (0.0, rear, 0.0), on_drum - on_front, 0.0),
+        ("plate", (0.0, front, 0.0), on_front, 0.0),
+    ]
+
+
+def frame_compliance(layout: SpurLayout) -> FrameCompliance:
+    """Windup of the drum due to the frame per N m of external torque, with the share of each part.
+
+    Raises ``ValueError`` if the dimensions leave no frame to compute.
+    """
+    return arms_compliance([Arm(layout)], 1.0)
+
+
+def arms_compliance(arms: Sequence[Arm], share: float) -> FrameCompliance:
+    """As :func:`frame_compliance`, for a frame with one arm or two, each with this share of the torque."""
+    first = arms[0].layout
+    f, v, screw = first.frame, first.levels, first.drive.screw(MOUNT_SCREW)
+    places = [(arm.way * x, arm.way * z) for arm in arms for x, z in f.mounts]
+    held = Mounts(places, screw.head_diameter_mm / 2, f.mount_radius, v.front_y - v.plate_back_y)
+    mesh = plate_mesh(walls(arms), held)
+    material = first.drive.support.material
+    total = np.zeros((len(mesh.plates.node_mm), 6))
+    for arm in arms:
+        tension = share * unit_tensions_N(to_si(arm.layout.drive))
+        for panel, (x, y, z), force_x, couple_y in seat_forces(arm.layout, tension):
+            # The bearings of the drum load the boss, those of the input the metal round their seats.
+            reach = f.boss.radius if z == 0.0 else _SPREAD * max(f.seat_radius, first.head.seat_radius)
+            point = (arm.way * x, y, arm.way * z)
+            nodes = mesh.near(arm.of(panel), point, (reach, 1e3, reach))
+            load = centred_load(mesh, nodes, np.array(point), arm.way * force_x, couple_y=couple_y)
+            total[nodes, :3] += load
+    shares = shares_urad(mesh, material, total.ravel(), held.springs(mesh, material))
+    return FrameCompliance(sum(shares.values()), shares)
+
+
+def frame_study(layout: SpurLayout) -> FrameStudy:
+    """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
+    return frame_study_of(__name__, [layout], lambda: frame_compliance(layout))
+
+
+def frame_study_of(module: str, layouts: Sequence[SpurLayout], compliance: Callable[[], FrameCompliance]) -> FrameStudy:
+    """The study that ``module`` computes from the layouts of all inputs."""
+
+    def found() -> FrameCompliance:
+        try:
+            return compliance()
+        except (ValueError, ArithmeticError):
+            return FrameCompliance(float("inf"), {})
+
+    # Of the drum's shaft only the positions of its bearings: other changes of it must not make the study run again.
+    inputs = tuple(
+        (
+            layout.frame,
+            (layout.drum_shaft.rear_bearing_y, layout.drum_shaft.front_bearing_y),
+            layout.drive.support,
+            layout.drive.bearings,
+            layout.drive.cables,
+            layout.drive.centre_distance_mm,
+        )
+        for layout in layouts
+    )
+    return FrameStudy(module, inputs, found)

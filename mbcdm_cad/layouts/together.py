@@ -1,0 +1,128 @@
+"""Try the remedies of all failed checks together, in the file as a user would edit it, and see whether it then passes.
+
+Each remedy alone makes its own check pass. Here the first remedy of every failed check is written into the file at
+once; the design is sized and checked again, and checks that then fail are treated in the same way, for some rounds.
+Requirements of the file do not change.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.remedies import Budget, Offer
+from mbcdm_cad.checks.result import failed
+from mbcdm_cad.checks.run import run_all
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.describe import flow
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.loader import design_file, load_tree
+from mbcdm_cad.layouts.registry import configuration_of
+
+ROUNDS = 3
+# Trials that the remedies of a later round may take: a failing check must not take long.
+TRIALS = 120
+
+
+@dataclass(frozen=True)
+class Together:
+    """The file changed by the remedies: values set, fields taken out, and the checks that still fail."""
+
+    changes: Mapping[str, float]
+    taken_out: tuple[str, ...]
+    failing: tuple[str, ...]
+    # Whether 'mbcdm solve' can look further: it needs sizing rules.
+    solvable: bool = True
+
+    @property
+    def passes(self) -> bool:
+        """Whether the changed file passes every check."""
+        return not self.failing
+
+    def words(self, path: str) -> str:
+        """One sentence for the terminal."""
+        if not self.passes:
+            left = ", ".join(self.failing[:6]) + (", ..." if len(self.failing) > 6 else "")
+            if not self.changes and not self.taken_out:
+                what = "no value that the file leaves open makes these checks pass by itself"
+                return f"{what}: 'mbcdm solve {path}' looks further" if self.solvable else what
+            return (
+                "tried together, the remedies that leave alone what the file asks do not end in a pass "
+                f"({left} still fail)" + (f": 'mbcdm solve {path}' looks further" if self.solvable else "")
+            )
+        said = [f"{field}: {flow(value)}" for field, value in self.changes.items()]
+        said += [f"{field} taken out" for field in self.taken_out[:6]]
+        said += [f"{len(self.taken_out) - 6} more taken out"] if len(self.taken_out) > 6 else []
+        return f"tried together, this passes every check: {'; '.join(said)}"
+
+
+def together(
+    loaded: LoadedDesign,
+    checks: Sequence[Check],
+    asked: Collection[str],
+    offers: Mapping[str, Sequence[Offer]],
+    pins: Mapping[str, Sequence[str]],
+) -> Together:
+    """Follow the first remedy of each failed check, ``offers`` and ``pins`` to take out; what is ``asked`` stays."""
+    tree = yamltree.parse(loaded.text, str(loaded.path))
+    file = design_file(loaded.drive.configuration)
+    data, changes, out = copy.deepcopy(tree.data), dict[str, float](), dict[str, None]()
+    failing: tuple[str, ...] = tuple(offers)
+    for _ in range(ROUNDS):
+        moved = _merged(offers, pins)
+        moved = {path: offer for path, offer in moved.items() if file.node_at(tuple(path.split("."))) is not None}
+        new_out = [field for fields in pins.values() for field in fields if field not in out]
+        if not moved and not new_out:
+            break
+        tried, gone = copy.deepcopy(data), out | dict.fromkeys(new_out)
+        for field in new_out:
+            _remove(tried, field)
+        wanted = {path: float(f"{offer.value:.6g}") for path, offer in moved.items() if path not in gone}
+        for path, value in wanted.items():
+            _set(tried, path, value)
+        try:
+            design = load_tree(yamltree.Tree(copy.deepcopy(tried), tree.lines), loaded.text, loaded.path)
+        except InputError:
+            # The remedies together give an invalid file: it stays unchanged.
+            break
+        data, changes, out = tried, changes | wanted, gone
+        budget = Budget(TRIALS, lambda: asked, most=1, warnings=False)
+        results = run_all(checks, configuration_of(design.drive).design_under_test(design.drive), budget)
+        failing = tuple(result.id for result in failed(results))
+        offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
+        if not failing:
+            break
+    return Together(changes, tuple(out), failing, file.size is not None)
+
+
+def _merged(offers: Mapping[str, Sequence[Offer]], pins: Mapping[str, Sequence[str]]) -> dict[str, Offer]:
+    """One offer for each field: the first of each check that changes no requirement, the larger change of two."""
+    found: dict[str, Offer] = {}
+    for name, listed in offers.items():
+        offer = next((o for o in listed if not o.asked), None)
+        if offer is None or name in pins:
+            continue
+        other = found.get(offer.path)
+        if other is None or (other.sense == offer.sense and offer.sense * (offer.value - other.value) > 0):
+            found[offer.path] = offer
+    return found
+
+
+def _set(data: dict[str, Any], path: str, value: float) -> None:
+    *blocks, last = path.split(".")
+    for block in blocks:
+        if not isinstance(data.get(block), dict):
+            data[block] = {}
+        data = data[block]
+    data[last] = value
+
+
+def _remove(data: dict[str, Any], path: str) -> None:
+    *blocks, last = path.split(".")
+    for block in blocks:
+        data = data.get(block) or {}
+    data.pop(last, None)

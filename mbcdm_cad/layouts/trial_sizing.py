@@ -1,0 +1,335 @@
+"""Sizing of drives with a motor head: fields, catalogue, and checks on a trial drive.
+
+Rules find the value at which checks pass by running them on a trial drive. It is made of the fields known so far and,
+for open fields, of their values from the previous pass. Passes are repeated until no field changes.
+"""
+
+from __future__ import annotations
+
+import copy
+from abc import abstractmethod
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from math import ceil, floor, inf, pi
+from typing import Any
+
+from mbcdm_cad.checks.comparison import Check
+from mbcdm_cad.checks.design_under_test import DesignUnderTest
+from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.bought import Gearhead, Screw, least_wall_mm
+from mbcdm_cad.design.lookup import Catalogue
+from mbcdm_cad.design.rules import Broken, NamedEntry, every_broken_rule
+from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.layouts.trial_drives import At, End, Margin, TrialDrives, Way
+from mbcdm_cad.sizing.engine import fill
+from mbcdm_cad.sizing.known import KnownFields, RopeKnown
+from mbcdm_cad.sizing.rule import Found, Rule, rounded_up
+
+# Diameter of the printer's nozzle, as in the schema.
+NOZZLE_MM = 0.4
+# Largest number of trials of one field: each moves it by the missing margin, so that a few are enough.
+_MOST_TRIALS = 40
+# If so many trials in a row miss the same check by the same amount, the field does not affect it.
+_MOST_IDLE = 8
+_MOST_PASSES = 4
+# Fields that are no lengths: a missing margin in mm does not give their next step.
+_RATIOS = ("transmission.input_to_drum",)
+_ON_STEP = 1e-9
+# A value tried, and margin with its unit by check.
+Trial = tuple[Any, dict[str, Margin]]
+# Parts and sizes of a medium drive, for fields that the first pass does not know yet.
+MIDDLE_SIZE: Mapping[str, Any] = {
+    "drive.encoder": "encoder-20-5",
+    "drive.drum_encoder": "encoder-24-ring",
+    "drum.bearing": "618/8",
+    "drum.web_thickness_mm": 2.0,
+    "drum.shaft_bore_mm": 2.0,
+    "drum.hub_diameter_mm": 20.0,
+    "input_pulleys.lower_bearing": "618/8",
+    "input_pulleys.upper_bearing": "625",
+    "support.motor_shelf_mm": 4.0,
+    "support.bearing_shelf_mm": 6.0,
+    "support.encoder_shelf_mm": 6.0,
+    "support.coupling_space_mm": 15.0,
+    "support.back_y_mm": -60.0,
+    "limits.frame_windup_max_mrad": 1.0,
+}
+
+
+class TrialKnown(RopeKnown):
+    """Adds figures that follow from a few fields each, and the checks on a trial drive.
+
+    ``guesses``: estimates for the fields that are still open.
+
+    ``schema``: that of the configuration's files. ``asked``: fields on which every check on a trial drive depends,
+    besides the dimensions known so far. ``own_checks``: checks of this configuration that a field must also pass,
+    besides those that its rule names.
+    """
+
+    schema: type[Design]
+    asked: tuple[str, ...] = ()
+    own_checks: Mapping[str, tuple[str, ...]] = {}
+
+    def __init__(self, data: dict[str, Any], guesses: Mapping[str, Any], drives: TrialDrives | None = None) -> None:
+        """``drives``: those of the pass before, which are not computed again."""
+        super().__init__(data)
+        self.guesses = guesses
+        self.drives = drives or TrialDrives(self.schema, self.of_design)
+        whole = KnownFields({})
+        for field, guess in guesses.items():
+            whole.put(field, guess)
+        # The data of a trial: the known fields, and guesses of those that are still open.
+        self._filled = _laid_over(whole.data, data)
+
+    def put(self, field: str, value: Any) -> None:
+        """See the base class."""
+        super().put(field, value)
+        self._filled = self._whole(field, value)
+
+    @property
+    def axial_stiffness_N(self) -> float:
+        """EA of the rope, with the modulus of the design, else of the catalogue."""
+        modulus = float(self.get("rope.modulus_GPa", self.rope["modulus_GPa"]))
+        nominal = self.get("rope.modulus_area", self.rope["modulus_area"]) == "nominal"
+        return modulus * 1e3 * (pi / 4 * self.d_mm**2 if nominal else float(self.rope["metallic_area_mm2"]))
+
+    @property
+    def gearhead(self) -> Gearhead:
+        """The gearhead, or the motor's own face."""
+        return Gearhead(name=self["drive.gearhead"], **self.entry("gearheads", "drive.gearhead"))
+
+    def screw(self, name: str) -> Screw:
+        """A screw of the catalogue."""
+        return Screw(name=name, **self.entries("screws")[name])
+
+    def printed(self, part: str) -> bool:
+        """Whether a part is 3D printed."""
+        return bool(self.entry("materials", f"{part}.material")["process"] in ("printed", "sintered"))
+
+    def wall_mm(self, part: str) -> float:
+        """Thinnest wall of the material of a part, ``"drum"``."""
+        metal = self.entry("materials", f"{part}.material")
+        nozzle = self.get("printing.nozzle_mm", NOZZLE_MM)
+        return least_wall_mm(metal["process"], float(metal["min_wall_mm"]), nozzle)
+
+    @property
+    @abstractmethod
+    def drum_mm(self) -> float:
+        """Pitch radius of the drum, of its smallest step."""
+
+    @property
+    @abstractmethod
+    def ratio(self) -> float:
+        """Drum radius over input radius."""
+
+    @property
+    def has_ratio(self) -> bool:
+        """Whether the ratio is known yet."""
+        return True
+
+    @property
+    def input_peak_Nm(self) -> float:
+        """Share of one input in the peak torque at the drum, N m."""
+        return float(self["loads.peak_torque_Nm"] / max(1, len(self.get("inputs", ()))))
+
+    @property
+    def half_torque_N(self) -> float:
+        """Tension that the peak torque adds to one cable of an input and takes from the other, N."""
+        return self.input_peak_Nm * 1e3 / (2 * self.drum_mm)
+
+    @abstractmethod
+    def checks(self) -> Mapping[str, Check]:
+        """The checks of the configuration, by id."""
+
+    @abstractmethod
+    def of_design(self, design: Any) -> DesignUnderTest:
+        """A design of the configuration's schema, under test. Raises ``SizingError`` if it breaks a rule."""
+
+    def trial(self, field: str, value: Any) -> DesignUnderTest:
+        """The drive under test with ``field`` at ``value``, all known fields, and guesses for the open ones.
+
+        Raises ``NoFigureError`` if the data give no drive, ``SizingError`` if the file breaks a rule.
+        """
+        return self.drives.under_test(self._whole(field, value))
+
+    def margins(self, field: str, value: Any, checks: Iterable[str], to_first_miss: bool = False) -> dict[str, Margin]:
+        """Margin and its unit by check, with ``field`` at ``value``; -inf where a check has no figure there.
+
+        ``to_first_miss``: see :meth:`~mbcdm_cad.layouts.trial_drives.TrialDrives.margins`.
+        """
+        for name in self.asked:
+            self.get(name)
+        return self.drives.margins(self._whole(field, value), checks, self.checks(), to_first_miss)
+
+    def _whole(self, field: str, value: Any) -> dict[str, Any]:
+        """The data of a trial. Trials share the blocks in which the field is not, so that no block may be changed."""
+        block, _, name = field.partition(".")
+        return {**self._filled, block: {**(self._filled.get(block) or {}), name: value} if name else value}
+
+    def moved(self, field: str, start: float, step: float, checks: tuple[str, ...]) -> Found:
+        """The value nearest to ``start``, at multiples of ``step`` in its direction, at which all the checks hold.
+
+        Each trial moves by the missing margin of the worst check, if it is a length, else by growing steps. Checks that
+        hold at no trial must be met by another field: they are left out of a second search. If that finds no value
+        either, the result is the one that misses least. If the pass before searched from the same start, only the last
+        trials of that search are repeated, unless they have another result now.
+        """
+        checks = (*checks, *self.own_checks.get(field, ()))
+        way = Way(field, rounded_up(start, step) if step > 0.0 else _down(start, -step), step, checks)
+        before = self.drives.ends.get(way)
+        if before is not None:
+            found, tried, _ = self._searched(way, before.checks, before.failing)
+            if found is not None and len(tried) == (1 if before.failing is None else 2):
+                return _without(found, checks, before.checks)
+        found, tried, failing = self._searched(way, checks)
+        within = checks if found is not None else _within_reach(checks, tried)
+        if found is None and within and len(within) < len(checks):
+            found, _, failing = self._searched(way, within)
+        if found is None:
+            nearest, margins = max(tried, key=_worst_margin)
+            return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no value passes: the nearest")
+        self.drives.ends[way] = End(within, failing)
+        return _without(found, checks, within)
+
+    def _searched(
+        self, way: Way, checks: tuple[str, ...], begin: At | None = None
+    ) -> tuple[Found | None, list[Trial], At | None]:
+        """The value at which the checks hold, if any does; all values tried; and the last at which one did not.
+
+        The search begins at the start of ``way``, or at ``begin``, the trial of an earlier search.
+        """
+        step = way.step
+        value, pace = begin or At(way.start, abs(step))
+        driver, tried, failing, idle = "", list[Trial](), None, 0
+        for _ in range(_MOST_TRIALS):
+            margins = self.margins(way.field, value, checks)
+            idle = idle + 1 if tried and _missed(margins) == _missed(tried[-1][1]) else 0
+            tried.append((value, margins))
+            name = min(margins, key=lambda check: margins[check][0])
+            missed, unit = margins[name]
+            if missed >= 0.0:
+                return Found(value, driver, f"{'up' if step > 0.0 else 'down'} to {abs(step):g}"), tried, failing
+            if idle == _MOST_IDLE:
+                break
+            driver, failing = name, At(value, pace)
+            by = max(abs(step), -missed) if unit == "mm" and missed > -50.0 and way.field not in _RATIOS else pace
+            pace *= 1.3
+            value = rounded_up(value + by, step) if step > 0.0 else _down(value - by, -step)
+        return None, tried, failing
+
+    def first(self, field: str, candidates: Iterable[Any], checks: tuple[str, ...]) -> Found:
+        """The first candidate with which all the checks hold.
+
+        If there is none, checks that hold with no candidate are left out; if still none fits, the one that misses
+        least. Raises ``ValueError`` if there is no candidate.
+        """
+        checks, missed = (*checks, *self.own_checks.get(field, ())), list[Any]()
+        for value in candidates:
+            margins = self.margins(field, value, checks, to_first_miss=True)
+            if _worst_margin((value, margins)) >= 0.0:
+                return Found(value, self._driver(field, missed[-1], checks) if missed else "", "first that does")
+            missed.append(value)
+            if len(missed) == _MOST_IDLE and not any(self._has_figure(field, each, checks) for each in missed):
+                break  # no candidate gives a figure for any check: another field is missing
+        if not missed:
+            raise ValueError("the catalogue has no entry that fits")
+        tried = [(value, self.margins(field, value, checks)) for value in missed]
+        driver = self._driver(field, missed[-1], checks)
+        within = _within_reach(checks, tried)
+        for value, margins in tried if within else ():
+            if all(margins[name][0] >= 0.0 for name in within):
+                return Found(value, driver, "first that does; no candidate meets " + _others(checks, within))
+        nearest, margins = max(tried, key=_worst_margin)
+        return Found(nearest, min(margins, key=lambda name: margins[name][0]), "no candidate does: the nearest")
+
+    def _driver(self, field: str, value: Any, checks: Iterable[str]) -> str:
+        """The check that ``value`` misses most."""
+        margins = self.margins(field, value, checks)
+        return min(margins, key=lambda name: margins[name][0])
+
+    def _has_figure(self, field: str, value: Any, checks: Iterable[str]) -> bool:
+        """Whether any of the checks has a figure with ``field`` at ``value``."""
+        return any(self.margins(field, value, (name,))[name][0] > -inf for name in checks)
+
+
+def _within_reach(checks: Iterable[str], tried: Sequence[Trial]) -> tuple[str, ...]:
+    """The checks that hold in any of the trials: this field can meet them."""
+    return tuple(name for name in checks if any(margins[name][0] >= 0.0 for _, margins in tried))
+
+
+def _without(found: Found, checks: Sequence[str], within: Sequence[str]) -> Found:
+    """The result with a note of the checks that were left out."""
+    if len(within) == len(checks):
+        return found
+    return replace(found, rounding=f"{found.rounding}; no value meets {_others(checks, within)}")
+
+
+def _others(checks: Iterable[str], within: Sequence[str]) -> str:
+    return ", ".join(name for name in checks if name not in within)
+
+
+def _worst_margin(trial: Trial) -> float:
+    return min(margin for margin, _ in trial[1].values())
+
+
+def _missed(margins: Mapping[str, Margin]) -> dict[str, Margin]:
+    return {name: margin for name, margin in margins.items() if margin[0] < 0.0}
+
+
+def _down(value: float, step: float) -> float:
+    return round(floor(value / step + _ON_STEP) * step, 9)
+
+
+def _laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of ``above``, and those of ``below`` where these are missing, in an order that ``below`` begins."""
+    found = {key: dict(value) if isinstance(value, dict) else value for key, value in below.items()}
+    for key, value in above.items():
+        if isinstance(value, dict):
+            under = found.get(key)
+            found[key] = _laid_over(under if isinstance(under, dict) else {}, value)
+        elif value is not None or key not in found:
+            found[key] = value
+    return found
+
+
+def sound(design: Design, broken: Iterator[Broken], named: Iterator[NamedEntry]) -> Catalogue:
+    """The catalogue of a design that breaks no rule. Raises ``SizingError`` for the first that it breaks."""
+    catalogue = Catalogue(design)
+    first = next(every_broken_rule(design, catalogue, broken, named), None)
+    if first is not None:
+        raise SizingError(first)
+    return catalogue
+
+
+def repeated(
+    data: dict[str, Any],
+    known: type[TrialKnown],
+    rules: Sequence[Rule],
+    guesses: Mapping[str, Any],
+    moved: Moved | None,
+    similar: Sizing | None = None,
+) -> Sizing:
+    """The data with its open fields filled by ``rules``, in passes until no field changes.
+
+    ``similar``: a sizing of nearly the same data. The first pass then starts with its values, which saves most of the
+    trials; if the rules have more than one fixed point, the result may be another one than with ``guesses``.
+    """
+    drives: TrialDrives | None = None
+    if similar is not None:
+        guesses = {**guesses, **{value.field: value.value for value in similar.values}}
+        drives = known(data, guesses).drives
+        # A search in which a check was met by no value is made again, because a value may meet it here.
+        drives.ends |= {way: end for way, end in similar.ends.items() if end.checks == way.checks}
+    for _ in range(_MOST_PASSES):
+        given = known(copy.deepcopy(data), guesses, drives)
+        drives, sizing = given.drives, fill(given, rules, moved)
+        found = {value.field: value.value for value in sizing.values}
+        if all(guesses.get(field) == value for field, value in found.items()):
+            break
+        guesses = {**guesses, **found}
+    return replace(sizing, ends=drives.ends if drives else {})
+
+
+def whole_turns(angle_deg: float) -> int:
+    """Least number of whole turns that contain an angle."""
+    return max(1, ceil(angle_deg / 360.0))

@@ -1,0 +1,204 @@
+"""Arrangement of the motors: setback of the input axes, gearheads with two to four screws."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import atan2, hypot
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
+from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
+from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.input_pulley.sheet import input_pulley_sheet
+from mbcdm_cad.routes.curves import Arc, Line
+from mbcdm_cad.routes.route import Span, Wrap
+
+
+@pytest.fixture(scope="module")
+def reference() -> BevelDrive:
+    """The reference drive."""
+    return bevel(load_text(new_design_text("reference")).drive)
+
+
+def set_back(drive: BevelDrive, setback_mm: float, distance_mm: float = 42.0) -> BevelDrive:
+    """The drive with its input axes moved, and its back plate with them."""
+    back = drive.support.back_y_mm - setback_mm
+    return replace(
+        drive,
+        centre_distance_mm=distance_mm,
+        input_setback_mm=setback_mm,
+        support=replace(drive.support, back_y_mm=back),
+    )
+
+
+def statuses(drive: BevelDrive) -> dict[str, str]:
+    return {check.id: check.status for check in run_checks(drive)}
+
+
+@pytest.mark.parametrize("distance_mm", [36.5, 42.0, 55.0, 62.0])
+def test_a_setback_lets_the_terminals_pass_the_gearheads(reference: BevelDrive, distance_mm: float) -> None:
+    before, after = (statuses(set_back(reference, mm, distance_mm)) for mm in (0.0, 1.2))
+    assert before["drum_sweep"] == "fail" and after["drum_sweep"] == "pass"
+    worse = {name for name in after if after[name] == "fail" and before[name] != "fail"} - {"envelope_y", "envelope_x"}
+    assert not worse, f"the setback breaks {worse}"
+
+
+@pytest.mark.parametrize("setback_mm", [0.0, 1.2, 9.0])
+def test_routes_and_drawn_paths_agree_with_a_setback(reference: BevelDrive, setback_mm: float) -> None:
+    """Two derivations: the model's by formula, the drawing's from tangent points."""
+    drive = set_back(reference, setback_mm)
+    model = routed(drive)
+    routes, dims = model.routes, layout(drive)
+    for route, path, run in zip(routes.cables, dims.cable_paths(0.0), drive.cables, strict=True):
+        guide, span = path.piece("guide"), path.piece("span")
+        assert isinstance(guide, Arc) and isinstance(span, Line)
+        wrap = next(p for p in route.pieces if isinstance(p, Wrap) and p.body == GUIDE)
+        drawn_deg, model_deg = np.degrees([abs(guide.angle_end - guide.angle_start), wrap.angle_rad])
+        assert drawn_deg == pytest.approx(model_deg, abs=1e-9), run.name
+        free = next(p for p in route.pieces if isinstance(p, Span) and p.length_m > 0.0)
+        plan = span.tangent(0.0)[:2] / hypot(*span.tangent(0.0)[:2])
+        assert np.abs(plan - np.array(free.direction[:2])).max() < 1e-9, f"{run.name}: {plan} against {free.direction}"
+        start, end = path.piece("span_in").points(np.array([0.0]))[0], guide.points(np.array([0.0]))[0]
+        assert hypot(*(end - start)[:2]) == pytest.approx(1e3 * free.length_m, abs=1e-9)
+        assert hypot(*(start[:2] - np.array([run.input_side * drive.input_x_mm, -setback_mm]))) == pytest.approx(
+            run.input_radius_mm, abs=1e-9
+        )
+    origins = {body.name: body.origin_mm for body in moving_bodies(dims)}
+    for body in routes.bodies:
+        if body.kind == "input":
+            assert np.abs(np.array(body.point_m) * 1e3 - origins[body.name]).max() < 1e-9, body.name
+
+
+def test_the_distance_of_the_axes_stays_l(reference: BevelDrive) -> None:
+    drive = set_back(reference, 5.0)
+    assert hypot(drive.input_x_mm, drive.input_y_mm) == pytest.approx(drive.centre_distance_mm, abs=1e-12)
+
+
+def test_a_setback_beyond_half_of_l_is_refused_with_its_line() -> None:
+    text = new_design_text("x").replace("  centre_distance_mm:", "  input_setback_mm: 20.0\n  centre_distance_mm:")
+    with pytest.raises(InputError, match="too far behind") as raised:
+        load_text(text)
+    assert raised.value.problems[0].line > 1
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_screws_of_a_flange_mirror_in_its_middle_plane(count: int) -> None:
+    places = screw_places(count, 6.5)
+    assert len(places) == count
+    assert {(round(-x, 6) + 0.0, round(y, 6)) for x, y in places} == {
+        (round(x, 6) + 0.0, round(y, 6)) for x, y in places
+    }
+    angles = np.sort([atan2(y, x) % (2 * np.pi) for x, y in places])
+    assert np.diff(angles) == pytest.approx(2 * np.pi / count, abs=1e-6)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
+def test_every_gearhead_screw_is_in_the_bill_and_counted(reference: BevelDrive, count: int) -> None:
+    drive = replace(reference, gearhead=replace(reference.gearhead, screw_count=count))
+    items = [item.name for item in bill(layout(drive)).items if item.name.startswith("gearhead_screw_left")]
+    assert items == [f"gearhead_screw_left_{n}" for n in range(1, count + 1)]
+    assert statuses(drive)["screw_counts"] == ("pass" if count in (2, 3, 4) else "fail")
+
+
+def grooved(drive: BevelDrive, lead_mm: float = 0.89) -> BevelDrive:
+    """The drive with a helical groove for each cable on the input pulleys."""
+    pulleys = replace(drive.input_pulleys, surface="grooved")
+    return replace(drive, input_pulleys=pulleys, helix_lead_mm=lead_mm)
+
+
+def test_grooves_allow_the_fleet_angle_that_smooth_pulleys_do_not(reference: BevelDrive) -> None:
+    near = replace(reference, centre_distance_mm=31.0)
+    smooth = next(check for check in run_checks(near) if check.id == "fleet_angle")
+    assert smooth.status == "fail" and "input_pulleys.surface: grooved" in smooth.remedy, smooth
+    after = statuses(grooved(near))
+    assert {after[name] for name in ("fleet_angle", "groove_walls", "helix_lead", "self_clearance")} == {"pass"}
+    assert statuses(grooved(near, 0.87))["helix_lead"] == "fail"
+
+
+@pytest.mark.parametrize("angle_deg", [-35.0, -10.0, 0.0, 35.0])
+def test_the_cable_lies_along_the_middle_of_its_groove(reference: BevelDrive, angle_deg: float) -> None:
+    """At every drum angle the wound rope, seen on the turned pulley, follows the groove, which goes on at both ends."""
+    drive = grooved(reference)
+    dims = layout(drive)
+    motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
+    paths = {path.cable.name: path for path in dims.cable_paths(np.radians(angle_deg))}
+    for pulley in dims.inputs:
+        for groove in pulley.grooves:
+            helix = paths[groove.cable_name].piece("helix")
+            points = motions[f"input_{pulley.name}"].inverse.apply(helix.points(np.linspace(0.0, 1.0, 200)))
+            angle = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
+            turns = 2 * np.pi * np.round((angle[0] - groove.start_angle_rad) / (2 * np.pi))
+            share = (angle - turns - groove.start_angle_rad) / (groove.end_angle_rad - groove.start_angle_rad)
+            assert share.min() > 0.0 and share.max() < 1.0, f"{groove.cable_name} winds past its groove: {share}"
+            z = groove.start_z + share * (groove.end_z - groove.start_z)
+            assert np.abs(z - points[:, 2]).max() < 1e-9
+            assert np.hypot(points[:, 0], points[:, 1]) == pytest.approx(
+                groove.root_radius + drive.cable.diameter_mm / 2
+            )
+
+
+@pytest.mark.slow
+def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive) -> None:
+    """Metal removed by Pappus' theorem for a helix; the rope's rod and the pulley share nothing."""
+    from mbcdm_cad.build.overlap import common, rod
+    from mbcdm_cad.build.pairs import CABLE_UNDERSIZE_MM, VOLUME_LIMIT_MM3
+    from mbcdm_cad.build.validate import validate_faces, validate_solid
+    from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
+
+    drive = grooved(reference)
+    dims, d = layout(drive), drive.cable.diameter_mm
+    pulley = dims.inputs[0]
+    solid = create_input_pulley(pulley)
+    validate_solid("input_pulley", solid)
+    validate_faces("input_pulley", solid)
+    plain = replace(pulley, grooves=(), lower_surface_radius=pulley.lower_land_radius)
+    plain = replace(plain, upper_surface_radius=pulley.upper_land_radius)
+    removed = create_input_pulley(plain).Volume() - solid.Volume()
+    expected = 0.0
+    for groove in pulley.grooves:
+        r, h, half = groove.radius, groove.depth, groove.half_width
+        area = r**2 * np.arccos((r - h) / r) - (r - h) * half
+        # Of a circular segment, from the middle of its circle.
+        centroid = (2 * half) ** 3 / (12 * area)
+        turned = abs(groove.end_angle_rad - groove.start_angle_rad)
+        expected += area * (groove.root_radius + r - centroid) * turned
+    # Less what the slots have taken already.
+    assert 0.93 * expected < removed < expected, (removed, expected)
+    item = next(i for i in bill(dims, 35.0).items if i.name == f"input_pulley_{pulley.name}")
+    for path in dims.cable_paths(np.radians(35.0)):
+        if path.cable.input_name == pulley.name:
+            for stretch in path.stretches[:2]:
+                line = path.only(stretch.pieces).line
+                volume, place = common(rod(line, d / 2 - CABLE_UNDERSIZE_MM), solid, item.location)
+                assert abs(volume) < VOLUME_LIMIT_MM3, (path.cable.name, stretch.body, volume, place)
+
+
+def test_terminals_of_a_wide_sector_stand_at_its_ends(reference: BevelDrive) -> None:
+    """Beyond a right angle every degree of the sector is one more of travel, for each cable alike."""
+
+    def anchors(sector_deg: float) -> np.ndarray:
+        drive = replace(reference, drum=replace(reference.drum, sector_half_angle_deg=sector_deg))
+        return np.degrees([t.anchor_rad for t in layout(drive).drum.tensioners])
+
+    assert anchors(120.0) - anchors(100.0) == pytest.approx(20.0, abs=0.2)
+    wide = replace(reference, half_travel_deg=60.0, drum=replace(reference.drum, sector_half_angle_deg=105.0))
+    after = statuses(wide)
+    assert {after[name] for name in ("wrap_left", "terminal_clears_guide", "spans_clear", "drum_sweep")} == {"pass"}
+
+
+def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table_and_draws_none(reference: BevelDrive) -> None:
+    plain, cut = (layout(drive).inputs[0] for drive in (reference, grooved(reference)))
+    assert input_pulley_sheet("p", plain).simplified is None
+    sheet = input_pulley_sheet("p", cut)
+    assert sheet.simplified is not None and sheet.simplified[0].grooves == ()
+    assert sheet.simplified[0].lower_land_radius == cut.lower_land_radius > plain.lower_land_radius
+    table = {row[0]: row[1:] for row in next(t for t in sheet.tables if t.title == "Helical grooves").rows}
+    assert table["lead"] == ("0.89", "0.89") and table["root %%c"] == ("11.19", "11.99")
+    assert table["hand of the helix"] == ("right", "right")

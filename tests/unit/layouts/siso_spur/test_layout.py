@@ -1,0 +1,219 @@
+"""Geometry of the plain capstan drive: cable path, walk, groove under the cable, checks of the winding."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mbcdm_cad.checks.run import run_check
+from mbcdm_cad.layouts.check_design import run_checks
+from mbcdm_cad.layouts.loader import load_text, new_design_text
+from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
+from mbcdm_cad.layouts.siso_spur.bill import bill
+from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
+from mbcdm_cad.layouts.siso_spur.checks.winding import CHECKS as WINDING
+from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
+from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout, layout
+from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, seat_forces
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.stiffness import unit_tensions_N
+from mbcdm_cad.parts.make import make
+from mbcdm_cad.parts.shapes import cut
+from tests.support.smooth_path import assert_joined
+
+ROOT = Path(__file__).parents[4]
+
+
+def test_params_file_is_what_the_schema_writes() -> None:
+    """After a change of schema or reference:
+    ``rm params/siso_spur.yaml && mbcdm init params/siso_spur.yaml --reference --configuration siso_spur``."""
+    assert (ROOT / "params/siso_spur.yaml").read_text("utf-8") == new_design_text("siso_spur", "siso_spur")
+
+
+def test_reference_design_fails_no_check(drive: SpurDrive) -> None:
+    failed = {result.id: result.message for result in run_checks(drive) if result.status == "fail"}
+    assert not failed, failed
+
+
+@pytest.mark.parametrize("hub_mm", [20.0, 70.0])
+def test_the_stop_pin_stands_outside_hub_and_boss(drive: SpurDrive, hub_mm: float) -> None:
+    """Its slot leaves a web beside the hub, and the boss that stands out of the plate does not meet it."""
+    bearing = replace(drive.bearings.drum, outer_diameter_mm=66.0)
+    changed = replace(
+        drive,
+        drum=replace(drive.drum, hub_diameter_mm=hub_mm),
+        bearings=replace(drive.bearings, drum=bearing),
+    )
+    dims = layout(changed)
+    pin, slot = dims.frame.stop_pin_radius, dims.drum.stop_slot_width / 2
+    beside_hub = dims.frame.stop_pin_z - slot - hub_mm / 2
+    beside_boss = dims.frame.stop_pin_z - pin - dims.frame.boss.radius
+    assert beside_hub >= 2 * drive.drum.material.min_wall_mm, f"{beside_hub} mm"
+    assert beside_boss >= drive.clearances.running_mm, f"{beside_boss} mm"
+    assert dims.drum.stop_radius == dims.frame.stop_pin_z
+
+
+def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
+    dims: SpurLayout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The kernel cut a pulley of 10 turns into 3 bodies; here the first cut of 1.2 turns is made to fail so."""
+    (item,) = (part for name, part in bill(dims).parts.items() if name.startswith("input_pulley"))
+    (groove,) = dims.inputs[0].grooves
+    share = 1.2 * 2 * pi / (groove.end_angle_rad - groove.start_angle_rad)
+    short = replace(
+        groove,
+        end_angle_rad=groove.start_angle_rad + 1.2 * 2 * pi,
+        end_z=groove.start_z + share * (groove.end_z - groove.start_z),
+    )
+    args, tools = (replace(dims.inputs[0], grooves=(short,)),), list[object]()
+    whole = make(item.maker, args).Volume()
+
+    def cut_through(body: object, cutters: list[object], name: str) -> object:
+        tools.append(cutters)
+        if len(tools) == 1:
+            raise ValueError(f"{name}: drawing gave 3 bodies")
+        return cut(body, cutters, name)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("mbcdm_cad.parts.input_pulley.draw.cut", cut_through)
+    in_turns = make(item.maker, args).Volume()
+    assert len(tools) > 2 and in_turns == pytest.approx(whole, rel=1e-4), f"{in_turns} for {whole} mm^3"
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    ratio=st.floats(3.0, 9.9),
+    distance=st.floats(68.0, 120.0),
+    turns=st.integers(1, 6),
+    lead=st.floats(0.85, 2.0),
+    angle=st.floats(-35.0, 35.0),
+)
+def test_path_keeps_its_length_and_joins_without_a_kink(
+    drive: SpurDrive, ratio: float, distance: float, turns: int, lead: float, angle: float
+) -> None:
+    """One slope all the way: whatever the winding, nothing bends sideways and nothing stretches over the travel."""
+    cables = tuple(replace(c, input_radius_mm=c.drum_radius_mm / ratio) for c in drive.cables)
+    reach = cables[0].drum_radius_mm + cables[0].input_radius_mm
+    changed = replace(
+        drive, cables=cables, centre_distance_mm=max(distance, reach + 1.0), turns=turns, helix_lead_mm=lead
+    )
+    changed = laid(changed)
+    anchors = {c.name: (changed.landing_rad + 1.0, 5.0) for c in cables}
+    centred, path = (cable_path(changed, anchors, at) for at in (0.0, np.radians(angle)))
+    assert path.length_mm == pytest.approx(centred.length_mm, abs=1e-9)
+    assert_joined(path)
+
+
+def test_spans_walk_one_lead_a_turn_and_leave_their_turns_apart(dims: SpurLayout) -> None:
+    """Walk over the travel: lead x ratio x travel / 360; apart: lead x wrap / 360; both measured on the path."""
+    drive = dims.drive
+    ends = []
+    for angle in (-35.0, 35.0):
+        wound = dims.cable_paths(np.radians(angle))[0].piece("wound").points(np.array([0.0, 1.0]))
+        ends.append(wound[:, 1])
+    assert ends[1] - ends[0] == pytest.approx([0.9 * 9.9 * 70.0 / 360.0] * 2, abs=1e-9)
+    assert ends[0][1] - ends[0][0] == pytest.approx(0.9 * degrees(drive.wrap_rad) / 360.0, abs=1e-9)
+
+
+def test_groove_lies_under_the_cable_at_every_angle(dims: SpurLayout) -> None:
+    """In the pulley's own frame the wound cable follows the groove's helix, and the groove reaches beyond it."""
+    groove = dims.inputs[0].grooves[0]
+    for angle in (-35.0, 0.0, 20.0, 35.0):
+        place = next(i.location for i in bill(dims, angle).items if i.name == "input_pulley_main")
+        wound = dims.cable_paths(np.radians(angle))[0].piece("wound").points(np.linspace(0.0, 1.0, 60))
+        own = place.inverse.apply(wound)
+        assert np.hypot(own[:, 0], own[:, 1]) == pytest.approx(groove.root_radius + 0.405, abs=1e-9)
+        per_rad = groove.lead / (2 * pi)
+        at = groove.start_angle_rad + (own[:, 2] - groove.start_z) / per_rad
+        off = np.arctan2(own[:, 1], own[:, 0]) - at
+        assert np.abs(np.angle(np.exp(1j * off))).max() < 1e-9
+        assert groove.start_angle_rad < at.min() and at.max() < groove.end_angle_rad
+
+
+def test_turns_beside_each_other_by_brute_force(drive: SpurDrive) -> None:
+    """The span, going on in line with its helix, against the turn before it, both as points."""
+    r, lead = drive.input_radius_mm, drive.helix_lead_mm
+    slope = lead / (2 * pi * r)
+    a = np.linspace(-2.5, 2.5, 4001)
+    turn = np.stack([r * (1 - np.cos(a)), r * np.sin(a), slope * r * a - lead], axis=1)
+    s = np.linspace(0.0, 6.0, 601)
+    span = np.stack([0 * s, s, slope * s], axis=1)
+    nearest = min(float(np.linalg.norm(turn - point, axis=1).min()) for point in span)
+    assert turn_distance_mm(r, lead) == pytest.approx(nearest, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("check", "change", "status"),
+    [
+        ("input_slip", {"turns": 2}, "pass"),
+        ("input_slip", {"turns": 1}, "fail"),
+        ("input_sticks", {"turns": 2}, "warn"),
+        ("input_sticks", {"turns": 3}, "pass"),
+        ("helix_lead", {"helix_lead_mm": 0.88}, "fail"),
+        ("free_span", {"centre_distance_mm": 65.45}, "fail"),
+        ("land_spacing", {"turns": 1}, "fail"),
+    ],
+)
+def test_winding_against_its_limits(drive: SpurDrive, check: str, change: dict[str, float], status: str) -> None:
+    found = next(c for c in WINDING if c.id == check)
+    result = run_check(found, SpurUnderTest(laid(replace(drive, **change))))
+    assert result.status == status, result.message
+
+
+def test_remedy_of_slip_names_the_turns_that_hold(drive: SpurDrive) -> None:
+    found = next(c for c in WINDING if c.id == "input_slip")
+    result = run_check(found, SpurUnderTest(laid(replace(drive, turns=1))))
+    assert "raise transmission.turns to 3" in result.remedy, result.remedy
+
+
+def test_smooth_input_is_refused_a_steep_helix(drive: SpurDrive) -> None:
+    smooth = replace(drive, input_pulleys=replace(drive.input_pulleys, surface="smooth"))
+    found = next(c for c in WINDING if c.id == "fleet_angle")
+    for lead, status in ((0.9, "pass"), (1.1, "fail")):
+        result = run_check(found, SpurUnderTest(laid(replace(smooth, helix_lead_mm=lead))))
+        assert result.status == status, result.message
+
+
+def test_every_item_joins_once_in_the_order_of_assembly(dims: SpurLayout) -> None:
+    joined = [name for step in assembly_order(dims) for name in step.items]
+    assert sorted(joined) == sorted(item.name for item in bill(dims).items)
+
+
+def test_two_sides_must_run_apart() -> None:
+    text = new_design_text("x", "siso_spur").replace("drum_side: -x", "drum_side: +x")
+    with pytest.raises(Exception, match="both sides run to one side"):
+        load_text(text)
+
+
+def test_forces_of_1_Nm_leave_the_mounts_its_moment_alone(dims: SpurLayout) -> None:
+    forces = seat_forces(dims, unit_tensions_N(to_si(dims.drive)))
+    assert sum(f for _, _, f, _ in forces) == pytest.approx(0.0, abs=1e-9)
+    assert sum(p[2] * f + c for _, p, f, c in forces) * 1e-3 == pytest.approx(-1.0, rel=1e-9)
+    assert sum(p[1] * f for _, p, f, _ in forces) * 1e-3 == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_thicker_walls_turn_less(drive: SpurDrive) -> None:
+    def windup(**walls: float) -> float:
+        return frame_compliance(layout(replace(drive, support=replace(drive.support, **walls)))).windup_urad_Nm
+
+    now = windup()
+    assert 30.0 < now < 50.0, f"{now} urad per N m"
+    for walls in ({"plate_mm": 6.0}, {"bridge_mm": 5.0}, {"encoder_shelf_mm": 5.0}):
+        assert windup(**walls) < now, walls
+
+
+def test_the_shelf_has_a_wall_beside_the_heads_of_the_encoder_screws(drive: SpurDrive) -> None:
+    """Of a material with thick walls, such as PLA, the shelf is wider than the encoder."""
+    for wall in (0.8, 1.2):
+        material = replace(drive.support.material, min_wall_mm=wall)
+        f = layout(replace(drive, support=replace(drive.support, material=material))).frame
+        beside = f.shelf_half_width - f.encoder_circle_radius - f.encoder_head_radius
+        assert beside >= wall - 1e-9, f"{beside} mm of {wall}"
