@@ -2,10 +2,10 @@
 
     python tests/same_outputs.py BASE [--designs 10] [--only siso_spur] [--no-build] [--work FOLDER]
 
-Checks out the commit ``BASE`` in another folder, writes the reference design of each layout and some random designs of
-it that pass BASE's checks, and runs check, analyse, build, simulate and loop on each of them with both states. Files and ``--json`` output
-are compared byte for byte, after hashes of inputs and code and times of day are masked; text for the terminal is not
-compared. Prints each file that differs; exit 1 if any does. ``--work`` keeps the outputs of BASE for the next time.
+Checks out the commit ``BASE`` in another folder, writes the reference design of each layout and some random designs
+of it that pass BASE's checks, and runs check, analyse, build, simulate and loop on each of them with both states. Files
+and ``--json`` output are compared byte for byte, after hashes of inputs and code and times of day are masked; text for
+the terminal is not compared. Prints each file that differs; exit 1 if any does. ``--work`` keeps the outputs of BASE.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
-# Runs of each layout, a rope that is carried along and several causes at once among them; the loop reads all but the last.
+# Runs of each layout, among them a rope that is carried along and several causes at once. The loop reads all but the
+# last.
 EXPERIMENTS = {
     "miso_bevel": ("winding-short-brake", "pair-left-lines", "dynamic/lash-and-cogging"),
     "siso_bevel": ("winding-short-brake", "preload-all-low", "dynamic/stick-slip"),
