@@ -1,0 +1,96 @@
+"""A wheel of the package works by itself: installed into an empty environment, run in a folder outside the tree.
+
+Nothing comes from the network: the libraries that the package needs are those of the running Python.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+TREE = Path(__file__).parents[2]
+# A quick run of the test rig for each layout.
+EXPERIMENTS = {
+    "miso_bevel": "winding-short-brake",
+    "siso_bevel": "winding-short-brake",
+    "siso_spur": "siso_spur/input-creep",
+    "miso_spur": "siso_spur/input-creep",
+}
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel of a clean copy of the tree."""
+    copy, out = tmp_path_factory.mktemp("tree"), tmp_path_factory.mktemp("wheel")
+    for name in ("pyproject.toml", "README.md"):
+        shutil.copy(TREE / name, copy)
+    shutil.copytree(TREE / "mbcdm_cad", copy / "mbcdm_cad", ignore=shutil.ignore_patterns("__pycache__"))
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-index"]
+    subprocess.run([*pip, "--no-deps", "--no-build-isolation", "--wheel-dir", str(out), str(copy)], check=True)
+    return next(out.glob("*.whl"))
+
+
+@pytest.fixture(scope="module")
+def program(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The command ``mbcdm`` of a new environment that holds the wheel and sees the libraries of this one after it."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder, symlinks=True)
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", str(folder / "bin" / "python")]
+    subprocess.run([*pip, "install", "--quiet", "--no-index", "--no-deps", str(wheel)], check=True)
+    libraries = [path for path in sys.path if Path(path).name == "site-packages"]
+    next(folder.glob("lib/python*/site-packages")).joinpath("libraries.pth").write_text("\n".join(libraries))
+    return folder / "bin" / "mbcdm"
+
+
+def test_the_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
+    files = {path for path in (TREE / "mbcdm_cad").rglob("*") if path.is_file() and path.suffix != ".pyc"}
+    wanted = {path.relative_to(TREE).as_posix() for path in files}
+    held = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("mbcdm_cad/")}
+    assert held == wanted, f"not in the wheel: {sorted(wanted - held)}; only in it: {sorted(held - wanted)}"
+
+
+@pytest.mark.parametrize("layout", EXPERIMENTS)
+def test_the_commands_work_from_a_wheel(program: Path, tmp_path: Path, layout: str) -> None:
+    # No path of the tree may help the program to find the package.
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+
+    def run(*arguments: str) -> str:
+        done = subprocess.run(
+            [str(program), *arguments], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"mbcdm {' '.join(arguments)}: {done.returncode}\n{done.stdout}\n{done.stderr}"
+        return done.stdout
+
+    python = program.with_name("python")
+    where = subprocess.run(
+        [str(python), "-c", "import mbcdm_cad; print(mbcdm_cad.__file__)"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert Path(where).is_relative_to(python.parents[1]), f"not the installed package: {where}"
+
+    run("init", "drive.yaml", "--reference", "--configuration", layout)
+    run("check", "drive.yaml")
+    assert json.loads(run("analyse", "drive.yaml", "--json"))["paths"]
+    run("build", "drive.yaml", "--jobs", "1")
+    run("page", "drive.yaml")
+    built = next(path.parent for path in (tmp_path / "out").glob("*/report.html"))
+    assert (built / "report.md").stat().st_size > 1000
+    shutil.copy(TREE / "params" / "experiments" / f"{EXPERIMENTS[layout]}.yaml", tmp_path / "experiment.yaml")
+    run("simulate", "drive.yaml", "experiment.yaml")
+    data = Path(EXPERIMENTS[layout]).name
+    run("loop", "drive.yaml", f"out/{data}/{data}.yaml", "--report", "loop")
+    assert (tmp_path / "loop").is_dir()
