@@ -69,8 +69,8 @@ def write_series(folder: Path, samples: int, effects: str) -> Path:
 
 def loop_once(path: Path) -> dict[str, Any]:
     """Read and close the loop, timed apart."""
-    from mbcdm_cad.identification.engine import close_loop
     from mbcdm_cad.layouts.loader import load_design
+    from mbcdm_cad.loop.search.engine import close_loop
     from mbcdm_cad.measurement.reading import load_measurement
 
     drive = load_design(DESIGN).drive

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.design.loaded import LoadedDesign
-    from mbcdm_cad.identification.judge import LoopReport
+    from mbcdm_cad.loop.judge import LoopReport
     from mbcdm_cad.measurement.file import MeasurementFile
     from mbcdm_cad.measurement.reading import Reading
     from mbcdm_cad.measurement.run import Run
@@ -236,7 +236,7 @@ def close_loop(design: DriveDesign, runs: MeasuredRun | str | Path | Iterable[Me
 
     ``runs``: runs or paths of measurement files. Raises ``InputError`` with all mistakes in them.
     """
-    from mbcdm_cad.identification.judge import judge
+    from mbcdm_cad.loop.judge import judge
     from mbcdm_cad.measurement.file import load_file
 
     listed = [runs] if isinstance(runs, MeasuredRun | str | Path) else list(runs)

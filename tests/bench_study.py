@@ -44,7 +44,7 @@ GROUP_OF = {"texture": "null", "fair": "single"}
 
 def judge(task: tuple[str, int]) -> dict[str, Any]:
     """Make the run, give it to the loop, compare."""
-    from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.loop.search.engine import close_loop
 
     case, seed = task
     drive = load_design(DESIGN).drive
@@ -94,8 +94,8 @@ def _plain(figure: Any) -> float:
 
 def _knowing(drive: Drive, case: str, seed: int) -> float:
     """Held-out error that knowing the truth would leave, rad: that of the same run without the effects."""
-    from mbcdm_cad.identification.fit import Fitter
-    from mbcdm_cad.identification.prepared import prepare
+    from mbcdm_cad.loop.prepare.prepared import prepare
+    from mbcdm_cad.loop.search.fit import Fitter
     from mbcdm_cad.measurement.vet import arranged
     from mbcdm_cad.model.si import to_si
 

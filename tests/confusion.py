@@ -39,7 +39,7 @@ COMMAND_LINE_EVERY = 8
 
 def judge(case: str, seed: int, twin: bool = False, command_line: bool = False) -> Score:
     """Make the run, give it to the loop, compare."""
-    from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.loop.search.engine import close_loop
     from mbcdm_cad.measurement.reading import load_measurement
 
     drive = load_design(DESIGN).drive
@@ -95,7 +95,7 @@ def state_of_code() -> str:
     """Digest of what the figures depend on."""
     files = [
         p
-        for room in ("measurement", "identification", "model", "design")
+        for room in ("measurement", "loop", "planning", "model", "design")
         for p in sorted((ROOT / "mbcdm_cad" / room).rglob("*.py"))
     ]
     files += sorted((ROOT / "tests" / "support").glob("bench_*.py"))

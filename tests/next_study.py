@@ -32,9 +32,9 @@ from bench_real import Truth, logged, simulate_real, tracked, truth_of  # noqa: 
 from bench_score import outcome_of, said_of, same  # noqa: E402
 from scipy.ndimage import uniform_filter1d  # noqa: E402
 
-from mbcdm_cad.cli.next_run import USELESS, next_run  # noqa: E402
-from mbcdm_cad.identification.engine import close_loop  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
+from mbcdm_cad.loop.search.engine import close_loop  # noqa: E402
+from mbcdm_cad.planning.next_run import USELESS, next_run  # noqa: E402
 from mbcdm_cad.rig.quasistatic.experiment import Experiment  # noqa: E402
 
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive

@@ -35,10 +35,10 @@ from bench_page import interval  # noqa: E402
 from bench_real import Traits, draw_traits, logged, tracked  # noqa: E402
 from bench_score import outcome_of, said_of  # noqa: E402
 
-from mbcdm_cad.identification.engine import close_loop  # noqa: E402
-from mbcdm_cad.identification.plan import noise_from, plan_of  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
+from mbcdm_cad.loop.search.engine import close_loop  # noqa: E402
 from mbcdm_cad.measurement.run import Run  # noqa: E402
+from mbcdm_cad.planning.plan import noise_from, plan_of  # noqa: E402
 
 DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
 POWERS = (0.5, 0.9)

@@ -38,7 +38,7 @@ from bench_score import label, outcome_of, said_of  # noqa: E402
 
 DESIGN = ROOT / "params" / "mbcdm.yaml"
 LIBRARY = ROOT / "params" / "experiments"
-# RMS over the floor from which an effect is to be named: the loop's own rule (identification/select.py).
+# RMS over the floor from which an effect is to be named: the loop's own rule (loop/search/select.py).
 LEAST = 0.45
 
 
@@ -61,8 +61,8 @@ def judge(task: tuple[str, int]) -> Row:
     """Simulate one experiment, give it to the loop, compare with the truth."""
     import yaml
 
-    from mbcdm_cad.identification.engine import close_loop
     from mbcdm_cad.layouts.loader import load_design
+    from mbcdm_cad.loop.search.engine import close_loop
     from mbcdm_cad.measurement.reading import load_measurement
     from mbcdm_cad.model.si import to_si
     from mbcdm_cad.rig.quasistatic.experiment import Experiment

@@ -14,9 +14,9 @@ import click
 
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.identification.as_built import applied_words, as_built_text
-from mbcdm_cad.identification.correction_files import correction_files, correction_words
-from mbcdm_cad.identification.judge import drive_of, json_bytes, judge
+from mbcdm_cad.loop.as_built import applied_words, as_built_text
+from mbcdm_cad.loop.correction_files import correction_files, correction_words
+from mbcdm_cad.loop.judge import drive_of, json_bytes, judge
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.storage.files import write_whole
 
@@ -56,7 +56,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         outputs[wanted.as_built] = text.encode()
         applied = applied_words(report.result)
     if wanted.report is not None:
-        from mbcdm_cad.identification.report import report_page
+        from mbcdm_cad.loop.page.report import report_page
 
         page = report_page(report.result, report.design(), [(one.run, one.findings, one.notes) for one in vetted])
         outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: json_bytes(content)}
@@ -66,7 +66,7 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
         outputs |= {wanted.correction / name: text for name, text in correction_files(table, source).items()}
         click.echo(f"\ncorrection: {correction_words(table)}")
     if wanted.next is not None:
-        from mbcdm_cad.cli.next_run import next_run
+        from mbcdm_cad.planning.next_run import next_run
 
         following = next_run(loaded.drive, [one.run for one in vetted], report.result)
         if following is None:

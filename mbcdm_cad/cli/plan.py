@@ -7,14 +7,14 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.build.progress import progress
-from mbcdm_cad.cli.bench_runs import experiment_text, run_of
-from mbcdm_cad.cli.best_run import best_run
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.identification.judge import json_bytes
-from mbcdm_cad.identification.plan import noise_from, plan_of
+from mbcdm_cad.loop.judge import json_bytes
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.planning.bench_runs import experiment_text, run_of
+from mbcdm_cad.planning.best_run import best_run
+from mbcdm_cad.planning.plan import noise_from, plan_of
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.reading import read_bench, read_experiment
 from mbcdm_cad.storage.files import write_whole

@@ -103,7 +103,7 @@ class Configuration(Protocol):
         """Schema, reference values and rules of its design files, and the function that makes a drive from one."""
 
     def routes(self, drive: Drive) -> RoutedDrive:
-        """Routes of the cables, on which model, rig and identification work."""
+        """Routes of the cables, on which model, rig and loop work."""
 
     def inertias_kg_m2(self, drive: Drive) -> dict[str, float]:
         """Moment of inertia of each body of the routes about its own axis, without CAD."""

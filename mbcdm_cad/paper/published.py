@@ -14,7 +14,7 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.identification.result import readable
+from mbcdm_cad.loop.result import readable
 from mbcdm_cad.measurement.file import MeasurementFile
 from mbcdm_cad.measurement.schema import Published
 from mbcdm_cad.measurement.units import Unit, unit_of

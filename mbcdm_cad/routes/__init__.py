@@ -2,7 +2,7 @@
 
 A configuration describes its drive by :class:`~mbcdm_cad.routes.route.DriveRoutes`: the bodies that cables run on, one
 :class:`~mbcdm_cad.routes.route.CableRoute` a cable, and a :class:`~mbcdm_cad.routes.geometry.Geometry` that gives
-spans and wraps when a length of the design varies. Model, rig and identification work only on these.
+spans and wraps when a length of the design varies. Model, rig and loop work only on these.
 """
 
 from __future__ import annotations

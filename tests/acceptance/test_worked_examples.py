@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad.cli import run
-from mbcdm_cad.identification import effects
-from mbcdm_cad.identification.engine import close_loop
-from mbcdm_cad.identification.result import LoopResult
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop import effects
+from mbcdm_cad.loop.result import LoopResult
+from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.reading import load_measurement
 
 ROOT = Path(__file__).parents[2]

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.identification.report import report_page
-from mbcdm_cad.identification.result import Errors, LoopResult, Traces, Value
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.page.report import report_page
+from mbcdm_cad.loop.result import Errors, LoopResult, Traces, Value
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.report.comparison import compared
 from mbcdm_cad.report.page.compared import comparison_page

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 from bench_cut import ending
 
-from mbcdm_cad.identification.result import VERDICTS
+from mbcdm_cad.loop.result import VERDICTS
 
 # Causes that a message may name; all others would be a failure of the loop.
 CAUSES = ("wrong sign", "cannot follow the run: ")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.identification.engine import close_loop
-from mbcdm_cad.identification.result import VERDICTS, result_text
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.result import VERDICTS, result_text
+from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import refusals, vet
 from mbcdm_cad.routes import Floats

@@ -26,8 +26,8 @@ from bench_motion import Bench  # noqa: E402
 from bench_real import REAL_CASES, simulate_real  # noqa: E402
 
 from mbcdm_cad.errors import MbcdmError  # noqa: E402
-from mbcdm_cad.identification.judge import judge  # noqa: E402
 from mbcdm_cad.layouts.loader import load_design  # noqa: E402
+from mbcdm_cad.loop.judge import judge  # noqa: E402
 from mbcdm_cad.measurement.file import load_file  # noqa: E402
 
 LOADED = load_design(ROOT / "params" / "mbcdm.yaml")

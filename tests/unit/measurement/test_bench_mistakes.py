@@ -301,7 +301,7 @@ def said_of(write: Write, mistake: Mistake, monkeypatch: pytest.MonkeyPatch) -> 
     def judged(*_: object) -> None:
         raise JudgedError
 
-    monkeypatch.setattr("mbcdm_cad.identification.engine.close_loop", judged)
+    monkeypatch.setattr("mbcdm_cad.loop.search.engine.close_loop", judged)
     path = write(mistake.data(), mistake.content())
     try:
         return path, mbcdm(["loop", DESIGN, str(path)])

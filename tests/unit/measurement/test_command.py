@@ -57,7 +57,7 @@ def test_a_run_that_the_model_cannot_follow_is_told_by_its_file(
     def refuse(*_: object) -> None:
         raise ModelError("sample 7: no drum angle balances a load of 1 N m; check its unit and sign")
 
-    monkeypatch.setattr("mbcdm_cad.identification.engine.close_loop", refuse)
+    monkeypatch.setattr("mbcdm_cad.loop.search.engine.close_loop", refuse)
     assert mbcdm(["loop", str(DESIGN), str(bare)]) == 2
     said = capsys.readouterr().err
     assert said.startswith(f"{bare}: the declared model cannot follow the run: sample 7") and "check" in said, said

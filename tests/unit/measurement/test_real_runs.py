@@ -55,7 +55,7 @@ def test_the_mappings_are_there() -> None:
 def test_the_loop_finds_the_lost_motion_seen_by_hand(
     name: str, seen_by_hand_rad: float, width_rad: float, tmp_path: Path
 ) -> None:
-    from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.loop.search.engine import close_loop
 
     result = close_loop(None, [real_run(name, tmp_path)])
     said = [named for group in (result.effects, *result.one_of) for named in group]
@@ -73,7 +73,7 @@ def test_the_loop_finds_the_lost_motion_seen_by_hand(
 def test_three_runs_together_name_the_lost_motion_outright(
     drive: str, seen_by_hand_rad: float, width_rad: float, tmp_path: Path
 ) -> None:
-    from mbcdm_cad.identification.engine import close_loop
+    from mbcdm_cad.loop.search.engine import close_loop
 
     result = close_loop(None, [real_run(f"run_{run}_{drive}", tmp_path) for run in ("00", "05", "20")])
     assert [named.name for named in result.effects] == ["lash"] and not result.one_of, result.sentence

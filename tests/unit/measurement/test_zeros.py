@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.identification.engine import close_loop
 from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, vet
 from mbcdm_cad.model.hysteresis import simulate

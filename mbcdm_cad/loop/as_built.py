@@ -1,0 +1,146 @@
+"""The drive as built: write named effects into the design file, and read them from there into the declared model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import yaml
+
+from mbcdm_cad.design import yamltree
+from mbcdm_cad.design.describe import flow
+from mbcdm_cad.design.drive import AsBuilt
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.effects import library
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.result import LoopResult, Named
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+KEY = "as_built"
+_HEADING = "# Effects that the built drive was found to have, written by 'mbcdm loop --apply'"
+
+
+def known_effects(d: DriveSI, p: Prepared, found: Sequence[AsBuilt]) -> list[tuple[Effect, Floats]]:
+    """The effects of ``Drive.as_built`` as the loop has them, with their values, for one run.
+
+    An effect that the run cannot show (no torque column) is left out. Raises ModelError for a form or figure that the
+    loop does not have for this drive.
+    """
+    offered = library(d, p)
+    known = []
+    for k, entry in enumerate(found):
+        same = [e for e in offered if (e.name, e.stage) == (entry.name, entry.stage) and e.form == entry.form]
+        same = [e for e in same if not entry.cables or e.cables == entry.cables]
+        if not same and p.load_Nm is None:
+            continue
+        if not same:
+            forms = sorted({f"{e.name}: {e.form}" + (f", stage {e.stage}" if e.stage else "") for e in offered})
+            raise ModelError(
+                f"{KEY}[{k}]: no effect {entry.name!r} of form {entry.form!r}, stage {entry.stage or 'none'}; "
+                f"there are {'; '.join(forms)}"
+            )
+        values = {p.name: p.default for p in same[0].parameters if p.default is not None}
+        values |= {value.name: value.value for value in entry.values}
+        wanted = [parameter.name for parameter in same[0].parameters]
+        if missing := [name for name in wanted if name not in values]:
+            raise ModelError(f"{KEY}[{k}]: {entry.name} lacks {', '.join(missing)}; give {', '.join(wanted)}")
+        known.append((same[0], np.array([values[name] for name in wanted])))
+    return known
+
+
+def as_built_text(loaded: LoadedDesign, result: LoopResult, source: str = "") -> str:
+    """The text of the design file with the effects that ``result`` names added to its list ``as_built``.
+
+    Nothing else of the text changes. Members of a set are written as comments; removing the comment marks of one puts
+    it in force. Comments that an earlier run wrote are removed, because this run has judged the set again. ``source``
+    names the run.
+    """
+    lines = loaded.text.split("\n")
+    start, end = _block(loaded.text, lines)
+    before = yamltree.parse(loaded.text, str(loaded.path)).data.get(KEY) or []
+    entries = before + [_entry(named, source) for named in result.effects]
+    block = [f"{KEY}:" if entries or result.one_of else f"{KEY}: []"]
+    for entry in entries:
+        block += _written(entry)
+    for number, group in enumerate(result.one_of, 1):
+        block += _undecided(group, number, len(result.one_of), source)
+    if start == end:
+        while lines and not lines[-1].strip():
+            lines.pop()
+        return "\n".join([*lines, "", _HEADING, *block, ""])
+    return "\n".join([*lines[:start], *block, *lines[end:]])
+
+
+def applied_words(result: LoopResult) -> str:
+    """What :func:`as_built_text` wrote, for the terminal."""
+    words = [f"{', '.join(named.words for named in result.effects)} in force"] if result.effects else []
+    words += [
+        f"undecided, as comments: {' or '.join(named.words for named in group)} "
+        "(remove the comment marks of the one that the bench confirms)"
+        for group in result.one_of
+    ]
+    return "; ".join(words) or "no effect was named, so the design is unchanged"
+
+
+def _undecided(group: Sequence[Named], number: int, count: int, source: str) -> list[str]:
+    """Members of a set as comments. A line of words has two marks: it is still a comment when one mark is removed."""
+    which = f"set {number} of {count}: " if count > 1 else ""
+    lines = [
+        f"  ## UNDECIDED, {which}the runs cannot tell which one of these {len(group)} it is. None is in force.",
+        "  ## Put the one in force that the bench confirms: take '# ', the mark and one blank, off each of its lines.",
+    ]
+    for k, named in enumerate(group, 1):
+        lines.append(f"  ## {k}. {named.words} ({named.form}); look at: {named.where_to_look}".rstrip())
+        lines += [f"  # {line[2:]}" for line in _written(_entry(named, source))]
+    return lines
+
+
+def _block(text: str, lines: list[str]) -> tuple[int, int]:
+    """First line of the list and the one after its last; two equal numbers where the file has none."""
+    root = yaml.compose(text, Loader=yaml.SafeLoader)
+    assert isinstance(root, yaml.MappingNode), "a design file that was read is a mapping"
+    for key, value in root.value:
+        if key.value == KEY:
+            start, end = key.start_mark.line, value.end_mark.line + (value.end_mark.column > 0)
+            end = max(end, start + 1)
+            # A block list ends where the next field begins; blank lines and comments before that field belong to it.
+            while end > start + 1 and (not lines[end - 1].strip() or lines[end - 1].startswith("#")):
+                end -= 1
+            # Indented comments belong to the list, also where the list has nothing else.
+            while end < len(lines) and lines[end].startswith(" ") and lines[end].lstrip().startswith("#"):
+                end += 1
+            return start, end
+    return 0, 0
+
+
+def _entry(named: Named, source: str) -> dict[str, Any]:
+    entry: dict[str, Any] = {"name": named.name, "form": named.form}
+    if named.stage:
+        entry["stage"] = named.stage
+    if named.cables:
+        entry["cables"] = list(named.cables)
+    entry["values"] = [_value(name, value, named) for name, value in named.fitted.items()]
+    if source:
+        entry["source"] = source
+    return entry
+
+
+def _value(name: str, value: float, named: Named) -> dict[str, Any]:
+    """A fitted value; with its interval if the value itself is a reported figure."""
+    found: dict[str, Any] = {"name": name, "value": value}
+    figure = named.parameters.get(name)
+    if figure is not None and math.isfinite(figure.low) and math.isfinite(figure.high):
+        found |= {"low": figure.low, "high": figure.high}
+    return found
+
+
+def _written(entry: dict[str, Any]) -> list[str]:
+    """One entry as YAML, a line a field."""
+    values = ["      - " + flow(value) for value in entry["values"]]
+    rest = [f"    {key}: {flow(value)}" for key, value in entry.items() if key not in ("name", "values")]
+    return [f"  - name: {entry['name']}", *rest, "    values:", *values]

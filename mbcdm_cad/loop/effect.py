@@ -1,0 +1,154 @@
+"""The class of an effect: its name, one physical form of it, how it changes a run, and how it is judged.
+
+Everything that the search, the judgement and the report must know of an effect is a field here, so that an effect is
+one file of ``effects/``. Shapes that several effects share stand below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+Starts = Callable[[Setup, Floats], list[list[float]]]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One figure that the fit varies: its name with unit, a typical small size, and bounds.
+
+    ``role``: "size" says how large the effect is, and only sizes are tested against zero; "place" says where it lies (a
+    time, a time constant), "order" is the cycles a turn of the output of a line in the spectrum. ``default`` is its
+    value where an as-built file does not give it.
+    """
+
+    name: str
+    size: float
+    low: float = -np.inf
+    high: float = np.inf
+    role: Literal["size", "place", "order"] = "size"
+    default: float | None = None
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure as it is reported: a function of the fitted values, whose interval follows by linear propagation.
+
+    ``meaning`` says, for the page, what the figure means on the bench where its name does not.
+    """
+
+    name: str
+    of: Callable[[Floats], float]
+    meaning: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """One form of an effect.
+
+    ``apply`` changes the setup of a run; ``starts`` gives first guesses from the residual (rad, all samples), by
+    default one at zero. ``figures`` are what is reported, ``physical`` what they mean as hardware; both default to the
+    parameters themselves. ``cables`` are the names of the cables concerned.
+
+    ``several``: there may be more than one of it in a run. ``once``: it happened once, at a time that the search, which
+    may have seen only a part of the run, need not know. ``generic``: a single curve of load or speed without a name may
+    look like it, so it is tried against such curves (:mod:`mbcdm_cad.loop.search.generic`). ``after`` are names that
+    are refitted, however little they promise, before this one is accepted; ``doubtful`` checks fitted values: where no
+    such part can exist it returns a sentence that says what to look for instead, otherwise an empty text. ``hangs_on``
+    is the quantity on which the effect depends, other than angle, direction and load: no correction table can represent
+    it. ``last``: a shape rather than a cause, accepted only where no cause explains the error. ``inside``: a form that
+    moves the cables, where the other forms of its name only add to the reading; it is tried in place of one of them if,
+    beside that one, another effect seems to ease the friction of the cables. ``saturates``: beyond some size a larger
+    one changes nothing, so that the data may only give a lower bound. ``unmeasured``: the influence of a quantity that
+    this run did not measure; it is fitted and never named. ``plain`` describes the effect in a sentence for a person
+    who does not know these names: figures in braces, ``{way_...}`` for "higher" or "lower", ``{stage}`` and
+    ``{cables}``.
+    """
+
+    name: str
+    form: str
+    physics: str
+    where_to_look: str
+    separate_by: str
+    parameters: tuple[Parameter, ...]
+    apply: Callable[[Setup, Floats, Simulator], Setup]
+    stage: str | None = None
+    cables: tuple[str, ...] = ()
+    starts: Starts | None = None
+    figures: tuple[Figure, ...] = ()
+    physical: tuple[Figure, ...] = ()
+    several: bool = False
+    once: bool = False
+    generic: bool = False
+    after: tuple[str, ...] = ()
+    doubtful: Callable[[Floats], str] | None = None
+    hangs_on: str = ""
+    last: bool = False
+    inside: bool = False
+    saturates: bool = False
+    unmeasured: bool = False
+    plain: str = ""
+
+    @property
+    def key(self) -> tuple[str, str | None, tuple[str, ...]]:
+        """Its name, stage and cables in a result; forms with the same key have the same name."""
+        return self.name, self.stage, self.cables
+
+    @property
+    def label(self) -> str:
+        """Text for results: name, stage, cables, form."""
+        words = [self.name, self.stage or "", *(self.cables if len(self.cables) == 1 else ())]
+        return " ".join(filter(None, words)) + f" ({self.form})"
+
+    @property
+    def order_index(self) -> int | None:
+        """Index of the parameter that is the order of a line; None if the effect is not a line."""
+        return next((k for k, p in enumerate(self.parameters) if p.role == "order"), None)
+
+    def first_guesses(self, setup: Setup, residual: Floats) -> list[list[float]]:
+        """Values from which the fit starts."""
+        return self.starts(setup, residual) if self.starts else [[0.0] * len(self.parameters)]
+
+    def reported(self) -> tuple[Figure, ...]:
+        """Figures of the result file."""
+        return self.figures or tuple(
+            Figure(p.name, lambda v, k=k: float(v[k]))  # type: ignore[misc]
+            for k, p in enumerate(self.parameters)
+        )
+
+
+# Type of ``offer``: the effects that are possible for a drive (None: only the ratio is known) and a run.
+Offer = Callable[[DriveSI | None, Prepared], list[Effect]]
+
+
+def elapsed_s(setup: Setup) -> Floats:
+    """Time since the run began."""
+    return np.asarray(setup.p.time_s - setup.p.time_s[0])
+
+
+def wave(values: Floats, angle_rad: Floats) -> tuple[Floats, Floats]:
+    """(x, y) of a point at ``values`` in the turning frame, from where it stands at angle zero; same unit as values."""
+    c, s = np.cos(angle_rad) - 1.0, np.sin(angle_rad)
+    return values[0] * c - values[1] * s, values[0] * s + values[1] * c
+
+
+def pair(size: float, unit: str) -> tuple[Parameter, Parameter]:
+    """Cosine and sine that vanish at zero angle, the two coordinates of every once-per-turn error, as parameters."""
+    return Parameter(f"cosine_{unit}", size), Parameter(f"sine_{unit}", size)
+
+
+def length(values: Floats) -> float:
+    """Amplitude of the wave, in the unit of ``values``."""
+    return float(np.hypot(values[0], values[1]))
+
+
+def phase(values: Floats) -> float:
+    """Phase of the wave, rad: it is highest at minus this shaft angle."""
+    return float(np.arctan2(values[1], values[0]))

@@ -1,0 +1,84 @@
+"""Drift with time or temperature: warming, and settling of a rope."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect, Parameter, elapsed_s
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+COOL = "let the rig cool and run again: warming goes back, settling does not"
+
+
+def _by_temperature(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    assert setup.p.temperature_C is not None
+    return setup.with_added(values[0] * (setup.p.temperature_C - setup.p.temperature_C[0]))
+
+
+def _by_time(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(values[0] * (1.0 - np.exp(-elapsed_s(setup) / values[1])))
+
+
+def _settling(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(values[0] * np.log1p(elapsed_s(setup) / values[1]))
+
+
+def _times(setup: Setup, _: Floats) -> list[list[float]]:
+    duration = float(elapsed_s(setup)[-1])
+    return [[0.0, duration * share] for share in (0.02, 0.1, 0.4)]
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """Always; by temperature where it was measured."""
+    duration = float(p.time_s[-1] - p.time_s[0])
+    warming = ("thermal_drift", "temperature of rope, frame or encoder mount", "warm motors, sun, draught", COOL)
+    found = []
+    if p.temperature_C is not None and np.ptp(p.temperature_C) > 0.0:
+        found.append(
+            Effect(
+                warming[0],
+                "with the temperature",
+                *warming[1:],
+                (Parameter("turn_rad_K", 1e-6),),
+                _by_temperature,
+                hangs_on="temperature",
+                plain="the output reading drifts with the temperature, by {turn_rad_K}",
+            )
+        )
+    else:
+        found.append(
+            Effect(
+                warming[0],
+                "with time",
+                *warming[1:],
+                (
+                    Parameter("turn_rad", 1e-5),
+                    Parameter("time_constant_s", 0.01 * duration, 0.02 * duration, duration, role="place"),
+                ),
+                _by_time,
+                starts=_times,
+                hangs_on="time",
+                plain="the output reading drifts as something warms, by {turn_rad} in the end",
+            )
+        )
+    found.append(
+        Effect(
+            "creep",
+            "settling of the rope",
+            "strands bed in: log(1 + t/t0)",
+            "preload again after some hours of running",
+            COOL,
+            (
+                Parameter("amplitude_rad", 1e-5),
+                Parameter("t0_s", 0.002 * duration, 1e-3 * duration, duration, role="place"),
+            ),
+            _settling,
+            starts=_times,
+            hangs_on="time",
+            plain="a rope settles: the output reading creeps by {amplitude_rad} for each e-fold of time",
+        )
+    )
+    return found

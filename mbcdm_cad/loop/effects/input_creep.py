@@ -1,0 +1,59 @@
+"""Creep of a cable that friction alone holds on its input: too large a travel carries the part that sticks off it.
+
+In the declared model each side of the cable begins at an anchor on the input. Where the wrap is too short for the
+travel, rope that was wound on with the tension of one side leaves on the other, as on a belt: under a load that keeps
+its direction the drum moves further in every cycle. When this begins and how far it goes follows from the wrap
+(:mod:`mbcdm_cad.model.through_wrap`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees, pi
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect, Figure, Parameter
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# First guesses of the wrap, shares of that of the design; a shorter one slips as a whole.
+STARTS = (1.0, 0.8, 0.6, 0.4)
+SHORTEST_RAD = pi
+# With less rotation of the input no part of the cable that sticks leaves the wrap.
+LEAST_TRAVEL_RAD = 1.0
+
+
+def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, creep=setup.creep + float(values[0]), through_rad=float(values[1]))
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """With torque, for cables that run through over their inputs."""
+    if d is None or p.load_Nm is None or d.through_wrap_rad is None or np.ptp(p.common_rad) < LEAST_TRAVEL_RAD:
+        return []
+    wrap = float(np.min(d.through_wrap_rad))
+    return [
+        Effect(
+            "input_creep",
+            "too little wrap for the travel",
+            "the travel carries the part of the rope that sticks off the input, so that the cable creeps over it",
+            "turns of the cable round the input, grease on them, preload",
+            "the same load at a shorter travel, or with a turn more round the input: the drum stays where it is",
+            (
+                Parameter("strength", 0.2, 0.0),
+                Parameter("wrap_rad", 0.05, SHORTEST_RAD, 1.5 * wrap, role="place"),
+            ),
+            _apply,
+            starts=lambda setup, residual: [[1.0, max(share * wrap, SHORTEST_RAD)] for share in STARTS],
+            figures=(
+                Figure("strength", lambda v: float(v[0]), "1 is the whole effect of that wrap"),
+                Figure("wrap_deg", lambda v: degrees(float(v[1])), "wrap over the input that friction holds"),
+            ),
+            after=("winding_history",),
+            hangs_on="the cycles so far",
+            plain="the cable creeps over its input, as if it went round by {wrap_deg} only",
+        )
+    ]

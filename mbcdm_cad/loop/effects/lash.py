@@ -1,0 +1,114 @@
+"""Play: the side in contact follows the sign of the transmitted torque; where friction decides, a play operator."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect, Figure, Parameter
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+from mbcdm_cad.storage.compiled import compiled
+
+SEPARATE = "a constant bias torque keeps one side in contact: lash vanishes, friction does not"
+# Range of torque at the drum in which the contact changes sides: a few times the sensor's noise.
+DRUM_CHANGE_NM = 0.01
+# An encoder before the play may have been set to zero with the pulley anywhere in it, so where its zero lies is fitted.
+INPUT_PLAY = (
+    Parameter("play_rad", 1e-4, 0.0),
+    Parameter("zero_rad", 1e-4, -0.01, 0.01, role="place", default=0.0),
+)
+
+
+def _output(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(-0.5 * values[0] * np.tanh(setup.load / DRUM_CHANGE_NM))
+
+
+def _input(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    rest = np.full(setup.p.time_s.size, float(values[1]))
+    return setup.with_play(index, float(values[0])).with_shift(index, rest)
+
+
+@compiled
+def _play(drive: Floats, half: float, out: Floats) -> None:
+    at = drive[0]
+    for k in range(drive.size):
+        at = min(max(at, drive[k] - half), drive[k] + half)
+        out[k] = at
+
+
+def _operator(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    drum = np.ascontiguousarray(setup.drum_rad)
+    out = np.empty_like(drum)
+    _play(drum, 0.5 * abs(float(values[0])), out)
+    return setup.with_added(out - drum)
+
+
+def _width(setup: Setup, residual: Floats) -> list[list[float]]:
+    return [[float(np.ptp(np.quantile(residual, [0.05, 0.95])))]]
+
+
+def _at_input(d: DriveSI, index: int, setup: Setup, residual: Floats) -> list[list[float]]:
+    """Two starts: no play, and the play that would cause the whole residual through the input's share of the drum."""
+    share = float(np.sum(d.drum_radius_m**2 / d.free_span_m * d.of_input(index)))
+    share /= float(np.sum(d.drum_radius_m**2 / d.free_span_m))
+    width = float(np.ptp(np.quantile(residual[setup.p.used], [0.05, 0.95])))
+    return [[0.0, 0.0], [width * setup.ratio / share, 0.0]]
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """By torque where it was measured; by motion for a drive of which only the ratio is known."""
+    found = []
+    play = (Parameter("play_rad", 1e-5, 0.0),)
+    if p.load_Nm is not None:
+        found.append(
+            Effect(
+                "lash",
+                "play at the output",
+                "a coupling or gearhead rests on one flank or the other, by the load's sign",
+                "coupling and key between drum and load",
+                SEPARATE,
+                play,
+                _output,
+                generic=True,
+                plain="there is {play_rad} of play between drum and load",
+            )
+        )
+    if d is not None and p.load_Nm is not None:
+        found += [
+            Effect(
+                "lash",
+                "play at an input",
+                "play between input encoder and pulley; the torque from the preload holds one side in contact",
+                f"gearhead and collar of input {name}",
+                SEPARATE,
+                INPUT_PLAY,
+                partial(_input, index),
+                figures=(Figure("play_rad", lambda v: float(v[0])),),
+                starts=partial(_at_input, d, index),
+                stage=f"input_{name}",
+                generic=True,
+                saturates=True,
+                plain="there is {play_rad} of play between encoder and pulley of the {stage}",
+            )
+            for index, name in enumerate(d.input_names)
+        ]
+    if d is None:
+        found.append(
+            Effect(
+                "lash",
+                "play taken up by motion",
+                "friction holds the output until the play is taken up",
+                "gears and couplings between input and output",
+                SEPARATE,
+                play,
+                _operator,
+                starts=_width,
+                generic=True,
+                plain="there is {play_rad} of play between input and output",
+            )
+        )
+    return found

@@ -1,0 +1,97 @@
+"""Eccentric pulleys and encoders.
+
+An eccentric pulley moves its centre round its axis by e; the path of each of its cables changes by e . u_j for each
+span that touches the pulley (u_j: unit vector of the span), inside the stretch delta_j, so it works the friction. An
+eccentric encoder reads its own shaft wrongly by a wave of the shaft's angle.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect, Figure, length, pair, phase, wave
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.loop.spans import path_change
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+NAME = "once_per_rev"
+TURN = "re-clock the encoder by 90 degrees on its shaft and run again: an encoder's phase turns with it, a pulley's not"
+
+
+def _pulley(stage: str, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    d = setup.drive
+    body = d.routes.body(stage)
+    if body.kind == "input":
+        shaft = setup.input_shaft_rad(d.routes.inputs.index(body))
+    else:
+        shaft = setup.drum_rad * body.turns_per_drum
+    return setup.with_path(path_change(d, stage, *wave(values, shaft)))
+
+
+def _output_encoder(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(wave(values, setup.drum_rad)[0])
+
+
+def _input_encoder(index: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_shift(index, -wave(values, setup.input_shaft_rad(index))[0])
+
+
+def _encoder(stage: str, size: float, apply: object, seen: float) -> Effect:
+    return Effect(
+        NAME,
+        "eccentric encoder",
+        "the disc of the encoder sits off centre on its shaft",
+        f"runout of the encoder's disc on the shaft of the {stage}",
+        TURN,
+        pair(size, "rad"),
+        apply,  # type: ignore[arg-type]
+        stage=stage,
+        figures=(
+            Figure("amplitude_rad", lambda v: seen * length(v)),
+            Figure("phase_rad", phase, "minus the shaft angle at which it reads highest"),
+        ),
+        physical=(Figure("encoder_error_rad", length),),
+        plain="the encoder disc of the {stage} sits off centre: it is wrong by {amplitude_rad} at the drum once a turn",
+    )
+
+
+def _eccentric(stage: str, lever_m: float) -> Effect:
+    return Effect(
+        NAME,
+        "eccentric pulley",
+        "the pitch circle runs out: each cable's path changes by e . u_j",
+        f"runout of the pulley on the {stage}, with a dial gauge on its steps",
+        TURN,
+        pair(1e-6, "m"),
+        partial(_pulley, stage),
+        stage=stage,
+        figures=(
+            Figure("amplitude_rad", lambda v: length(v) / lever_m),
+            Figure("eccentricity_m", length),
+            Figure("phase_rad", phase, "where its high side points at zero travel, from +x"),
+        ),
+        physical=(Figure("eccentricity_m", length),),
+        plain="the pulley of the {stage} runs {eccentricity_m} off centre",
+    )
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """Drum encoder always; pulleys and input encoders where the drive is known."""
+    found = [_encoder("drum", 1e-5, _output_encoder, 1.0)]
+    if d is None:
+        return found
+    ratio = float(np.mean(d.total_ratio))
+    # Amplitude at the drum of one metre off centre, per pulley: its spans' mean lever.
+    middle = float(np.mean(d.drum_radius_m))
+    if p.load_Nm is not None:
+        found.append(_eccentric(d.routes.drum.name, middle))
+    found += [_eccentric(body.name, middle) for body in d.routes.passed]
+    for index, body in enumerate(d.routes.inputs):
+        share = float(np.mean(d.of_input(index)))
+        found.append(_eccentric(body.name, middle / share))
+        found.append(_encoder(body.name, 1e-4, partial(_input_encoder, index), share / ratio))
+    return found

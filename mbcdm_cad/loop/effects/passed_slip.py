@@ -1,0 +1,47 @@
+"""Rope that creeps on the bodies it passes: in the declared model the tension passes a guide without slip."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+from mbcdm_cad.loop.effect import Effect, Parameter
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# Strength 1 is friction and wraps as declared; far above it the friction coefficient itself is wrong.
+MOST = 1.5
+
+
+@lru_cache(maxsize=64)
+def _slipping(d: DriveSI) -> DriveSI:
+    """The drive with the wraps that its routes have on passed bodies; the same object for the same drive."""
+    return d.with_(passed_wrap_rad=d.geometry.passed_wrap_rad(d.parameters))
+
+
+def _apply(setup: Setup, values: Floats, simulate: Simulator) -> Setup:
+    # The tension profiles of wound-on cable assume no slip on the guide: the change by slip is computed without them.
+    bare = replace(setup, winding=0.0, creep=0.0)
+    whole = simulate(replace(bare, d=_slipping(setup.drive))) - simulate(bare)
+    return setup.with_added(values[0] * whole)
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """With torque, where the cables pass a body and the declared model has no slip there."""
+    if d is None or p.load_Nm is None or not d.passed_wrap_rad or any(wrap.any() for wrap in d.passed_wrap_rad):
+        return []
+    return [
+        Effect(
+            "passed_slip",
+            "rope creeps on the guide",
+            "the rope slips on the guide too, from both ends of its wrap; strength 1 is the whole effect",
+            "no part of the bench: in the declared model the tension passes the guide without slip",
+            "loads of several sizes: slip on the guide ends where it has reached the whole wrap",
+            (Parameter("strength", 0.5, 0.0, MOST),),
+            _apply,
+            generic=True,
+            plain="the rope creeps on the guide: {strength} times what its friction and wrap allow",
+        )
+    ]

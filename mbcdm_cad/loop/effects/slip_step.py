@@ -1,0 +1,89 @@
+"""An anchor or a mount that slipped once: a step in time."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect, Parameter, elapsed_s
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# Duration of a step: an estimate, far shorter than the fit can resolve.
+RISE_S = 0.02
+# Largest slip of an anchor, in multiples of the stretch that the preload causes.
+MOST_STRETCHES = 5.0
+SEPARATE = "run again: a step does not come twice"
+
+
+def step(setup: Setup, at_s: float) -> Floats:
+    """0 before, 1 after."""
+    return np.asarray(0.5 + 0.5 * np.tanh((elapsed_s(setup) - at_s) / (2.0 * RISE_S)))
+
+
+def _mount(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return setup.with_added(values[0] * step(setup, values[1]))
+
+
+def _anchor(cable: int, setup: Setup, values: Floats, _: Simulator) -> Setup:
+    path = np.zeros((setup.drive.n_cables, setup.p.time_s.size))
+    path[cable] = -values[0] * step(setup, values[1])
+    return setup.with_path(path)
+
+
+def _jumps(size: float, setup: Setup, residual: Floats) -> list[list[float]]:
+    """Where one step explains the residual best, by running sums over the samples in use."""
+    used = setup.p.used
+    t, r = elapsed_s(setup)[used], residual[used] - residual[used].mean()
+    n = r.size
+    k = np.arange(1, n)
+    gain = np.cumsum(r)[:-1] ** 2 * n / (k * (n - k))
+    edge = max(10, n // 50)
+    at = edge + int(np.argmax(gain[edge:-edge]))
+    return [[size, float(t[at])]]
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """At the output's mount always; at a cable's anchor where the drive is known and loaded."""
+    duration = float(p.time_s[-1] - p.time_s[0])
+    when = Parameter("at_s", 0.02, 0.0, duration, role="place")
+    found = [
+        Effect(
+            "slip_step",
+            "mount or coupling",
+            "the output's reading jumps once",
+            "screws of encoder, hub and coupling",
+            SEPARATE,
+            (Parameter("step_rad", 1e-5), when),
+            _mount,
+            starts=partial(_jumps, 0.0),
+            once=True,
+            hangs_on="time",
+            generic=True,
+            plain="a mount or coupling of the output slipped once, by {step_rad} at {at_s}",
+        )
+    ]
+    if d is not None and p.load_Nm is not None:
+        # More than a few times the stretch under preload is no longer a slip of the anchor.
+        most = MOST_STRETCHES * d.preload_N / d.axial_stiffness_N * d.free_span_m
+        found += [
+            Effect(
+                "slip_step",
+                f"anchor of {cable}",
+                "one cable gives way at its anchor and loses tension",
+                f"anchor and tensioner of {cable}",
+                SEPARATE,
+                (Parameter("slip_m", 1e-6, -most[j], most[j]), when),
+                partial(_anchor, j),
+                starts=partial(_jumps, 0.0),
+                once=True,
+                hangs_on="time",
+                generic=True,
+                plain="the {form} slipped once, by {slip_m} at {at_s}",
+            )
+            for j, cable in enumerate(d.cable_names)
+        ]
+    return found

@@ -1,0 +1,33 @@
+"""Cable wound on under load keeps its tension and brings it back when it is wound off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mbcdm_cad.loop.effect import Effect, Parameter
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+
+def _apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
+    return replace(setup, winding=setup.winding + float(values[0]))
+
+
+def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
+    """With torque, where the drive is known."""
+    if d is None or p.load_Nm is None:
+        return []
+    return [
+        Effect(
+            "winding_history",
+            "profiles move with the pulleys",
+            "the tension profiles on the wraps travel with the pulleys; strength 1 is the whole effect",
+            "no part of the bench: the paper's model leaves it out",
+            "the same load at a shorter travel, or a bias load",
+            (Parameter("strength", 0.5, 0.0),),
+            _apply,
+            plain="rope wound on under load keeps its tension and brings it back: {strength} times the full effect",
+        )
+    ]

@@ -1,0 +1,140 @@
+"""Judge measured runs of one drive together: reading, vetting and the loop in one call, with its result.
+
+The command line prints and writes it, the Python API returns it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mbcdm_cad.errors import InputError, MbcdmError
+from mbcdm_cad.measurement.vetted import Vetted, vetted_runs, vetting_lines
+from mbcdm_cad.model.errors import ModelError
+
+if TYPE_CHECKING:
+    import pandas
+
+    from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.design.loaded import LoadedDesign
+    from mbcdm_cad.loop.result import LoopResult
+    from mbcdm_cad.measurement.file import MeasurementFile
+
+
+@dataclass(frozen=True, eq=False)
+class LoopReport:
+    """``result`` of the loop on ``runs``, with the findings of their vetting.
+
+    ``loaded`` is the design; ``drive`` is None where only the ratio of the runs' drive is known.
+    """
+
+    result: LoopResult
+    runs: tuple[Vetted, ...]
+    loaded: LoadedDesign
+    drive: Drive | None
+
+    @property
+    def verdict(self) -> str:
+        """One of "none", "explained", "partly_explained", "unknown", "not_testable"."""
+        return self.result.verdict
+
+    def text(self) -> str:
+        """What ``mbcdm loop`` prints: the finding, the tables, and each run's vetting."""
+        from mbcdm_cad.loop.result import result_text
+
+        doubts = [f"doubt: {words}" for one in self.runs for words in one.doubts]
+        parts = [result_text(self.result, doubts)]
+        return "\n".join(parts + [line for one in self.runs for line in ("", *vetting_lines(one))])
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        """For notebooks."""
+        from mbcdm_cad.report.table import preformatted
+
+        return preformatted(self.text())
+
+    def design(self) -> dict[str, str] | None:
+        """Name, file and hash of the design; None where the runs are of another drive."""
+        if self.drive is None:
+            return None
+        return {"name": self.drive.name, "file": self.loaded.path.name, "sha256": self.loaded.sha256}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of the result file, ready for JSON: a number that is not finite becomes None."""
+        content = {**self.result.to_json(), "design": self.design(), "runs": [_run_json(one) for one in self.runs]}
+        plain: dict[str, Any] = _finite(content)
+        return plain
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The candidates that were tried, one row each. ``MbcdmError`` without pandas."""
+        from mbcdm_cad.report.table import data_frame
+
+        rows = self.to_dict()["candidates"]
+        columns = ("effect", "held_out_rad", "fall_rad", "outcome")
+        return data_frame({name: [row[name] for row in rows] for name in columns})
+
+
+def judge(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> LoopReport:
+    """Read, vet and judge the runs together. Raises ``InputError`` with all that is wrong with the files."""
+    if not files:
+        raise MbcdmError("no runs to judge; give at least one measurement file")
+    published = [file for file in files if file.content.published is not None]
+    if published:
+        remedy = "judge it with 'mbcdm loop', alone"
+        raise InputError([published[0].problem(("published",), "figures of a paper, not a run", remedy=remedy)])
+    drive = drive_of(loaded, files)
+    vetted = vetted_runs(files, drive)
+    from mbcdm_cad.loop.search.engine import close_loop  # loads compiled code: only for valid input
+
+    try:
+        result = close_loop(drive, [one.run for one in vetted])
+    except ModelError as error:
+        names = ", ".join(str(file.path) for file in files)
+        raise MbcdmError(f"{names}: the declared model cannot follow the run: {error}") from None
+    return LoopReport(result, tuple(vetted), loaded, drive)
+
+
+def drive_of(loaded: LoadedDesign, files: Sequence[MeasurementFile]) -> Drive | None:
+    """The drive that all runs are of; None for one of which only the ratio is known."""
+    first = files[0].content.ratio
+    for file in files[1:]:
+        if file.content.ratio != first:
+            remedy = "judge runs of one drive together, each with the same ratio or none"
+            value, limit = (str(v) if v else "none" for v in (file.content.ratio, first))
+            what = f"another ratio than in {files[0].path}"
+            raise InputError([file.problem(("ratio",), what, value, limit, remedy=remedy)])
+    return loaded.drive if first is None else None
+
+
+def json_bytes(content: dict[str, Any]) -> bytes:
+    """JSON text; a number that is not finite becomes null."""
+    return (json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_finite(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def _run_json(one: Vetted) -> dict[str, Any]:
+    return {
+        "file": one.file.path.name,
+        "data": one.run.source,
+        "sha256": one.run.sha256,
+        "samples": one.run.time_s.size,
+        "notes": list(one.notes),
+        "findings": [{"kind": f.kind, "level": f.level, "text": f.text, "remedy": f.remedy} for f in one.findings],
+    }

@@ -1,0 +1,1 @@
+"""The page of the loop: one HTML file with the finding in plain words, charts and pictures."""

@@ -1,0 +1,197 @@
+"""The simulated run: drive, inputs, load, cable paths and additions to the reading; and the simulation itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.play import faces, lags
+from mbcdm_cad.model.profiles import simulate_profiles
+from mbcdm_cad.model.series import Response
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# Simulations in the cache: as many as one Jacobian needs, so that effects on the reading alone need no simulation.
+REMEMBERED = 24
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """One run as it is to be predicted: everything that an effect may change.
+
+    ``d`` is None for a drive of which only the ratio is known; ``load_Nm`` None without a torque column.
+    ``path_m`` (n_cables, n) lengthens the cables' paths; ``shift_rad`` (n_inputs, n) is how far each input pulley
+    stands from where its encoder says; ``added_rad`` (n,) adds to the reading; ``winding`` is how much of the winding
+    history is applied, 0 to 1; ``play_rad`` is the play between encoder and pulley of each input, empty for none;
+    ``creep`` is the share, 0 to 1, of the creep over the inputs that a wrap of ``through_rad`` allows.
+    """
+
+    d: DriveSI | None
+    ratio: float
+    p: Prepared
+    load_Nm: Floats | None
+    path_m: Floats | None
+    shift_rad: Floats | None
+    added_rad: Floats
+    winding: float = 0.0
+    play_rad: tuple[float, ...] = ()
+    creep: float = 0.0
+    through_rad: float = 0.0
+
+    @property
+    def drive(self) -> DriveSI:
+        """The drive. AssertionError where only the ratio is known."""
+        assert self.d is not None, "an effect of the cables was offered where only the ratio is known"
+        return self.d
+
+    @property
+    def load(self) -> Floats:
+        """The measured load, N m (n,). AssertionError for a run without torque."""
+        assert self.load_Nm is not None, "an effect of the load was offered for a run without torque"
+        return self.load_Nm
+
+    def with_path(self, path_m: Floats) -> Setup:
+        """Lengthen the paths of the cables."""
+        return replace(self, path_m=path_m if self.path_m is None else self.path_m + path_m)
+
+    def with_shift(self, index: int, shift_rad: Floats) -> Setup:
+        """Move one input pulley away from the angle of its encoder."""
+        shift = np.zeros_like(self.p.angle_rad)
+        shift[index] += shift_rad
+        return self.with_shifts(shift)
+
+    def with_shifts(self, shift_rad: Floats) -> Setup:
+        """Move all input pulleys, (n_inputs, n)."""
+        return replace(self, shift_rad=shift_rad if self.shift_rad is None else self.shift_rad + shift_rad)
+
+    def with_play(self, index: int, play_rad: float) -> Setup:
+        """Add play between encoder and pulley of one input."""
+        play = list(self.play_rad or [0.0] * self.drive.n_inputs)
+        play[index] += play_rad
+        return replace(self, play_rad=tuple(play))
+
+    def following(self, cycles_a_turn: float) -> Setup:
+        """Simulate the cables on samples close enough for a ripple of that order of the inputs."""
+        return replace(self, p=self.p.following(cycles_a_turn))
+
+    def with_added(self, added_rad: Floats) -> Setup:
+        """Add to the reading."""
+        return replace(self, added_rad=self.added_rad + added_rad)
+
+    def input_shaft_rad(self, index: int) -> Floats:
+        """Angle of one input pulley without the encoder's steps, rad (n,)."""
+        return np.asarray(self.p.shaft_rad[index])
+
+    @property
+    def drum_rad(self) -> Floats:
+        """Drum angle from the inputs and the ratio alone, rad (n,)."""
+        return np.asarray(self.p.common_rad / self.ratio)
+
+
+def declared(d: DriveSI | None, ratio: float, p: Prepared) -> Setup:
+    """The declared model of a run."""
+    return Setup(d, ratio, p, p.load_Nm, None, None, np.zeros_like(p.time_s))
+
+
+def input_shares(d: DriveSI) -> Floats:
+    """Share of each input in the stiffness at the drum, cables sticking; shape (n_inputs,)."""
+    stiffness = d.drum_radius_m**2 / d.free_span_m
+    return np.asarray([(stiffness * d.of_input(i)).sum() for i in range(d.n_inputs)] / stiffness.sum())
+
+
+def rigid_drum_rad(s: Setup) -> Floats:
+    """Drum angle with the elastic part off: the cables as springs that balance no load."""
+    angle = s.p.angle_rad if s.shift_rad is None else s.p.angle_rad + s.shift_rad
+    if s.d is None:
+        return np.asarray(angle.mean(axis=0) / s.ratio)
+    d = s.d
+    wound = (d.sigma * d.input_radius_m)[:, None] * angle[list(d.input_of)]
+    if s.path_m is not None:
+        wound = wound + s.path_m
+    weight = d.drum_radius_m / d.free_span_m
+    return np.asarray(((weight * d.sigma)[:, None] * wound).sum(axis=0) / (weight * d.drum_radius_m).sum())
+
+
+def _worked(s: Setup) -> tuple[Floats, Floats, Floats | None]:
+    """The signals that move the cables, on the samples ``Prepared.coarse``: smoothed inputs, load, paths."""
+    at = s.p.coarse
+    angle = s.p.coarse_rad
+    if s.shift_rad is not None:
+        angle = angle + s.shift_rad[:, at]
+    return angle, s.load[at], None if s.path_m is None else s.path_m[:, at]
+
+
+def _simulated(s: Setup, winding: bool, through: bool = False) -> Response:
+    """Drum angle with the cables simulated on those samples, rad."""
+    if through:
+        return simulate_profiles(s.drive, *_worked(s), winding, s.through_rad)
+    return simulate(s.drive, *_worked(s), winding)
+
+
+def _between(p: Prepared, values: Floats) -> Floats:
+    """Values on ``Prepared.coarse`` interpolated to all samples."""
+    return np.interp(np.arange(p.time_s.size), p.coarse, values)
+
+
+def respond(s: Setup, winding: bool = False, through: bool = False) -> Floats:
+    """Drum angle on all samples, rad, (n,).
+
+    The elastic part changes slowly and is interpolated. The common motion of the inputs is added on every sample, and
+    the noise that was removed from the inputs is added back linearly.
+    """
+    p, s = s.p, taken_up(s)
+    elastic = _simulated(s, winding, through).drum_angle_rad - p.coarse_common_rad / s.ratio
+    noise = input_shares(s.drive) @ p.removed_rad
+    return np.asarray((p.mean_rad + noise) / s.ratio + _between(p, elastic))
+
+
+def taken_up(s: Setup) -> Setup:
+    """The setup with each pulley that has play moved to its position within the play (:mod:`mbcdm_cad.model.play`).
+
+    The position is computed with the declared wraps and without winding history: both change the torque on a pulley,
+    and so its position, only a little.
+    """
+    if not any(s.play_rad):
+        return s if s.play_rad == () else replace(s, play_rad=())
+    d, bare = s.drive, replace(s, play_rad=())
+    angle, load, path = _worked(bare)
+    lag = lags(d, angle, load, path, s.play_rad)
+    rest = faces(d)[:, None] * 0.5 * np.array(s.play_rad)[:, None]
+    return bare.with_shifts(rest - np.stack([_between(s.p, row) for row in lag]))
+
+
+def input_torque_Nm(s: Setup, index: int) -> Floats:
+    """Torque on one input, on all samples, N m (n,); ``s`` comes from :func:`taken_up`."""
+    return _between(s.p, _simulated(taken_up(s), False).input_torque_Nm(s.drive)[index])
+
+
+class Simulator:
+    """Predicts the reading for setups and caches the last simulations."""
+
+    def __init__(self) -> None:
+        self._known: list[tuple[Setup, tuple[bool, float], Floats]] = []
+
+    def __call__(self, s: Setup) -> Floats:
+        """Reading of the output encoder, rad, shape (n,)."""
+        drum = self._drum(s, False)
+        if s.winding != 0.0:
+            drum = drum + s.winding * (self._drum(s, True) - drum)
+        if s.creep != 0.0:
+            drum = drum + s.creep * (self._drum(s, True, through=True) - self._drum(s, True))
+        return drum + s.added_rad
+
+    def _drum(self, s: Setup, winding: bool, through: bool = False) -> Floats:
+        asked = (winding, s.through_rad if through else 0.0)
+        for known, flag, drum in self._known:
+            same = known.d is s.d and known.p is s.p and known.load_Nm is s.load_Nm
+            same = same and known.path_m is s.path_m and known.shift_rad is s.shift_rad
+            if same and known.play_rad == s.play_rad and flag == asked:
+                return drum
+        rigid = s.d is None or s.load_Nm is None
+        drum = rigid_drum_rad(s) if rigid else respond(s, winding, through)
+        self._known.append((s, asked, drum))
+        del self._known[:-REMEMBERED]
+        return drum

@@ -1,0 +1,350 @@
+"""The result of the loop: figures in readable units, the result file, the text for a terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from mbcdm_cad.routes import Floats
+
+if TYPE_CHECKING:
+    from mbcdm_cad.loop.correction import Correction
+    from mbcdm_cad.loop.prepare.noise import Noise
+    from mbcdm_cad.loop.prepare.prepared import Windows
+    from mbcdm_cad.loop.search.unknown import Unknown
+
+# Units by the ending of the name, longest ending first; for each the units to choose from, largest first.
+_SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
+    ("_rad_Nm", ((1.0, "rad/(N m)"), (1e-3, "mrad/(N m)"), (1e-6, "urad/(N m)"))),
+    ("_rad_rad2", ((1e-3, "mrad/rad^2"), (1e-6, "urad/rad^2"))),
+    ("_rad_rad3", ((1e-3, "mrad/rad^3"), (1e-6, "urad/rad^3"))),
+    ("_rad_K", ((1e-3, "mrad/K"), (1e-6, "urad/K"))),
+    ("_Nm_s", ((1.0, "N m s"), (1e-3, "mN m s"))),
+    ("_rad", ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "urad"))),
+    ("_Nm", ((1.0, "N m"), (1e-3, "mN m"))),
+    ("_m", ((1e-3, "mm"), (1e-6, "um"))),
+    ("_N", ((1.0, "N"),)),
+    ("_s", ((1.0, "s"), (1e-3, "ms"))),
+    ("share", ((1e-2, "%"),)),
+)
+# Angles that are a place or a phase, not a size.
+_PLACES = ("phase", "angle", "at_")
+VERDICTS = ("none", "explained", "partly_explained", "unknown", "not_testable")
+
+
+@dataclass(frozen=True)
+class Value:
+    """A figure with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        return {"value": self.value, "ci95": [self.low, self.high]}
+
+
+@dataclass(frozen=True)
+class Named:
+    """An effect that was named: figures by name (SI, the unit in the name), its meaning as hardware, equivalent forms.
+
+    ``fitted`` are the fitted values of the effect's parameters, ``form`` the form that they belong to, ``meanings``
+    what figures mean on the bench where their names do not say it; ``plain`` as in :class:`Effect`.
+    """
+
+    name: str
+    form: str
+    stage: str | None
+    cables: tuple[str, ...]
+    parameters: dict[str, Value]
+    physical: dict[str, float]
+    equivalent: tuple[str, ...]
+    where_to_look: str
+    separate_by: str
+    physics: str
+    fall_rad: float
+    fitted: dict[str, float]
+    meanings: dict[str, str] = field(default_factory=dict)
+    plain: str = ""
+
+    @property
+    def words(self) -> str:
+        """Name, stage and cables."""
+        return " ".join(filter(None, [self.name, self.stage or "", " ".join(self.cables)]))
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        found: dict[str, Any] = {"name": self.name}
+        if self.stage:
+            found["stage"] = self.stage
+        if self.cables:
+            found["cables"] = list(self.cables)
+        found |= {
+            "form": self.form,
+            "parameters": {name: value.to_json() for name, value in self.parameters.items()},
+            "physical": dict(self.physical),
+            "equivalent": [[words] for words in self.equivalent],
+            "where_to_look": self.where_to_look,
+            "separate_by": self.separate_by,
+            "explains_rms_rad": self.fall_rad,
+        }
+        return found
+
+
+def ways_apart(members: Iterable[Named]) -> str:
+    """What would separate the members of a set, each way once."""
+    return "; or ".join(dict.fromkeys(one.separate_by for one in members))
+
+
+@dataclass(frozen=True)
+class Helpful:
+    """An effect that lowers the error but is not named, because the unexplained part is too large compared with it.
+
+    ``odds``: the odds that it lowers the error of half sweeps that were not fitted.
+    """
+
+    named: Named
+    odds: float
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        return {**self.named.to_json(), "odds": self.odds}
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One line of the table of candidates: its label, the held-out RMS with it, the fall, and the decision."""
+
+    label: str
+    held_out_rad: float
+    fall_rad: float
+    outcome: str
+
+
+@dataclass(frozen=True)
+class Errors:
+    """RMS on held-out data before and after, with 95 % intervals; rad."""
+
+    before: Value
+    after: Value
+    peak_before_rad: float
+    peak_after_rad: float
+    floor_rad: float
+    explained_share: float
+    held_out: str
+
+    def to_json(self) -> dict[str, Any]:
+        """As the result file has it."""
+        return {
+            "before_rad": self.before.value,
+            "before_ci95_rad": [self.before.low, self.before.high],
+            "after_rad": self.after.value,
+            "after_ci95_rad": [self.after.low, self.after.high],
+            "peak_before_rad": self.peak_before_rad,
+            "peak_after_rad": self.peak_after_rad,
+            "floor_rad": self.floor_rad,
+            "explained_share": self.explained_share,
+            "held_out": self.held_out,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Traces:
+    """Signals for the report page, thinned, all of the same length; angles and residuals in rad, load in N m."""
+
+    time_s: Floats
+    output_rad: Floats
+    load_Nm: Floats | None
+    residual_before_rad: Floats
+    residual_after_rad: Floats
+    held: Floats
+    used: Floats
+    orders: Floats
+    amplitude_before_rad: Floats
+    amplitude_after_rad: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResult:
+    """The result of the loop; ``one_of`` holds sets of effects of which the data cannot say which one is present.
+
+    ``noise`` describes the floor, ``windows`` the smoothing of each run. ``doubts`` are sentences about sensors or
+    fitted values that the data make doubtful. ``helpful`` are effects that certainly lower the error and are not named.
+    ``correction`` computes a table for the controller when it is called.
+    """
+
+    verdict: str
+    effects: tuple[Named, ...]
+    one_of: tuple[tuple[Named, ...], ...]
+    unknown: Unknown | None
+    errors: Errors
+    evidence: tuple[Evidence, ...]
+    small: tuple[Evidence, ...]
+    not_testable: tuple[str, ...]
+    next_steps: tuple[str, ...]
+    chain_orders: dict[str, float]
+    traces: tuple[Traces, ...] = field(repr=False, default=())
+    noise: Noise | None = None
+    windows: tuple[Windows, ...] = ()
+    doubts: tuple[str, ...] = ()
+    helpful: tuple[Helpful, ...] = ()
+    correction: Callable[[], Correction] | None = field(repr=False, default=None)
+
+    def to_json(self) -> dict[str, Any]:
+        """The result file."""
+        return {
+            "verdict": self.verdict,
+            "sentence": self.sentence,
+            "effects": [named.to_json() for named in self.effects],
+            "one_of": [[named.to_json() for named in group] for group in self.one_of],
+            "unknown": self.unknown.to_json() if self.unknown else None,
+            "error": self.errors.to_json(),
+            "candidates": [
+                {"effect": e.label, "held_out_rad": e.held_out_rad, "fall_rad": e.fall_rad, "outcome": e.outcome}
+                for e in (*self.evidence, *self.small)
+            ],
+            "not_testable": list(self.not_testable),
+            "next_steps": list(self.next_steps),
+            "noise": self.noise.to_json() if self.noise else None,
+            "windows": [asdict(one) for one in self.windows],
+            "doubts": list(self.doubts),
+            "helpful": [one.to_json() for one in self.helpful],
+        }
+
+    @property
+    def sentence(self) -> str:
+        """The finding in one sentence."""
+        e = self.errors
+        _, (before, after, floor) = readable("_rad", [e.before.value, e.after.value, e.floor_rad])
+        sizes = f"held-out error {before} RMS before, {after} after"
+        words = [self._described(named) for named in self.effects]
+        words += ["one of " + " or ".join(named.words for named in group) for group in self.one_of]
+        if self.verdict == "none":
+            return f"The declared model explains the run: held-out error {before} RMS, noise floor {floor}."
+        if self.verdict == "not_testable" and self.helpful:
+            return f"No torque was measured, and a load explains the error as well as any cause; {sizes}."
+        if self.verdict == "not_testable":
+            return "This run cannot be used: " + "; ".join(self.not_testable) + "."
+        if self.verdict == "unknown":
+            assert self.unknown is not None
+            helps = f"; {self._helps()}" if self.helpful else ""
+            return (
+                f"The model lacks something that none of the known effects explains: {self.unknown.sentence()}{helps}."
+            )
+        if not words:
+            assert self.unknown is not None
+            return f"{self._helps()}; {sizes}; something unknown is left: {self.unknown.sentence()}."
+        tail = f"; something unknown is left: {self.unknown.sentence()}" if self.unknown else ""
+        return f"The model lacks {' and '.join(words)}; {sizes}{tail}."
+
+    def _helps(self) -> str:
+        """A clause on what lowers the error and is not named."""
+        parts = [f"{one.named.words} (odds {min(one.odds, 9999.0):.0f} to 1)" for one in self.helpful]
+        return f"The error falls with {' and '.join(parts)}, which may only resemble the cause"
+
+    def _described(self, named: Named) -> str:
+        figures = []
+        for name, value in named.parameters.items():
+            word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+            bounded = f"{middle} ({low.split(' ')[0]} to {high})"
+            figures.append(f"{word} {bounded if math.isfinite(value.high) else f'{low} or more'}")
+        return f"{named.words} [{named.form}: {', '.join(figures)}]"
+
+
+def size_of(name: str, values: Sequence[float]) -> tuple[float, str]:
+    """Factor and unit that suit the largest of the values of a figure called ``name``; (1, "") where it has none."""
+    for ending, sizes in _SIZES:
+        if name.endswith(ending):
+            if ending == "_rad" and name.startswith(_PLACES):
+                sizes = ((math.pi / 180.0, "deg"),)
+            most = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+            return next((size for size in sizes if most >= size[0]), sizes[-1])
+    return 1.0, ""
+
+
+def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
+    """A figure's name without its unit and its values with one, all in the unit that suits the largest."""
+    factor, unit = size_of(name, values)
+    if not unit:
+        return name.replace("_", " "), ["any size" if math.isinf(v) else f"{v:.5g}" for v in values]
+    ending = next(ending for ending, _ in _SIZES if name.endswith(ending))
+    word = name if ending == "share" else name.removesuffix(ending)
+    return word.replace("_", " ").strip(), ["any size" if math.isinf(v) else f"{v / factor:.4g} {unit}" for v in values]
+
+
+def share_text(share: float) -> str:
+    """A share in per cent; a share slightly below 1 is not called 100 %."""
+    return "over 99%" if 0.99 < share < 0.9999 else f"{share:.0%}"
+
+
+def result_text(result: LoopResult, doubts: Sequence[str] = ()) -> str:
+    """The finding in one sentence, doubts of the runs right below, then the tables.
+
+    Angles are in the unit that suits the error of the declared model.
+    """
+    e = result.errors
+    size, unit = size_of("_rad", [e.before.value])
+    lines = [result.sentence, *doubts, *(f"doubt: {words}" for words in result.doubts), ""]
+    lines += [
+        f"{'error on held-out data':<24}{'RMS':>10}{'95 % from':>12}{'to':>10}{'peak':>10}  {unit}",
+        _error_line("declared model", size, e.before.value, e.before.low, e.before.high, e.peak_before_rad),
+        _error_line("with what was found", size, e.after.value, e.after.low, e.after.high, e.peak_after_rad),
+        f"{'noise floor':<24}{e.floor_rad / size:>10.3g}" + (f"  ({result.noise.source})" if result.noise else ""),
+        f"explained: {share_text(e.explained_share)} of what lies above the floor; held out: {e.held_out}",
+    ]
+    for named in result.effects:
+        lines += ["", *named_lines(named)]
+    for one in result.helpful:
+        words = f"helps on unseen half sweeps, odds {min(one.odds, 9999.0):.0f} to 1, and may only resemble the cause:"
+        lines += ["", words, *("  " + line for line in named_lines(one.named))]
+    for group in result.one_of:
+        lines += ["", "one of these; the data cannot show which:"]
+        for named in group:
+            lines += ["  " + line for line in named_lines(named)]
+    candidates = (*result.evidence, *result.small)
+    if candidates:
+        width = max(len(c.label) for c in candidates)
+        lines += ["", f"{'candidate':<{width}}{'held out':>12}{'takes off':>12}  {unit}"]
+        # A candidate that was left out has no error on the data held back.
+        held = [f"{c.held_out_rad / size:.3g}" for c in result.evidence] + [""] * len(result.small)
+        lines += [
+            f"{c.label:<{width}}{rms:>12}{c.fall_rad / size:>12.3g}  {c.outcome}"
+            for c, rms in zip(candidates, held, strict=True)
+        ]
+    lines += [f"smoothing of run {k + 1}: {windows_words(one)}" for k, one in enumerate(result.windows)]
+    lines += [f"not testable: {words}" for words in result.not_testable]
+    lines += [f"next: {words}" for words in result.next_steps]
+    return "\n".join(lines)
+
+
+def named_lines(named: Named) -> list[str]:
+    """An effect with its figures, one on each line."""
+    lines = [f"{named.words} ({named.form}): {named.physics}"]
+    for name, value in named.parameters.items():
+        word, (middle, low, high) = readable(name, [value.value, value.low, value.high])
+        bounded = f"{middle} (95 %: {low} to {high})"
+        lines.append(f"  {word} {bounded if math.isfinite(value.high) else f'{low} or more'}")
+    for name, figure in named.physical.items():
+        if name not in named.parameters:
+            lines.append("  {} {}".format(*_one(name, figure)))
+    lines += [f"  looks the same: {words}" for words in named.equivalent]
+    return [*lines, f"  look at: {named.where_to_look}"]
+
+
+def windows_words(windows: Windows) -> str:
+    """The smoothing of one run, in words."""
+    load = f", load {windows.load_s:.2g} s" if windows.load_s else ""
+    return f"difference of the inputs {windows.difference_s:.2g} s{load}, speed {windows.speed_s:.2g} s (from the data)"
+
+
+def _one(name: str, figure: float) -> tuple[str, str]:
+    word, shown = readable(name, [figure])
+    return word, shown[0]
+
+
+def _error_line(word: str, size: float, *errors_rad: float) -> str:
+    rms, low, high, peak = (error / size for error in errors_rad)
+    return f"{word:<24}{rms:>10.3g}{low:>12.3g}{high:>10.3g}{peak:>10.3g}"

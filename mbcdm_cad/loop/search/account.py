@@ -1,0 +1,120 @@
+"""What the result reports of a fit: errors on data held back, intervals, limits of the runs, next steps, traces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect, Figure
+from mbcdm_cad.loop.prepare.lines import order_spectrum
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.result import Errors, Named, Traces, Value, ways_apart
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.unknown import Unknown
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# Standard deviations on both sides that hold 95 %.
+INTERVAL = 1.96
+TRACE_POINTS = 4000
+
+
+def errors(fitter: Fitter, bare: Fit, fit: Fit, floor_rad: float) -> Errors:
+    """Held-out error before and after; intervals from the scatter between held-out sweeps."""
+    before, after = _rms_interval(fitter, bare), _rms_interval(fitter, fit)
+    test = fitter.test
+    could = before.value**2 - floor_rad**2
+    did = before.value**2 - after.value**2
+    share = float(np.clip(did / could, 0.0, 1.0)) if could > 0.0 else 1.0
+    return Errors(
+        before,
+        after,
+        float(np.abs(bare.residual[test]).max()),
+        float(np.abs(fit.residual[test]).max()),
+        floor_rad,
+        share,
+        "; ".join(p.held_words for p in fitter.runs),
+    )
+
+
+def _rms_interval(fitter: Fitter, fit: Fit) -> Value:
+    test = fitter.test
+    sweep = np.unique(fitter.sweep[test], return_inverse=True)[1]
+    squares = np.bincount(sweep, fit.residual[test] ** 2) / np.bincount(sweep)
+    square = float(np.mean(fit.residual[test] ** 2))
+    spread = INTERVAL * float(np.std(squares, ddof=1)) / np.sqrt(squares.size) if squares.size > 1 else square
+    low, high = max(0.0, square - spread), square + spread
+    return Value(float(np.sqrt(square)), float(np.sqrt(low)), float(np.sqrt(high)))
+
+
+def interval(figure: Figure, values: Floats, covariance: Floats, effect: Effect) -> Value:
+    """A figure's value and interval, by linear propagation with differences of the parameters' own sizes."""
+    value = figure.of(values)
+    slope = np.zeros(values.size)
+    for i, parameter in enumerate(effect.parameters):
+        step = 1e-3 * max(abs(float(values[i])), parameter.size)
+        moved = values.copy()
+        moved[i] += step
+        slope[i] = (figure.of(moved) - value) / step
+    half = INTERVAL * float(np.sqrt(max(0.0, float(slope @ covariance @ slope))))
+    return Value(value, value - half, value + half)
+
+
+def not_testable(d: DriveSI | None, runs: Sequence[Prepared]) -> tuple[str, ...]:
+    """What these runs cannot show."""
+    words = []
+    if any(p.load_Nm is None for p in runs):
+        words.append("no torque column: stiffness, preload, friction of the cables, lash and winding history")
+    if d is None:
+        words.append("only the ratio is known: pulleys, preload and ropes")
+    if all(p.few for p in runs):
+        words.append("too few half sweeps: none can be held back to judge a fit on the others")
+    if all(p.temperature_C is None for p in runs):
+        words.append("no temperature: warming and settling look alike")
+    return tuple(words)
+
+
+def next_steps(named: Sequence[Named], sets: Sequence[Sequence[Named]], unknown: Unknown | None) -> tuple[str, ...]:
+    """What to look at, and what would separate the members of a set."""
+    steps = [f"{one.words}: look at {one.where_to_look}" for one in named]
+    for group in sets:
+        ways = ways_apart(group)
+        steps.append(f"to tell {' from '.join(one.words for one in group)}: {ways}")
+    if unknown is not None:
+        steps.append("something unknown: repeat the run at another load and speed, and see whether it repeats")
+    return tuple(steps)
+
+
+def chain_orders(d: DriveSI | None, ratio: float) -> dict[str, float]:
+    """Cycles a turn of the drum of everything that turns once."""
+    orders = {"drum": 1.0, "input": ratio}
+    if d is not None:
+        orders |= {body.name: abs(body.turns_per_drum) for body in d.routes.passed}
+    return orders
+
+
+def traces(fitter: Fitter, bare: Fit, fit: Fit) -> tuple[Traces, ...]:
+    """Signals for the page, thinned, and the order spectra before and after."""
+    found = []
+    for part, p in zip(fitter.parts, fitter.runs, strict=True):
+        every = max(1, p.time_s.size // TRACE_POINTS)
+        used = p.used
+        orders, before = order_spectrum(p.output_rad[used], bare.residual[part][used])
+        _, after = order_spectrum(p.output_rad[used], fit.residual[part][used])
+        load = None if p.load_Nm is None else p.load_Nm[::every]
+        found.append(
+            Traces(
+                p.time_s[::every],
+                p.output_rad[::every],
+                load,
+                bare.residual[part][::every],
+                fit.residual[part][::every],
+                p.held[::every].astype(float),
+                p.used[::every].astype(float),
+                orders,
+                before,
+                after,
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,218 @@
+"""The loop from measured runs to the finding: residual, search, alternatives, verdict, error before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from mbcdm_cad.loop.correction import correction_of
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.effects import library
+from mbcdm_cad.loop.prepare.noise import doubt_of, runs_of
+from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
+from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
+from mbcdm_cad.loop.search.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
+from mbcdm_cad.loop.search.exchange import Group
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.located import located
+from mbcdm_cad.loop.search.select import Search
+from mbcdm_cad.loop.search.verdict import Judge
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.measurement.vet import arranged
+from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.routes import Floats
+
+if TYPE_CHECKING:
+    from mbcdm_cad.design.drive import AsBuilt, Drive
+
+# If an effect so many times as large changes the prediction by no more than this share of the floor (RMS), the data
+# give only a lower bound of its size.
+LARGER, UNCHANGED_SHARE = 1.5, 0.1
+# This bound is searched in steps by the first factor, down to the least share of the fitted size, then to within the
+# last factor.
+FIRST_STEP, LEAST_SHARE, LEAST_STEP = 16.0, 1e-12, 1.05
+
+
+def close_loop(drive: Drive | None, runs: Sequence[Run]) -> LoopResult:
+    """Find what the declared model of ``drive`` lacks in ``runs`` (one or more of the same drive, sharing the effects).
+
+    ``drive`` None: only the ratio of the runs is known. Nothing of the drive or the runs is changed.
+    """
+    d = None if drive is None else to_si(drive)
+    ratio = float(runs[0].ratio or 1.0) if d is None else float(np.mean(d.total_ratio))
+    with threadpool_limits(1, "blas"):
+        ready = runs if drive is None else [arranged(run, drive) for run in runs]
+        prepared = [prepare(run, ratio) for run in ready]
+        return _Loop(d, ratio, prepared, () if drive is None else drive.as_built).result()
+
+
+class _Loop:
+    """One pass of the loop: it searches on the shortened run that ``prepare`` returns, and judges on the whole run."""
+
+    def __init__(
+        self, d: DriveSI | None, ratio: float, prepared: Sequence[tuple[Prepared, Prepared]], known: Sequence[AsBuilt]
+    ) -> None:
+        self.d, self.ratio = d, ratio
+        self.prepared = tuple(part for part, _ in prepared)
+        self.known = tuple(known)
+        self.fitter = Fitter(d, ratio, self.prepared, self.known)
+        cut = any(part is not whole for part, whole in prepared)
+        self.whole = Fitter(d, ratio, [whole for _, whole in prepared], self.known) if cut else self.fitter
+        offered = [library(d, p) for p in self.prepared]
+        labels = [{e.label for e in one} for one in offered]
+        self.library = [e for e in offered[0] if all(e.label in one for one in labels)]
+        self.bare = self.fitter.fit()
+        self.search = Search(self.fitter, self.library, self.bare)
+        self.judge = Judge(self.search)
+
+    def result(self) -> LoopResult:
+        """Search, try alternatives, judge."""
+        fit, groups, unknown = self.judge.judged()
+        judged, bare = fit, self.bare
+        if self.whole is not self.fitter:
+            bare = self.whole.fit(offsets=self.bare.offsets)
+            # A single event may lie in a part that the search did not use.
+            judged = located(self.whole, fit) or self.whole.fit(fit.effects, fit.values, fit.offsets)
+            unknown = unknown or self.judge.left(judged, self.whole)
+        whole = self.whole.fit(
+            judged.effects, judged.values, judged.offsets, mask=self.whole.used, slopes=judged.jacobian, fresh=False
+        )
+        named, sets = [], []
+        windows = self.judge.shift_by_window(fit) if groups else []
+        for group in groups:
+            first = self._named(group.effect, fit, whole, windows)
+            others = tuple(self._other(one) for one in group.alike)
+            if others:
+                sets.append((first, *others))
+            else:
+                named.append(first)
+        if unknown is not None:
+            verdict = "partly_explained" if groups or fit.effects else "unknown"
+        else:
+            blind = all(p.few for p in self.prepared) or self.judge.unmeasured
+            verdict = "explained" if groups else "not_testable" if blind else "none"
+        return LoopResult(
+            verdict,
+            tuple(named),
+            tuple(sets),
+            unknown,
+            errors(self.whole, bare, judged, self.search.floor_rad),
+            self._evidence(groups, fit),
+            self._small(fit),
+            not_testable(self.d, self.prepared),
+            next_steps(named, sets, unknown),
+            chain_orders(self.d, self.ratio),
+            traces(self.whole, bare, judged),
+            self.search.noise,
+            tuple(p.windows for p in self.prepared),
+            self._doubts(),
+            tuple(
+                Helpful(self._as_named(one.effect, one.values, one.covariance, one.fall_rad), one.odds)
+                for one in self.judge.helpful
+            ),
+            partial(correction_of, self.whole, judged, self.search.floor_rad),
+        )
+
+    def _named(self, effect: Effect, fit: Fit, whole: Fit, windows: Sequence[Floats]) -> Named:
+        """An effect with its figures from all data and the fall of the held-out error that it causes."""
+        k = whole.effects.index(effect)
+        block = self.judge.spread(whole, effect, self.whole) + np.diag((windows[k] / INTERVAL) ** 2)
+        less = self.search.without(fit, effect)
+        fall = np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2))
+        share = self._least_share(whole, k)
+        if share is None:
+            return self._as_named(effect, whole.values[k], block, float(fall))
+        named = self._as_named(effect, _scaled(effect, whole.values[k], share), block, float(fall))
+        opened = {name: replace(value, low=value.value, high=np.inf) for name, value in named.parameters.items()}
+        return replace(named, parameters=opened)
+
+    def _least_share(self, whole: Fit, k: int) -> float | None:
+        """The least share of a fitted size with which an effect does the same, if a larger size changes nothing: a
+        pulley may never reach the other flank of its play. Else None."""
+        effect = whole.effects[k]
+        if not effect.saturates or self._changes(whole, k, LARGER):
+            return None
+        low, high = 1.0, 1.0
+        while low > LEAST_SHARE and not self._changes(whole, k, low):
+            low, high = low / FIRST_STEP, low
+        while high > low * LEAST_STEP:
+            middle = float(np.sqrt(low * high))
+            low, high = (middle, high) if self._changes(whole, k, middle) else (low, middle)
+        return high
+
+    def _changes(self, whole: Fit, k: int, share: float) -> bool:
+        """Whether an effect of ``share`` times its fitted size changes the prediction noticeably."""
+        values = list(whole.values)
+        values[k] = _scaled(whole.effects[k], values[k], share)
+        change = self.whole.output - self.whole.predict(whole.effects, values, whole.offsets) - whole.residual
+        used = self.whole.used
+        return bool(np.std(self.whole.centred_on(used, change)) >= UNCHANGED_SHARE * self.search.floor_rad)
+
+    def _other(self, fit: Fit) -> Named:
+        """An alternative that fits as well, from the training samples."""
+        return self._as_named(
+            fit.effects[-1], fit.values[-1], self.judge.spread(fit, fit.effects[-1], self.fitter), 0.0
+        )
+
+    def _as_named(self, effect: Effect, values: Floats, block: Floats, fall: float) -> Named:
+        figures = {figure.name: interval(figure, values, block, effect) for figure in effect.reported()}
+        others = [e.form for e in self.library if e.key == effect.key and e.form != effect.form and not e.inside]
+        return Named(
+            effect.name,
+            effect.form,
+            effect.stage,
+            effect.cables,
+            figures,
+            {figure.name: figure.of(values) for figure in effect.physical},
+            tuple(others),
+            effect.where_to_look,
+            effect.separate_by,
+            effect.physics,
+            fall,
+            {p.name: float(v) for p, v in zip(effect.parameters, values, strict=True)},
+            {figure.name: figure.meaning for figure in effect.reported() if figure.meaning},
+            effect.plain,
+        )
+
+    def _doubts(self) -> tuple[str, ...]:
+        """Doubts that the data raise about the sensors, and about fitted values that no part can have."""
+        noise = self.search.noise
+        found = [doubt_of(noise, runs_of(self.prepared))] if noise.far_above else []
+        if self.judge.unmeasured:
+            found.append(
+                f"no torque was measured: {' or '.join(self.judge.unmeasured)} would explain the error as well as the "
+                "load itself; log the load's torque, or run without a load"
+            )
+        return (*found, *self.search.doubts.values())
+
+    def _evidence(self, groups: Sequence[Group], fit: Fit) -> tuple[Evidence, ...]:
+        """Candidates that were accepted or withdrawn, and alternatives to the named effects."""
+        lines = [
+            Evidence(s.effect.label, s.after_rad, float(np.sqrt(abs(s.before_rad**2 - s.after_rad**2))), s.action)
+            for s in self.search.steps
+        ]
+        for group in groups:
+            for one in group.alike:
+                apart = self.judge.apart(one, fit)
+                words = f"as good as {group.effect.label}" + ("" if apart.apart else f": {apart.words}")
+                lines.append(Evidence(one.effects[-1].label, self.search.held_rms(one), 0.0, words))
+        return tuple(lines)
+
+    def _small(self, fit: Fit, most: int = 5) -> tuple[Evidence, ...]:
+        """Candidates that are too small to name, with the fall of the error that each would still cause."""
+        rms = self.search.held_rms(fit)
+        return tuple(
+            Evidence(s.effect.label, rms, float(np.sqrt(max(0.0, s.fall))), "too small to name")
+            for s in self.search.screening.screen(fit)[:most]
+        )
+
+
+def _scaled(effect: Effect, values: Floats, share: float) -> Floats:
+    """Values of an effect with its sizes multiplied by ``share``; places and orders stay."""
+    sizes = np.array([parameter.role == "size" for parameter in effect.parameters])
+    return np.asarray(np.where(sizes, share, 1.0) * values)

@@ -1,0 +1,342 @@
+"""Joint nonlinear least squares: effects, each run's own offsets, on the samples that are not held back.
+
+Several runs share the effects' parameters. Each run has its own zero of the output encoder and its own offsets between
+the input encoders (at most a step or two; one offset less than there are inputs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.design.drive import AsBuilt
+from mbcdm_cad.loop.as_built import known_effects
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator, declared
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.routes import Floats
+
+# Largest offset between two input encoders, in counts (each starts anywhere within one).
+APART_COUNTS = 1.5
+# Relative fall of the sum of squares below which a fit has converged.
+SETTLED = 1e-6
+# Step of a finite difference, as a share of a parameter's typical size.
+DIFFERENCE = 0.1
+# Fields of a setup that strain the cables.
+_STRAINS = ("d", "load_Nm", "path_m", "shift_rad", "play_rad")
+# Bytes of changed runs that are kept in memory.
+REMEMBERED_BYTES = 2**27
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The result of a fit.
+
+    ``residual`` (rad) and ``jacobian`` (columns: effects' parameters, then offsets) cover all samples. ``values`` holds
+    one array an effect, ``offsets`` the runs' input offsets (rad), ``square`` the mean square of the residual on the
+    training samples.
+    """
+
+    effects: tuple[Effect, ...]
+    values: tuple[Floats, ...]
+    offsets: Floats
+    residual: Floats
+    jacobian: Floats
+    square: float
+
+    def values_of(self, effect: Effect) -> Floats:
+        """Fitted values of one of its effects."""
+        return self.values[self.effects.index(effect)]
+
+    def columns_of(self, effect: Effect) -> slice:
+        """Columns of the Jacobian that are an effect's own."""
+        k = self.effects.index(effect)
+        start = sum(v.size for v in self.values[:k])
+        return slice(start, start + self.values[k].size)
+
+    def with_last(self, effect: Effect) -> Fit:
+        """The same fit with one of its effects put last."""
+        order = [k for k, e in enumerate(self.effects) if e is not effect] + [self.effects.index(effect)]
+        own = [self.jacobian[:, self.columns_of(self.effects[k])] for k in order]
+        offsets = self.jacobian[:, sum(v.size for v in self.values) :]
+        effects, values = tuple(self.effects[k] for k in order), tuple(self.values[k] for k in order)
+        return replace(self, effects=effects, values=values, jacobian=np.hstack([*own, offsets]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """The state of a fit: values, offsets, prediction and residual (rad, all samples), mean square on its samples."""
+
+    values: list[Floats]
+    offsets: Floats
+    predicted: Floats
+    residual: Floats
+    square: float
+
+    @property
+    def theta(self) -> Floats:
+        """All values and offsets in one row."""
+        return np.concatenate([*self.values, self.offsets])
+
+
+class Fitter:
+    """Fits sets of effects to one or more runs of one drive; ``known`` effects (``Drive.as_built``) are always
+    applied."""
+
+    def __init__(
+        self, d: DriveSI | None, ratio: float, runs: Sequence[Prepared], known: Sequence[AsBuilt] = ()
+    ) -> None:
+        self.d, self.ratio, self.runs, self.known = d, ratio, tuple(runs), tuple(known)
+        self.simulate = [Simulator() for _ in self.runs]
+        self.base = [declared(d, ratio, p) for p in self.runs]
+        # Known effects of the built drive (as_built) are part of the declared model.
+        if d is not None:
+            for k, p in enumerate(self.runs):
+                for effect, values in known_effects(d, p, known):
+                    self.base[k] = effect.apply(self.base[k], values, self.simulate[k])
+        ends = np.cumsum([0, *(p.time_s.size for p in self.runs)])
+        self.parts = [slice(a, b) for a, b in pairwise(ends)]
+        self.output = np.concatenate([p.output_rad for p in self.runs])
+        self.train = np.concatenate([p.train for p in self.runs])
+        self.test = np.concatenate([p.test for p in self.runs])
+        self.used = np.concatenate([p.used for p in self.runs])
+        # Sweeps are numbered through all runs; sectors are shared, since the runs are of one drum.
+        first = np.cumsum([0, *(int(p.sweep.max()) + 2 for p in self.runs)])
+        self.sweep = np.concatenate([p.sweep + start for p, start in zip(self.runs, first, strict=False)])
+        self.sector = np.concatenate([p.sector for p in self.runs])
+        # The offset between two inputs matters only where it strains the cables.
+        self.apart = max(1, self.runs[0].angle_rad.shape[0] - 1)
+        strained = d is not None and d.n_inputs > 1
+        self.free = np.repeat([strained and p.load_Nm is not None for p in self.runs], self.apart)
+        self.limit = np.repeat([self._offset_limit_rad(p) for p in self.runs], self.apart)
+        self._most = max(8, REMEMBERED_BYTES // (64 * self.output.size))
+        self._changed: dict[tuple[Any, ...], Setup] = {}
+        self._kinds: dict[Effect, int] = {}
+        self._rewindowed: dict[float, Fitter] = {}
+
+    @staticmethod
+    def _offset_limit_rad(p: Prepared) -> float:
+        """Largest offset between two input encoders: some counts, or what zeros taken from the data may be wrong by."""
+        return max(APART_COUNTS * p.input_step_rad, p.run.zeros.apart_unsure_rad if p.run.zeros else 0.0)
+
+    def twin(self) -> Fitter:
+        """The same fitter with its own cache, for another thread."""
+        other = copy(self)
+        other.simulate = [Simulator() for _ in self.runs]
+        other._changed = {}
+        return other
+
+    def rewindowed(self, factor: float) -> Fitter:
+        """The same runs, smoothed as if their noise were ``factor`` times as large; computed once."""
+        if factor not in self._rewindowed:
+            runs = [p.rewindowed(factor) for p in self.runs]
+            self._rewindowed[factor] = Fitter(self.d, self.ratio, runs, self.known)
+        return self._rewindowed[factor]
+
+    def kind(self, effect: Effect) -> int:
+        """What an effect changes in a run: 0 the strain of the cables, 1 their winding, 2 only the reading."""
+        if effect not in self._kinds:
+            before = self.base[0]
+            after = effect.apply(before, np.array([p.size for p in effect.parameters]), self.simulate[0])
+            strain = any(getattr(before, n) is not getattr(after, n) for n in _STRAINS)
+            history = after.winding != before.winding or after.creep != before.creep
+            self._kinds[effect] = 0 if strain else 1 if history else 2
+        return self._kinds[effect]
+
+    def setup(self, run: int, offsets_rad: Floats) -> Setup:
+        """The declared model of a run with offsets between neighbouring input encoders."""
+        setup = self.base[run]
+        for index in np.flatnonzero(offsets_rad):
+            half = np.full(setup.p.time_s.size, 0.5 * offsets_rad[index])
+            setup = setup.with_shift(int(index), half).with_shift(int(index) + 1, -half)
+        return setup
+
+    def predict(self, effects: Sequence[Effect], values: Sequence[Floats], offsets: Floats) -> Floats:
+        """Reading of the output encoder, all runs one after the other, without each run's zero.
+
+        Effects that strain the cables are applied first and cached, so that those that only change the reading need no
+        simulation.
+        """
+        order = sorted(zip(effects, values, strict=True), key=lambda pair: self.kind(pair[0]))
+        out = []
+        for k, simulate in enumerate(self.simulate):
+            own = offsets[k * self.apart : (k + 1) * self.apart]
+            key: tuple[Any, ...] = (k, own.tobytes())
+            s = self._remembered(key, lambda k=k, own=own: self.setup(k, own))  # type: ignore[misc]
+            for effect, value in order:
+                if self.kind(effect) == 2:
+                    s = effect.apply(s, value, simulate)
+                    continue
+                key = (*key, effect, value.tobytes())
+                s = self._remembered(key, lambda s=s, e=effect, v=value, f=simulate: e.apply(s, v, f))  # type: ignore[misc]
+            out.append(simulate(s))
+        return np.concatenate(out)
+
+    def _remembered(self, key: tuple[Any, ...], make: Callable[[], Setup]) -> Setup:
+        if key not in self._changed:
+            while len(self._changed) >= self._most:
+                del self._changed[next(iter(self._changed))]
+            self._changed[key] = make()
+        return self._changed[key]
+
+    def centred(self, values: Floats, mask: NDArray[np.bool_]) -> Floats:
+        """``values`` (n,) or (n, k) with each run's mean over its masked samples subtracted."""
+        out = np.array(values, dtype=float)
+        for part in self.parts:
+            chosen = mask[part]
+            out[part] -= values[part][chosen].mean(axis=0)
+        return out
+
+    def centred_on(self, mask: NDArray[np.bool_], values: Floats) -> Floats:
+        """``values`` (n,) or (n, k) on the masked samples, each run's mean over them subtracted."""
+        chosen = [values[part][mask[part]] for part in self.parts]
+        return np.concatenate([one - one.mean(axis=0) for one in chosen])
+
+    def fit(
+        self,
+        effects: Sequence[Effect] = (),
+        values: Sequence[Floats | list[float]] = (),
+        offsets: Floats | None = None,
+        mask: NDArray[np.bool_] | None = None,
+        iterations: int = 8,
+        settled: float = SETTLED,
+        slopes: Floats | None = None,
+        fresh: bool = True,
+    ) -> Fit:
+        """Levenberg-Marquardt from ``values`` and ``offsets``; ``mask`` defaults to the training samples.
+
+        The Jacobian is taken by differences once, or given as ``slopes`` from a fit near by, and is then updated by the
+        changes that each step made (Broyden's update). A fit has converged when the relative fall of the sum of squares
+        is below ``settled``; with ``fresh`` this must hold with a Jacobian computed at that point. Without it a fit is
+        good enough to rank candidates, but not to judge them.
+        """
+        mask = self.train if mask is None else mask
+        apart = np.zeros(self.free.size) if offsets is None else np.array(offsets, dtype=float)
+        now = self._at(effects, [np.array(v, dtype=float) for v in values], apart, mask)
+        taken = slopes is None
+        jacobian = self.jacobian(effects, now) if slopes is None else slopes
+        damping = 1e-7
+        for _ in range(iterations):
+            following, damping = self._stepped(effects, now, jacobian, damping, mask, settled)
+            fall = 0.0 if following is None else (now.square - following.square) / now.square
+            if following is not None:
+                jacobian = self._updated(jacobian, now, following)
+                now = following
+            if fall < settled:
+                if taken or not fresh:
+                    break
+                jacobian, damping, taken = self.jacobian(effects, now), 1e-7, True
+        if fresh and not taken:
+            jacobian = self.jacobian(effects, now)
+        return Fit(tuple(effects), tuple(now.values), now.offsets, now.residual, jacobian, now.square)
+
+    def tried(
+        self, effects: Sequence[Effect], values: Sequence[Floats | list[float]], offsets: Floats, fresh: bool = True
+    ) -> Fit | None:
+        """A fit of a candidate that may make the drive impossible; None if it cannot be simulated at its start."""
+        try:
+            return self.fit(effects, values, offsets, fresh=fresh)
+        except ModelError:
+            return None
+
+    def _at(self, effects: Sequence[Effect], values: list[Floats], offsets: Floats, mask: NDArray[np.bool_]) -> _Point:
+        predicted = self.predict(effects, values, offsets)
+        residual = self.centred(self.output - predicted, mask)
+        return _Point(values, offsets, predicted, residual, float(np.mean(residual[mask] ** 2)))
+
+    def _stepped(
+        self,
+        effects: Sequence[Effect],
+        now: _Point,
+        jacobian: Floats,
+        damping: float,
+        mask: NDArray[np.bool_],
+        settled: float,
+    ) -> tuple[_Point | None, float]:
+        """A better point, or None, and the damping for the next step.
+
+        None also where the step promises less than half of the fall at which a fit has ``settled``: a simulation is not
+        worth its time.
+        """
+        if now.square == 0.0:  # the prediction is already exact, as for a drum that stands still
+            return None, damping
+        columns = self.centred_on(mask, jacobian)
+        size = np.linalg.norm(columns, axis=0)
+        size[size == 0.0] = 1.0
+        columns /= size
+        normal, slope = columns.T @ columns, columns.T @ now.residual[mask]
+        for _ in range(6):
+            scaled = np.linalg.solve(normal + damping * np.eye(slope.size), slope)
+            promised = float(2.0 * slope @ scaled - scaled @ normal @ scaled) / (now.square * int(mask.sum()))
+            if promised < 0.5 * settled:
+                return None, damping
+            step = scaled / size
+            better = self._tried(effects, now, step, mask)
+            if better is None and self.free.any() and effects:
+                # An offset that reaches its bound spoils the step of the other parameters: keep the offsets fixed.
+                kept = slope.size - int(self.free.sum())
+                short = np.linalg.solve(normal[:kept, :kept] + damping * np.eye(kept), slope[:kept]) / size[:kept]
+                better = self._tried(effects, now, np.concatenate([short, np.zeros(slope.size - kept)]), mask)
+            if better is not None:
+                return better, max(damping / 30.0, 1e-9)
+            damping = max(30.0 * damping, 1e-6)
+        return None, damping
+
+    def _tried(self, effects: Sequence[Effect], now: _Point, step: Floats, mask: NDArray[np.bool_]) -> _Point | None:
+        """The point after a step; None if that is no better, or cannot be simulated."""
+        try:
+            found = self._at(effects, *self.moved(effects, now.values, now.offsets, step), mask)
+        except ModelError:  # the step is too large: a cable is slack or a radius negative
+            return None
+        return found if found.square < now.square else None
+
+    def _updated(self, jacobian: Floats, before: _Point, after: _Point) -> Floats:
+        """The Jacobian updated by the change that a step made, in units in which all columns have similar size."""
+        kept = np.concatenate([np.ones(sum(v.size for v in before.values), dtype=np.bool_), self.free])
+        size = np.linalg.norm(jacobian, axis=0)
+        size[size == 0.0] = 1.0
+        step = (after.theta - before.theta)[kept] * size
+        length = float(step @ step)
+        if length == 0.0:
+            return jacobian
+        miss = after.predicted - before.predicted - (jacobian / size) @ step
+        return jacobian + np.outer(miss / length, step * size)
+
+    def moved(
+        self, effects: Sequence[Effect], values: Sequence[Floats], offsets: Floats, step: Floats
+    ) -> tuple[list[Floats], Floats]:
+        """Values and offsets after a step, within their bounds."""
+        out, at = [], 0
+        for effect, value in zip(effects, values, strict=True):
+            low = [p.low for p in effect.parameters]
+            high = [p.high for p in effect.parameters]
+            out.append(np.clip(value + step[at : at + value.size], low, high))
+            at += value.size
+        apart = offsets.copy()
+        apart[self.free] += step[at:]
+        return out, np.clip(apart, -self.limit, self.limit)
+
+    def jacobian(self, effects: Sequence[Effect], at: _Point) -> Floats:
+        """Derivatives of the prediction, one-sided differences; shape (n, parameters + free offsets)."""
+        values, offsets, base = at.values, at.offsets, at.predicted
+        columns = []
+        for k, effect in enumerate(effects):
+            for i, parameter in enumerate(effect.parameters):
+                changed = values[k].copy()
+                step = DIFFERENCE * parameter.size
+                changed[i] += step if changed[i] + step <= parameter.high else -step
+                trial = [*values[:k], changed, *values[k + 1 :]]
+                columns.append((self.predict(effects, trial, offsets) - base) / (changed[i] - values[k][i]))
+        for run in np.flatnonzero(self.free):
+            changed = offsets.copy()
+            changed[run] += DIFFERENCE * self.limit[run]
+            columns.append((self.predict(effects, values, changed) - base) / (changed[run] - offsets[run]))
+        return np.stack(columns, axis=1) if columns else np.zeros((base.size, 0))

@@ -1,0 +1,214 @@
+"""Linear screening of candidates: the fall of the sum of squares by one linear step from each start."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import combinations
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.search.fit import DIFFERENCE, Fit, Fitter
+from mbcdm_cad.loop.search.twins import Twins
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.routes import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """A candidate, its start, the fall of the training mean square predicted by a linear step, its columns."""
+
+    effect: Effect
+    start: Floats
+    fall: float
+    columns: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ScreenedPair:
+    """Two candidates, their starts, and the training mean square predicted by a linear step of both."""
+
+    effects: tuple[Effect, Effect]
+    starts: tuple[Floats, Floats]
+    square: float
+
+
+class Screening:
+    """Ranks the candidates of ``library`` as additions to a fit."""
+
+    def __init__(self, fitter: Fitter, library: Sequence[Effect]) -> None:
+        self.fitter, self.library = fitter, tuple(library)
+        self.twins = Twins(fitter)
+        self._screened: tuple[Fit, list[Screened]] | None = None
+        self._columns: dict[tuple[Effect, bytes], tuple[Floats, Floats]] = {}
+
+    def screen(self, fit: Fit) -> list[Screened]:
+        """All candidates that ``fit`` does not contain, largest predicted fall first."""
+        if self._screened is not None and self._screened[0] is fit:
+            return self._screened[1]
+        f = self.fitter
+        taken = {e.key for e in fit.effects}
+        basis = self._basis(fit)
+        promises = []
+        for effect in self.library:
+            if effect.key in taken and not effect.several:
+                continue
+            for start in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                # An effect that may occur several times is screened as one effect for each start.
+                one = replace(effect) if effect.several else effect
+                promises.append(partial(self._promise, fit, one, np.array(start), basis))
+        found = self._best_starts(sorted(self.twins.each(promises), key=lambda s: -s.fall))
+        self._screened = fit, found
+        return found
+
+    def best_known_fall(self, fit: Fit) -> float:
+        """The largest fall that a linear step predicts for any addition to ``fit``, without a simulation of the cables.
+
+        Effects that strain the cables use the slopes that were computed for an earlier fit.
+        """
+        f = self.fitter
+        taken = {e.key for e in fit.effects}
+        basis = self._basis(fit)
+        known: dict[Effect, list[bytes]] = {}
+        for effect, start in self._columns:
+            known.setdefault(effect, []).append(start)
+        falls = [0.0]
+        for effect in self.library:
+            if effect.key in taken and not effect.several:
+                continue
+            if f.kind(effect) < 2:
+                starts = [np.frombuffer(start) for start in known.get(effect, [])]
+            else:
+                starts = [np.array(s) for s in effect.first_guesses(f.base[0], fit.residual[f.parts[0]])]
+            for at in starts:
+                try:
+                    change, columns = self._slopes(fit, effect, at, f)
+                except ModelError:
+                    continue
+                falls.append(fit.square - self._projected(fit, change, columns, basis)[0])
+        return max(falls)
+
+    def pairs(self, fit: Fit) -> list[ScreenedPair]:
+        """All pairs of causes that ``fit`` does not contain, each pair of names once, least predicted square first.
+
+        Effects that may occur several times, or happened once, are left out: their starts hold only beside the effects
+        with which they were found.
+        """
+        f, mask = self.fitter, self.fitter.train
+        taken = {e.key for e in fit.effects}
+        offered: list[tuple[Effect, Floats, slice]] = []
+        vectors = [f.centred_on(mask, fit.residual)[:, None]]
+        wide = 1
+        for effect in self.library:
+            if effect.key in taken or effect.several or effect.once or effect.last:
+                continue
+            for guess in effect.first_guesses(f.base[0], fit.residual[f.parts[0]]):
+                start = np.array(guess)
+                try:
+                    change, columns = self._slopes(fit, effect, start, f)
+                except ModelError:
+                    continue
+                vectors.append(f.centred_on(mask, np.column_stack([change, columns])))
+                offered.append((effect, start, slice(wide, wide + 1 + columns.shape[1])))
+                wide = offered[-1][2].stop
+        table, basis = np.hstack(vectors), self._basis(fit)
+        table -= basis @ (basis.T @ table)
+        gram = table.T @ table / table.shape[0]
+        best: dict[frozenset[object], ScreenedPair] = {}
+        for (one, start, own), (other, others_start, others) in combinations(offered, 2):
+            if one.key == other.key:
+                continue
+            square, step = _jointly(gram, own, others)
+            names = frozenset((one.key, other.key))
+            if names not in best or square < best[names].square:
+                mine, rest = np.split(step, [start.size])
+                starts = _begun(one, start, mine), _begun(other, others_start, rest)
+                best[names] = ScreenedPair((one, other), starts, square)
+        return sorted(best.values(), key=lambda pair: pair.square)
+
+    def _basis(self, fit: Fit) -> Floats:
+        """Orthonormal basis of the changes that the parameters of ``fit`` make, on the training samples."""
+        mask = self.fitter.train
+        known = self.fitter.centred_on(mask, fit.jacobian)
+        return np.asarray(np.linalg.qr(known)[0]) if known.shape[1] else np.zeros((int(mask.sum()), 0))
+
+    @staticmethod
+    def _best_starts(found: Sequence[Screened]) -> list[Screened]:
+        """The start with the largest predicted fall, of several starts of one effect that differ in its sizes."""
+        kept: list[Screened] = []
+        for one in found:
+            places = any(p.role != "size" for p in one.effect.parameters)
+            if places or all(one.effect is not other.effect for other in kept):
+                kept.append(one)
+        return kept
+
+    def _slopes(self, fit: Fit, effect: Effect, start: Floats, f: Fitter) -> tuple[Floats, Floats]:
+        """The change of the prediction by an effect at ``start``, (n,), and its derivatives there, (n, k), added to
+        ``fit``.
+
+        For effects that strain the cables this is computed only once: their rank hardly depends on the other effects of
+        the fit.
+        """
+        key = effect, start.tobytes()
+        if key in self._columns:
+            return self._columns[key]
+        effects = (*fit.effects, effect)
+        before = f.predict(fit.effects, fit.values, fit.offsets)
+        at_start = f.predict(effects, (*fit.values, start), fit.offsets) if start.any() else before
+        columns = []
+        for i, parameter in enumerate(effect.parameters):
+            trial = start.copy()
+            trial[i] += DIFFERENCE * parameter.size
+            moved = f.predict(effects, (*fit.values, trial), fit.offsets)
+            columns.append((moved - at_start) / (DIFFERENCE * parameter.size))
+        found = at_start - before, np.stack(columns, axis=1)
+        if f.kind(effect) < 2:
+            self._columns[key] = found
+        return found
+
+    def _promise(self, fit: Fit, effect: Effect, start: Floats, basis: Floats, fitter: Fitter) -> Screened:
+        change, columns = self._slopes(fit, effect, start, fitter)
+        square, step = self._projected(fit, change, columns, basis)
+        return Screened(effect, _begun(effect, start, step), fit.square - square, columns)
+
+    def _projected(self, fit: Fit, change: Floats, columns: Floats, basis: Floats) -> tuple[float, Floats]:
+        """Mean square after a linear step from ``change`` along ``columns`` added to a fit, and the step."""
+        f, mask = self.fitter, self.fitter.train
+        new = f.centred_on(mask, columns)
+        r = f.centred_on(mask, fit.residual - change)
+        new = new - basis @ (basis.T @ new)
+        r = r - basis @ (basis.T @ r)
+        size = np.linalg.norm(new, axis=0)
+        new = new[:, size > 0.0] / size[size > 0.0]
+        step = np.zeros(size.size)
+        if new.shape[1]:
+            solved = np.linalg.lstsq(new, r, rcond=1e-8)[0]
+            r = r - new @ solved
+            step[size > 0.0] = solved / size[size > 0.0]
+        return float(np.mean(r**2)), step
+
+
+def _jointly(gram: Floats, one: slice, other: slice) -> tuple[float, Floats]:
+    """Mean square after a linear step of two candidates, and the step.
+
+    ``gram``: mean products of the residual (first), and of each candidate's change at its start and slopes (its slice).
+    """
+    known = np.zeros(gram.shape[0])
+    known[[0, one.start, other.start]] = 1.0, -1.0, -1.0
+    free = [*range(one.start + 1, one.stop), *range(other.start + 1, other.stop)]
+    normal, slope = gram[np.ix_(free, free)], gram[free] @ known
+    size = np.sqrt(np.diag(normal))
+    size[size == 0.0] = 1.0
+    step = np.linalg.lstsq(normal / np.outer(size, size), slope / size, rcond=1e-8)[0] / size
+    return float(known @ gram @ known - slope @ step), step
+
+
+def _begun(effect: Effect, start: Floats, step: Floats) -> Floats:
+    """Values from which a refit begins, after a linear step from ``start``."""
+    low = [p.low for p in effect.parameters]
+    high = [p.high for p in effect.parameters]
+    # Orders and times are only refined by the fit; a linear step would move them out of their minimum.
+    held = np.array([p.low > -np.inf and start[i] != 0.0 for i, p in enumerate(effect.parameters)])
+    return np.asarray(np.clip(np.where(held, start, start + step), low, high))

@@ -1,0 +1,124 @@
+"""Fits of effects beside others: with one candidate more, without one effect, with another in its place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.located import located
+from mbcdm_cad.loop.search.screening import Screened, Screening
+
+# Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
+CLOSE_SHARE = 0.3
+MOST_REFITS = 7
+# A refit that reaches less than this share of its predicted fall is begun again, if that is near the greatest one.
+LOST_SHARE = 0.5
+# Alternatives to an effect, the best first, that are fitted again beside a line or an event, or if a shared effect has
+# moved by more than this share of its size.
+MOST_AGAIN, MOVED_SHARE = 4, 0.1
+
+
+class TrialFits:
+    """Fits of a library of effects to one set of runs; each fit without an effect is computed once."""
+
+    def __init__(self, fitter: Fitter, library: Sequence[Effect]) -> None:
+        """``library``: the candidates."""
+        self.fitter = fitter
+        self.screening = Screening(fitter, library)
+        self._without: dict[tuple[Fit, Effect], Fit] = {}
+
+    def close(self, fit: Fit, share: float = CLOSE_SHARE, name: str | None = None, first: int = 0) -> list[Screened]:
+        """Candidates that are worth a refit, largest predicted fall first.
+
+        Candidates of ``name`` (other stages, other cables; by default the name of the first candidate) are included
+        however small their predicted fall. ``first``: rank from which on the others are considered.
+        """
+        screened = self.screening.screen(fit)
+        name = name or screened[first].effect.name
+        least = 0.0 if first else share * screened[0].fall
+        chosen = [c for c in screened[first : first + MOST_REFITS] if c.fall >= least]
+        names = {name, *(other for c in chosen[:1] for other in c.effect.after)}
+        return chosen + [c for c in screened if c.effect.name in names and c not in chosen]
+
+    def refits(self, fit: Fit, chosen: Sequence[Screened], share: float = CLOSE_SHARE) -> list[Fit]:
+        """``fit`` with one effect more, for each of ``chosen``; best training mean square first."""
+        own = sum(v.size for v in fit.values)
+        greatest = self.screening.screen(fit)[0].fall if chosen else 0.0
+
+        def few_steps(c: Screened, fitter: Fitter) -> Fit:
+            """A few steps with the slopes of the screening, or with new ones if those lead to nothing."""
+            begin = partial(
+                fitter.fit,
+                effects=(*fit.effects, c.effect),
+                values=(*fit.values, c.start),
+                offsets=fit.offsets,
+                iterations=4,
+                settled=1e-3,
+                fresh=False,
+            )
+            found = begin(slopes=np.hstack([fit.jacobian[:, :own], c.columns, fit.jacobian[:, own:]]))
+            # The step to the start may be so long that the slopes of the screening point the wrong way there.
+            lost = fit.square - found.square < LOST_SHARE * c.fall and c.fall > LOST_SHARE * greatest
+            return min(found, begin(), key=lambda one: one.square) if lost else found
+
+        begun = self.each([partial(few_steps, c) for c in chosen])
+        # Fits that are far behind after a few steps cannot win; only the others are continued.
+        least = min(one.square for one in begun) if begun else 0.0
+        near = [one for one in begun if fit.square - one.square >= share * (fit.square - least)]
+        ended = self.each(
+            [
+                partial(Fitter.fit, effects=one.effects, values=one.values, offsets=one.offsets, settled=1e-5)
+                for one in near
+            ]
+        )
+        return sorted(ended, key=lambda one: one.square)
+
+    def each(self, fits: Sequence[Callable[[Fitter], Fit]]) -> list[Fit]:
+        """Run fits in parallel threads; one that cannot be simulated at its start is left out."""
+        return self.screening.twins.each(fits)
+
+    def without(self, fit: Fit, effect: Effect) -> Fit:
+        """Refit with one effect left out."""
+        key = fit, effect
+        if key not in self._without:
+            rest = [e for e in fit.effects if e is not effect]
+            slopes = np.delete(fit.jacobian, fit.columns_of(effect), axis=1)
+            self._without[key] = self.fitter.fit(
+                rest, [fit.values_of(e) for e in rest], fit.offsets, slopes=slopes, fresh=False
+            )
+        return self._without[key]
+
+    def alternatives(self, fit: Fit, effect: Effect) -> list[Fit]:
+        """Fits in which another effect, or another form of it, replaces ``effect``, best first."""
+        less = self.without(fit, effect)
+        found = self.refits(less, self.close(less, 0.5, effect.name), 0.5)
+        others = [one for one in found if one.effects[-1] is not effect]
+        placed = any(one.once or one.order_index is not None for one in less.effects)
+        again = [one for one in others[:MOST_AGAIN] if placed or _moved(fit, one)]
+        begun = self.each([partial(self._begun_at, fit, one) for one in again])
+        return sorted([*begun, *(one for one in others if one not in again)], key=lambda one: one.square)
+
+    @staticmethod
+    def _begun_at(fit: Fit, one: Fit, fitter: Fitter) -> Fit:
+        """The best of ``one``, a fit begun where the shared effects are in ``fit``, and one with their times searched.
+
+        Without the effect that is replaced, an order, a time, or the friction of the cables may move so far that no fit
+        finds the way back.
+        """
+        shared = [fit.values_of(effect) for effect in one.effects[:-1]]
+        begun = fitter.tried(one.effects, (*shared, one.values[-1]), one.offsets)
+        best = min(filter(None, (one, begun)), key=lambda each: each.square)
+        if not any(effect.once for effect in one.effects):
+            return best
+        return min(filter(None, (best, located(fitter, best))), key=lambda each: each.square)
+
+
+def _moved(fit: Fit, one: Fit) -> bool:
+    """Whether an effect that ``one`` shares with ``fit`` is far from where it is there."""
+    return not all(
+        np.allclose(one.values_of(effect), fit.values_of(effect), rtol=MOVED_SHARE) for effect in one.effects[:-1]
+    )

@@ -1,0 +1,244 @@
+"""Describe the error that no effect explains: with what it repeats, how large it is, and its shape.
+
+A residual repeats in angle (or load, or speed) if its means over bins of that variable agree from sweep to sweep. The
+common part is measured by products of different sweeps only, so that noise within a sweep, also coloured noise, does
+not count. A time does not occur twice: for a drift in time, sectors of angle are compared instead of sweeps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.loop.prepare.lines import order_spectrum
+from mbcdm_cad.loop.prepare.prepared import Prepared
+from mbcdm_cad.loop.result import readable
+from mbcdm_cad.loop.search.shapes import Shape, best_shapes
+from mbcdm_cad.routes import Floats
+
+# A pattern counts if its RMS is this share of the noise floor or more (the size rule of a named effect) and its mean
+# product stands this many standard errors off zero.
+LEAST_SHARE_OF_FLOOR = 0.45
+LEAST_ERRORS = 3.0
+# A pattern must explain at least this share of the residual's mean square to describe it.
+LEAST_SHARE = 0.15
+# A second variable within this factor of the best one counts as equally good.
+ALIKE = 0.85
+ANGLE_BINS = 48
+OTHER_BINS = 16
+# Samples that a bin needs in one sweep and in all sweeps together: with fewer samples the bins are wider.
+LEAST_IN_BIN = 2
+MEAN_IN_BIN = 8
+LEAST_BINS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """How a residual repeats in one variable.
+
+    ``variable``: angle, load, speed, time; with "by direction" where the two senses of motion have their own curve.
+    ``at`` and ``mean_rad``: the curve over the bins, shape (m,), ``at`` in ``unit``. ``rms_rad`` of what repeats, its
+    ``share`` of the residual's mean square, ``errors``: how many standard errors it stands off zero.
+    """
+
+    variable: str
+    unit: str
+    at: Floats
+    mean_rad: Floats
+    rms_rad: float
+    share: float
+    errors: float
+    shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """A residual that no effect of the library explains.
+
+    ``patterns`` that repeat, largest first; none if it does not repeat. ``alike``: further variables that describe it
+    about as well. ``memory_s``: correlation time of the residual. ``lines``: (cycles a turn of the drum, amplitude) of
+    the highest peaks of the order spectrum, which show errors too fast for the bins. All sizes in rad.
+    """
+
+    rms_rad: float
+    peak_rad: float
+    floor_rad: float
+    patterns: tuple[Pattern, ...]
+    alike: tuple[str, ...]
+    memory_s: float
+    lines: tuple[tuple[float, float], ...]
+
+    @property
+    def repeatable(self) -> bool:
+        """Whether any part of it repeats."""
+        return bool(self.patterns)
+
+    def sentence(self) -> str:
+        """For people."""
+        repeats_rad = self.patterns[0].rms_rad if self.patterns else 0.0
+        _, (rms, peak, repeats) = readable("_rad", [self.rms_rad, self.peak_rad, repeats_rad])
+        size = f"{rms} RMS, {peak} at most"
+        if not self.patterns:
+            return f"{size}; does not repeat in angle, load, speed or time; correlation time {self.memory_s:.2g} s"
+        best = self.patterns[0]
+        words = f"{size}; repeats in {best.variable}: {repeats} RMS, {best.share:.0%} of it"
+        if best.shapes:
+            words += f"; {best.shapes[0].words}"
+        if self.alike:
+            words += f"; this run cannot tell it from {', '.join(self.alike)}"
+        return words
+
+    def to_json(self) -> dict[str, Any]:
+        """For the result file."""
+        return {
+            "description": self.sentence(),
+            "repeatable": self.repeatable,
+            "rms_rad": self.rms_rad,
+            "peak_rad": self.peak_rad,
+            "memory_s": self.memory_s,
+            "order_spectrum_peaks": [{"cycles_per_output_rev": n, "amplitude_rad": a} for n, a in self.lines],
+            "not_told_from": list(self.alike),
+            "patterns": [
+                {
+                    "variable": p.variable,
+                    "unit": p.unit,
+                    "rms_rad": p.rms_rad,
+                    "share": p.share,
+                    "standard_errors": p.errors,
+                    "at": [round(float(x), 9) for x in p.at],
+                    "mean_rad": [float(y) for y in p.mean_rad],
+                    "shapes": [{"form": s.form, "explains": s.explains, "words": s.words} for s in p.shapes],
+                }
+                for p in self.patterns
+            ],
+        }
+
+
+def describe_unknown(p: Prepared, residual_rad: Floats, floor_rad: float) -> Unknown:
+    """Describe a residual (rad, shape (n,), all samples of the run); ``floor_rad`` says how small a pattern counts.
+
+    Whether the residual is too large at all is for the caller to test.
+    """
+    use = p.used
+    r = residual_rad[use] - residual_rad[use].mean()
+    square = float(np.mean(r**2))
+    sweep, sector = p.sweep[use], p.sector[use]
+    sense = np.where(np.sign(p.speed_rad_s[use]) >= 0.0, 1, 0)
+    variables: list[tuple[str, str, Floats, int]] = [("angle", "rad", p.output_rad[use], ANGLE_BINS)]
+    if p.load_Nm is not None:
+        variables.append(("load", "N*m", p.load_Nm[use], OTHER_BINS))
+    variables.append(("speed", "rad/s", p.speed_rad_s[use], OTHER_BINS))
+    plain, split = [], []
+    enough = max(LEAST_BINS, r.size // (MEAN_IN_BIN * np.unique(sweep).size))
+    for name, unit, x, bins in variables:
+        index = _binned(x, min(bins, enough))
+        plain.append(_pattern(name, unit, x, index, r, sweep, square, floor_rad))
+        if name != "speed":
+            by_sense = _pattern(f"{name} by direction", unit, x, index * 2 + sense, r, sweep, square, floor_rad)
+            split.append(by_sense)
+    # Two curves, one for each direction, are reported only if they explain clearly more than one.
+    most = max((one.share for one in plain if one), default=0.0)
+    found = [*plain, *(one for one in split if one and one.share > most + LEAST_SHARE)]
+    t = p.time_s[use]
+    found.append(_pattern("time", "s", t, sweep // 2, r, sector, square, floor_rad))
+    patterns = sorted((one for one in found if one is not None), key=lambda one: -one.share)
+    alike = tuple(one.variable for one in patterns[1:] if one.share >= ALIKE * patterns[0].share)
+    peak = float(np.quantile(np.abs(r), 0.999))
+    lines = _lines(p.output_rad[use], r)
+    return Unknown(float(np.sqrt(square)), peak, floor_rad, tuple(patterns), alike, memory_s(r, sweep, p.step_s), lines)
+
+
+def _lines(angle_rad: Floats, r: Floats, most: int = 3) -> tuple[tuple[float, float], ...]:
+    """The highest peaks of the order spectrum, two cycles a travel apart or more."""
+    orders, amplitude = order_spectrum(angle_rad, r)
+    apart = 4.0 * np.pi / float(np.ptp(angle_rad))
+    found: list[tuple[float, float]] = []
+    for k in np.argsort(amplitude)[::-1]:
+        if all(abs(orders[k] - order) > apart for order, _ in found):
+            found.append((float(orders[k]), float(amplitude[k])))
+        if len(found) == most:
+            break
+    return tuple(found)
+
+
+def _binned(x: Floats, bins: int) -> NDArray[np.int64]:
+    """Bins of equal width over the range of ``x``."""
+    low, span = float(x.min()), float(np.ptp(x)) or 1.0
+    return np.minimum(((x - low) / span * bins).astype(np.int64), bins - 1)
+
+
+def _pattern(
+    name: str,
+    unit: str,
+    x: Floats,
+    index: NDArray[np.int64],
+    r: Floats,
+    group: NDArray[np.int64],
+    square: float,
+    floor_rad: float,
+) -> Pattern | None:
+    """The pattern that the bin means of all groups of samples (sweeps or sectors) share; None if it is too small."""
+    shared, errors, count = shared_square(index, r, group)
+    if shared <= 0.0 or errors < LEAST_ERRORS:
+        return None
+    rms, share = float(np.sqrt(shared)), shared / square
+    if rms < LEAST_SHARE_OF_FLOOR * floor_rad or share < LEAST_SHARE:
+        return None
+    kept = np.flatnonzero(count >= LEAST_IN_BIN)
+    at = np.bincount(index, x)[kept] / count[kept]
+    mean = np.bincount(index, r)[kept] / count[kept]
+    order = np.argsort(at)
+    at, mean = at[order], mean[order]
+    shapes = () if "direction" in name else best_shapes(name, unit, at, mean, count[kept][order])
+    return Pattern(name, unit, at, mean, rms, min(share, 1.0), errors, shapes)
+
+
+def shared_square(
+    index: NDArray[np.int64], values: Floats, group: NDArray[np.int64]
+) -> tuple[float, float, NDArray[np.int64]]:
+    """Mean product of bin means of different groups, how many standard errors it is off zero, samples in each bin.
+
+    The standard error is that of a jackknife over groups, so that no single sweep decides.
+    """
+    groups, number = np.unique(group, return_inverse=True)
+    bins = int(index.max()) + 1
+    cell = number * bins + index
+    count = np.bincount(cell, minlength=groups.size * bins).reshape(groups.size, bins)
+    total = np.bincount(cell, values, groups.size * bins).reshape(groups.size, bins)
+    full = count >= LEAST_IN_BIN
+    mean = np.where(full, total / np.maximum(count, 1), 0.0)
+    weight = count.sum(axis=0).astype(float)
+
+    def product(chosen: NDArray[np.bool_]) -> float:
+        m, f = mean[chosen], full[chosen]
+        n = f.sum(axis=0)
+        pairs = n * (n - 1)
+        good = pairs > 0
+        if not good.any():
+            return 0.0
+        cross = m.sum(axis=0) ** 2 - (m**2).sum(axis=0)
+        return float(np.sum(weight[good] * cross[good] / pairs[good]) / np.sum(weight[good]))
+
+    everything = np.ones(groups.size, dtype=np.bool_)
+    shared = product(everything)
+    if groups.size < 3:
+        return 0.0, 0.0, count.sum(axis=0)
+    less = np.array([product(np.arange(groups.size) != k) for k in range(groups.size)])
+    error = float(np.sqrt((groups.size - 1) / groups.size * np.sum((less - less.mean()) ** 2)))
+    return shared, shared / error if error > 0.0 else np.inf, count.sum(axis=0)
+
+
+def memory_s(values: Floats, sweep: NDArray[np.int64], step_s: float) -> float:
+    """Time after which the autocorrelation within sweeps has fallen below 1/e."""
+    lags = np.unique(np.geomspace(1, max(2, values.size // 4), 60).astype(int))
+    square = float(np.mean(values**2)) or 1.0
+    for lag in lags:
+        same = sweep[lag:] == sweep[:-lag]
+        if not same.any():
+            break
+        if float(np.mean((values[lag:] * values[:-lag])[same])) < square / np.e:
+            return float(lag * step_s)
+    return float(lags[-1] * step_s)

@@ -1,0 +1,214 @@
+"""Verify the result of the search: effects that may be zero, names that an unknown error only resembles.
+
+Each effect of the search's fit was compared with others (``exchange``). Names are withdrawn if their size may be zero,
+if they may only resemble an unknown error, or if one plain curve of load or speed explains as much.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+from scipy.stats import t as t_distribution
+
+from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.search.account import INTERVAL
+from mbcdm_cad.loop.search.evidence import chance_without_slope
+from mbcdm_cad.loop.search.exchange import Exchanges, Group
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.loop.search.generic import regressors
+from mbcdm_cad.loop.search.select import LEAST_FALL, Search
+from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown
+from mbcdm_cad.measurement.sweeps import smoothed
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.routes import Floats
+
+# An effect is not named if the unexplained error is at least this share of the error that the effect explains.
+BLAME_SHARE = 0.25
+# The intervals include smoothing windows found with the noise assumed so many times as large.
+WINDOWS = (0.5, 2.0)
+SLOW_S = 0.3
+# An effect that is not named is reported as helpful from these odds on. It stays in the fit if it explains this share
+# of the error above the floor.
+LEAST_ODDS = 20.0
+MOST_OF = 0.75
+# A size counts as possibly zero if it is zero with this probability.
+ZERO_CHANCE = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class TakenBack:
+    """An effect that is not named but lowers the error: its values in the fit from which it was withdrawn, and its
+    odds."""
+
+    effect: Effect
+    values: Floats
+    covariance: Floats
+    fall_rad: float
+    odds: float
+
+
+class Judge(Exchanges):
+    """Judges the fits of one search."""
+
+    def __init__(self, search: Search) -> None:
+        super().__init__(search)
+        self.helpful: list[TakenBack] = []
+        # Names withdrawn because a quantity that the runs did not measure explains the error as well.
+        self.unmeasured: list[str] = []
+
+    def judged(self) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
+        """The final fit, its effects with their alternatives, and the unexplained part."""
+        fit, groups = self.settled()
+        fit, groups = self._certain(fit, groups)
+        unknown = self.left(fit)
+        if unknown is not None:
+            fit, groups, unknown = self._unblamed(fit, groups, unknown)
+        fit, groups, unknown = self._not_generic(fit, groups, unknown)
+        return fit, self._measured(fit, groups), unknown
+
+    def _measured(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Group, ...]:
+        """Withdraw names that an unmeasured quantity explains as well; they stay in the fit, as helpful."""
+        kept = []
+        for group in groups:
+            members = [group.effect, *(one.effects[-1] for one in group.alike)]
+            if not any(member.unmeasured for member in members):
+                kept.append(group)
+                continue
+            less = self.search.without(fit, group.effect)
+            fall = float(np.sqrt(max(0.0, self.search.held_rms(less) ** 2 - self.search.held_rms(fit) ** 2)))
+            block, odds = self.spread(fit, group.effect, self.fitter), self._odds(less, fit)
+            self.helpful.append(TakenBack(group.effect, fit.values_of(group.effect), block, fall, odds))
+            self.unmeasured += [f"{member.name} ({member.form})" for member in members]
+        return tuple(kept)
+
+    def left(self, fit: Fit, fitter: Fitter | None = None) -> Unknown | None:
+        """The unexplained part if it is above the floor, else None; ``fitter`` is the search's by default."""
+        fitter = fitter or self.fitter
+        worst: Unknown | None = None
+        for part, p in zip(fitter.parts, fitter.runs, strict=True):
+            r = fit.residual[part]
+            at = np.flatnonzero(p.used)
+            slow = smoothed(np.interp(np.arange(r.size), at, r[at]), SLOW_S, p.step_s)
+            quiet = float(np.mean((r - slow)[p.used] ** 2))
+            # White noise leaves this share of its square in the smoothed residual.
+            kept = 2.0 / 3.0 * p.step_s / (0.5 * SLOW_S)
+            excess = float(np.mean(slow[p.used] ** 2)) - kept * quiet
+            fast = quiet - 1.5 * self.search.floor_rad**2
+            if max(excess, fast) > (LEAST_FALL * self.search.floor_rad) ** 2:
+                found = describe_unknown(p, r, self.search.floor_rad)
+                # An error that does not repeat is noise, white or coloured, and a pattern in time cannot repeat. With
+                # too few half sweeps repetition cannot be tested, and the error cannot be called noise.
+                repeats = p.few or any(pattern.variable != "time" for pattern in found.patterns)
+                if repeats and (worst is None or found.rms_rad > worst.rms_rad):
+                    worst = found
+        return worst
+
+    def _unexplained(self, fit: Fit, unknown: Unknown) -> float:
+        """Size of the unexplained part, rad RMS: the held-out error above the floor, or the part that certainly
+        repeats."""
+        beyond = float(np.sqrt(max(0.0, self.search.held_rms(fit) ** 2 - self.search.floor_rad**2)))
+        return max([beyond, *(pattern.rms_rad for pattern in unknown.patterns if pattern.variable != "time")])
+
+    def _unblamed(
+        self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown
+    ) -> tuple[Fit, tuple[Group, ...], Unknown]:
+        """Withdraw names that may only resemble an unknown cause, the one that explains least first.
+
+        An effect that certainly lowers the error is recorded as helpful; if it explains most of the error above the
+        floor, it stays in the fit.
+        """
+        full = fit
+        while groups:
+            rms = self.search.held_rms(fit)
+            falls = [self.search.held_rms(self.search.without(fit, g.effect)) ** 2 - rms**2 for g in groups]
+            least = int(np.argmin(falls))
+            if self._unexplained(fit, unknown) < BLAME_SHARE * np.sqrt(max(0.0, falls[least])):
+                break
+            less = self.search.without(fit, groups[least].effect)
+            odds = self._odds(less, fit)
+            if odds >= LEAST_ODDS:
+                effect = groups[least].effect
+                block = self.spread(fit, effect, self.fitter)
+                fall = float(np.sqrt(max(0.0, falls[least])))
+                self.helpful.append(TakenBack(effect, fit.values_of(effect), block, fall, odds))
+            fit = less
+            groups = (*groups[:least], *groups[least + 1 :])
+            left = self.left(fit)
+            if left is None:
+                return fit, groups, unknown
+            unknown = left
+        above = self.search.held_rms(fit) ** 2 - self.search.floor_rad**2
+        explained = self.search.held_rms(fit) ** 2 - self.search.held_rms(full) ** 2
+        if self.helpful and len(self.helpful) + len(groups) == len(full.effects) and explained > MOST_OF * above:
+            return full, groups, self.left(full) or unknown
+        return fit, groups, unknown
+
+    def _odds(self, less: Fit, fit: Fit) -> float:
+        """Odds that ``fit`` has a lower error than ``less`` on half sweeps that neither was fitted to."""
+        test = self.fitter.test
+        sweep = np.unique(self.fitter.sweep[test], return_inverse=True)[1]
+        falls = np.bincount(sweep, (less.residual**2 - fit.residual**2)[test]) / np.bincount(sweep)
+        if falls.size < 3:
+            return 1.0
+        error = float(np.std(falls, ddof=1)) / np.sqrt(falls.size)
+        wrong = float(t_distribution.sf(float(np.mean(falls)) / error, falls.size - 1)) if error > 0.0 else 0.5
+        return (1.0 - wrong) / max(wrong, 1e-12)
+
+    def _certain(self, fit: Fit, groups: tuple[Group, ...]) -> tuple[Fit, tuple[Group, ...]]:
+        """Withdraw names whose sizes may be zero: by their scatter over sweeps and sectors, and with other windows."""
+        while groups:
+            windows = self.shift_by_window(fit)
+            chances = []
+            for group in groups:
+                sizes = [k for k, p in enumerate(group.effect.parameters) if p.role == "size"]
+                shift = windows[fit.effects.index(group.effect)]
+                block = self.spread(fit, group.effect, self.fitter) + np.diag((shift / INTERVAL) ** 2)
+                values = fit.values_of(group.effect)[sizes]
+                strength = float(values @ np.linalg.pinv(block[np.ix_(sizes, sizes)], hermitian=True) @ values)
+                chance = float(chi2.sf(strength, len(sizes)))
+                # Scatter says nothing of a size without a slope, or beside an uncertain time of an event.
+                if group.effect.saturates or group.effect.once:
+                    without = self.search.without(fit, group.effect)
+                    chance = min(chance, chance_without_slope(self.fitter, without, fit))
+                chances.append(chance)
+            worst = int(np.argmax(chances))
+            if chances[worst] <= ZERO_CHANCE:
+                break
+            self.search.give_back("may be zero", groups[worst].effect, fit)
+            fit = self.search.without(fit, groups[worst].effect)
+            groups = (*groups[:worst], *groups[worst + 1 :])
+        return fit, groups
+
+    def _not_generic(
+        self, fit: Fit, groups: tuple[Group, ...], unknown: Unknown | None
+    ) -> tuple[Fit, tuple[Group, ...], Unknown | None]:
+        """Withdraw names of load and speed if one generic regressor explains more than one, or as much as several."""
+        mistaken = [group for group in groups if group.effect.generic]
+        if not mistaken:
+            return fit, groups, unknown
+        kept = tuple(group for group in groups if group not in mistaken)
+        effects = [group.effect for group in kept]
+        values = [fit.values_of(effect) for effect in effects]
+        for regressor in regressors(all(p.load_Nm is not None for p in self.fitter.runs)):
+            trial = self.fitter.tried((*effects, regressor), (*values, [0.0]), fit.offsets)
+            if trial is None:
+                continue
+            better = trial.square < fit.square and not self.alike(fit, trial)
+            if better or (len(mistaken) > 1 and self.alike(trial, fit)):
+                less = self.fitter.fit(effects, values, fit.offsets)
+                return less, kept, self.left(less) or unknown
+        return fit, groups, unknown
+
+    def shift_by_window(self, fit: Fit) -> list[Floats]:
+        """Change of every parameter of the search's fit with the smoothing windows; as many arrays as effects."""
+        most = [np.zeros_like(v) for v in fit.values]
+        for factor in WINDOWS:
+            other = self.fitter.rewindowed(factor)
+            try:
+                again = other.fit(fit.effects, fit.values, fit.offsets, iterations=2, slopes=fit.jacobian, fresh=False)
+            except ModelError:  # with less smoothing noise may slacken a cable that is nearly slack
+                continue
+            most = [np.maximum(m, np.abs(a - b)) for m, a, b in zip(most, again.values, fit.values, strict=True)]
+        return most

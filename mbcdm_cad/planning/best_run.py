@@ -1,0 +1,78 @@
+"""``mbcdm plan --within``: find the best run that a bench can make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.planning.bench_runs import candidates, run_of
+from mbcdm_cad.planning.best_plan import Rated, rated
+from mbcdm_cad.planning.plan import RunPlan, plan_of
+from mbcdm_cad.rig.bench_limits import BenchLimits
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.result import RigError
+
+# Number of compared runs that are listed.
+LISTED = 6
+
+
+@dataclass(frozen=True)
+class BestRun:
+    """The compared runs, best first, and the plan of the best one at the sample rate of the bench."""
+
+    runs: tuple[tuple[Experiment, Rated], ...]
+    plan: RunPlan
+
+    @property
+    def experiment(self) -> Experiment:
+        """The best run."""
+        return self.runs[0][0]
+
+    def text(self) -> str:
+        """The comparison and the plan as text."""
+        lines = [
+            f"{len(self.runs)} runs compared. 'size': smallest size of an effect that is named and separated, divided",
+            "by that of the best run for this effect; mean of all effects. 'cannot': number of effects that the run",
+            "does not show or cannot separate.",
+            "",
+            f"{'size':>6}  {'cannot':>6}  run",
+        ]
+        lines += [f"{one.mean_multiple:6.2f}  {one.blind:6d}  {run.about}" for run, one in self.runs[:LISTED]]
+        return "\n".join([*lines, "", f"best: {self.experiment.about}", "", self.plan.text()])
+
+
+def best_run(
+    drive: Drive,
+    limits: BenchLimits,
+    noise: Noise | None,
+    own: Sequence[Experiment] = (),
+    progress: Callable[[str], None] = lambda name: None,
+) -> BestRun:
+    """The best of the runs within ``limits`` and of ``own``. Raises ``MbcdmError`` if none of them can be made."""
+    found = []
+    for experiment in (*own, *candidates(drive, limits)):
+        progress(f"plan of {experiment.about or experiment.name}")
+        plan = _plan(drive, experiment, noise)
+        if plan is not None:
+            found.append((experiment, plan))
+    if not found:
+        raise MbcdmError("no run within these limits can be made on this drive; allow more torque or travel")
+    ranked = sorted(
+        zip((experiment for experiment, _ in found), rated([plan for _, plan in found]), strict=True),
+        key=lambda pair: pair[1].mean_multiple,
+    )
+    ranked = [(run.model_copy(update={"sample_rate_Hz": limits.sample_rate_Hz}), one) for run, one in ranked]
+    at_rate = _plan(drive, ranked[0][0], noise)
+    assert at_rate is not None
+    return BestRun(tuple(ranked), at_rate)
+
+
+def _plan(drive: Drive, experiment: Experiment, noise: Noise | None) -> RunPlan | None:
+    try:
+        return plan_of(drive, run_of(drive, experiment), noise)
+    except (RigError, ModelError):
+        return None

@@ -1,0 +1,145 @@
+"""The noise floor from the data: what does not repeat is noise, with its parts, and what repeats is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import butter, lfilter
+
+from mbcdm_cad.loop.prepare.noise import Noise, doubt_of, noise_of
+from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
+from mbcdm_cad.loop.prepare.quiet import slow_difference, told_from_noise
+from mbcdm_cad.loop.prepare.setup import declared
+from mbcdm_cad.measurement.run import Run, Sensors
+from mbcdm_cad.routes import Floats
+
+RATIO = 9.0
+# A step of the output that makes 2 urad RMS.
+SENSORS = Sensors(output_resolution_rad=2e-6 * np.sqrt(12.0))
+
+
+def run(load: str = "steps", sweeps: int = 16, rate_hz: float = 100.0) -> Prepared:
+    """A drive of ratio 9 swept +-0.4 rad, 5 s each way."""
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 5.0 * sweeps, 1.0 / rate_hz)
+    drum = 0.4 * np.sin(2.0 * np.pi * 0.1 * t)
+    if load == "steps":
+        tau = rng.uniform(-1.0, 1.0, 200)[np.searchsorted(np.cumsum(rng.uniform(2.0, 6.0, 200)), t)]
+    else:
+        tau = np.interp(t, np.arange(0.0, t[-1] + 3.0, 2.0), rng.uniform(-1.0, 1.0, int((t[-1] + 3.0) / 2.0) + 1))
+    return prepare(Run(t, np.stack([RATIO * drum, RATIO * drum]), drum, tau, sensors=SENSORS), RATIO)[1]
+
+
+def coloured(size: int, memory: int, seed: int) -> Floats:
+    """Noise of RMS 1 that forgets itself in so many samples."""
+    rng, out, keep = np.random.default_rng(seed), np.empty(size), np.exp(-1.0 / memory)
+    out[0] = rng.normal()
+    for k in range(1, size):
+        out[k] = keep * out[k - 1] + np.sqrt(1.0 - keep**2) * rng.normal()
+    return out
+
+
+def found(p: Prepared, residual: Floats) -> Noise:
+    return noise_of([declared(None, RATIO, p)], [residual])
+
+
+@pytest.mark.parametrize("load", ["steps", "by hand"])
+@pytest.mark.parametrize(("white", "slow"), [(5e-6, 0.0), (4e-6, 6e-6)])
+def test_white_and_coloured_noise_are_told_with_their_sizes(load: str, white: float, slow: float) -> None:
+    p = run(load)
+    rng = np.random.default_rng(1)
+    noise = found(p, white * rng.normal(size=p.time_s.size) + slow * coloured(p.time_s.size, 50, 2))
+    assert noise.total_rad == pytest.approx(np.hypot(white, slow), rel=0.1), noise
+    assert noise.white_rad == pytest.approx(white, rel=0.15), noise
+    assert noise.coloured_rad == pytest.approx(slow, rel=0.25, abs=0.3 * white), noise
+    if slow:
+        assert 0.2 < noise.memory_s < 1.0, noise
+
+
+REPEATS = {
+    "a bow in angle": lambda p: 2e-4 * p.output_rad**2,
+    "a wave of the inputs": lambda p: 2e-5 * np.sin(9.0 * p.output_rad),
+    "a fast line": lambda p: 2e-5 * np.sin(300.0 * p.output_rad),
+    "a soft shaft": lambda p: 4e-5 * p.load_Nm,
+    "a late sensor": lambda p: 2e-4 * p.speed_rad_s,
+    "a sense of motion": lambda p: 2e-5 * np.sign(p.speed_rad_s),
+    "warming": lambda p: 4e-5 * (1.0 - np.exp(-p.time_s / 20.0)),
+    "a step": lambda p: 3e-5 * (p.time_s > 37.0),
+}
+
+
+@pytest.mark.parametrize("cause", REPEATS)
+def test_what_repeats_or_happens_once_is_no_noise(cause: str) -> None:
+    p = run()
+    white = 5e-6 * np.random.default_rng(1).normal(size=p.time_s.size)
+    noise = found(p, white + REPEATS[cause](p))
+    assert noise.total_rad == pytest.approx(5e-6, rel=0.2), (cause, noise)
+
+
+def test_the_declared_steps_bound_the_floor_from_below() -> None:
+    p = run()
+    noise = found(p, 1e-7 * np.random.default_rng(1).normal(size=p.time_s.size))
+    assert noise.total_rad == pytest.approx(2e-6, rel=1e-3) and not noise.far_above, noise
+    loud = found(p, 9e-6 * np.random.default_rng(1).normal(size=p.time_s.size))
+    words = doubt_of(loud, "run.csv")
+    assert loud.far_above and "noisier than declared" in words and "2 urad" in words, words
+
+
+def test_where_nothing_repeats_the_fallback_is_stated() -> None:
+    p = run(sweeps=2)
+    noise = found(p, 5e-6 * np.random.default_rng(1).normal(size=p.time_s.size))
+    assert "nothing repeats" in noise.source and noise.total_rad == pytest.approx(5e-6, rel=0.15), noise
+
+
+@pytest.mark.parametrize(("hz", "rate_hz"), [(0.2, 100.0), (1.0, 100.0), (2.5, 50.0), (2.5, 1000.0)])
+def test_servos_that_track_unlike_are_kept_and_the_noise_is_not(hz: float, rate_hz: float) -> None:
+    t = np.arange(0.0, 100.0, 1.0 / rate_hz)
+    motion = 1.8e-4 * np.sin(2.0 * np.pi * hz * t) * (1.0 + 0.4 * np.sin(t / 7.0))
+    noise = 9e-5 * np.random.default_rng(1).normal(size=t.size)
+    kept, shortest_s = told_from_noise(motion + noise, 1e-6, 1.0 / rate_hz)
+    miss = float(np.sqrt(np.mean((kept - motion)[50:-50] ** 2)))
+    assert miss < 0.35 * 9e-5 and shortest_s < 1.0 / hz, (miss, shortest_s)
+
+
+@pytest.mark.parametrize("loud", [1.0, 2.0])
+def test_a_wandering_difference_keeps_its_power(loud: float) -> None:
+    """The power of the motion eases the friction of the cables; the least square error would leave too little of it."""
+    rate_hz, seconds = 50.0, 200.0
+    rng = np.random.default_rng(3)
+    shares, least_square = [], []
+    for _ in range(6):
+        wander = lfilter(*butter(2, [0.1, 1.5], "bandpass", fs=rate_hz), rng.normal(size=int(rate_hz * seconds)))
+        wander *= 1e-4 / np.std(wander)
+        noisy = wander + loud * 1e-4 * rng.normal(size=wander.size)
+        kept, _ = told_from_noise(noisy, 1e-6, 1.0 / rate_hz)
+        shares.append(float(np.var(kept) / np.var(wander)))
+        # Per line the motion is so many times the noise; a Wiener filter keeps the square of its share of the power.
+        over = 1.0 / loud**2 * 0.5 * rate_hz / 1.4
+        least_square.append(over / (1.0 + over))
+    print(
+        f"noise {loud} of the motion: kept {np.mean(shares):.3f} of its power, by least squares {least_square[0]:.3f}"
+    )
+    assert np.mean(shares) == pytest.approx(1.0, abs=0.05)
+    assert np.mean(shares) > np.mean(least_square)
+
+
+def test_what_is_only_noise_is_taken_out() -> None:
+    noise = 1e-4 * np.random.default_rng(1).normal(size=10_000)
+    kept, _ = told_from_noise(noise, 1e-6, 0.01)
+    assert float(np.sqrt(np.mean(kept**2))) < 0.1 * 1e-4, float(np.sqrt(np.mean(kept**2)))
+
+
+@pytest.mark.parametrize("apart_steps", [0.0, 1.5])
+@pytest.mark.parametrize("period_s", [16.0, 32.0])
+def test_counting_steps_at_a_steady_speed_moves_no_servo(period_s: float, apart_steps: float) -> None:
+    step = 1.9175e-4
+    t = np.arange(0.0, 160.0, 0.01)
+    drum = 0.45 * (2.0 / np.pi) * np.arcsin(np.sin(2.0 * np.pi * t / period_s))
+    apart = 0.5 * apart_steps * step * np.sin(2.0 * np.pi * 0.8 * t)
+    counted = [step * np.floor((RATIO * drum + sign * apart) / step + shift) for sign, shift in ((1, 0.2), (-1, 0.75))]
+    seen = Run(t, np.stack(counted), drum, sensors=Sensors(input_resolution_rad=step))
+    kept = slow_difference(seen)[0][0]
+    miss = float(np.std((kept - apart)[100:-100])) / step
+    as_counted = float(np.std(counted[0] - counted[1] - 2.0 * apart)) / step
+    assert as_counted > 0.25, f"difference as counted is {as_counted:.3f} steps off"
+    assert 2.0 * miss < 0.12, f"difference as kept is {2.0 * miss:.3f} steps off"
