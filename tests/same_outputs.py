@@ -30,6 +30,8 @@ EXPERIMENTS = {
     "miso_spur": ("siso_spur/input-creep", "friction-rope-slick", "dynamic/stick-slip"),
 }
 REFERENCES = {name: f"params/{'mbcdm' if name == 'miso_bevel' else name}.yaml" for name in EXPERIMENTS}
+# Records where the design file is, which states before it did not.
+_NEW_FILES = (".design-file",)
 _HASH = re.compile(rb"[0-9a-f]{64}")
 
 _WRITE_DESIGNS = """
@@ -104,6 +106,7 @@ def name_of(design: Path) -> str:
 def differences(one: Path, other: Path) -> Iterator[str]:
     """Files below two folders that differ, or that only one of them has."""
     names = {str(path.relative_to(root)) for root in (one, other) for path in root.rglob("*") if path.is_file()}
+    names = {name for name in names if Path(name).name not in _NEW_FILES}
     for name in sorted(names):
         files = one / name, other / name
         if not all(path.exists() for path in files):

@@ -29,7 +29,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.check_design import run_checks
-from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy, Layout
+from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.item import Item
@@ -37,6 +37,7 @@ from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
+from mbcdm_cad.storage.origin import refuse_other_origin
 
 if TYPE_CHECKING:
     from mbcdm_cad.report.data import DesignFigures
@@ -85,6 +86,7 @@ def build(
     unchanged = _unchanged(target, inputs)
     if unchanged is not None:
         return unchanged
+    refuse_other_origin(target, loaded.path)
 
     checks = run_checks(loaded)
     if _failed(checks) and not force:
@@ -132,7 +134,7 @@ def build(
     data |= checks_data(checks) | fields_data(loaded)
     manifest = Manifest(loaded.sha256, inputs, forced=bool(failed), failed_checks=tuple(c.id for c in failed))
     files = exported_parts(store, posed, parts, drive, processes)
-    _write(target, manifest, dims, posed.items, parts, files, store, data)
+    _write(target, loaded, manifest, posed.items, parts, files, store, data)
     return Outcome(target, checks, data, tuple(store.made))
 
 
@@ -222,8 +224,8 @@ def _unchanged(target: Path, inputs: str) -> Outcome | None:
 
 def _write(
     target: Path,
+    loaded: LoadedDesign,
     manifest: Manifest,
-    dims: Layout,
     items: tuple[Item, ...],
     parts: dict[str, MadePart],
     files: dict[str, MadePart],
@@ -233,10 +235,10 @@ def _write(
     from mbcdm_cad.report.markdown import report_markdown  # loads its templates, only needed if something is written
     from mbcdm_cad.report.page import PAGE
 
-    name = dims.drive.name
+    name = loaded.drive.name
     note = f"FORCED, fails {', '.join(manifest.failed_checks)}" if manifest.forced else ""
     assembly = store.assembly(items, parts, name, note)
-    with output_folder(target, manifest) as folder:
+    with output_folder(target, manifest, design=loaded.path) as folder:
         for part, made in files.items():
             step, stl = made.files.step, made.files.stl
             if note:

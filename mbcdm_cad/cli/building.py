@@ -20,6 +20,7 @@ from mbcdm_cad.report.build_report import build_report
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
+from mbcdm_cad.storage.origin import refuse_other_origin, write_from
 
 
 def build_command(path: Path, *, angle_deg: float, force: bool, out: Path, use_cache: bool, jobs: int | None) -> int:
@@ -95,12 +96,13 @@ def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool
     loaded = load_design(path)
     from mbcdm_cad.build.drawings import drawings_folder, drawings_of
 
+    target = drawings_folder(out, loaded.drive.name)
+    refuse_other_origin(target, path)
     with progress() as note:
         files = drawings_of(
             loaded.drive, Cache(cache_folder() if use_cache else None), part=part, jobs=jobs, progress=note
         )
-    target = drawings_folder(out, loaded.drive.name)
-    write_whole({target / name: data for name, data in files.items()})
+    write_from(path, target, files)
     click.echo(f"{target}: {len(files)} files, {len(files) // 3} sheets as DXF, PDF and SVG")
     return 0
 
@@ -108,12 +110,13 @@ def drawings_command(path: Path, out: Path, *, part: str | None, use_cache: bool
 def pictures_command(path: Path, out: Path, *, use_cache: bool) -> int:
     """Write the pictures for the assembly into their own folder."""
     loaded = load_design(path)
+    target = out / f"{loaded.drive.name}-pictures"
+    refuse_other_origin(target, path)
     from mbcdm_cad.build.pictures import pictures_of
 
     with progress() as note:
         files = pictures_of(loaded.drive, Cache(cache_folder() if use_cache else None), note)
-    target = out / f"{loaded.drive.name}-pictures"
-    write_whole({target / name: data for name, data in files.items()})
+    write_from(path, target, files)
     click.echo(f"{target}: {', '.join(files)}")
     return 0
 
@@ -121,12 +124,13 @@ def pictures_command(path: Path, out: Path, *, use_cache: bool) -> int:
 def prints_command(path: Path, out: Path, *, use_cache: bool) -> int:
     """Write the made parts for a 3D printer into their own folder."""
     loaded = load_design(path)
+    target = out / f"{loaded.drive.name}-prints"
+    refuse_other_origin(target, path)
     from mbcdm_cad.build.prints import prints_of
 
     with progress() as note:
         files = prints_of(loaded.drive, Cache(cache_folder() if use_cache else None), note)
-    target = out / f"{loaded.drive.name}-prints"
-    write_whole({target / name: data for name, data in files.items()})
+    write_from(path, target, files)
     wider = loaded.drive.printing.hole_allowance_mm
     holes = f", round holes of printed materials {wider:g} mm wider than drawn" if wider else ""
     click.echo(f"{target}: {len(files)} parts as 3MF, each on its largest flat face{holes}")

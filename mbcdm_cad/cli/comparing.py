@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -13,7 +14,14 @@ from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.report.comparison import ComparedDesign, compared, comparison_data, comparison_table
+from mbcdm_cad.report.comparison import (
+    ComparedDesign,
+    compared,
+    comparison_data,
+    comparison_table,
+    distinct_labels,
+    own_folder,
+)
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
@@ -40,13 +48,15 @@ def compare_command(
     load = min(design.drive.loads.test_torque_Nm for design in designs)
     cache = Cache(cache_folder() if use_cache else None)
     found = []
-    for path, design in zip(paths, designs, strict=True):
+    labels = distinct_labels([(design.drive.name, design.path) for design in designs])
+    for path, design, label in zip(paths, designs, labels, strict=True):
+        folder = out if label == design.drive.name else out / own_folder(label)
         with progress() as note:
-            outcome = build(design, out, angle_deg=0.0, force=False, cache=cache, jobs=jobs, progress=note)
+            outcome = build(design, folder, angle_deg=0.0, force=False, cache=cache, jobs=jobs, progress=note)
         if outcome.folder is None or outcome.data is None:
             failed = ", ".join(check.id for check in outcome.failed)
             raise MbcdmError(f"{path}: not compared, because it fails {failed}; see mbcdm check {path}")
-        found.append(compared(design.drive, outcome.data, load))
+        found.append(replace(compared(design.drive, outcome.data, load), name=label))
     if page is not None:
         _write_page(page, [design.drive for design in designs], found, cache)
     if as_json:

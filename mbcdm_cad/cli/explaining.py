@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.cli.screen import screen_width
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.layouts.loader import load_design
@@ -28,7 +29,8 @@ def explain_command(design: Path, field: str | None, *, as_json: bool, graph: Pa
         found = [entry.to_dict() for entry in entries]
         click.echo(json.dumps(found[0] if field else found, indent=1, allow_nan=False))
         return 0
-    for line in chain_lines(loaded, field) if field else table_lines(loaded):
+    width = screen_width()
+    for line in chain_lines(loaded, field, width) if field else table_lines(loaded, width):
         click.echo(line)
     return 0
 

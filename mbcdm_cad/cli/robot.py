@@ -28,7 +28,7 @@ def export_command(path: Path, *, form: str, elastic: bool, out: Path, use_cache
     files = robot_files(robot, form, elastic)
     target = out / f"{drive.name}-{form}"
     inputs = content_key("export", (loaded.sha256, form, elastic), package_hash(), versions())
-    with output_folder(target, Manifest(loaded.sha256, inputs)) as folder:
+    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         for name, content in files.items():
             folder.write(name, content)
     mass = sum(link.mass for link in (robot.base, *robot.links))

@@ -15,5 +15,5 @@ def screen_width() -> int | None:
 
 
 def coloured() -> bool:
-    """Whether to use colours: on a terminal, unless NO_COLOR is set (see no-color.org)."""
-    return sys.stdout.isatty() and "NO_COLOR" not in os.environ
+    """Whether to use colours: on a terminal that has some, unless NO_COLOR is set (see no-color.org)."""
+    return sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"

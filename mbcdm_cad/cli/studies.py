@@ -38,7 +38,7 @@ def sensitivity_command(path: Path, *, out: Path) -> int:
 
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
-    with output_folder(target, Manifest(loaded.sha256, inputs)) as folder:
+    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
         kind = configuration(loaded.drive.configuration)
         stacks = kind.tolerance_stacks(kind.layout(loaded.drive))
         summary = write_study(loaded.drive, folder.path, model_tolerances(loaded.drive), stacks)

@@ -7,9 +7,12 @@ series with that of the cables, all wraps sticking.
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.drive import Drive
@@ -53,6 +56,20 @@ class ComparedDesign:
     undrawn: int
     tightest_check: str
     tightest_margin_share: float
+
+
+def distinct_labels(designs: Sequence[tuple[str, Path]]) -> list[str]:
+    """A word for each design (name, file) that no other has: its name; its file if names are equal; else a number."""
+    names, files = Counter(name for name, _ in designs), Counter(path for _, path in designs)
+    return [
+        name if names[name] == 1 else str(path) if files[path] == 1 else f"{name} {number}"
+        for number, (name, path) in enumerate(designs, 1)
+    ]
+
+
+def own_folder(label: str) -> str:
+    """Name of a folder for the build of a design that shares its name with another one."""
+    return re.sub(r"\W+", "-", label.removesuffix(".yaml")).strip("-")
 
 
 def compared(drive: Drive, report: dict[str, Any], load_Nm: float) -> ComparedDesign:

@@ -6,6 +6,7 @@ The report, the page and the graph of dependencies show the same records.
 from __future__ import annotations
 
 import copy
+import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -18,6 +19,8 @@ from mbcdm_cad.layouts.loader import design_file
 
 # Blocks whose entries have names chosen by the user.
 _WITHOUT_RULES = ("catalogue", "as_built", "waivers")
+# Least width of a reason beside its value, in characters.
+_NARROWEST = 32
 
 
 @dataclass(frozen=True)
@@ -126,8 +129,11 @@ def _fields(data: dict[str, Any], prefix: str = "") -> Iterator[str]:
             yield prefix + key
 
 
-def table_lines(loaded: LoadedDesign) -> Iterator[str]:
-    """All fields that have a rule: name, value, driving need; for a stated value also what the rule gives."""
+def table_lines(loaded: LoadedDesign, width: int | None = None) -> Iterator[str]:
+    """All fields that have a rule: name, value, driving need; for a stated value also what the rule gives.
+
+    No line is longer than ``width``; on a narrow terminal the reasons stand below the values.
+    """
     entries = explain_all(loaded)
     if not entries:
         yield f"{loaded.path}: every field is given, and {loaded.drive.configuration} has no sizing rules"
@@ -136,7 +142,25 @@ def table_lines(loaded: LoadedDesign) -> Iterator[str]:
     value_wide = max(len(_short(entry.value)) for entry in entries)
     for entry in entries:
         assert entry.record is not None
-        yield f"{entry.field:<{wide}}  {_short(entry.value):<{value_wide}}  {_reason(entry, entry.record)}"
+        value = _short(entry.value)
+        head, reason = f"{entry.field:<{wide}}  {value:<{value_wide}}  ", _reason(entry, entry.record)
+        if width is None:
+            yield head + reason
+        elif len(head) + _NARROWEST <= width:
+            first, *more = textwrap.wrap(reason, width - len(head), break_on_hyphens=False)
+            yield head + first
+            yield from (" " * len(head) + line for line in more)
+        else:
+            yield from _wrapped(f"{entry.field}  {value}", width)
+            yield from _wrapped(f"    {reason}", width)
+
+
+def _wrapped(line: str, width: int | None) -> list[str]:
+    """The line in pieces of at most ``width`` characters, all after the first indented more than it."""
+    if width is None or len(line) <= width:
+        return [line]
+    pad = " " * (len(line) - len(line.lstrip()))
+    return textwrap.wrap(line.lstrip(), width, initial_indent=pad, subsequent_indent=pad + "    ")
 
 
 def _reason(entry: Explained, rule: SizedValue) -> str:
@@ -145,8 +169,16 @@ def _reason(entry: Explained, rule: SizedValue) -> str:
     return f"given; its rule gives {_short(rule.value)} ({reason})" if entry.given else reason
 
 
-def chain_lines(loaded: LoadedDesign, field: str) -> Iterator[str]:
-    """One field with its rule, and below it the fields that the rule reads, down to those that the file gives."""
+def chain_lines(loaded: LoadedDesign, field: str, width: int | None = None) -> Iterator[str]:
+    """One field with its rule, and below it the fields that the rule reads, down to those that the file gives.
+
+    No line is longer than ``width``.
+    """
+    for line in _chain(loaded, field):
+        yield from _wrapped(line, width)
+
+
+def _chain(loaded: LoadedDesign, field: str) -> Iterator[str]:
     entry = explain_field(loaded, field)
     yield f"{field} = {_short(entry.value)}"
     if entry.given:

@@ -14,6 +14,7 @@ import filelock
 from mbcdm_cad.errors import OutputError
 from mbcdm_cad.storage.files import aside, is_aside
 from mbcdm_cad.storage.manifest import MANIFEST_NAME, Manifest, file_entry, read_manifest
+from mbcdm_cad.storage.origin import ORIGIN_NAME, origin_text, refuse_other_origin
 from mbcdm_cad.storage.swap import recover, replace_folder
 
 _LOCK_TIMEOUT_S = 600.0
@@ -41,17 +42,30 @@ class OutputFolder:
 
 
 @contextmanager
-def output_folder(target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIMEOUT_S) -> Iterator[OutputFolder]:
+def output_folder(
+    target: Path, manifest: Manifest, timeout_s: float = _LOCK_TIMEOUT_S, *, design: Path | None = None
+) -> Iterator[OutputFolder]:
     """As :func:`whole_folder`, with a manifest by which a later build knows its own files.
 
+    ``design``: the design file that it is made from, which the folder records.
+
     Files in ``target`` that its manifest does not list belong to the user and are kept. ``files`` of ``manifest`` is
-    filled in here. Raises ``OutputError`` also if this program did not make ``target``.
+    filled in here. Raises ``OutputError`` also if this program did not make ``target``, or made it from another design
+    file.
     """
     target = target.resolve()
-    with whole_folder(target, _refuse_what_is_not_ours, timeout_s) as staging:
+
+    def refuse(folder: Path) -> None:
+        _refuse_what_is_not_ours(folder)
+        if design is not None:
+            refuse_other_origin(folder, design)
+
+    with whole_folder(target, refuse, timeout_s) as staging:
         yield OutputFolder(staging, target)
         try:
             _add_manifest(staging, target, manifest)
+            if design is not None and design.is_file():
+                (staging / ORIGIN_NAME).write_text(origin_text(target, design), "utf-8")
         except OSError as error:
             raise _refused(target, error) from error
 
@@ -143,7 +157,7 @@ def _bring_along(target: Path, staging: Path) -> None:
     before = read_manifest(target)
     if before is None:
         return
-    made = {*before.files, MANIFEST_NAME}
+    made = {*before.files, MANIFEST_NAME, ORIGIN_NAME}
     for path in sorted(target.rglob("*")):
         name = path.relative_to(target)
         if name.as_posix() in made or (path.is_dir() and not path.is_symlink()):

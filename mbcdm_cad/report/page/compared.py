@@ -21,7 +21,7 @@ def comparison_page(designs: Sequence[ComparedDesign], drives: Sequence[Drive], 
             designs=designs,
             pictures=[base64.b64encode(png).decode() for png in pictures],
             rows=[_row(label.strip(), cells) for label, *cells in comparison_table(designs).rows],
-            charts=charts_under_load([(drive.name, drive) for drive in drives]),
+            charts=charts_under_load([(design.name, drive) for design, drive in zip(designs, drives, strict=True)]),
         )
     )
     return text.encode()

@@ -12,7 +12,7 @@ import pytest
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table
+from mbcdm_cad.report.comparison import compared, comparison_data, comparison_table, distinct_labels, own_folder
 from mbcdm_cad.report.page.compared import comparison_page
 from mbcdm_cad.report.page.studies import charts_under_load
 
@@ -94,3 +94,10 @@ def test_load_charts_agree_with_the_backlash_of_the_table() -> None:
     k = 12
     wanted = float(drum_backlash(to_si(drive), swing["x"][k]).reversal_swing_rad) * 1e3
     assert swing["y"][k] == pytest.approx(wanted, rel=1e-4)
+
+
+def test_designs_of_one_name_are_told_apart() -> None:
+    left, right, other = Path("a/left.yaml"), Path("a/right.yaml"), Path("other.yaml")
+    assert distinct_labels([("drive", left), ("drive", right), ("other", other)]) == [str(left), str(right), "other"]
+    assert distinct_labels([("drive", left), ("drive", left)]) == ["drive 1", "drive 2"]
+    assert [own_folder(label) for label in (str(left), "../x y.yaml", "drive 2")] == ["a-left", "x-y", "drive-2"]
