@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from mbcdm_cad.storage.origin import ORIGIN_NAME
+
 sys.path.insert(0, str(Path(__file__).parent))
 
 from check_output import faults
@@ -43,7 +45,9 @@ def edited(folder: Path, name: str, *changes: tuple[str, str]) -> Path:
 
 
 def files_of(folder: Path) -> list[str]:
-    return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
+    """Files of the output by name, but for the record of where the design file is."""
+    files = (p for p in folder.rglob("*") if p.is_file() and p.name != ORIGIN_NAME)
+    return sorted(p.relative_to(folder).as_posix() for p in files)
 
 
 def assert_equal_folders(first: Path, second: Path) -> None:
