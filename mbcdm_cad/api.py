@@ -121,13 +121,11 @@ class DriveDesign:
         A design that fails a check is built only with ``force``; otherwise the report's ``folder`` is None. Raises
         ``MbcdmError`` for an angle beyond the travel, or if the files cannot be written.
         """
-        from mbcdm_cad.build.run import build
-        from mbcdm_cad.report.build_report import build_report
+        from mbcdm_cad.jobs.build import build
         from mbcdm_cad.storage.cache import Cache, cache_folder
 
         cache = Cache(cache_folder())
-        outcome = build(self.loaded, Path(out), angle_deg=angle_deg, force=force, cache=cache, jobs=jobs)
-        return build_report(self.loaded, outcome)
+        return build(self.loaded, Path(out), angle_deg=angle_deg, force=force, cache=cache, jobs=jobs)
 
     def save(self, path: str | Path) -> None:
         """Write the design file; after ``with_`` it has no comments. Raises ``OSError`` if it cannot be written."""

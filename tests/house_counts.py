@@ -43,6 +43,7 @@ ROOMS = (
     "rig",
     "planning",
     "paper",
+    "jobs",
     "api",
     "live",
     "cli",

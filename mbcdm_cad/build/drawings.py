@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import mbcdm_cad
 from mbcdm_cad.build.assembly_sheet import assembly_sheet
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.mass import assembly_mass
-from mbcdm_cad.build.run import drawn
 from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive

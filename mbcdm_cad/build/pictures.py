@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.build.run import drawn
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.build.trianglemesh import FloatArray, TriangleMesh
 from mbcdm_cad.design.drive import Drive

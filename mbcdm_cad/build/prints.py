@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from mbcdm_cad.build.run import drawn, exported_parts
+from mbcdm_cad.build.made_parts import drawn, exported_parts
 from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.registry import configuration

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cadquery as cq
 
 from mbcdm_cad.build.kernel import location
-from mbcdm_cad.build.run import drawn
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.registry import configuration

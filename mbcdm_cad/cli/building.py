@@ -11,12 +11,12 @@ from pathlib import Path
 import click
 
 from mbcdm_cad.build.bodies import bodies, is_cable
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.progress import progress
-from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.jobs.build import build
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.registry import configuration
-from mbcdm_cad.report.build_report import build_report
 from mbcdm_cad.report.page import PAGE
 from mbcdm_cad.storage.cache import Cache, cache_folder
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
@@ -29,10 +29,9 @@ def build_command(path: Path, *, angle_deg: float, force: bool, out: Path, use_c
 
     cache = Cache(cache_folder() if use_cache else None)
     with progress() as note:
-        outcome = build(loaded, out, angle_deg=angle_deg, force=force, cache=cache, jobs=jobs, progress=note)
+        report = build(loaded, out, angle_deg=angle_deg, force=force, cache=cache, jobs=jobs, progress=note)
     if cache.problem:
         click.echo(f"warning: {cache.problem}; built without it", err=True)
-    report = build_report(loaded, outcome)
     for check in report.checks.failed:
         click.echo(f"fail: {check.id}: {check.message}; {check.remedy}", err=True)
     if report.folder is None:

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.progress import progress
-from mbcdm_cad.build.run import build, drawn
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.jobs.build import build
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.report.comparison import (
     ComparedDesign,
@@ -54,7 +55,7 @@ def compare_command(
         with progress() as note:
             outcome = build(design, folder, angle_deg=0.0, force=False, cache=cache, jobs=jobs, progress=note)
         if outcome.folder is None or outcome.data is None:
-            failed = ", ".join(check.id for check in outcome.failed)
+            failed = ", ".join(check.id for check in outcome.checks.failed)
             raise MbcdmError(f"{path}: not compared, because it fails {failed}; see mbcdm check {path}")
         found.append(replace(compared(design.drive, outcome.data, load), name=label))
     if page is not None:

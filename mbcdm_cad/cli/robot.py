@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.progress import progress
-from mbcdm_cad.build.run import drawn
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.robot.formats import robot_files
 from mbcdm_cad.robot.mechanism import mechanism

@@ -7,14 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mbcdm_cad.report.check_report import CheckReport
 from mbcdm_cad.report.table import preformatted
-
-if TYPE_CHECKING:
-    from mbcdm_cad.build.run import Outcome
-    from mbcdm_cad.design.loaded import LoadedDesign
 
 
 @dataclass(frozen=True)
@@ -29,7 +25,7 @@ class BuildReport:
     checks: CheckReport
     data: dict[str, Any] | None
     made: tuple[str, ...]
-    unchanged: bool
+    unchanged: bool = False
 
     @property
     def passed(self) -> bool:
@@ -70,9 +66,3 @@ class BuildReport:
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json, ready for JSON; for a refused build only the results of the checks."""
         return self.data if self.data is not None else {"checks": self.checks.to_dict()["checks"]}
-
-
-def build_report(loaded: LoadedDesign, outcome: Outcome) -> BuildReport:
-    """The outcome of :func:`mbcdm_cad.build.run.build` as a report."""
-    checks = CheckReport(loaded.drive.name, loaded.sha256, outcome.checks)
-    return BuildReport(loaded.drive.name, outcome.folder, checks, outcome.data, outcome.made, outcome.unchanged)

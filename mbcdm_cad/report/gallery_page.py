@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.build.run import drawn
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.registry import configuration

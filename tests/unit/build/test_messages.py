@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.build import run
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.progress import progress
-from mbcdm_cad.build.run import build
+from mbcdm_cad.jobs import build as job
+from mbcdm_cad.jobs.build import build
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.storage.cache import Cache
 
@@ -45,7 +45,7 @@ def test_a_part_that_cannot_be_drawn_is_put_down_to_the_checks_that_fail(
     def fails(*_: object) -> None:
         raise GeometryError("drum: cannot be drawn with these dimensions")
 
-    monkeypatch.setattr(run, "_parts", fails)
+    monkeypatch.setattr(job, "made_parts", fails)
     with pytest.raises(GeometryError, match=r"^drum: cannot be drawn with these dimensions; .*please report"):
         build(load_design(DESIGN), tmp_path, cache=Cache(None))
     changed = tmp_path / "changed.yaml"

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
-from mbcdm_cad.build.run import exported_parts
+from mbcdm_cad.build.made_parts import exported_parts
 from mbcdm_cad.build.store import MadePart, Store
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.registry import configuration

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.run import drawn
+from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.registry import configuration

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-import math
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step_text import with_description
 from mbcdm_cad.build.export.stl import with_note
+from mbcdm_cad.build.made_parts import exported_parts, made_parts, refuse_angle
 from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.build.store import MadePart, Progress, Store
@@ -24,42 +24,24 @@ from mbcdm_cad.checks.built import (
     overhang_check,
     printed_walls_check,
 )
-from mbcdm_cad.checks.result import CheckResult
+from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.registry import configuration
-from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.item import Item
+from mbcdm_cad.report.build_report import BuildReport
+from mbcdm_cad.report.check_report import CheckReport
+from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.folders import output_folder
 from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import Manifest, altered_files, read_manifest, versions
 from mbcdm_cad.storage.origin import refuse_other_origin
 
-if TYPE_CHECKING:
-    from mbcdm_cad.report.data import DesignFigures
-
 POSES = 9
 WINDUP_LIMIT = "limits.frame_windup_max_mrad"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """Result of a build. ``folder`` is None if the build was refused; ``made`` names the parts that were drawn."""
-
-    folder: Path | None
-    checks: tuple[CheckResult, ...]
-    data: dict[str, Any] | None
-    made: tuple[str, ...]
-    unchanged: bool = False
-
-    @property
-    def failed(self) -> tuple[CheckResult, ...]:
-        """Checks that fail and are not waived."""
-        return tuple(c for c in self.checks if c.status == "fail")
 
 
 def build(
@@ -71,7 +53,7 @@ def build(
     cache: Cache,
     jobs: int | None = None,
     progress: Progress = lambda name: None,
-) -> Outcome:
+) -> BuildReport:
     """Build a design into ``out/<name>``, the assembly drawn with the drum at ``angle_deg``.
 
     A design that fails a check is refused unless ``force``; then every file says so. Nothing is written if nothing has
@@ -79,42 +61,41 @@ def build(
     refuses to write.
     """
     drive = loaded.drive
-    _refuse_angle(drive, angle_deg)
+    refuse_angle(drive, angle_deg)
     target = out / drive.name
     asked = all(value.field != WINDUP_LIMIT for value in loaded.sized)
     inputs = content_key("build", (loaded.sha256, angle_deg, force, asked), package_hash(), versions())
-    unchanged = _unchanged(target, inputs)
+    unchanged = _unchanged(loaded, target, inputs)
     if unchanged is not None:
         return unchanged
     refuse_other_origin(target, loaded.path)
 
     checks = run_checks(loaded)
-    if _failed(checks) and not force:
-        return Outcome(None, checks, None, ())
+    if failed(checks) and not force:
+        return _outcome(loaded, None, checks)
     kind = configuration(drive.configuration)
     dims = kind.layout(drive)
     processes = jobs or os.cpu_count() or 1
     store = Store(cache, progress)
     posed, centred = kind.bill(dims, angle_deg), kind.bill(dims)
     poses = travel_poses(drive.half_travel_deg, POSES)
+    # Imported here, so that a build that has nothing to do starts fast.
+    from mbcdm_cad.report.data import DesignFigures, Tested, checks_data, design_figures, report_data
+
     figures: DesignFigures | None = None
 
     def prepared() -> None:
         from mbcdm_cad.build.separation import prepare
-        from mbcdm_cad.report.data import design_figures
 
         nonlocal figures
         prepare()
         figures = design_figures(dims, centred)
 
     try:
-        parts = _parts(store, posed, drive.export.mesh_tolerance_mm, processes, prepared)
-        clashes, frame = store.judged(dims, parts, poses, processes, () if _failed(checks) else posed.items)
+        parts = made_parts(store, posed, drive.export.mesh_tolerance_mm, processes, prepared)
+        clashes, frame = store.judged(dims, parts, poses, processes, () if failed(checks) else posed.items)
     except GeometryError as error:
-        raise GeometryError(f"{error}; {_why_not_drawn(_failed(checks))}") from error
-
-    from mbcdm_cad.report.data import Tested, checks_data, report_data
-    from mbcdm_cad.report.explain import fields_data
+        raise GeometryError(f"{error}; {_why_not_drawn(failed(checks))}") from error
 
     tested = Tested(clashes, poses, frame)
     data = report_data(
@@ -128,52 +109,14 @@ def build(
         *_frame_checks(drive, kind.frame_study(dims), frame, asked),
         *_printing_checks(drive, centred.items, parts),
     )
-    failed = _failed(checks)
-    if failed and not force:
-        return Outcome(None, checks, data, tuple(store.made))
+    failing = failed(checks)
+    if failing and not force:
+        return _outcome(loaded, None, checks, data, store.made)
     data |= checks_data(checks) | fields_data(loaded)
-    manifest = Manifest(loaded.sha256, inputs, forced=bool(failed), failed_checks=tuple(c.id for c in failed))
+    manifest = Manifest(loaded.sha256, inputs, forced=bool(failing), failed_checks=tuple(c.id for c in failing))
     files = exported_parts(store, posed, parts, drive, processes)
     _write(target, loaded, manifest, posed.items, parts, files, store, data)
-    return Outcome(target, checks, data, tuple(store.made))
-
-
-def drawn(
-    drive: Drive, angle_deg: float, cache: Cache, progress: Progress
-) -> tuple[tuple[Item, ...], dict[str, MadePart]]:
-    """Items and parts with the drum at ``angle_deg``, without checks: for pictures."""
-    _refuse_angle(drive, angle_deg)
-    kind = configuration(drive.configuration)
-    posed = kind.bill(kind.layout(drive), angle_deg)
-    return posed.items, _parts(Store(cache, progress), posed, drive.export.mesh_tolerance_mm, os.cpu_count() or 1)
-
-
-def _parts(
-    store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int, meanwhile: Callable[[], None] | None = None
-) -> dict[str, MadePart]:
-    materials = {item.part: item.material for item in posed.items}
-    return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs, meanwhile)
-
-
-def exported_parts(
-    store: Store, posed: Bill, parts: dict[str, MadePart], drive: Drive, jobs: int
-) -> dict[str, MadePart]:
-    """The parts as in their single files: tapped holes according to ``export.threads``."""
-    if drive.export.threads == "major":
-        return parts
-    materials = {item.part: item.material for item in posed.items}
-    drilled = {
-        name: PartSpec(name, spec.maker, spec.drilled) for name, spec in posed.parts.items() if spec.drilled is not None
-    }
-    return parts | store.parts(drilled, materials, drive.export.mesh_tolerance_mm, jobs)
-
-
-def _refuse_angle(drive: Drive, angle_deg: float) -> None:
-    if not (math.isfinite(angle_deg) and abs(angle_deg) <= drive.half_travel_deg):
-        raise MbcdmError(
-            f"--angle: beyond the travel (value {angle_deg:g} deg, limit +-{drive.half_travel_deg:g} deg); "
-            "choose an angle within it or widen travel.half_angle_deg"
-        )
+    return _outcome(loaded, target, checks, data, store.made)
 
 
 def _frame_checks(
@@ -202,24 +145,31 @@ def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, MadeP
     ]
 
 
-def _why_not_drawn(failed: Sequence[CheckResult]) -> str:
-    if not failed:
+def _why_not_drawn(failing: Sequence[CheckResult]) -> str:
+    if not failing:
         return "the checks did not foresee it, so please report the design file"
-    names = ", ".join(check.id for check in failed)
+    names = ", ".join(check.id for check in failing)
     return f"the design was drawn although checks fail ({names}): their messages name the changes needed"
 
 
-def _failed(checks: Sequence[CheckResult]) -> tuple[CheckResult, ...]:
-    return tuple(c for c in checks if c.status == "fail")
+def _outcome(
+    loaded: LoadedDesign,
+    folder: Path | None,
+    checks: Sequence[CheckResult],
+    data: dict[str, Any] | None = None,
+    made: Sequence[str] = (),
+) -> BuildReport:
+    name = loaded.drive.name
+    return BuildReport(name, folder, CheckReport(name, loaded.sha256, tuple(checks)), data, tuple(made))
 
 
-def _unchanged(target: Path, inputs: str) -> Outcome | None:
+def _unchanged(loaded: LoadedDesign, target: Path, inputs: str) -> BuildReport | None:
     manifest = read_manifest(target)
     if manifest is None or manifest.inputs_sha256 != inputs or altered_files(target, manifest):
         return None
     data = json.loads((target / "report.json").read_text("utf-8"))
     checks = tuple(CheckResult(**c) for c in data["checks"])
-    return Outcome(target, checks, data, (), unchanged=True)
+    return replace(_outcome(loaded, target, checks, data), unchanged=True)
 
 
 def _write(
