@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 import click
 
-from mbcdm_cad.cli.commands import mbcdm
+from mbcdm_cad.cli import commands_on_designs, commands_on_runs, commands_that_draw  # noqa: F401  they join mbcdm
+from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.storage.parallel import allow_processes
 

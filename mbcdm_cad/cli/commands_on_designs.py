@@ -1,13 +1,25 @@
-"""Commands on the design file: write, check, explain and solve it; its schema and catalogue."""
+"""Commands on the design file: write, check, explain and solve it; its schema and catalogue.
+
+Each calls a function of :mod:`mbcdm_cad.api` and prints its result.
+"""
 
 from __future__ import annotations
 
+import json
+import shlex
+import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, Literal
 
 import click
 
-from mbcdm_cad.cli.group import mbcdm
-from mbcdm_cad.cli.options import DESIGN, FILE, examples
+from mbcdm_cad import api
+from mbcdm_cad.cli.group import DESIGN, FILE, examples, mbcdm
+from mbcdm_cad.cli.screen import coloured, progress_of_trials, screen_width
+from mbcdm_cad.design.template import slug
+from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.storage.files import refuse_missing_folder
 
 # Copy of mbcdm_cad.design.entries.KINDS, which takes long to import; a test compares them.
 CATALOGUE_KINDS = (
@@ -42,9 +54,51 @@ def check(designs: tuple[Path, ...], only_failed: bool, show_all: bool, as_json:
     """
     if only_failed and show_all:
         raise click.UsageError("--failed and --all exclude each other; give one of them")
-    from mbcdm_cad.cli.checking import check_command
+    show: Literal["failed", "all", "findings"] = "failed" if only_failed else "all" if show_all else "findings"
+    reports, unread = [], []
+    for path in designs:
+        try:
+            loaded = api.load(path)
+            reports.append((path, loaded.check()))
+        except MbcdmError as error:
+            unread.append(str(path))
+            click.echo(str(error), err=True)
+            continue
+        if not as_json:
+            text = reports[-1][1].text(width=screen_width(), colour=coloured(), show=show)
+            click.echo(("\n" if len(reports) > 1 else "") + text, color=coloured())
+            _hint(loaded)
+    failing = [str(path) for path, report in reports if not report.passed]
+    if as_json:
+        found = [report.to_dict() for _, report in reports]
+        if found:
+            print_json(found[0] if len(designs) == 1 else found)
+    elif len(designs) > 1:
+        click.echo("\n" + _summary(len(designs), failing, unread))
+    return 2 if unread else int(bool(failing))
 
-    return check_command(designs, as_json=as_json, show="failed" if only_failed else "all" if show_all else "findings")
+
+def print_json(content: Any) -> None:
+    """Print plain data as JSON."""
+    click.echo(json.dumps(content, indent=1, allow_nan=False))
+
+
+def _hint(design: api.DriveDesign) -> None:
+    """Print a hint on stderr for a file that states every value; only on a terminal."""
+    if not sys.stderr.isatty():
+        return
+    from mbcdm_cad.layouts.loader import design_file
+
+    if not design.loaded.sized and design_file(design.drive.configuration).size is not None:
+        hint = "states every value; sizing rules compute the fields that a file leaves out"
+        click.echo(f"{design.loaded.path}: {hint} (mbcdm explain)", err=True)
+
+
+def _summary(count: int, failing: Sequence[str], unread: Sequence[str]) -> str:
+    """One line about all designs: their number, and those that fail."""
+    words = [f"{len(failing)} fail: {', '.join(failing)}"] if failing else []
+    words += [f"{len(unread)} cannot be read: {', '.join(unread)}"] if unread else []
+    return f"{count} designs: " + ("; ".join(words) or "all pass")
 
 
 @mbcdm.command(
@@ -66,9 +120,14 @@ def explain(design: Path, field: str | None, as_json: bool, graph: Path | None) 
     """
     if graph is not None and (field or as_json):
         raise click.UsageError("--graph draws all fields; leave out FIELD and --json")
-    from mbcdm_cad.cli.explaining import explain_command
-
-    return explain_command(design, field, as_json=as_json, graph=graph)
+    loaded = api.load(design)
+    if graph is not None:
+        click.echo(loaded.explain_graph(graph))
+    elif as_json:
+        print_json(loaded.explain(field).to_dict())
+    else:
+        click.echo(loaded.explain(field).text(screen_width()))
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm solve my_drive.yaml", "mbcdm solve my_drive.yaml --apply my_drive_solved.yaml"))
@@ -84,9 +143,26 @@ def solve(design: Path, apply: Path | None, as_json: bool) -> int:
     patch. If there is no such design: which requirements exclude each other, and how far each must change. Exit code 1
     then.
     """
-    from mbcdm_cad.cli.solving import solve_command
+    if apply is not None:
+        _refuse_other_file(design, apply)
+    with progress_of_trials() as told:
+        found = api.solve(design, progress=told)
+    if as_json:
+        print_json(found.to_dict())
+    else:
+        click.echo(found.text(colour=coloured()))
+    if apply is not None and found.passed:
+        found.save(apply)
+        click.echo(f"{apply} written", err=as_json)
+    return int(not found.passed)
 
-    return solve_command(design, apply=apply, as_json=as_json)
+
+def _refuse_other_file(design: Path, apply: Path) -> None:
+    """Raise ``InputError`` if the result would replace a file other than the design itself."""
+    refuse_missing_folder(apply)
+    if apply.exists() and apply.resolve() != design.resolve():
+        problem = Problem(str(apply), 1, "", "exists already", remedy="choose another name, or remove it first")
+        raise InputError([problem])
 
 
 @mbcdm.command(epilog=examples("mbcdm init my_drive.yaml", "mbcdm init my_drive.yaml --full"))
@@ -100,9 +176,22 @@ def init(new: Path, configuration: str | None, full: bool, reference: bool) -> i
     Sizing rules compute all other values. For a layout without sizing rules: the reference design with all values.
     Comments state the unit and meaning of each value. Never overwrites a file.
     """
-    from mbcdm_cad.cli.files import init_command
+    refuse_missing_folder(new)
+    text = api.new_design_text(new.stem, configuration, form="reference" if reference else "full" if full else "short")
+    write_new(new, text, "choose another name, or remove it first")
+    click.echo(f"{new}: design {slug(new.stem)} written; check it with: mbcdm check {shlex.quote(str(new))}")
+    return 0
 
-    return init_command(new, configuration, "reference" if reference else "full" if full else "short")
+
+def write_new(path: Path, text: str, remedy: str) -> None:
+    """Write a new file. Raises ``InputError`` with the remedy if it exists, or if it cannot be written."""
+    try:
+        with open(path, "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError([Problem(str(path), 1, "", "exists already", remedy=remedy)]) from None
+    except ValueError as error:
+        raise InputError([Problem(str(path), 1, "", f"cannot be written: {error}", remedy="check the path")]) from None
 
 
 @mbcdm.command(epilog=examples("mbcdm schema > design.schema.json", "mbcdm schema --reference --measurement | less"))
@@ -114,9 +203,11 @@ def schema(reference: bool, measurement: bool, configuration: str | None) -> int
 
     With it an editor can complete and check a design file.
     """
-    from mbcdm_cad.cli.files import schema_command
-
-    return schema_command(reference=reference, measurement=measurement, configuration=configuration)
+    if reference:
+        click.echo(api.schema_page(configuration, measurement=measurement), nl=False)
+    else:
+        click.echo(json.dumps(api.schema(configuration, measurement=measurement), indent=2, ensure_ascii=False))
+    return 0
 
 
 @mbcdm.command(
@@ -129,9 +220,9 @@ def catalogue(kind: str | None, markdown: bool) -> int:
 
     Without KIND: the names of all entries. With KIND: the values of the entries of that kind.
     """
-    from mbcdm_cad.cli.catalogue import catalogue_command
-
-    return catalogue_command(kind, markdown=markdown)
+    found = api.catalogue(kind)
+    click.echo(found.markdown() if markdown else found.text(screen_width()), nl=not markdown)
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm doctor"))
@@ -141,6 +232,9 @@ def doctor(as_json: bool) -> int:
 
     Exit code 1 if something required is missing.
     """
-    from mbcdm_cad.cli.doctor import doctor_command
-
-    return doctor_command(as_json=as_json)
+    machine = api.doctor()
+    if as_json:
+        click.echo(json.dumps(machine.to_dict(), indent=1))
+    else:
+        click.echo(machine.text(screen_width()))
+    return int(not machine.passed)

@@ -1,13 +1,21 @@
-"""Commands of the model, of the test rig and of the loop on measured runs."""
+"""Commands of the model, of the test rig and of the loop on measured runs.
+
+Each calls a function of :mod:`mbcdm_cad.api` and prints its result.
+"""
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import click
 
-from mbcdm_cad.cli.group import mbcdm
-from mbcdm_cad.cli.options import DESIGN, FILE, examples, out_folder
+from mbcdm_cad import api
+from mbcdm_cad.cli.commands_on_designs import print_json, write_new
+from mbcdm_cad.cli.group import DESIGN, FILE, examples, mbcdm, out_folder
+from mbcdm_cad.cli.screen import progress, screen_width
+from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 
 
 @mbcdm.command(epilog=examples("mbcdm analyse my_drive.yaml", "mbcdm analyse my_drive.yaml --json > figures.json"))
@@ -15,9 +23,12 @@ from mbcdm_cad.cli.options import DESIGN, FILE, examples, out_folder
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON.")
 def analyse(design: Path, as_json: bool) -> int:
     """Compute tensions, backlash, load sharing, torque limits."""
-    from mbcdm_cad.cli.studies import analyse_command
-
-    return analyse_command(design, as_json=as_json)
+    report = api.load(design).analyse()
+    if as_json:
+        print_json(report.to_dict())
+    else:
+        click.echo(report.text(screen_width()))
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm sensitivity my_drive.yaml"))
@@ -29,9 +40,8 @@ def sensitivity(design: Path, out: Path) -> int:
     Writes plots and CSV: the panels of the paper's figure 5, global indices, the tolerance stack over the travel, and
     95 % intervals.
     """
-    from mbcdm_cad.cli.studies import sensitivity_command
-
-    return sensitivity_command(design, out=out)
+    click.echo(api.load(design).sensitivity(out).text(screen_width()))
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm reproduce", "mbcdm reproduce my_drive.yaml"))
@@ -41,9 +51,15 @@ def reproduce(design: Path | None) -> int:
 
     For DESIGN, or for the reference design. Exit code 1 if a figure is outside its tolerance.
     """
-    from mbcdm_cad.cli.studies import reproduce_command
-
-    return reproduce_command(design)
+    found = api.reproduce(None if design is None else api.load(design))
+    click.echo(found.text(), nl=False)
+    for figure in found.outside:
+        click.echo(
+            f"{figure.name}: {figure.computed:.5g} {figure.unit} is {figure.difference:+.2%} from the paper's "
+            f"{figure.paper:.5g} (tolerance {figure.tolerance:.2%})",
+            err=True,
+        )
+    return 1 if found.outside else 0
 
 
 @mbcdm.command(
@@ -89,9 +105,7 @@ def loop(
 
     Each MEASUREMENTS file (YAML) describes one run and names the columns of its CSV file. All runs are used together.
     """
-    from mbcdm_cad.layouts.loader import load_design
-
-    loaded = load_design(design)  # before the other imports, so that bad input is reported at once
+    loaded = api.load(design)  # before the other imports, so that bad input is reported at once
     from mbcdm_cad.cli.loop import Outputs, loop_command
 
     return loop_command(loaded, measurements, Outputs(json_path, as_built, report, correction, next_path))
@@ -123,12 +137,33 @@ def plan(
     For each effect: the smallest size that the loop would name, and each effect with which it could be confused, with
     the size up to which this happens.
     """
-    from mbcdm_cad.layouts.loader import load_design
+    loaded = api.load(design)
+    if experiment is None and within is None:
+        raise MbcdmError(
+            "plan: give an experiment file, --within BENCH.yaml, or both; docs/measure-your-drive.md shows them"
+        )
+    if written is not None and within is None:
+        raise MbcdmError("--write: needs --within BENCH.yaml, which finds the best run")
+    files = {}
+    if within is not None:
+        with progress() as note:
+            best = loaded.best_run(within, experiment=experiment, noise_from=pilot, progress=note)
+        found = best.plan
+        click.echo(best.text())
+        if written is not None:
+            files[written] = best.experiment_text(within.name).encode()
+    else:
+        assert experiment is not None, "refused above"
+        found = loaded.plan(experiment, noise_from=pilot)
+        click.echo(found.text())
+    if as_json is not None:
+        from mbcdm_cad.loop.judge import json_bytes
 
-    loaded = load_design(design)
-    from mbcdm_cad.cli.plan import plan_command
-
-    return plan_command(loaded.drive, experiment, within, pilot, written=written, as_json=as_json)
+        files[as_json] = json_bytes(found.to_json())
+    if files:
+        write_whole(files)
+        click.echo("\n".join(f"{path} written" for path in files))
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm simulate my_drive.yaml params/experiments/winding-short-brake.yaml"))
@@ -140,15 +175,7 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
 
     Writes the measured run for 'mbcdm loop', and in a separate file the truth, which the loop does not read.
     """
-    from mbcdm_cad.layouts.loader import load_design
-
-    loaded = load_design(design)
-    from mbcdm_cad.rig.reading import read_experiment
-
-    wanted = read_experiment(experiment)
-    from mbcdm_cad.paper.command import experiment_command
-
-    click.echo(experiment_command(loaded.drive, wanted, out))
+    click.echo(api.load(design).simulate(experiment, out))
 
 
 @mbcdm.command("measurement-init", epilog=examples("mbcdm measurement-init run.csv my_drive.yaml"))
@@ -165,6 +192,14 @@ def measurement_init(data: Path, design: Path, out: Path | None) -> int:
 
     Guesses the content of each column from names, units, ranges and the ratio of the design, and marks each guess.
     """
-    from mbcdm_cad.cli.files import measurement_init_command
-
-    return measurement_init_command(data, design, out)
+    path = out or data.with_suffix(".yaml")
+    refuse_missing_folder(path)
+    text = api.draft_measurement(data, api.load(design))
+    if path.parent.resolve() != data.parent.resolve():
+        remedy = "write it into the folder of the data, because it names the data relative to itself"
+        raise InputError([Problem(str(path), 1, "", "in another folder than the data", remedy=remedy)])
+    write_new(path, text, "choose another name with --out, or remove it")
+    click.echo(text, nl=False)
+    where = f"{shlex.quote(str(design))} {shlex.quote(str(path))}"
+    click.echo(f"{path} written; check the guesses in it, then: mbcdm loop {where}")
+    return 0

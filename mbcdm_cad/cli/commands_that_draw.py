@@ -1,13 +1,24 @@
-"""Commands that draw a design: parts and assembly, pictures, pages, drawings, files for other programs."""
+"""Commands that draw a design: parts and assembly, pictures, pages, drawings, files for other programs.
+
+Each calls a function of :mod:`mbcdm_cad.api` and prints its result.
+"""
 
 from __future__ import annotations
 
+import json
+import shlex
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 import click
 
-from mbcdm_cad.cli.group import mbcdm
-from mbcdm_cad.cli.options import ANGLE, DESIGN, FILE, NO_CACHE, examples, out_folder
+from mbcdm_cad import api
+from mbcdm_cad.cli.group import ANGLE, DESIGN, FILE, JOBS, NO_CACHE, examples, mbcdm, out_folder
+from mbcdm_cad.cli.screen import progress
+from mbcdm_cad.report.page import PAGE
+
+if TYPE_CHECKING:
+    from mbcdm_cad.report.build_report import BuildReport
 
 # Copy of the names of VIEWS in mbcdm_cad.build.export.picture, which needs the drawing library; a test compares them.
 VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "top", "bottom")
@@ -19,17 +30,31 @@ VIEW_NAMES = ("output", "iso", "iso_rear", "front", "rear", "left", "right", "to
 @click.option("--force", is_flag=True, help="Build although a check fails; every output then states it.")
 @out_folder("Folder that the design's folder is written into.")
 @NO_CACHE
-@click.option(
-    "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
-)
+@JOBS
 def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool, jobs: int | None) -> int:
     """Build parts, assembly and report of a design.
 
     Writes STEP and STL of each part, STEP and GLB of the assembly, and the report. Exit code 1 if a check fails.
     """
-    from mbcdm_cad.cli.building import build_command
+    loaded = api.load(design)
+    with progress() as note:
+        report = loaded.build(out, angle_deg=angle_deg, force=force, jobs=jobs, cache=not no_cache, progress=note)
+    if report.cache_problem:
+        click.echo(f"warning: {report.cache_problem}; built without it", err=True)
+    _print_failures(report)
+    if report.folder is None:
+        words = f"{design}: not built, {len(report.checks.failed)} check(s) fail; --force builds it anyway"
+        click.echo(words, err=True)
+    else:
+        click.echo(report.text())
+        if not (report.folder / PAGE).exists():
+            click.echo(f"  mbcdm page {shlex.quote(str(design))} adds {PAGE}: the drive in 3D with all figures")
+    return 0 if report.passed else 1
 
-    return build_command(design, angle_deg=angle_deg, force=force, out=out, use_cache=not no_cache, jobs=jobs)
+
+def _print_failures(report: BuildReport) -> None:
+    for check in report.checks.failed:
+        click.echo(f"fail: {check.id}: {check.message}; {check.remedy}", err=True)
 
 
 @mbcdm.command(
@@ -46,9 +71,7 @@ def build(design: Path, angle_deg: float, force: bool, out: Path, no_cache: bool
 @click.option("--page", type=FILE, metavar="FILE", help="Write a page with pictures, figures and plots to this file.")
 @out_folder("Folder of the builds; designs that are not in it yet are built.")
 @NO_CACHE
-@click.option(
-    "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
-)
+@JOBS
 def compare(
     designs: tuple[Path, ...],
     as_json: bool,
@@ -65,11 +88,15 @@ def compare(
     """
     if as_json and markdown:
         raise click.UsageError("--json and --markdown exclude each other; give one of them")
-    from mbcdm_cad.cli.comparing import compare_command
-
-    return compare_command(
-        designs, out=out, as_json=as_json, markdown=markdown, page=page, use_cache=not no_cache, jobs=jobs
-    )
+    with progress() as note:
+        found = api.compare(designs, out, page=page, jobs=jobs, cache=not no_cache, progress=note)
+    if page is not None:
+        click.echo(f"{page}: {len(designs)} designs side by side, opens in any browser", err=True)
+    if as_json:
+        click.echo(json.dumps(found.to_dict(), indent=1))
+    else:
+        click.echo(found.markdown() if markdown else found.text())
+    return 0
 
 
 @mbcdm.command(
@@ -88,13 +115,14 @@ def compare(
 @NO_CACHE
 def picture(design: Path, png: Path, angle_deg: float, travel: bool, view: str, no_cache: bool) -> int:
     """Draw a design into a PNG or GIF file; needs no display."""
-    if travel:
-        from mbcdm_cad.cli.building import moving_picture_command
-
-        return moving_picture_command(design, png, view=view, use_cache=not no_cache)
-    from mbcdm_cad.cli.building import picture_command
-
-    return picture_command(design, png, angle_deg=angle_deg, view=view, use_cache=not no_cache)
+    loaded = api.load(design)
+    with progress() as note:
+        if travel:
+            done = loaded.moving_picture(png, view=view, cache=not no_cache, progress=note)
+        else:
+            done = loaded.picture(png, angle_deg=angle_deg, view=view, cache=not no_cache, progress=note)
+    click.echo(done)
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm page my_drive.yaml"))
@@ -107,9 +135,16 @@ def page(design: Path, force: bool, out: Path, no_cache: bool) -> int:
 
     Builds the design and writes report.html: checks, figures, plots and lists in one file that needs no network.
     """
-    from mbcdm_cad.cli.page import page_command
-
-    return page_command(design, out=out, force=force, use_cache=not no_cache)
+    loaded = api.load(design)
+    with progress() as note:
+        found = loaded.page(out, force=force, cache=not no_cache, progress=note)
+    _print_failures(found.build)
+    if found.path is None:
+        text = f"{design}: no page, {len(found.build.checks.failed)} check(s) fail; --force writes it anyway"
+        click.echo(text, err=True)
+    else:
+        click.echo(found.text())
+    return 0 if found.passed else 1
 
 
 @mbcdm.command(epilog=examples("mbcdm watch my_drive.yaml"))
@@ -138,16 +173,17 @@ def watch(design: Path, port: int, out: Path, no_cache: bool) -> int:
 @click.option("--elastic", is_flag=True, help="Cables as springs instead of a rigid ratio (MJCF only).")
 @out_folder("Folder that the description's folder, NAME-FORMAT, is written into.")
 @NO_CACHE
-def export(design: Path, form: str, elastic: bool, out: Path, no_cache: bool) -> int:
+def export(design: Path, form: Literal["urdf", "mjcf"], elastic: bool, out: Path, no_cache: bool) -> int:
     """Write a design for robot simulators.
 
     Links with mass and inertia, joints with the drive's ratios, meshes in metres; see docs/robot-formats.md.
     """
     if elastic and form != "mjcf":
         raise click.UsageError("--elastic: URDF has no springs between joints; give --format mjcf")
-    from mbcdm_cad.cli.robot import export_command
-
-    return export_command(design, form=form, elastic=elastic, out=out, use_cache=not no_cache)
+    loaded = api.load(design)
+    with progress() as note:
+        click.echo(loaded.export(form, out, elastic=elastic, cache=not no_cache, progress=note))
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm pictures my_drive.yaml"))
@@ -159,9 +195,10 @@ def pictures(design: Path, out: Path, no_cache: bool) -> int:
 
     One for each step of the order of assembly, an exploded view, a section through the transfer to the drum.
     """
-    from mbcdm_cad.cli.building import pictures_command
-
-    return pictures_command(design, out, use_cache=not no_cache)
+    loaded = api.load(design)
+    with progress() as note:
+        click.echo(loaded.pictures(out, cache=not no_cache, progress=note))
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm prints my_drive.yaml"))
@@ -173,24 +210,24 @@ def prints(design: Path, out: Path, no_cache: bool) -> int:
 
     One file for each part, in millimetres, with its name, lying on its largest flat face.
     """
-    from mbcdm_cad.cli.building import prints_command
-
-    return prints_command(design, out, use_cache=not no_cache)
+    loaded = api.load(design)
+    with progress() as note:
+        click.echo(loaded.prints(out, cache=not no_cache, progress=note))
+    return 0
 
 
 @mbcdm.command(epilog=examples("mbcdm drawings my_drive.yaml", "mbcdm drawings my_drive.yaml --part input_pulley_left"))
 @DESIGN
 @out_folder("Folder that the drawings' folder, NAME-drawings, is written into.")
 @click.option("--part", metavar="NAME", help="Draw only the sheet of this part.")
-@click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
-@click.option(
-    "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
-)
+@NO_CACHE
+@JOBS
 def drawings(design: Path, out: Path, part: str | None, no_cache: bool, jobs: int | None) -> int:
     """Draw the workshop drawings of all made parts.
 
     One sheet for each part, as DXF with real dimensions, as PDF and as SVG.
     """
-    from mbcdm_cad.cli.building import drawings_command
-
-    return drawings_command(design, out, part=part, use_cache=not no_cache, jobs=jobs)
+    loaded = api.load(design)
+    with progress() as note:
+        click.echo(loaded.drawings(out, part=part, jobs=jobs, cache=not no_cache, progress=note))
+    return 0

@@ -1,11 +1,43 @@
-"""The command ``mbcdm``, to which all others belong."""
+"""The command ``mbcdm``, to which all others belong, and what they share: options, examples on help pages."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import click
 
 from mbcdm_cad import __version__
-from mbcdm_cad.cli.options import examples
+
+FILE = click.Path(path_type=Path)
+DESIGN = click.argument("design", type=FILE)
+
+
+def examples(*lines: str) -> str:
+    """Lines for the end of a help page; the mark prevents click from joining them to a paragraph."""
+    return "\b\n" + "\n".join(["Examples:" if len(lines) > 1 else "Example:", *(f"  {line}" for line in lines)])
+
+
+def out_folder(text: str) -> Callable[[Any], Any]:
+    """The option ``--out``, described by ``text``."""
+    return click.option("--out", type=FILE, default=Path("out"), show_default=True, metavar="DIR", help=text)
+
+
+def _finite(_context: click.Context, _parameter: click.Parameter, value: float) -> float:
+    if not math.isfinite(value):
+        raise click.BadParameter(f"{value} is not an angle; give degrees within the travel, such as 12.5")
+    return value
+
+
+ANGLE = click.option(
+    "--angle", "angle_deg", type=float, default=0.0, metavar="DEG", callback=_finite, help="Drum angle of the assembly."
+)
+NO_CACHE = click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
+JOBS = click.option(
+    "--jobs", type=click.IntRange(1, 64), default=None, metavar="N", help="Number of processes; all cores by default."
+)
 
 
 @click.group(

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import click
 
-from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad import api
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.loop.as_built import applied_words, as_built_text
-from mbcdm_cad.loop.correction_files import correction_files, correction_words
-from mbcdm_cad.loop.judge import drive_of, json_bytes, judge
+from mbcdm_cad.loop.as_built import applied_words
+from mbcdm_cad.loop.correction_files import correction_words
+from mbcdm_cad.loop.judge import drive_of, json_bytes
 from mbcdm_cad.measurement.file import MeasurementFile, load_file
 from mbcdm_cad.storage.files import write_whole
 
@@ -35,40 +35,31 @@ class Outputs:
     next: Path | None = None
 
 
-def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
+def loop_command(loaded: api.DriveDesign, measurements: Sequence[Path], wanted: Outputs) -> int:
     """Judge the runs together. 0 if they could be judged; raises InputError with all mistakes of bad input."""
     files = [load_file(path) for path in measurements]
     _refuse_outputs(loaded, files, wanted)
     if any(file.content.published is not None for file in files):
         return _published(loaded, files, wanted)
-    if wanted.as_built is not None and drive_of(loaded, files) is None:
-        remedy = "leave --apply out, or judge runs of the design"
-        raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
-    if wanted.next is not None and drive_of(loaded, files) is None:
-        remedy = "leave --next out, or judge runs of the design"
-        raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
-    report = judge(loaded, files)
+    if drive_of(loaded.loaded, files) is None:
+        for option, path in (("--apply", wanted.as_built), ("--next", wanted.next)):
+            if path is not None:
+                remedy = f"leave {option} out, or judge runs of the design"
+                raise InputError([files[0].problem(("ratio",), "a drive of its own, not the design's", remedy=remedy)])
+    report = api.close_loop(loaded, measurements)
     click.echo(report.text())
-    content, vetted = report.to_dict(), report.runs
-    outputs, applied = {} if wanted.json is None else {wanted.json: json_bytes(content)}, ""
+    content = json_bytes(report.to_dict())
+    outputs, applied = {} if wanted.json is None else {wanted.json: content}, ""
     if wanted.as_built is not None:
-        text = as_built_text(loaded, report.result, ", ".join(one.run.source for one in vetted))
-        outputs[wanted.as_built] = text.encode()
+        outputs[wanted.as_built] = report.as_built_text().encode()
         applied = applied_words(report.result)
     if wanted.report is not None:
-        from mbcdm_cad.loop.page.report import report_page
-
-        page = report_page(report.result, report.design(), [(one.run, one.findings, one.notes) for one in vetted])
-        outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: json_bytes(content)}
-    if wanted.correction is not None and report.result.correction is not None:
-        table = report.result.correction()
-        source = f"{loaded.path.name} and {', '.join(one.run.source for one in vetted)}"
-        outputs |= {wanted.correction / name: text for name, text in correction_files(table, source).items()}
-        click.echo(f"\ncorrection: {correction_words(table)}")
+        outputs |= {wanted.report / REPORT_PAGE: report.page(), wanted.report / REPORT_JSON: content}
+    if wanted.correction is not None and report.correction is not None:
+        outputs |= {wanted.correction / name: text for name, text in report.correction_files().items()}
+        click.echo(f"\ncorrection: {correction_words(report.correction)}")
     if wanted.next is not None:
-        from mbcdm_cad.planning.next_run import next_run
-
-        following = next_run(loaded.drive, [one.run for one in vetted], report.result)
+        following = api.next_run(report)
         if following is None:
             click.echo(f"\nno set of possible effects is left: {wanted.next} is not written")
         elif not following.useful:
@@ -82,22 +73,20 @@ def loop_command(loaded: LoadedDesign, measurements: Sequence[Path], wanted: Out
     return 0
 
 
-def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
+def _published(loaded: api.DriveDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> int:
     """Judge the figures of a paper: possible causes, without a fit."""
-    from mbcdm_cad.paper.published import judge_published
-
     if len(files) > 1 or any(one is not None for one in (wanted.as_built, wanted.correction, wanted.next)):
         remedy = "use it alone, without --apply, --correction and --next"
         wrong = next(file for file in files if file.content.published is not None)
         raise InputError([wrong.problem(("published",), "figures of a paper, not a run", remedy=remedy)])
-    result = judge_published(loaded.drive, files[0])
+    result = api.judge_published(loaded, files[0].path)
     click.echo(result.text().rstrip())
     content = json_bytes(result.to_json())
     outputs = {} if wanted.json is None else {wanted.json: content}
     if wanted.report is not None:
         from mbcdm_cad.paper.published_page import published_page
 
-        page = published_page(result, loaded.drive.name)
+        page = published_page(result, loaded.name)
         outputs |= {wanted.report / REPORT_PAGE: page, wanted.report / REPORT_JSON: content}
     write_whole(outputs)
     for path in outputs:
@@ -105,9 +94,9 @@ def _published(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: O
     return 0
 
 
-def _refuse_outputs(loaded: LoadedDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> None:
+def _refuse_outputs(loaded: api.DriveDesign, files: Sequence[MeasurementFile], wanted: Outputs) -> None:
     """Raise InputError if an output would replace an input or another output, or if its folder does not exist."""
-    taken = [("design file", loaded.path), *(("measurement file", file.path) for file in files)]
+    taken = [("design file", loaded.loaded.path), *(("measurement file", file.path) for file in files)]
     data = [(file.path, file.content.data) for file in files if file.content.data]
     taken += [("data of " + path.name, path.parent / name) for path, name in data]
     outputs = [] if wanted.json is None else [("--json", wanted.json)]

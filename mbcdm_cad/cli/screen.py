@@ -1,10 +1,12 @@
-"""Properties of the terminal: its width, and whether colours are wanted."""
+"""The terminal: its width, whether colours are wanted, and progress on standard error."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 
 def screen_width() -> int | None:
@@ -17,3 +19,38 @@ def screen_width() -> int | None:
 def coloured() -> bool:
     """Whether to use colours: on a terminal that has some, unless NO_COLOR is set (see no-color.org)."""
     return sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str], None]]:
+    """A function that is told each item while it is made: a spinner on a terminal, lines if the output is piped."""
+    if not sys.stderr.isatty():
+        yield lambda name: print(f"making {name}", file=sys.stderr, flush=True)
+        return
+    from rich.console import Console  # only where a terminal shows it
+
+    console = Console(stderr=True)
+    with console.status("reading") as status:
+        yield lambda name: status.update(f"making {name}")
+
+
+@contextmanager
+def progress_of_trials() -> Iterator[Callable[[str, int], None] | None]:
+    """A function that is told the stage of a search and its trials, as a bar on a terminal; None if piped."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console  # only where a terminal shows it
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from mbcdm_cad.solving.solve import MOST_TRIALS
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed} trials"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("searching", total=MOST_TRIALS)
+        yield lambda stage, count: bar.update(task, description=stage, completed=count)

@@ -111,12 +111,12 @@ def build(
     )
     failing = failed(checks)
     if failing and not force:
-        return _outcome(loaded, None, checks, data, store.made)
+        return replace(_outcome(loaded, None, checks, data, store.made), cache_problem=cache.problem)
     data |= checks_data(checks) | fields_data(loaded)
     manifest = Manifest(loaded.sha256, inputs, forced=bool(failing), failed_checks=tuple(c.id for c in failing))
     files = exported_parts(store, posed, parts, drive, processes)
     _write(target, loaded, manifest, posed.items, parts, files, store, data)
-    return _outcome(loaded, target, checks, data, store.made)
+    return replace(_outcome(loaded, target, checks, data, store.made), cache_problem=cache.problem)
 
 
 def _frame_checks(

@@ -9,6 +9,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.design.loaded import LoadedDesign
+    from mbcdm_cad.loop.correction import Correction
     from mbcdm_cad.loop.result import LoopResult
     from mbcdm_cad.measurement.file import MeasurementFile
 
@@ -72,6 +74,41 @@ class LoopReport:
         content = {**self.result.to_json(), "design": self.design(), "runs": [_run_json(one) for one in self.runs]}
         plain: dict[str, Any] = _finite(content)
         return plain
+
+    @property
+    def source(self) -> str:
+        """Names of the runs' data."""
+        return ", ".join(one.run.source for one in self.runs)
+
+    def as_built_text(self) -> str:
+        """The design file with the effects that were found in its list ``as_built``; nothing else of it changes.
+
+        Raises ``MbcdmError`` where the runs are of another drive than the design's.
+        """
+        from mbcdm_cad.loop.as_built import as_built_text
+
+        if self.drive is None:
+            raise MbcdmError(f"{self.loaded.path}: the runs are of a drive of their own, not of the design's")
+        return as_built_text(self.loaded, self.result, self.source)
+
+    @cached_property
+    def correction(self) -> Correction | None:
+        """The correction of the output angle for a controller, with its accuracy; None where the loop gives none."""
+        return None if self.result.correction is None else self.result.correction()
+
+    def correction_files(self) -> dict[str, bytes]:
+        """The correction by file name: a table as CSV and JSON, and a C header; empty where there is none."""
+        from mbcdm_cad.loop.correction_files import correction_files
+
+        if self.correction is None:
+            return {}
+        return correction_files(self.correction, f"{self.loaded.path.name} and {self.source}")
+
+    def page(self) -> bytes:
+        """The page with plots, as ``mbcdm loop --report`` writes it: HTML that needs no other file."""
+        from mbcdm_cad.loop.page.report import report_page
+
+        return report_page(self.result, self.design(), [(one.run, one.findings, one.notes) for one in self.runs])
 
     def to_pandas(self) -> pandas.DataFrame:
         """The candidates that were tried, one row each. ``MbcdmError`` without pandas."""

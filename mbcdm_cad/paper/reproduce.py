@@ -7,8 +7,8 @@ reason: the model cannot give it, or the paper does not state what was measured.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -50,6 +50,31 @@ class PaperFigure:
     def within(self) -> bool:
         """Whether the figure is within its tolerance, or has none."""
         return self.tolerance is None or abs(self.difference) <= self.tolerance
+
+
+@dataclass(frozen=True)
+class PaperTable:
+    """The paper's figures and those of the model for the design ``name``."""
+
+    name: str
+    figures: tuple[PaperFigure, ...]
+
+    @property
+    def outside(self) -> tuple[PaperFigure, ...]:
+        """Figures outside their tolerances."""
+        return tuple(figure for figure in self.figures if not figure.within)
+
+    def text(self) -> str:
+        """What ``mbcdm reproduce`` prints: a page in Markdown."""
+        return as_markdown(self.figures, self.name)
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """Plain data, one record a figure."""
+        return [asdict(figure) | {"within": figure.within} for figure in self.figures]
 
 
 def reproduce(drive: Drive) -> tuple[PaperFigure, ...]:

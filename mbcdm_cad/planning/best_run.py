@@ -9,7 +9,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.planning.bench_runs import candidates, run_of
+from mbcdm_cad.planning.bench_runs import candidates, experiment_text, run_of
 from mbcdm_cad.planning.best_plan import Rated, rated
 from mbcdm_cad.planning.plan import RunPlan, plan_of
 from mbcdm_cad.rig.bench_limits import BenchLimits
@@ -31,6 +31,10 @@ class BestRun:
     def experiment(self) -> Experiment:
         """The best run."""
         return self.runs[0][0]
+
+    def experiment_text(self, bench: str) -> str:
+        """The experiment file of the best run; ``bench`` names the file of limits in its first line."""
+        return experiment_text(self.experiment, f"the best run within {bench}: {self.experiment.about}")
 
     def text(self) -> str:
         """The comparison and the plan as text."""

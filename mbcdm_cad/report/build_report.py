@@ -18,6 +18,7 @@ class BuildReport:
     """Outcome of a build: ``folder`` is None where it was refused, ``data`` is report.json where parts were drawn.
 
     ``made`` names the parts that had to be drawn; ``unchanged``: the folder already contained everything.
+    ``cache_problem``: why the cache could not be used, in one sentence; else empty.
     """
 
     name: str
@@ -26,6 +27,7 @@ class BuildReport:
     data: dict[str, Any] | None
     made: tuple[str, ...]
     unchanged: bool = False
+    cache_problem: str = ""
 
     @property
     def passed(self) -> bool:

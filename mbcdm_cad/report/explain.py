@@ -50,6 +50,35 @@ class Explained:
         }
 
 
+@dataclass(frozen=True)
+class Explanation:
+    """Why fields of a design have their values: one ``field``, or all that have a rule where it is None."""
+
+    loaded: LoadedDesign
+    field: str | None
+    entries: tuple[Explained, ...]
+
+    def text(self, width: int | None = None) -> str:
+        """What ``mbcdm explain`` prints: a table of all fields, or the chain of one; no line longer than ``width``."""
+        lines = chain_lines(self.loaded, self.field, width) if self.field else table_lines(self.loaded, width)
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def to_dict(self) -> dict[str, Any] | list[dict[str, Any]]:
+        """Plain data: one record for a field, else a list of records."""
+        records = [entry.to_dict() for entry in self.entries]
+        return records[0] if self.field else records
+
+
+def explain(loaded: LoadedDesign, field: str | None = None) -> Explanation:
+    """Explain one field by its dotted name, or all. Raises ``MbcdmError`` for a name that the design does not have."""
+    entries = (explain_field(loaded, field),) if field else explain_all(loaded)
+    return Explanation(loaded, field or None, entries)
+
+
 def explain_all(loaded: LoadedDesign) -> tuple[Explained, ...]:
     """Every field that has a rule: filled fields in the order of the rules, then those that the file states."""
     filled = (Explained(value.field, value.value, False, value) for value in loaded.sized)

@@ -24,19 +24,55 @@ PARAMS = ROOT / "params" / "mbcdm.yaml"
 SIGNATURES = {
     "load": "(path: 'str | Path') -> 'DriveDesign'",
     "reference_design": "(name: 'str' = 'mbcdm') -> 'DriveDesign'",
+    "new_design_text": "(name: 'str', configuration: 'str | None' = None, *, form: \"Literal['short', 'full',"
+    " 'reference']\" = 'short') -> 'str'",
+    "solve": "(path: 'str | Path', *, jobs: 'int | None' = None, progress: 'Callable[[str, int], None] | None' ="
+    " None) -> 'SolveReport'",
+    "compare": "(designs: 'Iterable[DriveDesign | str | Path]', out: 'str | Path' = 'out', *, page: 'str | Path"
+    " | None' = None, jobs: 'int | None' = None, cache: 'bool' = True, progress: 'Progress | None' = None) ->"
+    " 'ComparisonReport'",
     "analyse_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'Sweep'",
     "size_many": "(design: 'DriveDesign', ranges: 'Mapping[str, Any]', *, grid: 'bool' = False) -> 'SizedDesigns'",
     "load_run": "(path: 'str | Path') -> 'MeasuredRun'",
-    "close_loop": "(design: 'DriveDesign', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path]')"
-    " -> 'LoopReport'",
+    "close_loop": "(design: 'DriveDesign', runs: 'MeasuredRun | str | Path | Iterable[MeasuredRun | str |"
+    " Path]') -> 'LoopReport'",
+    "next_run": "(report: 'LoopReport') -> 'NextRun | None'",
+    "judge_published": "(design: 'DriveDesign', path: 'str | Path') -> 'PublishedResult'",
+    "draft_measurement": "(data: 'str | Path', design: 'DriveDesign') -> 'str'",
+    "reproduce": "(design: 'DriveDesign | None' = None) -> 'PaperTable'",
+    "catalogue": "(kind: 'str | None' = None) -> 'CatalogueList'",
+    "schema": "(configuration: 'str | None' = None, *, measurement: 'bool' = False) -> 'dict[str, Any]'",
+    "schema_page": "(configuration: 'str | None' = None, *, measurement: 'bool' = False) -> 'str'",
+    "doctor": "() -> 'Machine'",
     "DriveDesign.with_": "(self, changes: 'Mapping[str, Any] | None' = None, /, **fields: 'Any') -> 'DriveDesign'",
     "DriveDesign.check": "(self) -> 'CheckReport'",
     "DriveDesign.analyse": "(self) -> 'AnalysisReport'",
+    "DriveDesign.explain": "(self, field: 'str | None' = None) -> 'Explanation'",
+    "DriveDesign.explain_graph": "(self, svg: 'str | Path') -> 'Written'",
+    "DriveDesign.sensitivity": "(self, out: 'str | Path' = 'out') -> 'SensitivityStudy'",
     "DriveDesign.part_names": "(self) -> 'tuple[str, ...]'",
     "DriveDesign.part": "(self, name: 'str') -> 'cadquery.Solid'",
     "DriveDesign.assembly": "(self, angle_deg: 'float' = 0.0) -> 'cadquery.Assembly'",
     "DriveDesign.build": "(self, out: 'str | Path' = 'out', *, angle_deg: 'float' = 0.0, force: 'bool' = False,"
-    " jobs: 'int | None' = None) -> 'BuildReport'",
+    " jobs: 'int | None' = None, cache: 'bool' = True, progress: 'Progress | None' = None) -> 'BuildReport'",
+    "DriveDesign.page": "(self, out: 'str | Path' = 'out', *, force: 'bool' = False, cache: 'bool' = True,"
+    " progress: 'Progress | None' = None) -> 'PageReport'",
+    "DriveDesign.drawings": "(self, out: 'str | Path' = 'out', *, part: 'str | None' = None, jobs: 'int | None'"
+    " = None, cache: 'bool' = True, progress: 'Progress | None' = None) -> 'Written'",
+    "DriveDesign.prints": "(self, out: 'str | Path' = 'out', *, cache: 'bool' = True, progress: 'Progress |"
+    " None' = None) -> 'Written'",
+    "DriveDesign.pictures": "(self, out: 'str | Path' = 'out', *, cache: 'bool' = True, progress: 'Progress |"
+    " None' = None) -> 'Written'",
+    "DriveDesign.picture": "(self, png: 'str | Path', *, angle_deg: 'float' = 0.0, view: 'str' = 'output',"
+    " cache: 'bool' = True, progress: 'Progress | None' = None) -> 'Written'",
+    "DriveDesign.moving_picture": "(self, gif: 'str | Path', *, view: 'str' = 'output', cache: 'bool' = True,"
+    " progress: 'Progress | None' = None) -> 'Written'",
+    "DriveDesign.export": "(self, form: \"Literal['urdf', 'mjcf']\", out: 'str | Path' = 'out', *, elastic: 'bool'"
+    " = False, cache: 'bool' = True, progress: 'Progress | None' = None) -> 'Written'",
+    "DriveDesign.simulate": "(self, experiment: 'str | Path', out: 'str | Path' = 'out') -> 'Written'",
+    "DriveDesign.plan": "(self, experiment: 'str | Path', *, noise_from: 'str | Path | None' = None) -> 'RunPlan'",
+    "DriveDesign.best_run": "(self, bench: 'str | Path', *, experiment: 'str | Path | None' = None, noise_from:"
+    " 'str | Path | None' = None, progress: 'Progress | None' = None) -> 'BestRun'",
     "DriveDesign.save": "(self, path: 'str | Path') -> 'None'",
     "MeasuredRun.to_dict": "(self) -> 'dict[str, Any]'",
     "MeasuredRun.to_pandas": "(self) -> 'pandas.DataFrame'",
@@ -44,12 +80,23 @@ SIGNATURES = {
 NAMES = [
     "load",
     "reference_design",
+    "new_design_text",
     "DriveDesign",
+    "solve",
+    "compare",
     "analyse_many",
     "size_many",
     "load_run",
     "MeasuredRun",
     "close_loop",
+    "next_run",
+    "judge_published",
+    "draft_measurement",
+    "reproduce",
+    "catalogue",
+    "schema",
+    "schema_page",
+    "doctor",
     "MbcdmError",
     "InputError",
 ]

@@ -103,7 +103,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
 def test_interrupt_and_full_disk_end_in_a_sentence(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from mbcdm_cad.cli import files
+    from mbcdm_cad.layouts import loader
 
     def interrupted(*_: str, **__: bool) -> str:
         raise KeyboardInterrupt
@@ -113,7 +113,7 @@ def test_interrupt_and_full_disk_end_in_a_sentence(
 
     monkeypatch.chdir("/tmp")
     for stand_in, code, words in ((interrupted, 130, "interrupted"), (full, 2, "x.yaml: No space left on device")):
-        monkeypatch.setattr(files, "short_design_text", stand_in)
+        monkeypatch.setattr(loader, "short_design_text", stand_in)
         assert cli.run(["init", f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml"]) == code
         assert words in capsys.readouterr().err
         Path(f"/tmp/mbcdm-cli-test-{os.getpid()}-{code}.yaml").unlink(missing_ok=True)

@@ -15,9 +15,9 @@ import click
 import pytest
 
 from mbcdm_cad import cli
-from mbcdm_cad.cli.commands import mbcdm
 from mbcdm_cad.cli.commands_on_designs import CATALOGUE_KINDS
 from mbcdm_cad.cli.commands_that_draw import VIEW_NAMES
+from mbcdm_cad.cli.group import mbcdm
 from mbcdm_cad.design.entries import KINDS
 
 ROOT = Path(__file__).parents[3]
@@ -138,9 +138,9 @@ def test_catalogue_page_is_up_to_date(capsys: pytest.CaptureFixture[str]) -> Non
 def test_doctor_says_what_is_missing_and_what_it_is_for(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from mbcdm_cad.cli import doctor
+    from mbcdm_cad.report import machine
 
-    monkeypatch.setattr(doctor, "_imported", lambda name, *_: doctor.Dependency(name, False, True, "no", "x", "do y"))
+    monkeypatch.setattr(machine, "_imported", lambda name, *_: machine.Dependency(name, False, True, "no", "x", "do y"))
     monkeypatch.setenv("PATH", "/nowhere")
     monkeypatch.setenv("COLUMNS", "80")
     assert cli.run(["doctor"]) == 1

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from mbcdm_cad import cli
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.paper.reproduce import as_markdown, reproduce
@@ -56,10 +57,8 @@ def test_page_is_up_to_date(drive: Drive) -> None:
 
 
 def test_the_command_ends_with_1_outside_a_tolerance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from mbcdm_cad.cli.studies import reproduce_command
-
     text = (ROOT / "params" / "mbcdm.yaml").read_text("utf-8")
-    assert reproduce_command(None) == 0
+    assert cli.run(["reproduce"]) == 0
     (tmp_path / "soft.yaml").write_text(text.replace("modulus_GPa: 54.0", "modulus_GPa: 40.0"), "utf-8")
-    assert reproduce_command(tmp_path / "soft.yaml") == 1
+    assert cli.run(["reproduce", str(tmp_path / "soft.yaml")]) == 1
     assert "from the paper's 0.33 (tolerance 5.00%)" in capsys.readouterr().err

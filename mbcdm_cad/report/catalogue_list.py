@@ -1,14 +1,17 @@
-"""The command ``catalogue``: the ropes, bought parts and materials of the package, as text and as docs/catalogue.md."""
+"""The ropes, bought parts and materials of the package: as text, as data, and as docs/catalogue.md.
+
+The command line prints it, the Python API returns it.
+"""
 
 from __future__ import annotations
 
 import textwrap
+from dataclasses import dataclass
+from typing import Any
 
-import click
-
-from mbcdm_cad.cli.screen import screen_width
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.entries import KINDS
+from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.report.table import ReportTable
 
 _HEAD = """\
@@ -20,16 +23,38 @@ Ropes, bought-out parts and materials that a design file names, such as `rope.ty
 """
 
 
-def catalogue_command(kind: str | None, *, markdown: bool) -> int:
-    """Print the names of all entries, the entries of one kind, or a page in Markdown."""
-    if markdown:
-        click.echo(catalogue_page(tuple(KINDS) if kind is None else (kind,)), nl=False)
-    elif kind is None:
+@dataclass(frozen=True)
+class CatalogueList:
+    """Entries of the package's catalogue, of the kind ``kind`` (``ropes``, ``motors``, ...) or of all kinds."""
+
+    kind: str | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``MbcdmError`` for a kind that the catalogue does not have."""
+        if self.kind is not None and self.kind not in KINDS:
+            remedy = did_you_mean(self.kind, KINDS) or "choose one of them"
+            known = ", ".join(KINDS)
+            raise MbcdmError(f"catalogue: no such kind (value {self.kind}, limit one of {known}); {remedy}")
+
+    def text(self, width: int | None = None) -> str:
+        """What ``mbcdm catalogue`` prints: the names of all entries, or the values of those of one kind."""
+        if self.kind is not None:
+            return "\n".join(_kind_lines(self.kind, width))
         rows = tuple((name, ", ".join(package_entries(name))) for name in KINDS)
-        click.echo("\n".join(ReportTable(("kind", "entries"), rows).text(screen_width())))
-    else:
-        click.echo("\n".join(_kind_lines(kind, screen_width())))
-    return 0
+        return "\n".join(ReportTable(("kind", "entries"), rows).text(width))
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def markdown(self) -> str:
+        """A page with a table for each kind."""
+        return catalogue_page(tuple(KINDS) if self.kind is None else (self.kind,))
+
+    def to_dict(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """Values by kind, name and field; units stand in the field names."""
+        kinds = KINDS if self.kind is None else (self.kind,)
+        return {kind: {name: dict(values) for name, values in package_entries(kind).items()} for kind in kinds}
 
 
 def catalogue_page(kinds: tuple[str, ...]) -> str:

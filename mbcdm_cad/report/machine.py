@@ -1,10 +1,12 @@
-"""The command ``doctor``: which programs and libraries this machine has, and what each is needed for."""
+"""Which programs and libraries this machine has, and what each is needed for.
+
+The command line prints it, the Python API returns it.
+"""
 
 from __future__ import annotations
 
 import ctypes.util
 import importlib.metadata
-import json
 import os
 import platform
 import shutil
@@ -13,11 +15,9 @@ import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-
-import click
+from typing import Any
 
 from mbcdm_cad import __version__
-from mbcdm_cad.cli.screen import screen_width
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import ENVIRONMENT_VARIABLE, cache_folder
 
@@ -49,20 +49,42 @@ class Dependency:
     remedy: str = ""
 
 
-def doctor_command(*, as_json: bool) -> int:
-    """Print all findings. 1 if something required is missing."""
-    items = list(examined())
-    missing = [item for item in items if item.required and not item.there]
-    if as_json:
-        click.echo(json.dumps([asdict(item) for item in items], indent=1))
-        return int(bool(missing))
-    rows = tuple((_word(item), item.name, f"{item.found}; for {item.needed_for}") for item in items)
-    click.echo("\n".join(ReportTable(("", "what", "found"), rows).text(screen_width())))
-    for item in items:
-        if not item.there and item.remedy:
-            click.echo(f"{item.name}: {item.remedy}")
-    click.echo(f"missing: {', '.join(item.name for item in missing)}" if missing else "nothing required is missing")
-    return int(bool(missing))
+@dataclass(frozen=True)
+class Machine:
+    """What this machine has of all that the program can use."""
+
+    items: tuple[Dependency, ...]
+
+    @property
+    def missing(self) -> tuple[Dependency, ...]:
+        """Required dependencies that are not there."""
+        return tuple(item for item in self.items if item.required and not item.there)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing required is missing."""
+        return not self.missing
+
+    def text(self, width: int | None = None) -> str:
+        """What ``mbcdm doctor`` prints: all findings, and what to do about those that are not there."""
+        rows = tuple((_word(item), item.name, f"{item.found}; for {item.needed_for}") for item in self.items)
+        lines = ReportTable(("", "what", "found"), rows).text(width)
+        lines += [f"{item.name}: {item.remedy}" for item in self.items if not item.there and item.remedy]
+        missing = ", ".join(item.name for item in self.missing)
+        return "\n".join([*lines, f"missing: {missing}" if missing else "nothing required is missing"])
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """Plain data, one record a dependency."""
+        return [asdict(item) for item in self.items]
+
+
+def examine() -> Machine:
+    """Look for all programs and libraries. Takes some seconds: compiled libraries are loaded in another process."""
+    return Machine(tuple(examined()))
 
 
 def _word(item: Dependency) -> str:

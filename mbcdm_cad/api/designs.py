@@ -1,0 +1,163 @@
+"""Designs: read, find and compare them, analyse and size many; and what the package offers for a design file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from mbcdm_cad.api.design import DriveDesign, Progress, cache_of, silent
+
+if TYPE_CHECKING:
+    from mbcdm_cad.jobs.compare import ComparisonReport
+    from mbcdm_cad.paper.reproduce import PaperTable
+    from mbcdm_cad.report.catalogue_list import CatalogueList
+    from mbcdm_cad.report.machine import Machine
+    from mbcdm_cad.report.sized_designs import SizedDesigns
+    from mbcdm_cad.report.solve_report import SolveReport
+    from mbcdm_cad.report.sweep import Sweep
+
+
+def load(path: str | Path) -> DriveDesign:
+    """Read a design file. Raises ``InputError`` with file, line, value, limit and remedy of all mistakes."""
+    from mbcdm_cad.layouts.loader import load_design
+
+    return DriveDesign(load_design(path))
+
+
+def reference_design(name: str = "mbcdm") -> DriveDesign:
+    """The reference design of the paper, as ``mbcdm init --reference`` writes it, without a file."""
+    from mbcdm_cad.layouts.loader import load_text, new_design_text
+
+    return DriveDesign(load_text(new_design_text(name), f"<{name}>"))
+
+
+def new_design_text(
+    name: str, configuration: str | None = None, *, form: Literal["short", "full", "reference"] = "short"
+) -> str:
+    """Text of a new design file, as ``mbcdm init`` writes it: the requirements, from which all other values follow.
+
+    ``form`` "full" adds the derived values as comments, "reference" gives the reference design with all its values. A
+    layout (``configuration``) without sizing rules always gets its reference design; by default miso_bevel. Raises
+    ``MbcdmError`` for a layout that there is not.
+    """
+    from mbcdm_cad.design.template import slug
+    from mbcdm_cad.layouts.loader import DEFAULT, design_file, new_design_text, short_design_text
+
+    of = configuration or DEFAULT
+    if form == "reference" or (form == "short" and not design_file(of).starting):
+        return new_design_text(slug(name), of)
+    return short_design_text(slug(name), of, derived=form == "full")
+
+
+def solve(
+    path: str | Path, *, jobs: int | None = None, progress: Callable[[str, int], None] | None = None
+) -> SolveReport:
+    """The design nearest to a file that passes every check, or the requirements that exclude it, as ``mbcdm solve``.
+
+    Changes only fields that the file leaves out or gives as a range (``{min: 30, max: 60}``). The result prints itself;
+    its ``save`` writes the file that passes. ``progress`` is called with the stage and the number of designs tried,
+    ``jobs`` is the number of processes. Raises ``InputError`` for mistakes that no search can correct.
+    """
+    from mbcdm_cad.report.solve_report import solve_design
+
+    return solve_design(Path(path), progress, jobs)
+
+
+def compare(
+    designs: Iterable[DriveDesign | str | Path],
+    out: str | Path = "out",
+    *,
+    page: str | Path | None = None,
+    jobs: int | None = None,
+    cache: bool = True,
+    progress: Progress | None = None,
+) -> ComparisonReport:
+    """Built designs side by side, as ``mbcdm compare``; those that are not built in ``out`` yet are built first.
+
+    ``page``: write a page with pictures and plots to this file. Raises ``MbcdmError`` for a design that fails a check.
+    """
+    from mbcdm_cad.jobs.compare import compare
+
+    found = [one if isinstance(one, DriveDesign) else load(one) for one in designs]
+    where = None if page is None else Path(page)
+    loaded = [one.loaded for one in found]
+    return compare(loaded, Path(out), cache_of(cache), page=where, jobs=jobs, progress=progress or silent)
+
+
+def analyse_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> Sweep:
+    """Analyse many designs at once: ``ranges`` has an array for each field, with one value for each design.
+
+    ``analyse_many(design, {"transmission.centre_distance_mm": np.linspace(34.6, 60.0, 1000)})["reversal_swing_mrad"]``
+    is an array of 1000 backlashes. With ``grid`` all combinations of the values are analysed. Raises ``InputError`` for
+    a value that is not valid in a design file, ``MbcdmError`` for arrays of different lengths.
+    """
+    from mbcdm_cad.report.sweep import sweep
+
+    return sweep(design.loaded, ranges, grid=grid)
+
+
+def size_many(design: DriveDesign, ranges: Mapping[str, Any], *, grid: bool = False) -> SizedDesigns:
+    """Size many designs from a file of requirements.
+
+    ``size_many(design, {"loads.peak_torque_Nm": np.geomspace(0.5, 20.0, 1000)})["rope.type"]`` is an array of 1000
+    ropes. Columns are the sized fields, and the figures of the cables as in :func:`analyse_many`; no checks run. For
+    miso_bevel the fields are those before the frame (rope, motor, gearhead, bearings, radii, ratios, lead, centre
+    distance, preload), up to ten thousand designs in a second; the other layouts are sized one by one with all fields,
+    about twenty in a second. Raises as :func:`analyse_many`.
+    """
+    from mbcdm_cad.report.sized_designs import size_designs
+
+    return size_designs(design.loaded, ranges, grid=grid)
+
+
+def reproduce(design: DriveDesign | None = None) -> PaperTable:
+    """The paper's figures beside those of the model, as ``mbcdm reproduce``; for the reference design by default."""
+    from mbcdm_cad.paper.reproduce import PaperTable, reproduce
+
+    drive = (design or reference_design()).drive
+    return PaperTable(drive.name, reproduce(drive))
+
+
+def catalogue(kind: str | None = None) -> CatalogueList:
+    """Ropes, motors, bearings and other parts of the catalogue, as ``mbcdm catalogue``; of one kind or of all.
+
+    Values are in ``to_dict()``. Raises ``MbcdmError`` for a kind that there is not.
+    """
+    from mbcdm_cad.report.catalogue_list import CatalogueList
+
+    return CatalogueList(kind)
+
+
+def schema(configuration: str | None = None, *, measurement: bool = False) -> dict[str, Any]:
+    """The JSON Schema of the design files of a layout (by default miso_bevel), or of measurement files.
+
+    Raises ``MbcdmError`` for a layout that there is not.
+    """
+    from mbcdm_cad.design.editor import editor_schema
+    from mbcdm_cad.layouts.loader import DEFAULT, design_file
+
+    if measurement:
+        from mbcdm_cad.measurement.schema import json_schema
+
+        return json_schema()
+    return editor_schema(design_file(configuration or DEFAULT).nodes)
+
+
+def schema_page(configuration: str | None = None, *, measurement: bool = False) -> str:
+    """The same fields as a page in Markdown: unit, bounds, source and meaning of each."""
+    from mbcdm_cad.design.reference import reference_page
+    from mbcdm_cad.layouts.loader import DEFAULT, design_file
+
+    if measurement:
+        from mbcdm_cad.measurement.reference import measurement_page
+
+        return measurement_page()
+    return reference_page(design_file(configuration or DEFAULT).nodes)
+
+
+def doctor() -> Machine:
+    """Which programs and libraries this machine has, as ``mbcdm doctor``; takes some seconds."""
+    from mbcdm_cad.report.machine import examine
+
+    return examine()

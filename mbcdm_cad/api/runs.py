@@ -1,0 +1,122 @@
+"""Measured runs: read and draft them, close the loop on them, find the next one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mbcdm_cad.api.design import DriveDesign
+
+if TYPE_CHECKING:
+    import pandas
+
+    from mbcdm_cad.loop.judge import LoopReport
+    from mbcdm_cad.measurement.file import MeasurementFile
+    from mbcdm_cad.measurement.reading import Reading
+    from mbcdm_cad.measurement.run import Run
+    from mbcdm_cad.paper.published import PublishedResult
+    from mbcdm_cad.planning.next_run import NextRun
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """One measured run, read from its measurement file: ``run`` in SI units, and ``notes`` of the reader."""
+
+    file: MeasurementFile
+    reading: Reading
+
+    @property
+    def run(self) -> Run:
+        """Samples in SI units: ``time_s``, ``input_rad``, ``output_rad``, ``load_Nm``."""
+        return self.reading.run
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences about peculiarities of the file that the reader found."""
+        return self.reading.notes
+
+    def to_dict(self) -> dict[str, Any]:
+        """Columns as lists: time, each input, output, and load and temperature if they were logged."""
+        return {name: column.tolist() for name, column in self._columns().items()}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row for each sample. Raises ``MbcdmError`` without pandas."""
+        from mbcdm_cad.report.table import data_frame
+
+        return data_frame(self._columns())
+
+    def _columns(self) -> dict[str, Any]:
+        run = self.run
+        columns = {"time_s": run.time_s}
+        columns |= {f"input_{name}_rad": row for name, row in zip(run.input_names, run.input_rad, strict=False)}
+        columns["output_rad"] = run.output_rad
+        optional = {"load_Nm": run.load_Nm, "temperature_C": run.temperature_C}
+        return columns | {name: column for name, column in optional.items() if column is not None}
+
+    def __repr__(self) -> str:
+        """File, number of samples, duration."""
+        run = self.run
+        length = run.time_s[-1] - run.time_s[0]
+        return f"<MeasuredRun {self.file.path}: {run.time_s.size} samples over {length:.4g} s>"
+
+
+def load_run(path: str | Path) -> MeasuredRun:
+    """Read a measurement file (YAML) and its data. Raises ``InputError`` with file, line and remedy."""
+    from mbcdm_cad.measurement.file import load_file
+    from mbcdm_cad.measurement.reading import read_run
+
+    file = load_file(path)
+    return MeasuredRun(file, read_run(file))
+
+
+def close_loop(design: DriveDesign, runs: MeasuredRun | str | Path | Iterable[MeasuredRun | str | Path]) -> LoopReport:
+    """Find effects that the model of ``design`` lacks, from all measured runs together, as ``mbcdm loop``.
+
+    ``runs``: runs or paths of measurement files. Raises ``InputError`` with all mistakes in them.
+    """
+    from mbcdm_cad.loop.judge import judge
+    from mbcdm_cad.measurement.file import load_file
+
+    listed = [runs] if isinstance(runs, MeasuredRun | str | Path) else list(runs)
+    files = [one.file if isinstance(one, MeasuredRun) else load_file(one) for one in listed]
+    return judge(design.loaded, files)
+
+
+def next_run(report: LoopReport) -> NextRun | None:
+    """The experiment that best separates the effects between which the loop could not decide, as ``mbcdm loop --next``.
+
+    None where no set of possible effects is left, or the runs are of another drive than the design's.
+    """
+    from mbcdm_cad.planning.next_run import next_run
+
+    if report.drive is None:
+        return None
+    return next_run(report.drive, [one.run for one in report.runs], report.result)
+
+
+def judge_published(design: DriveDesign, path: str | Path) -> PublishedResult:
+    """Possible causes of a paper's figures, without a fit, as ``mbcdm loop`` on a file that holds such figures.
+
+    Raises ``InputError`` for mistakes in the file, and for one that describes a run.
+    """
+    from mbcdm_cad.errors import InputError
+    from mbcdm_cad.measurement.file import load_file
+    from mbcdm_cad.paper.published import judge_published
+
+    file = load_file(path)
+    if file.content.published is None:
+        remedy = "judge it with close_loop"
+        raise InputError([file.problem((), "a run, not figures of a paper", remedy=remedy)])
+    return judge_published(design.drive, file)
+
+
+def draft_measurement(data: str | Path, design: DriveDesign) -> str:
+    """Text of a first measurement file for a logger's CSV, as ``mbcdm measurement-init``; guesses are marked in it.
+
+    Save it beside the data. Raises ``InputError`` for data that cannot be read as a table.
+    """
+    from mbcdm_cad.measurement.draft import draft_text
+
+    return draft_text(Path(data), design.drive)

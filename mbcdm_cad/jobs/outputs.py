@@ -1,0 +1,234 @@
+"""Files beside the build of a design: drawings, prints, pictures, description for robot simulators, studies.
+
+Each function makes the files, writes them completely or not at all, and says what it wrote. Libraries for drawing and
+plots are imported inside, because they take long to load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mbcdm_cad.build.bodies import bodies, is_cable
+from mbcdm_cad.build.drawings import drawings_folder, drawings_of
+from mbcdm_cad.build.made_parts import drawn
+from mbcdm_cad.build.store import Progress
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.storage.cache import Cache
+from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
+from mbcdm_cad.storage.folders import output_folder
+from mbcdm_cad.storage.keys import content_key, package_hash
+from mbcdm_cad.storage.manifest import Manifest, versions
+from mbcdm_cad.storage.origin import refuse_other_origin, write_from
+
+
+@dataclass(frozen=True)
+class Written:
+    """Files that were written: their ``folder``, all of them by path, and ``words`` about them."""
+
+    folder: Path
+    files: tuple[Path, ...]
+    words: str
+
+    def text(self) -> str:
+        """What the command prints."""
+        return self.words
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.words
+
+
+def _written(loaded: LoadedDesign, folder: Path, files: Mapping[str, bytes], words: str) -> Written:
+    write_from(loaded.path, folder, files)
+    return Written(folder, tuple(folder / name for name in files), f"{folder}: {words}")
+
+
+def write_drawings(
+    loaded: LoadedDesign, out: Path, cache: Cache, *, part: str | None, jobs: int | None, progress: Progress
+) -> Written:
+    """Write a sheet of each made part and of the assembly, or of ``part`` alone, as DXF, PDF and SVG.
+
+    Raises ``MbcdmError`` for a part that the design does not make.
+    """
+    folder = drawings_folder(out, loaded.drive.name)
+    refuse_other_origin(folder, loaded.path)
+    files = drawings_of(loaded.drive, cache, part=part, jobs=jobs, progress=progress)
+    return _written(loaded, folder, files, f"{len(files)} files, {len(files) // 3} sheets as DXF, PDF and SVG")
+
+
+def write_prints(loaded: LoadedDesign, out: Path, cache: Cache, progress: Progress) -> Written:
+    """Write the made parts for a 3D printer, one 3MF file a part."""
+    from mbcdm_cad.build.prints import prints_of
+
+    folder = out / f"{loaded.drive.name}-prints"
+    refuse_other_origin(folder, loaded.path)
+    files = prints_of(loaded.drive, cache, progress)
+    wider = loaded.drive.printing.hole_allowance_mm
+    holes = f", round holes of printed materials {wider:g} mm wider than drawn" if wider else ""
+    return _written(loaded, folder, files, f"{len(files)} parts as 3MF, each on its largest flat face{holes}")
+
+
+def write_pictures(loaded: LoadedDesign, out: Path, cache: Cache, progress: Progress) -> Written:
+    """Write the pictures for the assembly: each step, an exploded view, a section, as PNG."""
+    from mbcdm_cad.build.pictures import pictures_of
+
+    folder = out / f"{loaded.drive.name}-pictures"
+    refuse_other_origin(folder, loaded.path)
+    files = pictures_of(loaded.drive, cache, progress)
+    return _written(loaded, folder, files, ", ".join(files))
+
+
+def write_picture(
+    loaded: LoadedDesign, png: Path, cache: Cache, *, angle_deg: float, view: str, progress: Progress
+) -> Written:
+    """Draw the assembly into one PNG, without a display. Raises ``InputError`` for a file that cannot be a PNG."""
+    _refuse_other_kind(png, ".png", "pictures are PNG files")
+    refuse_missing_folder(png)
+    from mbcdm_cad.build.export.picture import picture_png
+
+    _refuse_other_view(view)
+    items, parts = drawn(loaded.drive, angle_deg, cache, progress)
+    write_whole({png: picture_png(items, {name: part.files.mesh for name, part in parts.items()}, view)})
+    return Written(png.parent, (png,), f"{png}: {view} view, drum at {angle_deg:g} deg")
+
+
+def write_moving_picture(loaded: LoadedDesign, gif: Path, cache: Cache, *, view: str, progress: Progress) -> Written:
+    """Draw the travel into one GIF, without a display. Raises ``InputError`` for a file that cannot be a GIF."""
+    _refuse_other_kind(gif, ".gif", "moving pictures are GIF files")
+    from mbcdm_cad.build.export.moving import travel_gif
+
+    _refuse_other_view(view)
+    drive = loaded.drive
+    kind = configuration(drive.configuration)
+    dims = kind.layout(drive)
+    centred = kind.bill(dims)
+    _, parts = drawn(drive, 0.0, cache, progress)
+    progress("moving picture")
+    colour = next(item.material.colour for item in centred.items if is_cable(item))
+    data = travel_gif(
+        [item for item in centred.items if not is_cable(item)],
+        {name: part.files.mesh for name, part in parts.items()},
+        bodies(kind.moving_bodies(dims), centred),
+        (dims.cable_paths, drive.cable.diameter_mm, colour),
+        drive.half_travel_deg,
+        view=view,
+    )
+    write_whole({gif: data})
+    words = f"{gif}: {view} view, drum to +-{drive.half_travel_deg:g} deg, {len(data) / 1e6:.2f} MB"
+    return Written(gif.parent, (gif,), words)
+
+
+def _refuse_other_kind(path: Path, suffix: str, what: str) -> None:
+    if path.suffix.lower() != suffix:
+        remedy = f"name it {path.with_suffix(suffix).name}"
+        raise InputError([Problem(str(path), 1, "", what, path.suffix, suffix, remedy)])
+
+
+def _refuse_other_view(view: str) -> None:
+    from mbcdm_cad.build.export.picture import VIEWS
+
+    if view not in VIEWS:
+        raise MbcdmError(f"view: no such view (value {view}, limit one of {', '.join(VIEWS)}); choose one of them")
+
+
+def write_robot(
+    loaded: LoadedDesign, out: Path, cache: Cache, *, form: str, elastic: bool, progress: Progress
+) -> Written:
+    """Write ``out/<name>-<form>``: the description for robot simulators (``urdf`` or ``mjcf``) and its meshes."""
+    from mbcdm_cad.robot.formats import robot_files
+    from mbcdm_cad.robot.mechanism import mechanism
+
+    _, parts = drawn(loaded.drive, 0.0, cache, progress)
+    robot = mechanism(loaded.drive, {name: part.files for name, part in parts.items()})
+    files = robot_files(robot, form, elastic)
+    target = out / f"{loaded.drive.name}-{form}"
+    inputs = content_key("export", (loaded.sha256, form, elastic), package_hash(), versions())
+    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
+        for name, content in files.items():
+            folder.write(name, content)
+    mass = sum(link.mass for link in (robot.base, *robot.links))
+    size = sum(map(len, files.values())) / 1e6
+    first, *_ = paths = tuple(target / name for name in files)
+    words = f"{first}: {len(robot.joints)} joints, {mass * 1e3:.1f} g, {size:.1f} MB with meshes"
+    return Written(target, paths, words)
+
+
+@dataclass(frozen=True)
+class SensitivityStudy:
+    """The study in ``folder``; ``summary`` is its sensitivity.json as plain data, in SI units."""
+
+    folder: Path
+    summary: dict[str, Any]
+
+    def text(self, width: int | None = None) -> str:
+        """What ``mbcdm sensitivity`` prints: the files, and 95 % intervals in readable units."""
+        from mbcdm_cad.model.figures import readable_figure
+        from mbcdm_cad.report.table import ReportTable
+
+        rows = []
+        for name, interval in self.summary["intervals"].items():
+            plain, unit, scale = readable_figure(name)
+            rows.append((plain.replace("_", " "), unit, *(interval[key] * scale for key in ("value", "low", "high"))))
+        table = ReportTable(("figure", "unit", "value", "low", "high"), tuple(rows))
+        files = f"{self.folder}: fig5_a to fig5_d, indices, tolerance, loop as plots; sensitivity.json"
+        return "\n".join([files, "95 % intervals:", *table.text(width, "  ")])
+
+    def __str__(self) -> str:
+        """As :meth:`text`."""
+        return self.text()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of sensitivity.json."""
+        return self.summary
+
+
+def write_sensitivity(loaded: LoadedDesign, out: Path) -> SensitivityStudy:
+    """Write the sensitivity study into ``out/<name>-sensitivity``."""
+    from mbcdm_cad.model.study import write_study
+    from mbcdm_cad.parts.making import model_tolerances
+
+    target = out / f"{loaded.drive.name}-sensitivity"
+    inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
+    with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
+        kind = configuration(loaded.drive.configuration)
+        stacks = kind.tolerance_stacks(kind.layout(loaded.drive))
+        summary = write_study(loaded.drive, folder.path, model_tolerances(loaded.drive), stacks)
+    return SensitivityStudy(target, summary)
+
+
+def write_dependencies(loaded: LoadedDesign, svg: Path) -> Written:
+    """Draw which field follows from which into one SVG.
+
+    Raises ``InputError`` for a file that cannot be an SVG, ``MbcdmError`` for a layout without sizing rules.
+    """
+    from mbcdm_cad.report.dependencies import dependency_graph, dependency_svg
+    from mbcdm_cad.report.explain import fields_data
+
+    _refuse_other_kind(svg, ".svg", "graphs are SVG files")
+    found = dependency_graph(fields_data(loaded)["fields"])
+    if not found.nodes:
+        raise MbcdmError(f"{loaded.path}: no graph, because {loaded.drive.configuration} has no sizing rules")
+    refuse_missing_folder(svg)
+    write_whole({svg: dependency_svg(found, f"{loaded.drive.name}: dependencies of all values").encode()})
+    return Written(svg.parent, (svg,), f"{svg}: {len(found.nodes)} fields, {len(found.lines)} lines")
+
+
+def write_experiment(drive: Drive, experiment: Path, out: Path) -> Written:
+    """Run an experiment file on the test rig and write ``out/<its name>``: measurement file, data, truth, picture.
+
+    Raises ``InputError`` for mistakes in the file, ``RigError`` if the rig stops.
+    """
+    from mbcdm_cad.rig.reading import read_experiment
+
+    wanted = read_experiment(experiment)
+    from mbcdm_cad.paper.command import experiment_command  # loads compiled code: only for a valid file
+
+    words = experiment_command(drive, wanted, out)
+    folder = out / wanted.name
+    return Written(folder, tuple(sorted(folder.iterdir())), words)

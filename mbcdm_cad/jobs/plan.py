@@ -1,0 +1,59 @@
+"""Plan runs from the files that a user has: an experiment, a bench, a pilot run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from mbcdm_cad.build.store import Progress
+from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.errors import InputError, MbcdmError, Problem
+from mbcdm_cad.loop.prepare.noise import Noise
+from mbcdm_cad.measurement.reading import load_measurement
+from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.planning.bench_runs import run_of
+from mbcdm_cad.planning.best_run import BestRun, best_run
+from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
+from mbcdm_cad.rig.quasistatic.experiment import Experiment
+from mbcdm_cad.rig.reading import read_bench, read_experiment
+
+
+def plan_run(drive: Drive, experiment: Path, pilot: Path | None) -> RunPlan:
+    """What the run of an experiment file could find; with the noise of a measured run ``pilot``, if one is given.
+
+    Raises ``InputError`` for mistakes in the files, ``MbcdmError`` for a run that the model cannot follow.
+    """
+    with _followed(experiment):
+        noise = _noise(drive, pilot)
+        return plan_of(drive, run_of(drive, _quasistatic(experiment)), noise)
+
+
+def plan_within(
+    drive: Drive, bench: Path, *, experiment: Path | None, pilot: Path | None, progress: Progress
+) -> BestRun:
+    """The best run that the bench can make, compared with that of ``experiment`` if given. Errors as of the other."""
+    with _followed(experiment or bench):
+        noise = _noise(drive, pilot)
+        own = [] if experiment is None else [_quasistatic(experiment)]
+        return best_run(drive, read_bench(bench), noise, own, progress)
+
+
+def _noise(drive: Drive, pilot: Path | None) -> Noise | None:
+    return None if pilot is None else noise_from(drive, load_measurement(pilot))
+
+
+@contextmanager
+def _followed(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except ModelError as error:
+        raise MbcdmError(f"{path}: the model cannot follow the run: {error}") from None
+
+
+def _quasistatic(path: Path) -> Experiment:
+    wanted = read_experiment(path)
+    if not isinstance(wanted, Experiment):
+        remedy = "use one of the quasi-static rig; motion, load and sensors are the same for the plan"
+        raise InputError([Problem(str(path), 1, "format", "an experiment of the dynamic rig", remedy=remedy)])
+    return wanted
