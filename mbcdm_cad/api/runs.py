@@ -112,11 +112,18 @@ def judge_published(design: DriveDesign, path: str | Path) -> PublishedResult:
     return judge_published(design.drive, file)
 
 
-def draft_measurement(data: str | Path, design: DriveDesign) -> str:
+def draft_measurement(data: str | Path, design: DriveDesign | None = None, *, ratio: float | None = None) -> str:
     """Text of a first measurement file for a logger's CSV, as ``mbcdm measurement-init``; guesses are marked in it.
 
-    Save it beside the data. Raises ``InputError`` for data that cannot be read as a table.
+    ``ratio``: total ratio of a drive without a design, from the input's encoder to the output. Save the text beside the
+    data. Raises ``InputError`` for data that cannot be read as a table, ``MbcdmError`` unless one of the two is given.
     """
+    from mbcdm_cad.errors import MbcdmError
     from mbcdm_cad.measurement.draft import draft_text
+    from mbcdm_cad.measurement.roles import Expected
 
-    return draft_text(Path(data), design.drive)
+    if design is not None and ratio is None:
+        return draft_text(Path(data), Expected.of_drive(design.drive))
+    if design is None and ratio is not None:
+        return draft_text(Path(data), Expected.of_ratio(ratio))
+    raise MbcdmError("draft_measurement: give a design or the ratio, one of the two")

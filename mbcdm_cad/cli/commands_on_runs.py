@@ -178,28 +178,40 @@ def simulate(design: Path, experiment: Path, out: Path) -> None:
     click.echo(api.load(design).simulate(experiment, out))
 
 
-@mbcdm.command("measurement-init", epilog=examples("mbcdm measurement-init run.csv my_drive.yaml"))
+@mbcdm.command(
+    "measurement-init",
+    epilog=examples("mbcdm measurement-init run.csv my_drive.yaml", "mbcdm measurement-init run.csv --ratio 100"),
+)
 @click.argument("data", type=FILE)
-@DESIGN
+@click.argument("design", type=FILE, required=False)
+@click.option(
+    "--ratio",
+    type=click.FloatRange(0.0, 1e6, min_open=True),
+    help="Total ratio of a drive without a design file, from the input's encoder to the output.",
+)
 @click.option(
     "--out",
     type=FILE,
     metavar="FILE",
     help="Measurement file; by default with the name of the data.",
 )
-def measurement_init(data: Path, design: Path, out: Path | None) -> int:
+def measurement_init(data: Path, design: Path | None, ratio: float | None, out: Path | None) -> int:
     """Draft the measurement file of a logger's CSV.
 
-    Guesses the content of each column from names, units, ranges and the ratio of the design, and marks each guess.
+    Guesses the content of each column from names, units, ranges and the ratio of the design, and marks each guess. Of a
+    drive without a design file give the ratio in place of DESIGN.
     """
+    if (design is None) == (ratio is None):
+        raise click.UsageError("give a design file or --ratio, one of the two")
     path = out or data.with_suffix(".yaml")
     refuse_missing_folder(path)
-    text = api.draft_measurement(data, api.load(design))
+    text = api.draft_measurement(data, None if design is None else api.load(design), ratio=ratio)
     if path.parent.resolve() != data.parent.resolve():
         remedy = "write it into the folder of the data, because it names the data relative to itself"
         raise InputError([Problem(str(path), 1, "", "in another folder than the data", remedy=remedy)])
     write_new(path, text, "choose another name with --out, or remove it")
     click.echo(text, nl=False)
-    where = f"{shlex.quote(str(design))} {shlex.quote(str(path))}"
+    # The loop reads a design also for a run that states a ratio of its own, and then does not use it.
+    where = f"{shlex.quote(str(design)) if design else 'DESIGN.yaml'} {shlex.quote(str(path))}"
     click.echo(f"{path} written; check the guesses in it, then: mbcdm loop {where}")
     return 0

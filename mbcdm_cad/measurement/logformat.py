@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mbcdm_cad.errors import InputError, Problem
+from mbcdm_cad.measurement.units import ANGLE, COUNTS, FORCE, TEMPERATURE, TIME, TORQUE
 
 # Longest line of a logger's file: a file without a line end within this length is not a table.
 LONGEST_LINE = 1 << 16
@@ -15,6 +16,8 @@ FIRST_ROWS = 50
 LONGEST_PREAMBLE = 100_000
 # Largest number of rows of units, channels and the like below the names, and largest length of one of their cells.
 MOST_UNITS = 3
+# So many lines of figures are rows of the table.
+ROWS_IN_A_ROW = 4
 LONGEST_UNIT = 12
 SIGNS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": None}
 Lines = list[tuple[int, str]]
@@ -86,13 +89,35 @@ def find_format(path: Path, delimiter: str, decimal: str, comment: str, skip_row
 
 
 def title_lines(path: Path, decimal: str, comment: str) -> int:
-    """Lines before the names that hold fewer cells than the table, such as a title: a value for ``skip_rows``."""
+    """Lines before the names, such as a title or a greeting: a value for ``skip_rows``; 0 if the names come first.
+
+    The names are the last line of words above the figures, over a line of units if there is one. A line of names may
+    have one cell more than the figures, as LabVIEW's has for comments.
+    """
+    comma = decimal == "comma"
     _, rows = _first_lines(path, comment, 0)
-    sign = _likely_sign(rows, decimal == "comma") if rows else None
-    counts = [len(split(line, sign)) for _, line in rows]
-    fields = Counter(counts).most_common(1)[0][0] if counts else 0
-    first = next((k for k, count in enumerate(counts) if count >= fields), 0)
-    return rows[first - 1][0] if first else 0
+    sign = _likely_sign(rows, comma) if rows else None
+    cells = [split(line, sign) for _, line in rows]
+    figures = [sum(_is_figure(cell, comma) for cell in row) for row in cells]
+    fields = Counter(len(row) for row, found in zip(cells, figures, strict=True) if found).most_common(1)
+    wide = fields[0][0] if fields else 0
+    full = [len(row) == wide and 2 * found >= wide for row, found in zip(cells, figures, strict=True)]
+    # Lines of a preamble may hold figures too, but not several in a row.
+    body = next((k for k in range(len(rows)) if all(full[k : k + ROWS_IN_A_ROW])), 0)
+    above = [k for k in range(body) if not figures[k] and len(cells[k]) in (wide, wide + 1)]
+    if not above:
+        # The figures have no names: only what stands above them is left out.
+        return rows[body - 1][0] if body else 0
+    names = above[-1]
+    while names - 1 in above and len(above) > 1 and _are_units(cells[names]):
+        names -= 1
+    return rows[names - 1][0] if names else 0
+
+
+def _are_units(cells: list[str]) -> bool:
+    """Whether a line under the names holds units: half of its cells are units or empty, in brackets or not."""
+    known = {"", "-", COUNTS, *TIME, *ANGLE, *TORQUE, *FORCE, *TEMPERATURE}
+    return 2 * sum(cell.strip("[]() ") in known for cell in cells) >= len(cells)
 
 
 def _units_row(rows: Lines, begin: int, sign: str | None, comma: bool) -> tuple[tuple[str, ...], int]:
@@ -152,12 +177,12 @@ def _first_lines(path: Path, comment: str, skip_rows: int) -> tuple[Lines, Lines
 def _refuse_no_text(path: Path, raw: bytes) -> None:
     """Refuse files of a spreadsheet, a binary logger or an editor of another system; ``raw`` is the first line."""
     what, remedy = "", "export the data as text, one row a line (CSV)"
-    if raw[:2] in (b"\xff\xfe", b"\xfe\xff") or (
+    if raw.startswith(b"PK\x03\x04"):
+        what = "a spreadsheet or another zipped file"
+    elif raw[:2] in (b"\xff\xfe", b"\xfe\xff") or (
         raw[1::2].count(0) > 0.4 * len(raw) or raw[::2].count(0) > 0.4 * len(raw)
     ):
         what, remedy = "UTF-16 text", "save the file as UTF-8 or plain text"
-    elif raw.startswith(b"PK\x03\x04"):
-        what = "a spreadsheet or another zipped file"
     elif raw.count(0) or sum(byte < 32 and byte not in b"\t\r\n\f\x1a" for byte in raw[:1000]) > 20:
         what = "not a text file"
     elif raw.count(b"\r") > 1 + raw.count(b"\n"):

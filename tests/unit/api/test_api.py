@@ -38,7 +38,9 @@ SIGNATURES = {
     " Path]') -> 'LoopReport'",
     "next_run": "(report: 'LoopReport') -> 'NextRun | None'",
     "judge_published": "(design: 'DriveDesign', path: 'str | Path') -> 'PublishedResult'",
-    "draft_measurement": "(data: 'str | Path', design: 'DriveDesign') -> 'str'",
+    "draft_measurement": (
+        "(data: 'str | Path', design: 'DriveDesign | None' = None, *, ratio: 'float | None' = None) -> 'str'"
+    ),
     "reproduce": "(design: 'DriveDesign | None' = None) -> 'PaperTable'",
     "catalogue": "(kind: 'str | None' = None) -> 'CatalogueList'",
     "schema": "(configuration: 'str | None' = None, *, measurement: 'bool' = False) -> 'dict[str, Any]'",

@@ -13,6 +13,7 @@ from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.measurement.draft import draft_text
 from mbcdm_cad.measurement.reading import load_measurement
+from mbcdm_cad.measurement.roles import Expected
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
 
@@ -28,7 +29,7 @@ def drafted(
     rows = [sign.join(f"{value:.10g}" for value in row) for row in np.stack(list(columns.values()), axis=1)]
     text = title + "\n".join([sign.join(columns), *rows]) + "\n"
     (folder / "run.csv").write_text(text.replace(".", ",") if comma else text)
-    draft = draft_text(folder / "run.csv", DRIVE)
+    draft = draft_text(folder / "run.csv", Expected.of_drive(DRIVE))
     (folder / "run.yaml").write_text(draft.replace("lever_arm_mm: ?", "lever_arm_mm: 120"))
     return draft, arranged(load_measurement(folder / "run.yaml"), DRIVE)
 
@@ -86,7 +87,7 @@ def test_what_is_no_run_is_refused_and_nothing_is_overwritten(
 ) -> None:
     (tmp_path / "run.csv").write_text("a,b\n" + "\n".join(f"{k % 7},{k % 5}" for k in range(200)) + "\n")
     with pytest.raises(InputError, match="no column looks like the time"):
-        draft_text(tmp_path / "run.csv", DRIVE)
+        draft_text(tmp_path / "run.csv", Expected.of_drive(DRIVE))
     columns = {"t": RUN.time_s, "left": RUN.input_rad[0], "right": RUN.input_rad[1], "drum": RUN.output_rad}
     drafted(tmp_path, columns)
     before = (tmp_path / "run.yaml").read_bytes()
@@ -148,7 +149,7 @@ def test_dates_are_a_time(tmp_path: Path) -> None:
     lines = [",".join(["timestamp", *columns])]
     lines += [",".join([(began + timedelta(seconds=t)).isoformat(), *(f"{v:.10g}" for v in rest)]) for t, *rest in rows]
     (tmp_path / "run.csv").write_text("\n".join(lines) + "\n")
-    draft = draft_text(tmp_path / "run.csv", DRIVE)
+    draft = draft_text(tmp_path / "run.csv", Expected.of_drive(DRIVE))
     assert 'time: {column: "timestamp", unit: iso8601}' in draft, draft
     (tmp_path / "run.yaml").write_text(draft)
     run = arranged(load_measurement(tmp_path / "run.yaml"), DRIVE)
