@@ -25,7 +25,7 @@ from mbcdm_cad.api.designs import (
     compare,
     doctor,
     load,
-    new_design_text,
+    new_design,
     reference_design,
     reproduce,
     schema,
@@ -39,7 +39,7 @@ from mbcdm_cad.errors import InputError, MbcdmError
 __all__ = [
     "load",
     "reference_design",
-    "new_design_text",
+    "new_design",
     "DriveDesign",
     "solve",
     "compare",

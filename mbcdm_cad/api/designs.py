@@ -27,41 +27,45 @@ def load(path: str | Path) -> DriveDesign:
 
 def reference_design(name: str = "mbcdm") -> DriveDesign:
     """The reference design of the paper, as ``mbcdm init --reference`` writes it, without a file."""
-    from mbcdm_cad.layouts.loader import load_text, new_design_text
-
-    return DriveDesign(load_text(new_design_text(name), f"<{name}>"))
+    return new_design(name, form="reference")
 
 
-def new_design_text(
+def new_design(
     name: str, configuration: str | None = None, *, form: Literal["short", "full", "reference"] = "short"
-) -> str:
-    """Text of a new design file, as ``mbcdm init`` writes it: the requirements, from which all other values follow.
+) -> DriveDesign:
+    """A new design, as ``mbcdm init`` writes it: the requirements, from which all other values follow. ``save`` it.
 
-    ``form`` "full" adds the derived values as comments, "reference" gives the reference design with all its values. A
-    layout (``configuration``) without sizing rules always gets its reference design; by default miso_bevel. Raises
+    ``configuration``: the layout, by default miso_bevel. ``form`` "full" adds the derived values as comments,
+    "reference" gives the reference design with all its values; a layout without sizing rules always gets that. Raises
     ``MbcdmError`` for a layout that there is not.
     """
     from mbcdm_cad.design.template import slug
-    from mbcdm_cad.layouts.loader import DEFAULT, design_file, new_design_text, short_design_text
+    from mbcdm_cad.layouts.loader import DEFAULT, design_file, load_text, new_design_text, short_design_text
 
-    of = configuration or DEFAULT
-    if form == "reference" or (form == "short" and not design_file(of).starting):
-        return new_design_text(slug(name), of)
-    return short_design_text(slug(name), of, derived=form == "full")
+    of, name = configuration or DEFAULT, slug(name)
+    whole = form == "reference" or (form == "short" and not design_file(of).starting)
+    text = new_design_text(name, of) if whole else short_design_text(name, of, derived=form == "full")
+    return DriveDesign(load_text(text, f"<{name}>"))
 
 
 def solve(
-    path: str | Path, *, jobs: int | None = None, progress: Callable[[str, int], None] | None = None
+    design: DriveDesign | str | Path, *, jobs: int | None = None, progress: Callable[[str, int], None] | None = None
 ) -> SolveReport:
-    """The design nearest to a file that passes every check, or the requirements that exclude it, as ``mbcdm solve``.
+    """The nearest design that passes every check, or the requirements that exclude it, as ``mbcdm solve``.
 
-    Changes only fields that the file leaves out or gives as a range (``{min: 30, max: 60}``). The result prints itself;
-    its ``save`` writes the file that passes. ``progress`` is called with the stage and the number of designs tried,
-    ``jobs`` is the number of processes. Raises ``InputError`` for mistakes that no search can correct.
+    Changes only fields that the file leaves out or gives as a range (``{min: 30, max: 60}``, in the file ``design``).
+    The result prints itself; its ``save`` writes the file that passes. ``progress`` is called with the stage and the
+    number of designs tried, ``jobs`` is the number of processes. Raises ``InputError`` for mistakes that no search can
+    correct, ``MbcdmError`` for a layout without sizing rules.
     """
     from mbcdm_cad.report.solve_report import solve_design
+    from mbcdm_cad.solving.question import question_of, read_question
 
-    return solve_design(Path(path), progress, jobs)
+    if isinstance(design, DriveDesign):
+        question = question_of(design.loaded.text, design.loaded.path)
+    else:
+        question = read_question(design)
+    return solve_design(question, progress, jobs)
 
 
 def compare(

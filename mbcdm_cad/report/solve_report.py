@@ -13,7 +13,7 @@ from typing import Any
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.solving.conflict import Conflict, Give
 from mbcdm_cad.solving.patch import difference, patched
-from mbcdm_cad.solving.question import Out, Times, read_question
+from mbcdm_cad.solving.question import Out, Question, Times
 from mbcdm_cad.solving.solve import Change, Solution, solve
 from mbcdm_cad.storage.files import write_whole
 
@@ -101,12 +101,13 @@ class SolveReport:
         }
 
 
-def solve_design(path: Path, told: Callable[[str, int], None] | None = None, jobs: int | None = None) -> SolveReport:
-    """Search for the design nearest to the file that passes every check. See :func:`mbcdm_cad.solving.solve.solve`."""
-    question = read_question(path)
+def solve_design(
+    question: Question, told: Callable[[str, int], None] | None = None, jobs: int | None = None
+) -> SolveReport:
+    """Search for the design nearest to the question's file that passes every check; see :func:`solve`."""
     found = solve(question, told, jobs)
-    text = None if found.data is None else patched(question.text, str(path), found.data)
-    return SolveReport(path, found, text)
+    text = None if found.data is None else patched(question.text, str(question.path), found.data)
+    return SolveReport(question.path, found, text)
 
 
 def _conflict_lines(conflict: Conflict, name: str, trials: int) -> Iterator[str]:

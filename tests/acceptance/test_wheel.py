@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -30,11 +31,14 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel of a clean copy of the tree."""
+    """The wheel of a copy of the tree in which the program has run, so that it holds compiled code."""
     copy, out = tmp_path_factory.mktemp("tree"), tmp_path_factory.mktemp("wheel")
     for name in ("pyproject.toml", "README.md"):
         shutil.copy(TREE / name, copy)
     shutil.copytree(TREE / "mbcdm_cad", copy / "mbcdm_cad", ignore=shutil.ignore_patterns("__pycache__"))
+    compiled = copy / "mbcdm_cad" / "model" / "__pycache__" / "numba" / "hysteresis.nbc"
+    compiled.parent.mkdir(parents=True)
+    compiled.write_bytes(b"compiled")
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-index"]
     subprocess.run([*pip, "--no-deps", "--no-build-isolation", "--wheel-dir", str(out), str(copy)], check=True)
     return next(out.glob("*.whl"))
@@ -53,10 +57,22 @@ def program(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
-    files = {path for path in (TREE / "mbcdm_cad").rglob("*") if path.is_file() and path.suffix != ".pyc"}
-    wanted = {path.relative_to(TREE).as_posix() for path in files}
+    files = (path for path in (TREE / "mbcdm_cad").rglob("*") if path.is_file())
+    wanted = {path.relative_to(TREE).as_posix() for path in files if "__pycache__" not in path.parts}
     held = {name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("mbcdm_cad/")}
     assert held == wanted, f"not in the wheel: {sorted(wanted - held)}; only in it: {sorted(held - wanted)}"
+
+
+def test_the_python_example_of_the_readme_runs_from_a_wheel(program: Path, tmp_path: Path) -> None:
+    block = re.search(r"^```python\n(.*?)^```$", (TREE / "README.md").read_text("utf-8"), re.M | re.S)
+    assert block is not None
+    (tmp_path / "example.py").write_text(block[1], "utf-8")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    command = [str(program.with_name("python")), "example.py"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "passes every check as it is" in done.stdout and "torque to weight" in done.stdout, done.stdout
+    assert (tmp_path / "finger.yaml").is_file() and (tmp_path / "out" / "wrist" / "report.md").is_file()
 
 
 @pytest.mark.parametrize("layout", EXPERIMENTS)

@@ -24,10 +24,10 @@ PARAMS = ROOT / "params" / "mbcdm.yaml"
 SIGNATURES = {
     "load": "(path: 'str | Path') -> 'DriveDesign'",
     "reference_design": "(name: 'str' = 'mbcdm') -> 'DriveDesign'",
-    "new_design_text": "(name: 'str', configuration: 'str | None' = None, *, form: \"Literal['short', 'full',"
-    " 'reference']\" = 'short') -> 'str'",
-    "solve": "(path: 'str | Path', *, jobs: 'int | None' = None, progress: 'Callable[[str, int], None] | None' ="
-    " None) -> 'SolveReport'",
+    "new_design": "(name: 'str', configuration: 'str | None' = None, *, form: \"Literal['short', 'full',"
+    " 'reference']\" = 'short') -> 'DriveDesign'",
+    "solve": "(design: 'DriveDesign | str | Path', *, jobs: 'int | None' = None, progress: 'Callable[[str, int],"
+    " None] | None' = None) -> 'SolveReport'",
     "compare": "(designs: 'Iterable[DriveDesign | str | Path]', out: 'str | Path' = 'out', *, page: 'str | Path"
     " | None' = None, jobs: 'int | None' = None, cache: 'bool' = True, progress: 'Progress | None' = None) ->"
     " 'ComparisonReport'",
@@ -82,7 +82,7 @@ SIGNATURES = {
 NAMES = [
     "load",
     "reference_design",
-    "new_design_text",
+    "new_design",
     "DriveDesign",
     "solve",
     "compare",

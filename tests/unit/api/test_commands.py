@@ -37,7 +37,7 @@ FUNCTIONS = {
     "drawings": ["DriveDesign.drawings"],
     "explain": ["DriveDesign.explain", "DriveDesign.explain_graph"],
     "export": ["DriveDesign.export"],
-    "init": ["new_design_text"],
+    "init": ["new_design"],
     "loop": ["close_loop", "next_run", "judge_published"],
     "measurement-init": ["draft_measurement"],
     "page": ["DriveDesign.page"],
@@ -100,7 +100,7 @@ def test_what_a_command_writes_is_what_its_function_gives(folder: Path, said: Ca
 
     for form in ("short", "full", "reference"):
         said("init", f"new-{form}.yaml", *([] if form == "short" else [f"--{form}"]))
-        assert Path(f"new-{form}.yaml").read_text() == mc.new_design_text(f"new-{form}", form=form)  # type: ignore[arg-type]
+        assert Path(f"new-{form}.yaml").read_text() == mc.new_design(f"new-{form}", form=form).loaded.text  # type: ignore[arg-type]
     for measurement in (False, True):
         words = ["schema", *(["--measurement"] if measurement else [])]
         assert json.loads(said(*words)) == mc.schema(measurement=measurement)
@@ -189,11 +189,9 @@ def test_what_is_drawn_is_the_same_file_by_file(folder: Path, said: Callable[...
 
 @pytest.mark.slow
 def test_designs_of_one_name_are_compared_by_their_files(folder: Path, said: Callable[..., str]) -> None:
-    text = mc.new_design_text("drive", "siso_spur")
+    design = mc.new_design("drive", "siso_spur")
     for name, half_angle in (("left", 40), ("right", 30)):
-        mc.load("drive.yaml")
-        Path(f"{name}.yaml").write_text(text)
-        mc.load(f"{name}.yaml").with_(travel__half_angle_deg=half_angle).save(f"{name}.yaml")
+        design.with_(travel__half_angle_deg=half_angle).save(f"{name}.yaml")
     found = mc.compare(["left.yaml", "right.yaml"])
     assert [design.name for design in found.designs] == ["left.yaml", "right.yaml"]
     assert said("compare", "left.yaml", "right.yaml") == f"{found}\n"
