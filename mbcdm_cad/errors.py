@@ -81,3 +81,7 @@ def _size_apart(name: str, other: str) -> float:
     """Difference of the sizes with which two names end if all else is equal; else infinite."""
     one, two = (re.fullmatch(r"(.*?)([0-9]*\.?[0-9]+)", text) for text in (name, other))
     return abs(float(one[2]) - float(two[2])) if one and two and one[1] == two[1] else inf
+
+
+class GeometryError(MbcdmError):
+    """A solid that is not one valid body, or cannot be meshed within its tolerance; the text says which and why."""

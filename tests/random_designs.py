@@ -35,8 +35,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from interference_of_solids import interferences
 from random_generator import LAYOUTS, USUAL, Passing, load, passing
 
+from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.makefiles import make_part_files
-from mbcdm_cad.build.measure import bounding_box
 from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.errors import InputError

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step import part_step
-from mbcdm_cad.build.kernel import Shape, brep_bytes
-from mbcdm_cad.build.measure import measure
+from mbcdm_cad.build.kernel import Shape, brep_bytes, measure
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.design.bought import Material
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import PartSpec
 from mbcdm_cad.parts.make import make
 

@@ -19,9 +19,9 @@ from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from mbcdm_cad.build.deviation import edge_deviation, face_deviation
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.kernel import Shape, kernel_shape
 from mbcdm_cad.build.trianglemesh import FloatArray, IntArray, TriangleMesh, without_collapsed
+from mbcdm_cad.errors import GeometryError
 
 _ATTEMPTS = 6
 # Tolerance given to the kernel, as a share of the required one: on swept surfaces its error is up to 1.1 times that.

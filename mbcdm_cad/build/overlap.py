@@ -10,8 +10,8 @@ from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.kernel import Shape, kernel_shape, location
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.placement import Placement, Vector
 from mbcdm_cad.parts.rod import swept_rod
 from mbcdm_cad.routes.curves import Piece

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.build.clash import cable_overlaps
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.trianglemesh import TriangleMesh
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.placement import Placement, Row
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece, cut

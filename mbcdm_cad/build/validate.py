@@ -13,8 +13,8 @@ from OCP.TopAbs import TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS_Shape
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.kernel import Shape, kernel_shape
+from mbcdm_cad.errors import GeometryError
 
 
 def validate_solid(name: str, shape: Shape) -> None:

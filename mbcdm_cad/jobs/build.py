@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step_text import with_description
 from mbcdm_cad.build.export.stl import with_note
 from mbcdm_cad.build.made_parts import exported_parts, made_parts, refuse_angle
@@ -27,6 +26,7 @@ from mbcdm_cad.checks.built import (
 from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.registry import configuration

@@ -24,8 +24,7 @@ from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.live.server import Server
-from mbcdm_cad.live.state import WatchState
+from mbcdm_cad.live.server import Server, WatchState
 from mbcdm_cad.live.worker import Drawn, Job, work
 from mbcdm_cad.report.check_report import check_design
 

@@ -8,7 +8,7 @@ import jinja2
 
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.layouts.registry import configuration
-from mbcdm_cad.report.motor_words import motor_lines
+from mbcdm_cad.report.analysis_report import motor_lines
 
 _AT_DRUM = "_at_drum"
 

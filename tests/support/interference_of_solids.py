@@ -10,8 +10,7 @@ import numpy as np
 
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import InterferenceRun, answers, interference_run
-from mbcdm_cad.build.kernel import brep_bytes
-from mbcdm_cad.build.measure import bounding_box
+from mbcdm_cad.build.kernel import bounding_box, brep_bytes
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.pairs import Found, PartShape
 from mbcdm_cad.build.scene import scenes

@@ -18,10 +18,10 @@ from OCP.XCAFApp import XCAFApp_Application
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 from OCP.XSControl import XSControl_WorkSession
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step_text import canonical_step
 from mbcdm_cad.build.kernel import Shape, kernel_shape, location
 from mbcdm_cad.design.bought import Material
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.item import Item, sorted_items
 
 

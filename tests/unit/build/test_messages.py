@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.cli.screen import progress
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.jobs import build as job
 from mbcdm_cad.jobs.build import build
 from mbcdm_cad.layouts.loader import load_design

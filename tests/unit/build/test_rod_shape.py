@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mbcdm_cad.build.kernel import measure
 from mbcdm_cad.build.mass import rod_shape
-from mbcdm_cad.build.measure import measure
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE

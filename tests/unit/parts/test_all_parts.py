@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from mbcdm_cad.build.measure import bounding_box
+from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.validate import validate_faces, validate_solid
 from mbcdm_cad.layouts.miso_bevel.layout import Layout
 from mbcdm_cad.parts.bill import CABLE, Bill

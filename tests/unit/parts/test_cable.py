@@ -8,7 +8,7 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.measure import bounding_box
+from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.layouts.miso_bevel.layout import Layout
 from mbcdm_cad.parts.cable import create_cable

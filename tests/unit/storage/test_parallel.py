@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcdm_cad.build.errors import GeometryError
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.storage import parallel
 from mbcdm_cad.storage.parallel import fork_map, forked
 

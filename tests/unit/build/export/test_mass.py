@@ -12,8 +12,8 @@ from export_samples import ALUMINIUM, STEEL
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mbcdm_cad.build.kernel import bounding_box, measure
 from mbcdm_cad.build.mass import MassProperties, ShapeProperties, assembly_mass, combined, item_mass
-from mbcdm_cad.build.measure import bounding_box, measure
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement

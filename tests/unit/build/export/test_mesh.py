@@ -18,12 +18,12 @@ from export_samples import make_solids
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.glb import glb_bytes
 from mbcdm_cad.build.export.stl import stl_bytes, with_note
 from mbcdm_cad.build.kernel import brep_bytes, shape_from_brep
 from mbcdm_cad.build.meshing import angular_tolerance, mesh_solid
 from mbcdm_cad.build.trianglemesh import TriangleMesh
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.item import Item
 
 PARTS = sorted(make_solids())

@@ -10,12 +10,11 @@ import cadquery as cq
 import pytest
 from export_samples import STEEL
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.export.step import part_step
-from mbcdm_cad.build.kernel import shape_from_brep
+from mbcdm_cad.build.kernel import measure, shape_from_brep
 from mbcdm_cad.build.makefiles import make_part_files
-from mbcdm_cad.build.measure import measure
 from mbcdm_cad.build.partfiles import PartFiles
+from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.storage.cache import Cache
 
 KEY = "5" * 64

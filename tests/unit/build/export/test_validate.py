@@ -6,9 +6,9 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from mbcdm_cad.build.errors import GeometryError
 from mbcdm_cad.build.pairs import Faces, PartShape
 from mbcdm_cad.build.validate import validate_faces, validate_solid
+from mbcdm_cad.errors import GeometryError
 
 
 def test_sound_solids_pass(solids: dict[str, cq.Solid]) -> None:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbcdm_cad.build.measure import bounding_box
+from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.check_design import run_checks
