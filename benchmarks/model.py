@@ -20,8 +20,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.bulk import analyse_many
+from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.si import DriveSI, to_si
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))

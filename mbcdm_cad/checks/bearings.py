@@ -18,7 +18,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import Adjustment, down
 from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.design.bought import Bearing
-from mbcdm_cad.model.bearing_loads import two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
 
 STATIC_SAFETY = 1.0
 QUIET_SAFETY = 2.0

@@ -11,7 +11,7 @@ from mbcdm_cad.checks.strength import SLACK_SHARE
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.creep import DAY_S, TOLD_C, creeps, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 
 # Shortest acceptable time between two tensionings (estimate).
 RETENSION_DAYS = 30.0

@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.checks.design_variables import DesignVariable
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.model.bearing_loads import BearingLoads, bearing_loads
-from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.equilibrium import BearingLoads, bearing_loads, solve_equilibrium
+from mbcdm_cad.model.si import DriveSI, ModelError, to_si
 
 _Kept = TypeVar("_Kept")
 # The model is not evaluated above this multiple of sum(T_pre r_o), at which cables without friction go slack.

@@ -12,7 +12,7 @@ from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 
 # A cable under a hundredth of its preload counts as slack: it leaves its land (estimate).
 SLACK_SHARE = 0.01

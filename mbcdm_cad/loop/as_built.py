@@ -17,8 +17,7 @@ from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.effects import library
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.result import LoopResult, Named
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 
 KEY = "as_built"

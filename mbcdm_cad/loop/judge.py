@@ -16,7 +16,7 @@ import numpy as np
 
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.measurement.vetted import Vetted, vetted_runs, vetting_lines
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 
 if TYPE_CHECKING:
     import pandas

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mbcdm_cad.model.analysis import analyse
-    from mbcdm_cad.model.errors import ModelError
     from mbcdm_cad.model.figures import (
         Analysis,
         BearingFigures,
@@ -19,13 +18,13 @@ if TYPE_CHECKING:
         ModulusReading,
         UncertainFigure,
     )
-    from mbcdm_cad.model.si import DriveSI, to_si
+    from mbcdm_cad.model.si import DriveSI, ModelError, to_si
 
 _MODULES = {
     **dict.fromkeys(
         ("Analysis", "BearingFigures", "CableFigures", "LoadCase", "ModulusReading", "UncertainFigure"), "figures"
     ),
-    **{"DriveSI": "si", "ModelError": "errors", "analyse": "analysis", "to_si": "si"},
+    **{"DriveSI": "si", "ModelError": "si", "analyse": "analysis", "to_si": "si"},
 }
 
 __all__ = [

@@ -6,19 +6,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
-from mbcdm_cad.model.bearing_loads import bearing_loads
-from mbcdm_cad.model.calibration import implied_modulus_Pa
+from mbcdm_cad.model.backlash import cable_backlash, drum_backlash, implied_modulus_Pa
 from mbcdm_cad.model.capability import (
     SLIP,
     TorqueLimit,
     balanced_preload_N,
     input_bias_Nm,
+    input_ratings_Nm,
+    motor_ratings,
+    requirements,
+    sigmas_si,
+    tension_limit_N,
     torque_limits,
     torque_to_weight_Nm_kg,
 )
 from mbcdm_cad.model.creep import preload_left
-from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.figures import (
     Analysis,
     BearingFigures,
@@ -33,10 +36,9 @@ from mbcdm_cad.model.figures import (
 from mbcdm_cad.model.kinematics import eq1_residuals, pair_mismatch_m, shaft_angles
 from mbcdm_cad.model.measured import BACKLASH_RAD, BACKLASH_TORQUE_NM
 from mbcdm_cad.model.motor_figures import motor_figures
-from mbcdm_cad.model.ratings import input_ratings_Nm, motor_ratings, requirements, sigmas_si, tension_limit_N
+from mbcdm_cad.model.sensitivity import intervals
 from mbcdm_cad.model.si import DriveSI, routed, to_si
 from mbcdm_cad.model.stiffness import secant_stiffness_Nm_rad, sticking_stiffness_Nm_rad, tangent_stiffness_Nm_rad
-from mbcdm_cad.model.uncertainty import intervals
 from mbcdm_cad.model.wrap import slip_angle_rad
 
 if TYPE_CHECKING:

@@ -1,6 +1,10 @@
 """Figures of many designs at once, by the same formulas as for one design: about 1e5 designs a second.
 
 Nothing here is approximate: every figure equals that of :func:`mbcdm_cad.model.analyse` for that design to rounding.
+
+The preload table gives torque capability and backlash as functions of the preload that can be reached. A terminal at
+the end of its thread, or a rope that must not be pulled so far, leaves less preload than the design states; the table
+shows the effect. All preloads are lowered by the same share.
 """
 
 from __future__ import annotations
@@ -11,30 +15,18 @@ from typing import Any
 
 import numpy as np
 
+from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
-from mbcdm_cad.model.capability import slip_weight
+from mbcdm_cad.model.capability import Requirements, requirements, slip_weight
 from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, solve_weighted
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.kinematics import eq1_residuals
-from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI
+from mbcdm_cad.model.si import PER_CABLE, PER_DESIGN, DriveSI, ModelError, to_si
 from mbcdm_cad.model.wrap import slip_angle_rad
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.helix import axial_walk_m, fleet_angle_rad
 
 # Designs worked on at a time: their arrays then stay in the processor's cache.
 BLOCK = 4096
-
-
-@dataclass(frozen=True)
-class Requirements:
-    """Requirements on the designs; each is one number, or one value for each design."""
-
-    load_Nm: Any
-    half_travel_rad: Any
-    input_rating_Nm: Any
-    rope_diameter_m: Any
-    tension_limit_N: Any
-    helix_lead_m: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,3 +206,68 @@ def _input_weight(d: DriveSI, index: int) -> Floats:
 def _put(at: Equilibrium, which: Any, found: Equilibrium) -> None:
     at.drum_angle_rad[which] = found.drum_angle_rad
     at.tension_N[:, which] = found.tension_N
+
+
+# Shares of the design's preloads; the last is too low for any use.
+SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+# A cable under a hundredth of its preload counts as slack, as in the check no_slack.
+SLACK_SHARE = 0.01
+
+
+@dataclass(frozen=True)
+class ReachedPreload:
+    """One row: what is left at a share of the preloads.
+
+    ``at_inputs_Nm``: torque both ways at which an input reaches its rating; ``slack_Nm``: torque both ways at which the
+    first cable goes slack; the drive holds the lesser of the two. Turn and swing are at the test torque.
+    """
+
+    share: float
+    preload_N: tuple[float, ...]
+    at_inputs_Nm: tuple[float, float]
+    slack_Nm: tuple[float, float]
+    turn_mrad: float
+    reversal_swing_mrad: float
+
+    @property
+    def holds_Nm(self) -> tuple[float, float]:
+        """Torque held, + and -."""
+        return (min(self.at_inputs_Nm[0], self.slack_Nm[0]), min(self.at_inputs_Nm[1], self.slack_Nm[1]))
+
+
+def preload_table(drive: Drive, shares: tuple[float, ...] = SHARES) -> tuple[ReachedPreload, ...]:
+    """The rows for ``shares`` of the design's preloads. Errors: ``ModelError`` where the model has no answer."""
+    si, need = to_si(drive), requirements(drive)
+    found = analyse_many(
+        si.spread(len(shares)).with_(preload_N=si.preload_N[:, None] * np.array(shares)[None, :]), need
+    )
+    rows = []
+    for k, share in enumerate(shares):
+        less = si.with_(preload_N=si.preload_N * share)
+        rows.append(
+            ReachedPreload(
+                share=share,
+                preload_N=tuple(float(v) for v in less.preload_N),
+                at_inputs_Nm=(float(found.peak_torque_Nm[0, k]), float(found.peak_torque_Nm[1, k])),
+                slack_Nm=(torque_at_first_slack_Nm(less, 1), torque_at_first_slack_Nm(less, -1)),
+                turn_mrad=float(np.abs(found.turn_rad[:, k]).max()) * 1e3,
+                reversal_swing_mrad=float(found.reversal_swing_rad[k]) * 1e3,
+            )
+        )
+    return tuple(rows)
+
+
+def torque_at_first_slack_Nm(d: DriveSI, direction: int) -> float:
+    """Largest torque (N m, >= 0) in ``direction`` at which every cable keeps a hundredth of its preload.
+
+    The drum's angle at which one cable is left with that tension gives the torque by the tensions of all (derived);
+    of the cables that a torque in ``direction`` relieves, the first one counts.
+    """
+    relieved = [j for j, sense in enumerate(d.sigma) if sense == -direction]
+    shape = (len(relieved),)
+    wide = d.lifted(shape)
+    alone = np.zeros((d.n_cables, len(relieved)))
+    alone[relieved, range(len(relieved))] = -direction
+    left = -direction * SLACK_SHARE * np.asarray(d.preload_N)[relieved]
+    found = solve_weighted(wide, alone, left)
+    return max(0.0, float((direction * found.drum_torque_by_input_Nm(wide).sum(axis=0)).min()))

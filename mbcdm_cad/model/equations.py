@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.wrap import excess_minus_log
 from mbcdm_cad.routes import Floats
 

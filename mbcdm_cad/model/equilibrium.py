@@ -1,19 +1,170 @@
-"""All cables at once: the drum angle at which the cables balance the load while every input is held.
+"""The equilibrium of all cables while every input is held, its solver, and the loads on the bodies that follow.
 
 Cable j stretches by delta_j = sigma_j (r_ij theta_i - r_oj theta_o), and sum_j sigma_j T_j r_oj = M_l (M_l > 0 opposes
-positive rotation). The numbers are found by :mod:`mbcdm_cad.model.solver`.
+positive rotation).
+
+The numerical core solves many cases at once. Find the drum angle theta so that sum_j weight_j T_j = goal, with
+delta_j(T_j) = offset_j - lever_j theta for every cable that is not slack. Every delta_j is strictly increasing in T_j
+and weight_j lever_j >= 0, so the solution is unique. Newton's method on all tensions together, which removes and adds
+cables as they become slack or tight, converges in a few steps. Cases that do not converge are solved with one unknown
+inside a bracket, which is slow but always converges.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.model.solver import balance
+from mbcdm_cad.model.si import DriveSI, ModelError
+from mbcdm_cad.model.wrap import slack_stretch_m, stretch_after_reversal, stretch_first_loading
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.loads import BodyLoad, body_load, two_bearing_reactions_N
+
+NEWTON_STEPS = 40
+BRACKETED_STEPS = 300
+WIDENINGS = 60
+# Newton's method converges quadratically: after a step this small the next one is below rounding.
+RELATIVE_STEP = 1e-10
+# In one step a tension falls at most to this share, because the cable law ends at zero.
+SMALLEST_SHARE = 0.2
+# Tension at which a cable that was slack starts again, as a share of its preload.
+TAUT_AGAIN = 1e-3
+# A tension below this share of the preload counts as zero: it is far below the rounding errors of the others.
+FAINT_SHARE = 1e-12
+
+
+def stretch(d: DriveSI, tension_N: Floats, turned_at_N: Floats | None) -> tuple[Floats, Floats]:
+    """Stretch (m) and its slope (m/N) on first loading, or after a reversal at ``turned_at_N``."""
+    if turned_at_N is None:
+        return stretch_first_loading(d, tension_N)
+    return stretch_after_reversal(d, tension_N, np.maximum(turned_at_N, FAINT_SHARE * d.preload_N))
+
+
+def slack_limit_m(d: DriveSI) -> Floats:
+    """Stretch (m) at and below which a cable counts as slack: that of ``FAINT_SHARE`` of its preload, or of none."""
+    if d.endless_wraps:
+        # The formula of the law is written out here because every solution evaluates it.
+        lost = (1.0 - FAINT_SHARE) * d.free_span_m + (FAINT_SHARE - 1.0 - math.log(FAINT_SHARE)) * d.slip_reach_m
+        return np.asarray(-d.preload_N / d.axial_stiffness_N * lost)
+    faint, _ = stretch_first_loading(d, FAINT_SHARE * d.preload_N)
+    return np.maximum(faint, slack_stretch_m(d))
+
+
+def _over_cables(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.einsum("j...,j...->...", a, b))
+
+
+def balance(
+    d: DriveSI, weight: Floats, goal: Floats, lever: Floats, offset: Floats, turned_at_N: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """Drum angle (...) in rad and tensions (n_cables, ...) in N. Arrays are at full shape, ``d`` broadcasts to it.
+
+    Errors: ``ModelError`` where no drum angle reaches the goal.
+    """
+    preload = np.broadcast_to(d.preload_N, lever.shape)
+    missing = goal - _over_cables(weight, preload)
+    tension = np.maximum(preload + missing * weight / _over_cables(weight, weight), SMALLEST_SHARE * preload)
+    taut_limit = slack_limit_m(d)
+    slack = np.zeros(lever.shape, dtype=bool)
+    theta, done = np.zeros(goal.shape), np.zeros(goal.shape, dtype=bool)
+    for _ in range(NEWTON_STEPS):
+        some_slack = slack.any()
+        now, slope = stretch(d, np.where(slack, preload, tension) if some_slack else tension, turned_at_N)
+        ease = np.where(slack, 0.0, weight / slope) if some_slack else weight / slope
+        linear = _over_cables(weight, tension) + _over_cables(ease, offset - now)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            theta = (linear - goal) / _over_cables(ease, lever)
+        wanted = offset - lever * theta
+        step = (wanted - now) / slope
+        lowest = SMALLEST_SHARE * tension
+        following = np.maximum(tension + step, lowest)
+        settled = (np.abs(step) <= RELATIVE_STEP * preload) & (tension + step >= lowest)
+        gone = wanted <= taut_limit
+        if some_slack or gone.any():
+            settled = np.where(gone | slack, gone & slack, settled)
+            following = np.where(gone, 0.0, np.where(slack, TAUT_AGAIN * preload, following))
+            slack = gone
+        tension = following
+        done = settled.all(axis=0) & np.isfinite(theta)
+        if done.all():
+            return theta, tension
+    rest = ~done
+    part, columns = _only(d, goal.shape, rest), [a[:, rest] for a in (weight, lever, offset)]
+    turned = None if turned_at_N is None else np.broadcast_to(turned_at_N, lever.shape)[:, rest]
+    theta, tension = np.array(theta), np.array(tension)
+    theta[rest], tension[:, rest] = _bracketed(part, columns[0], goal[rest], columns[1], columns[2], turned)
+    return theta, tension
+
+
+def tension_of_stretch(d: DriveSI, stretch_m: Floats, turned_at_N: Floats | None = None) -> Floats:
+    """Inverse of the stretch, N, shape of ``stretch_m``; 0 beyond the slack limit. Newton inside a bracket: safe."""
+    start = d.preload_N if turned_at_N is None else np.maximum(d.preload_N, turned_at_N)
+    # Friction only makes a cable softer, so the free span alone gives an upper bound of the tension.
+    high = start + np.abs(stretch_m) * d.axial_stiffness_N / d.free_span_m
+    if turned_at_N is not None:
+        # Counted from the turning point, the stretch may be larger by that of the turning point itself.
+        turned = np.maximum(turned_at_N, FAINT_SHARE * d.preload_N)
+        high = high + np.abs(stretch_first_loading(d, turned)[0]) * d.axial_stiffness_N / d.free_span_m
+    slack = stretch_m <= slack_limit_m(d)
+    low, tension = FAINT_SHARE * d.preload_N + np.zeros_like(high), start + np.zeros_like(high)
+    for _ in range(BRACKETED_STEPS):
+        now, slope = stretch(d, tension, turned_at_N)
+        low, high = np.where(now < stretch_m, tension, low), np.where(now >= stretch_m, tension, high)
+        newton = tension + (stretch_m - now) / slope
+        # Geometric mean while the bounds are far apart (a tension may be tiny), arithmetic mean at the end.
+        middle = np.where(high > 4.0 * low, np.sqrt(high * low), 0.5 * (low + high))
+        following = np.where((newton > low) & (newton < high), newton, middle)
+        settled = np.abs(following - tension) <= 1e-15 * tension
+        tension = following
+        if (settled | slack).all():
+            break
+    return np.asarray(np.where(slack, 0.0, tension))
+
+
+def _only(d: DriveSI, shape: tuple[int, ...], which: Any) -> DriveSI:
+    """The cases ``which`` (a mask of ``shape``) as a flat batch."""
+    return d.mapped(
+        lambda v: np.broadcast_to(v, (d.n_cables, *shape))[:, which], lambda v: np.broadcast_to(v, shape)[which]
+    )
+
+
+def _bracketed(
+    d: DriveSI, weight: Floats, goal: Floats, lever: Floats, offset: Floats, turned_at_N: Floats | None
+) -> tuple[Floats, Floats]:
+    """The same solution with one unknown, the drum angle, inside a bracket; tensions are solved at each angle."""
+
+    def pulled(angle: Floats) -> tuple[Floats, Floats, Floats]:
+        tension = tension_of_stretch(d, offset - lever * angle, turned_at_N)
+        _, slope = stretch(d, np.where(tension > 0.0, tension, d.preload_N), turned_at_N)
+        fall = _over_cables(np.where(tension > 0.0, weight / slope, 0.0), lever)
+        return tension, _over_cables(weight, tension) - goal, fall
+
+    angle = _over_cables(lever, offset) / _over_cables(lever, lever)
+    reach = np.max(d.preload_N / d.axial_stiffness_N * d.free_span_m / d.drum_radius_m, axis=0)
+    low, high = angle - reach, angle + reach
+    for _ in range(WIDENINGS):
+        short, long = pulled(low)[1] < 0.0, pulled(high)[1] > 0.0
+        if not (short | long).any():
+            break
+        low, high = np.where(short, low - 4.0 * (high - low), low), np.where(long, high + 4.0 * (high - low), high)
+    else:
+        worst = float(np.max(np.abs(goal[short | long])))
+        raise ModelError(
+            f"no drum angle balances {worst:.6g} (N m or N): every cable that could hold it is slack; raise preload_N"
+        )
+    for _ in range(BRACKETED_STEPS):
+        tension, excess, fall = pulled(angle)
+        low, high = np.where(excess > 0.0, angle, low), np.where(excess <= 0.0, angle, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = angle + excess / fall
+        following = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        if (np.abs(following - angle) <= 1e-16 + 1e-15 * np.abs(angle)).all():
+            break
+        angle = following
+    return angle, tension
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,3 +247,21 @@ def solve_weighted(
         offset = offset + d.column(np.asarray(path_m, dtype=float), len(full))
     theta, tension = balance(d, np.broadcast_to(weight, full), np.broadcast_to(goal, shape), lever, offset, turned_at_N)
     return Equilibrium(theta, tension, offset - lever * theta)
+
+
+__all__ = ["BearingLoads", "BodyLoad", "bearing_loads", "two_bearing_reactions_N"]
+
+
+@dataclass(frozen=True)
+class BearingLoads:
+    """The load on each body, by name."""
+
+    bodies: dict[str, BodyLoad]
+    inputs: tuple[BodyLoad, ...]
+    drum: BodyLoad
+
+
+def bearing_loads(d: DriveSI, tension_N: Floats) -> BearingLoads:
+    """Loads for the free-span tensions of one design and one load, shape (n_cables,)."""
+    loads = {body.name: body_load(d.routes, body.name, tension_N) for body in d.routes.bodies}
+    return BearingLoads(loads, tuple(loads[body.name] for body in d.routes.inputs), loads[d.routes.drum.name])

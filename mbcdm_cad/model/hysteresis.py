@@ -19,10 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.series import Response, checked_series, path_offset_m
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled, inlined
 

@@ -11,10 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import DRUM, FREE, PRELOAD, SIGMA, at_preload, balance, constants, settle, simulate
 from mbcdm_cad.model.series import checked_series, path_offset_m
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled
 

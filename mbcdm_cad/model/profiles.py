@@ -15,11 +15,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.series import Response, checked_series, path_offset_m
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.model.through_wrap import Profile, go_over
-from mbcdm_cad.model.wrap_profile import ANGLE, RATIO, commit, probe
+from mbcdm_cad.model.si import DriveSI, ModelError
+from mbcdm_cad.model.wrap_profile import ANGLE, RATIO, Profile, commit, go_over, probe
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.storage.compiled import compiled, inlined
 
@@ -48,7 +46,7 @@ def simulate_profiles(
     Finite ``input_wrap_rad`` and ``drum_wrap_rad`` are the live wraps with all angles zero; slip that reaches the
     anchor stops there, and a cable can go slack (tension 0) and come back. ``through_rad`` is the wrap over each input
     that friction alone holds, for cables that run through there: their two sides then share it, and rope goes over from
-    one to the other (:mod:`mbcdm_cad.model.through_wrap`). Errors besides those of the series:
+    one to the other (:mod:`mbcdm_cad.model.wrap_profile`). Errors besides those of the series:
     ``ModelError`` where a pulley would wind off more than its wrap, and for winding with slip on passed bodies.
     """
     angle, load = checked_series(d, input_angle_rad, load_Nm)

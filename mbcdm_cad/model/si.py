@@ -16,13 +16,17 @@ import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.registry import configuration_of
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, Geometry, RoutedDrive
 from mbcdm_cad.routes.route import DriveRoutes
 
 if TYPE_CHECKING:
     from mbcdm_cad.design.drive import Drive
+
+
+class ModelError(MbcdmError):
+    """A question the model cannot answer; the text says what, the value, the limit and the remedy."""
+
 
 __all__ = ["GPA", "MM", "MM2", "DriveSI", "Floats", "to_si"]
 

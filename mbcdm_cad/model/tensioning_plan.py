@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbcdm_cad.model.tensioned_rope import TensionedRope
 from mbcdm_cad.model.tensioning import (
     TakeUp,
+    TensionedRope,
     balanced_tension_N,
     bedding_loss_N,
     limits_of_pitch_Hz,

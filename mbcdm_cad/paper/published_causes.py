@@ -14,9 +14,14 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.measurement.schema import Published
 from mbcdm_cad.measurement.units import Unit, unit_of
 from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
+from mbcdm_cad.model.capability import (
+    MOTOR,
+    MOTOR_LOSSY,
+    balanced_preload_N,
+    input_ratings_Nm,
+    torque_at_input_limit_Nm,
+)
 from mbcdm_cad.model.profiles import simulate_profiles
-from mbcdm_cad.model.ratings import MOTOR, MOTOR_LOSSY, input_ratings_Nm
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.paper.published import Candidate, Judge, Judged
 

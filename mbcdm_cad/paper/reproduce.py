@@ -14,11 +14,16 @@ import numpy as np
 
 from mbcdm_cad.model import measured
 from mbcdm_cad.model.analysis import lowest_each_way
-from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.calibration import implied_modulus_Pa
-from mbcdm_cad.model.capability import balanced_preload_N, torque_limits, torque_to_weight_Nm_kg
+from mbcdm_cad.model.backlash import drum_backlash, implied_modulus_Pa
+from mbcdm_cad.model.capability import (
+    MOTOR,
+    balanced_preload_N,
+    input_ratings_Nm,
+    tension_limit_N,
+    torque_limits,
+    torque_to_weight_Nm_kg,
+)
 from mbcdm_cad.model.kinematics import eq1_residuals
-from mbcdm_cad.model.ratings import MOTOR, input_ratings_Nm, tension_limit_N
 from mbcdm_cad.model.si import DriveSI, to_si
 
 if TYPE_CHECKING:

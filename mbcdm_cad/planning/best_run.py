@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.loop.prepare.noise import Noise
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.bench_runs import candidates, experiment_text, run_of
 from mbcdm_cad.planning.best_plan import Rated, rated
 from mbcdm_cad.planning.plan import RunPlan, plan_of

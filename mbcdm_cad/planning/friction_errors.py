@@ -15,7 +15,7 @@ import numpy as np
 from mbcdm_cad.loop.prepare.quiet import SignalNoise, quiet_load, slow_difference
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
 
 # Repetitions of the run, and samples in all of them.

@@ -16,7 +16,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.result import LoopResult, Named, ways_apart
 from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.bench_runs import LEAST_DURATION_S, TRAVEL_SHARE, candidates, experiment_text, run_of
 from mbcdm_cad.planning.separating import wrong_choice
 from mbcdm_cad.rig.bench_limits import BenchLimits

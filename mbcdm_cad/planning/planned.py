@@ -20,8 +20,7 @@ from mbcdm_cad.loop.search.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.planning.colour import along
 from mbcdm_cad.planning.friction_errors import friction_errors
 from mbcdm_cad.planning.power import Draws, Shown, draws_of, shown, smallest, worst_phase

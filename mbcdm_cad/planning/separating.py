@@ -20,7 +20,7 @@ from mbcdm_cad.loop.result import Named
 from mbcdm_cad.loop.search.exchange import ALIKE_SHARE
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.planning.colour import along
 from mbcdm_cad.planning.planned import planned_fitter, without_offsets
 from mbcdm_cad.routes import Floats

@@ -16,7 +16,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.interface import Conventions, FrameCompliance, Layout
 from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model import Analysis, analyse, measured
-from mbcdm_cad.model.preload_table import preload_table
+from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.layouts.changes import changed_drives
-from mbcdm_cad.model.bulk import BulkFigures, Requirements, analyse_many, merged, stack_designs
-from mbcdm_cad.model.ratings import requirements
+from mbcdm_cad.model.bulk import BulkFigures, analyse_many, merged, stack_designs
+from mbcdm_cad.model.capability import Requirements, requirements
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.report.design_columns import DesignColumns, Values, figure_columns, varied_columns
 

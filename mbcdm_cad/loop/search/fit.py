@@ -20,8 +20,7 @@ from mbcdm_cad.loop.as_built import known_effects
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator, declared
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.routes import Floats
 
 # Largest offset between two input encoders, in counts (each starts anywhere within one).

@@ -12,7 +12,7 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.search.fit import DIFFERENCE, Fit, Fitter
 from mbcdm_cad.loop.search.twins import Twins
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
 
 

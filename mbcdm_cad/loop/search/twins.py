@@ -9,7 +9,7 @@ from queue import Queue
 from typing import TypeVar
 
 from mbcdm_cad.loop.search.fit import Fitter
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 
 MOST_THREADS = 4
 Found = TypeVar("Found")

@@ -21,7 +21,7 @@ from mbcdm_cad.loop.search.generic import regressors
 from mbcdm_cad.loop.search.select import LEAST_FALL, Search
 from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown
 from mbcdm_cad.measurement.sweeps import smoothed
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
 
 # An effect is not named if the unexplained error is at least this share of the error that the effect explains.

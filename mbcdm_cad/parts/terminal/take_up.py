@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from math import ceil
 
 from mbcdm_cad.design.drive import CableRun, Drive
-from mbcdm_cad.model.tensioned_rope import TensionedRope, rope_stiffnesses
-from mbcdm_cad.model.tensioning import TakeUp, take_up
+from mbcdm_cad.model.tensioning import TakeUp, TensionedRope, rope_stiffnesses, take_up
 
 # Travel is rounded up to this, as a drawing would.
 _STEP_MM = 0.1

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.build.drawings import ASSEMBLY
 from mbcdm_cad.layouts.registry import configuration
-from mbcdm_cad.model.ratings import requirements
+from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.report.page.page import fields_graph, report_page
 from mbcdm_cad.report.page.scene import Lines, cable_lines, design_scene

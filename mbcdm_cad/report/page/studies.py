@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.ratings import requirements
 from mbcdm_cad.model.sensitivity import elasticities, figure_5
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.model.tolerance import Tolerances, ToleranceStack, tolerance_stack

@@ -13,8 +13,7 @@ from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.prepare.setup import Simulator, declared
 from mbcdm_cad.loop.result import Errors, LoopResult, Named, Value
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.si import ModelError, to_si
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 WITHOUT = "\n".join(line for line in REFERENCE.read_text("utf-8").split("\n") if not line.startswith("as_built"))

@@ -20,9 +20,8 @@ from mbcdm_cad.loop.effect import Effect, Parameter
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.search.engine import close_loop
 from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
-from mbcdm_cad.model.si import to_si
+from mbcdm_cad.model.si import ModelError, to_si
 from mbcdm_cad.routes import Floats
 
 REFERENCE = Path(__file__).parents[3] / "params" / "mbcdm.yaml"

@@ -9,7 +9,7 @@ import pytest
 from logger_samples import Write, mapping, signals, table
 
 from mbcdm_cad.cli import run as mbcdm
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 
 DESIGN = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 BARE = {key: value for key, value in mapping()["columns"].items() if key != "load_torque"}

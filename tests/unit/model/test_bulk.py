@@ -7,12 +7,11 @@ import pytest
 from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.backlash import cable_backlash, drum_backlash
-from mbcdm_cad.model.bulk import Requirements, analyse_many, stack_designs
-from mbcdm_cad.model.capability import torque_limits
+from mbcdm_cad.model.bulk import analyse_many, stack_designs
+from mbcdm_cad.model.capability import Requirements, torque_limits
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.kinematics import eq1_residuals
-from mbcdm_cad.model.si import DriveSI
+from mbcdm_cad.model.si import DriveSI, ModelError
 
 NEED = Requirements(
     load_Nm=0.91,

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from paper_case import paper_drive
 
-from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.capability import (
     balanced_preload_N,
     torque_at_input_limit_Nm,
@@ -17,7 +16,7 @@ from mbcdm_cad.model.capability import (
     torque_limits,
     torque_to_weight_Nm_kg,
 )
-from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium, two_bearing_reactions_N
 from mbcdm_cad.model.stiffness import (
     secant_stiffness_Nm_rad,
     sticking_response,

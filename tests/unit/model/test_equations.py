@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mbcdm_cad.model import equations as eq
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 
 shares = st.floats(1e-6, 50.0)
 kappas = st.floats(0.0, 20.0)

@@ -10,11 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_case import paper_drive, some_cables, turned_round
 
-from mbcdm_cad.model import solver
-from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.model.solver import tension_of_stretch
+from mbcdm_cad.model import equilibrium
+from mbcdm_cad.model.equilibrium import Equilibrium, solve_equilibrium, tension_of_stretch
+from mbcdm_cad.model.si import DriveSI, ModelError
 from mbcdm_cad.model.wrap import slack_stretch_m, stretch_first_loading
 
 loads = st.floats(-12.0, 12.0)
@@ -164,7 +162,7 @@ def test_the_bracketed_route_gives_the_same(monkeypatch: pytest.MonkeyPatch) -> 
     d = paper_drive()
     turned = solve_equilibrium(d, 1.5).tension_N
     quick_back = solve_equilibrium(d, -0.7, turned_at_N=turned)
-    monkeypatch.setattr(solver, "NEWTON_STEPS", 1)
+    monkeypatch.setattr(equilibrium, "NEWTON_STEPS", 1)
     slow, slow_back = solve_equilibrium(tight(), load), solve_equilibrium(d, -0.7, turned_at_N=turned)
     assert slow.drum_angle_rad == pytest.approx(quick.drum_angle_rad, rel=1e-9)
     assert slow.slack.tolist() == quick.slack.tolist()

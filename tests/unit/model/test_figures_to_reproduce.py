@@ -7,11 +7,9 @@ import pytest
 from paper_case import paper_drive
 
 from mbcdm_cad.model import measured
-from mbcdm_cad.model.backlash import cable_backlash, drum_backlash, mean_radii
-from mbcdm_cad.model.bearing_loads import bearing_loads
-from mbcdm_cad.model.calibration import implied_modulus_Pa
+from mbcdm_cad.model.backlash import cable_backlash, drum_backlash, implied_modulus_Pa, mean_radii
 from mbcdm_cad.model.capability import balanced_preload_N, input_bias_Nm, torque_at_input_limit_Nm
-from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.kinematics import pair_mismatch_m
 from mbcdm_cad.model.wrap import slip_angle_rad
 

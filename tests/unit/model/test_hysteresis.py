@@ -14,8 +14,8 @@ from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.si import ModelError
 
 loads = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=12)
 

@@ -11,9 +11,9 @@ from paper_case import paper_drive
 
 from mbcdm_cad.layouts.loader import load_text, reference_data
 from mbcdm_cad.model import analyse
-from mbcdm_cad.model.bulk import Requirements
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.uncertainty import intervals
+from mbcdm_cad.model.capability import Requirements
+from mbcdm_cad.model.sensitivity import intervals
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.report.analysis_report import analyse_design
 
 NEED = Requirements(0.91, np.radians(35.0), 0.2204, 0.81e-3, 106.0, 0.87e-3)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from paper_case import paper_drive
 
 from mbcdm_cad.model.analysis import pair_mismatch
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.kinematics import eq1_residuals, shaft_angles, transmission_error
+from mbcdm_cad.model.si import ModelError
 
 
 def test_one_radian_of_the_drum() -> None:

@@ -15,10 +15,9 @@ from mbcdm_cad.design.bought import without_gearhead
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse, to_si
-from mbcdm_cad.model.capability import torque_at_input_limit_Nm
+from mbcdm_cad.model.capability import input_ratings_Nm, torque_at_input_limit_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.motor_figures import MotorFigures, motor_figures
-from mbcdm_cad.model.ratings import input_ratings_Nm
 
 PARAMS = Path(__file__).parents[3] / "params"
 REFERENCE: Drive = load_design(PARAMS / "siso_spur.yaml").drive

@@ -10,8 +10,8 @@ from paper_case import paper_drive
 from mbcdm_cad.model import equations as eq
 from mbcdm_cad.model import measured
 from mbcdm_cad.model.capability import torque_to_weight_Nm_kg
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.kinematics import eq1_residuals
+from mbcdm_cad.model.si import ModelError
 
 Tp, Tl, Th, mu, EA, ro, ri, Lf, M = sp.symbols("T_pre T_l T_h mu EA r_o r_i L_free M_l", positive=True)
 s = sp.symbols("s", nonnegative=True)

@@ -9,8 +9,8 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model import analyse
+from mbcdm_cad.model.bulk import SLACK_SHARE, preload_table, torque_at_first_slack_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.preload_table import SLACK_SHARE, preload_table, torque_at_first_slack_Nm
 from mbcdm_cad.model.si import to_si
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from paper_case import paper_drive, turned_round
 
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.kinematics import with_passed_slip
 from mbcdm_cad.model.profiles import simulate_profiles
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.wrap import slack_stretch_m
 
 loads = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=12)

@@ -11,17 +11,14 @@ import pytest
 from paper_case import paper_drive
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.model import plots
 from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.bulk import Requirements
+from mbcdm_cad.model.capability import Requirements
 from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
-from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.sensitivity import elasticities, figure_5, global_indices, intervals
+from mbcdm_cad.model.si import DriveSI, ModelError, to_si
 from mbcdm_cad.model.stack_up import Contribution, StackUp
-from mbcdm_cad.model.study import write_study
+from mbcdm_cad.model.study import HATCHES, _style, write_study
 from mbcdm_cad.model.tolerance import Tolerances, eccentric_path_m, sources, tolerance_stack
-from mbcdm_cad.model.uncertainty import intervals
 
 NEED = Requirements(
     load_Nm=0.91,
@@ -226,9 +223,9 @@ def test_every_axis_has_a_unit(study: Path) -> None:
 
 def test_lines_and_bars_differ_without_colour() -> None:
     """Dash and marker of lines, hatch of bars."""
-    styles = [(str(plots._style(k)["linestyle"]), plots._style(k)["marker"]) for k in range(6)]
+    styles = [(str(_style(k)["linestyle"]), _style(k)["marker"]) for k in range(6)]
     assert len({dash for dash, _ in styles}) == len({marker for _, marker in styles}) == 6, styles
-    assert len(set(plots.HATCHES)) == len(plots.HATCHES) >= len(global_indices(paper_drive(), NEED, n=64).total)
+    assert len(set(HATCHES)) == len(HATCHES) >= len(global_indices(paper_drive(), NEED, n=64).total)
 
 
 @pytest.mark.slow

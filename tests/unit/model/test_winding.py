@@ -9,8 +9,8 @@ import pytest
 from clip_grid import simulate_on_grid
 from paper_case import paper_drive
 
-from mbcdm_cad.model.errors import ModelError
 from mbcdm_cad.model.hysteresis import simulate
+from mbcdm_cad.model.si import ModelError
 
 
 def brake(amplitude_rad: float, per_cycle: int = 400, cycles: int = 3) -> tuple[Any, Any, Any]:

@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 from paper_case import paper_drive
 
 from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.equilibrium import solve_equilibrium, tension_of_stretch
 from mbcdm_cad.model.kinematics import with_passed_slip
-from mbcdm_cad.model.solver import tension_of_stretch
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.model.wrap import (
     excess_minus_log,
     slack_stretch_m,

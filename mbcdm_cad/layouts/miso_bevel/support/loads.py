@@ -12,7 +12,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.miso_bevel.layout import Layout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
-from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.si import MM, DriveSI, to_si
 from mbcdm_cad.routes import Floats
 

@@ -16,7 +16,7 @@ import numpy as np
 from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
-from mbcdm_cad.model.bearing_loads import bearing_loads, two_bearing_reactions_N
+from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.plate_mesh import Hole, Mounts, Wall, X, Y, Z, centred_load, plate_mesh, shares_urad
 from mbcdm_cad.model.si import MM, to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N

@@ -21,7 +21,7 @@ from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
 from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored, is_continuous
 from mbcdm_cad.model.capability import torque_at_slip_of_Nm
-from mbcdm_cad.model.errors import ModelError
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
 
 # Largest fleet angle on a smooth pulley (rope makers); from a groove the cable leaves in line with it.

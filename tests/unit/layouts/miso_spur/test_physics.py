@@ -20,9 +20,8 @@ from mbcdm_cad.layouts.miso_spur.inertias import inertias_kg_m2
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.inertias import inertias_kg_m2 as inertias_of_one
 from mbcdm_cad.model.backlash import drum_backlash
-from mbcdm_cad.model.bearing_loads import bearing_loads
 from mbcdm_cad.model.capability import torque_at_slip_Nm
-from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import sticking_stiffness_Nm_rad
 from mbcdm_cad.routes.route import contact_point_m

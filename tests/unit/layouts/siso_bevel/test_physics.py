@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.routes import transfer_stretch_mm
-from mbcdm_cad.model.bearing_loads import bearing_loads
-from mbcdm_cad.model.equilibrium import solve_equilibrium
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection

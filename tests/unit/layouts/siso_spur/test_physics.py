@@ -12,11 +12,9 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.model.analysis import analyse
-from mbcdm_cad.model.bearing_loads import bearing_loads
 from mbcdm_cad.model.bulk import analyse_many
-from mbcdm_cad.model.capability import torque_at_slip_Nm
-from mbcdm_cad.model.equilibrium import solve_equilibrium
-from mbcdm_cad.model.ratings import requirements
+from mbcdm_cad.model.capability import requirements, torque_at_slip_Nm
+from mbcdm_cad.model.equilibrium import bearing_loads, solve_equilibrium
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.routes.route import contact_point_m
 from tests.support.sliced_cables import by_bisection
