@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from mbcdm_cad.report.solve_report import SolveReport
     from mbcdm_cad.report.sweep import Sweep
 
+# Content of a new design file.
+Form = Literal["short", "full", "reference"]
+
 
 def load(path: str | Path) -> DriveDesign:
     """Read a design file. Raises ``InputError`` with file, line, value, limit and remedy of all mistakes."""
@@ -30,22 +33,27 @@ def reference_design(name: str = "mbcdm") -> DriveDesign:
     return new_design(name, form="reference")
 
 
-def new_design(
-    name: str, configuration: str | None = None, *, form: Literal["short", "full", "reference"] = "short"
-) -> DriveDesign:
-    """A new design, as ``mbcdm init`` writes it: the requirements, from which all other values follow. ``save`` it.
+def new_design(name: str, configuration: str | None = None, *, form: Form = "short") -> DriveDesign:
+    """A new design without a file, sized from the requirements that :func:`new_design_text` states; ``save`` it."""
+    from mbcdm_cad.layouts.loader import load_text
+
+    return DriveDesign(load_text(new_design_text(name, configuration, form=form), f"<{name}>"))
+
+
+def new_design_text(name: str, configuration: str | None = None, *, form: Form = "short") -> str:
+    """Text of a new design file, as ``mbcdm init`` writes it: the requirements, from which all other values follow.
 
     ``configuration``: the layout, by default miso_bevel. ``form`` "full" adds the derived values as comments,
     "reference" gives the reference design with all its values; a layout without sizing rules always gets that. Raises
     ``MbcdmError`` for a layout that there is not.
     """
     from mbcdm_cad.design.template import slug
-    from mbcdm_cad.layouts.loader import DEFAULT, design_file, load_text, new_design_text, short_design_text
+    from mbcdm_cad.layouts.loader import DEFAULT, design_file, new_design_text, short_design_text
 
-    of, name = configuration or DEFAULT, slug(name)
-    whole = form == "reference" or (form == "short" and not design_file(of).starting)
-    text = new_design_text(name, of) if whole else short_design_text(name, of, derived=form == "full")
-    return DriveDesign(load_text(text, f"<{name}>"))
+    of = configuration or DEFAULT
+    if form == "reference" or (form == "short" and not design_file(of).starting):
+        return new_design_text(slug(name), of)
+    return short_design_text(slug(name), of, derived=form == "full")
 
 
 def solve(

@@ -17,6 +17,7 @@ import click
 from mbcdm_cad import api
 from mbcdm_cad.cli.group import DESIGN, FILE, examples, mbcdm
 from mbcdm_cad.cli.screen import coloured, progress_of_trials, screen_width
+from mbcdm_cad.design.template import slug
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.storage.files import refuse_missing_folder
 
@@ -176,9 +177,9 @@ def init(new: Path, configuration: str | None, full: bool, reference: bool) -> i
     Comments state the unit and meaning of each value. Never overwrites a file.
     """
     refuse_missing_folder(new)
-    design = api.new_design(new.stem, configuration, form="reference" if reference else "full" if full else "short")
-    write_new(new, design.loaded.text, "choose another name, or remove it first")
-    click.echo(f"{new}: design {design.name} written; check it with: mbcdm check {shlex.quote(str(new))}")
+    text = api.new_design_text(new.stem, configuration, form="reference" if reference else "full" if full else "short")
+    write_new(new, text, "choose another name, or remove it first")
+    click.echo(f"{new}: design {slug(new.stem)} written; check it with: mbcdm check {shlex.quote(str(new))}")
     return 0
 
 

@@ -5,7 +5,6 @@ The command line prints it, the Python API returns it.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
-from mbcdm_cad.report.table import ReportTable
+from mbcdm_cad.report.table import ReportTable, filled
 
 if TYPE_CHECKING:
     import pandas
@@ -56,7 +55,7 @@ class AnalysisReport:
         """What ``mbcdm analyse`` prints: figures by subject, no line longer than ``width``."""
         lines = [line for block in self._blocks(width) for line in (*block, "")]
         paths = path_lines(self.configuration, self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
-        return "\n".join([*lines, *(line for text in paths for line in _filled(text, width))])
+        return "\n".join([*lines, *(line for text in paths for line in filled(text, width))])
 
     def __str__(self) -> str:
         """As :meth:`text`."""
@@ -108,12 +107,12 @@ class AnalysisReport:
     def _blocks(self, width: int | None) -> Iterator[list[str]]:
         a = self.figures
         yield [
-            *_filled(
+            *filled(
                 f"{a.name}: E = {a.modulus_GPa:g} GPa on the {a.modulus_area} area {a.area_mm2:.4f} mm^2, "
                 f"EA = {a.axial_stiffness_kN:.2f} kN, mu = {a.friction_coefficient:g}",
                 width,
             ),
-            *(line for text in _model_notes(a) for line in _filled(text, width)),
+            *(line for text in _model_notes(a) for line in filled(text, width)),
         ]
         drum, *shafts = dict.fromkeys(shaft for t in a.shaft_turns for shaft in t.turned_deg)
         turns = tuple((t.cable_name, *(_turned(t, shaft) for shaft in shafts)) for t in a.shaft_turns)
@@ -136,7 +135,7 @@ class AnalysisReport:
         )
         names = ("cable", "input", "preload N", "span mm", "high N", "low N", "backlash mrad", "simplified")
         yield [
-            *_filled(
+            *filled(
                 f"Each cable by the paper's formulas at {a.test[0].load_Nm:g} N m: Eq. (14), and simplified as in "
                 "Eq. (16) to (20):",
                 width,
@@ -152,15 +151,15 @@ class AnalysisReport:
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
-            *(line for text in _torque_notes(a) for line in _filled(text, width)),
+            *(line for text in _torque_notes(a) for line in filled(text, width)),
         ]
         if a.creep:
             yield ["Share of the preload that is left between fixed ends:", *_creep_table(a).text(width, "  ")]
         if a.motor is not None:
             first, *rest = motor_lines(asdict(a.motor))
             yield [
-                *_filled(first, width),
-                *(line for text in rest for line in _filled(f"  {text}", width)),
+                *filled(first, width),
+                *(line for text in rest for line in filled(f"  {text}", width)),
                 *curve_table(asdict(a.motor)).text(width, "  "),
             ]
         bearings = tuple(
@@ -181,7 +180,7 @@ class AnalysisReport:
                 "95 % intervals from the sigmas in the design file:",
                 *ReportTable(("figure", "unit", "value", "low", "high", "sigma"), rows).text(width, "  "),
             ]
-        yield [line for note in a.notes for line in _filled(f"note: {note}", width)]
+        yield [line for note in a.notes for line in filled(f"note: {note}", width)]
 
 
 def _turned(t: ShaftTurns, shaft: str) -> str:
@@ -239,21 +238,6 @@ def _limit(limit: TorqueLimit) -> str:
 
 def _list(values: Sequence[float], digits: int = 2) -> str:
     return ", ".join(f"{v:.{digits}f}" for v in values)
-
-
-def _filled(text: str, width: int | None) -> list[str]:
-    """The text in lines of at most ``width``, continued four columns further in."""
-    if width is None or len(text) <= width:
-        return [text]
-    indent = " " * (len(text) - len(text.lstrip()))
-    return textwrap.wrap(
-        text.lstrip(),
-        max(width, 40),
-        initial_indent=indent,
-        subsequent_indent=indent + "    ",
-        break_on_hyphens=False,
-        break_long_words=False,
-    )
 
 
 def motor_lines(m: Mapping[str, Any]) -> tuple[str, ...]:

@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from mbcdm_cad.design.describe import flow
+from mbcdm_cad.design.dotted import leaves, value_at
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.sized import SizedValue, SizingError
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.loader import design_file
+from mbcdm_cad.report.table import filled
 
 # Blocks whose entries have names chosen by the user.
 _WITHOUT_RULES = ("catalogue", "as_built", "waivers")
@@ -90,10 +92,10 @@ def _stated(loaded: LoadedDesign) -> Iterator[Explained]:
     data = loaded.design.model_dump(mode="json", exclude_unset=True)
     whole = _filled(loaded, data)
     sized = {value.field for value in loaded.sized}
-    for field in _fields({name: block for name, block in data.items() if name not in _WITHOUT_RULES}):
+    for field, _ in leaves({name: block for name, block in data.items() if name not in _WITHOUT_RULES}):
         record = None if field in sized else _without(loaded, whole, field)
         if record is not None:
-            yield Explained(field, _value(data, field), True, record)
+            yield Explained(field, value_at(data, field), True, record)
 
 
 def _filled(loaded: LoadedDesign, data: dict[str, Any]) -> dict[str, Any]:
@@ -132,30 +134,16 @@ def explain_field(loaded: LoadedDesign, field: str) -> Explained:
     record = next((value for value in loaded.sized if value.field == field), None)
     if record is not None:
         return Explained(field, record.value, False, record)
-    value = _value(loaded.design.model_dump(mode="json"), field)
+    value = value_at(loaded.design.model_dump(mode="json"), field)
     if value is None:
-        known = [*(sized.field for sized in loaded.sized), *_fields(loaded.design.model_dump(mode="json"))]
+        known = [
+            *(sized.field for sized in loaded.sized),
+            *(name for name, _ in leaves(loaded.design.model_dump(mode="json"))),
+        ]
         raise MbcdmError(f"{loaded.path}: {field}: no such field; {did_you_mean(field, known)}")
     data = loaded.design.model_dump(mode="json", exclude_unset=True)
-    given = field.partition(".")[0] not in _WITHOUT_RULES and _value(data, field) is not None
+    given = field.partition(".")[0] not in _WITHOUT_RULES and value_at(data, field) is not None
     return Explained(field, value, True, _without(loaded, data, field) if given else None)
-
-
-def _value(data: Any, field: str) -> Any:
-    """The value of a field; None where the data has no such field."""
-    for part in field.split("."):
-        if not isinstance(data, dict) or part not in data:
-            return None
-        data = data[part]
-    return data
-
-
-def _fields(data: dict[str, Any], prefix: str = "") -> Iterator[str]:
-    for key, value in data.items():
-        if isinstance(value, dict):
-            yield from _fields(value, f"{prefix}{key}.")
-        else:
-            yield prefix + key
 
 
 def table_lines(loaded: LoadedDesign, width: int | None = None) -> Iterator[str]:
@@ -180,16 +168,8 @@ def table_lines(loaded: LoadedDesign, width: int | None = None) -> Iterator[str]
             yield head + first
             yield from (" " * len(head) + line for line in more)
         else:
-            yield from _wrapped(f"{entry.field}  {value}", width)
-            yield from _wrapped(f"    {reason}", width)
-
-
-def _wrapped(line: str, width: int | None) -> list[str]:
-    """The line in pieces of at most ``width`` characters, all after the first indented more than it."""
-    if width is None or len(line) <= width:
-        return [line]
-    pad = " " * (len(line) - len(line.lstrip()))
-    return textwrap.wrap(line.lstrip(), width, initial_indent=pad, subsequent_indent=pad + "    ")
+            yield from filled(f"{entry.field}  {value}", width)
+            yield from filled(f"    {reason}", width)
 
 
 def _reason(entry: Explained, rule: SizedValue) -> str:
@@ -204,7 +184,7 @@ def chain_lines(loaded: LoadedDesign, field: str, width: int | None = None) -> I
     No line is longer than ``width``.
     """
     for line in _chain(loaded, field):
-        yield from _wrapped(line, width)
+        yield from filled(line, width)
 
 
 def _chain(loaded: LoadedDesign, field: str) -> Iterator[str]:

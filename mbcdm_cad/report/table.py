@@ -89,6 +89,21 @@ def shown_cell(cell: object) -> str:
     return str(cell)
 
 
+def filled(text: str, width: int | None) -> list[str]:
+    """The text in lines of at most ``width``, continued four columns further in."""
+    if width is None or len(text) <= width:
+        return [text]
+    indent = " " * (len(text) - len(text.lstrip()))
+    return textwrap.wrap(
+        text.lstrip(),
+        max(width, 40),
+        initial_indent=indent,
+        subsequent_indent=indent + "    ",
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
+
+
 def _is_number(cell: object) -> bool:
     try:
         float(shown_cell(cell))

@@ -9,9 +9,9 @@ from typing import Any
 import yaml
 
 from mbcdm_cad.design.describe import flow
+from mbcdm_cad.design.dotted import leaves, value_at
 from mbcdm_cad.design.yamltree import parse
 from mbcdm_cad.errors import InputError, MbcdmError
-from mbcdm_cad.solving.fields import leaves, value_at
 
 INDENT = 2
 

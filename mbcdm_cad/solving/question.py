@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.design.dotted import leaves, put, take_out, value_at
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved, resolved
 from mbcdm_cad.design.ranges import Range, split_ranges
@@ -19,7 +20,6 @@ from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError
 from mbcdm_cad.layouts.loader import design_file_of, reference_data
 from mbcdm_cad.layouts.pins import FEW
-from mbcdm_cad.solving.fields import leaves, put, take_out, value_at
 
 # Factors within which a number that a rule gives may be changed, unless the configuration states others.
 DERIVED_LOW, DERIVED_HIGH = 0.5, 2.0

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from mbcdm_cad.design.dotted import leaves
 from mbcdm_cad.solving.conflict import Conflict, conflict
 from mbcdm_cad.solving.evolve import evolve
-from mbcdm_cad.solving.fields import leaves
 from mbcdm_cad.solving.nearest import taken_back, towards_aims, written_out
 from mbcdm_cad.solving.question import ASKED, CHOICE, PIN, WISH, Out, Point, Question
 from mbcdm_cad.solving.repair import repair, stuck

@@ -24,8 +24,8 @@ PARAMS = ROOT / "params" / "mbcdm.yaml"
 SIGNATURES = {
     "load": "(path: 'str | Path') -> 'DriveDesign'",
     "reference_design": "(name: 'str' = 'mbcdm') -> 'DriveDesign'",
-    "new_design": "(name: 'str', configuration: 'str | None' = None, *, form: \"Literal['short', 'full',"
-    " 'reference']\" = 'short') -> 'DriveDesign'",
+    "new_design": "(name: 'str', configuration: 'str | None' = None, *, form: 'Form' = 'short') -> 'DriveDesign'",
+    "new_design_text": "(name: 'str', configuration: 'str | None' = None, *, form: 'Form' = 'short') -> 'str'",
     "solve": "(design: 'DriveDesign | str | Path', *, jobs: 'int | None' = None, progress: 'Callable[[str, int],"
     " None] | None' = None) -> 'SolveReport'",
     "compare": "(designs: 'Iterable[DriveDesign | str | Path]', out: 'str | Path' = 'out', *, page: 'str | Path"
@@ -83,6 +83,7 @@ NAMES = [
     "load",
     "reference_design",
     "new_design",
+    "new_design_text",
     "DriveDesign",
     "solve",
     "compare",

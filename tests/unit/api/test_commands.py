@@ -37,7 +37,7 @@ FUNCTIONS = {
     "drawings": ["DriveDesign.drawings"],
     "explain": ["DriveDesign.explain", "DriveDesign.explain_graph"],
     "export": ["DriveDesign.export"],
-    "init": ["new_design"],
+    "init": ["new_design_text", "new_design"],
     "loop": ["close_loop", "next_run", "judge_published"],
     "measurement-init": ["draft_measurement"],
     "page": ["DriveDesign.page"],
@@ -100,7 +100,8 @@ def test_what_a_command_writes_is_what_its_function_gives(folder: Path, said: Ca
 
     for form in ("short", "full", "reference"):
         said("init", f"new-{form}.yaml", *([] if form == "short" else [f"--{form}"]))
-        assert Path(f"new-{form}.yaml").read_text() == mc.new_design(f"new-{form}", form=form).loaded.text  # type: ignore[arg-type]
+        assert Path(f"new-{form}.yaml").read_text() == mc.new_design_text(f"new-{form}", form=form)  # type: ignore[arg-type]
+        assert mc.load(f"new-{form}.yaml").drive == mc.new_design(f"new-{form}", form=form).drive  # type: ignore[arg-type]
     for measurement in (False, True):
         words = ["schema", *(["--measurement"] if measurement else [])]
         assert json.loads(said(*words)) == mc.schema(measurement=measurement)

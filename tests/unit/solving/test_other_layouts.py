@@ -6,9 +6,9 @@ from typing import Any, get_args
 
 import pytest
 
+from mbcdm_cad.design.dotted import value_at
 from mbcdm_cad.layouts.loader import design_file
 from mbcdm_cad.layouts.registry import names
-from mbcdm_cad.solving.fields import value_at
 from mbcdm_cad.solving.question import Fixed, Point, Times, question_of
 from mbcdm_cad.solving.solve import solve
 from mbcdm_cad.solving.trials import Trials

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from mbcdm_cad import cli
+from mbcdm_cad.design.dotted import leaves
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.report.check_report import check_design
 from mbcdm_cad.solving.conflict import conflict
-from mbcdm_cad.solving.fields import leaves
 from mbcdm_cad.solving.nearest import taken_back
 from mbcdm_cad.solving.patch import patched
 from mbcdm_cad.solving.question import Fixed, Point, Question, Times, question_of
