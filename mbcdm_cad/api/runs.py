@@ -101,15 +101,10 @@ def judge_published(design: DriveDesign, path: str | Path) -> PublishedResult:
 
     Raises ``InputError`` for mistakes in the file, and for one that describes a run.
     """
-    from mbcdm_cad.errors import InputError
     from mbcdm_cad.measurement.file import load_file
     from mbcdm_cad.paper.published import judge_published
 
-    file = load_file(path)
-    if file.content.published is None:
-        remedy = "judge it with close_loop"
-        raise InputError([file.problem((), "a run, not figures of a paper", remedy=remedy)])
-    return judge_published(design.drive, file)
+    return judge_published(design.drive, load_file(path))
 
 
 def draft_measurement(data: str | Path, design: DriveDesign | None = None, *, ratio: float | None = None) -> str:

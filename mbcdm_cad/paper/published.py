@@ -6,7 +6,6 @@ contains the possible causes, each with the size that it would need and the expe
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -16,47 +15,12 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.loop.result import readable
 from mbcdm_cad.measurement.file import MeasurementFile
-from mbcdm_cad.measurement.schema import Published
 from mbcdm_cad.measurement.units import Unit, unit_of
-from mbcdm_cad.model.si import DriveSI, to_si
+from mbcdm_cad.model.si import to_si
+from mbcdm_cad.paper.published_causes import JUDGES, Judged, together
 
 # Ending of a name from which `readable` takes the unit.
 ENDINGS = {"rad": "_rad", "N m": "_Nm"}
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One possible cause. ``effect`` is its name in the vocabulary, None for a cause that is no effect of a run.
-
-    ``needed``: the size with which it alone explains the difference; ``predicted``: the model's figure with this cause
-    (SI; None if its size is free); ``plausible``: whether the needed size, or the figure, is usual for such a part.
-    """
-
-    cause: str
-    effect: str | None
-    needed: str
-    predicted: float | None
-    plausible: bool
-
-
-@dataclass(frozen=True)
-class Judged:
-    """One published figure, SI. ``predicted`` is None if the declared model does not contain it."""
-
-    quantity: str
-    where: str
-    unit: str
-    measured: float
-    predicted: float | None
-    stated_theory: float | None
-    candidates: tuple[Candidate, ...]
-    told_apart_by: str
-    remark: str
-
-    @property
-    def residual(self) -> float | None:
-        """Measured minus predicted."""
-        return None if self.predicted is None else self.measured - self.predicted
 
 
 @dataclass(frozen=True)
@@ -91,13 +55,8 @@ class PublishedResult:
         return "\n".join([*lines, "", *self.together])
 
 
-Judge = Callable[[Drive, DriveSI, Published, float], Judged]
-
-
 def judge_published(drive: Drive, file: MeasurementFile) -> PublishedResult:
     """Compare the model of ``drive`` with the published figures. Raises InputError for a file of another kind."""
-    from mbcdm_cad.paper.published_causes import JUDGES, together  # the causes use the classes of this file
-
     if file.content.published is None:
         remedy = "use a file with published figures"
         raise InputError([file.problem(("data",), "contains a run, not published figures", remedy=remedy)])

@@ -6,6 +6,7 @@ Candidates marked ``+`` are plausible (within the bounds below, estimates); a si
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -23,7 +24,6 @@ from mbcdm_cad.model.capability import (
 )
 from mbcdm_cad.model.profiles import simulate_profiles
 from mbcdm_cad.model.si import DriveSI
-from mbcdm_cad.paper.published import Candidate, Judge, Judged
 
 # Plausible relative deviation of preload, modulus and friction from the declared values (estimates).
 PRELOAD_SHARE, MODULUS_SHARE, FRICTION_SHARE = 0.3, 0.15, 0.5
@@ -33,6 +33,44 @@ MOST_SHARE = 0.65
 MOST_TIMES = 8
 SEARCHED = (0.3, 3.0)
 WINDING_SAMPLES = 400
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One possible cause. ``effect`` is its name in the vocabulary, None for a cause that is no effect of a run.
+
+    ``needed``: the size with which it alone explains the difference; ``predicted``: the model's figure with this cause
+    (SI; None if its size is free); ``plausible``: whether the needed size, or the figure, is usual for such a part.
+    """
+
+    cause: str
+    effect: str | None
+    needed: str
+    predicted: float | None
+    plausible: bool
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One published figure, SI. ``predicted`` is None if the declared model does not contain it."""
+
+    quantity: str
+    where: str
+    unit: str
+    measured: float
+    predicted: float | None
+    stated_theory: float | None
+    candidates: tuple[Candidate, ...]
+    told_apart_by: str
+    remark: str
+
+    @property
+    def residual(self) -> float | None:
+        """Measured minus predicted."""
+        return None if self.predicted is None else self.measured - self.predicted
+
+
+Judge = Callable[[Drive, DriveSI, Published, float], Judged]
 
 
 def _peak_torque(drive: Drive, d: DriveSI, item: Published, measured: float) -> Judged:

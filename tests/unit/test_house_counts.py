@@ -19,12 +19,12 @@ LIMITS = {
     "files of siso_bevel": 38,
     "files of siso_spur": 38,
     "files of miso_spur": 28,
-    "files": 660,
-    "imports, share of lines in %": 8.6,
-    "circles": 6,
+    "files": 640,
+    "imports, share of lines in %": 8.5,
+    "circles": 5,
     "arrows back": 0,
     "repeating pairs": 200,
-    "lines": 69500,
+    "lines": 69800,
 }
 
 
