@@ -99,11 +99,9 @@ def prepare_bare_build(design: Path, built: Path, target: Path) -> None:
 
     from mbcdm_cad.build.meshing import kernel_tolerances
     from mbcdm_cad.layouts.loader import load_design
-    from mbcdm_cad.layouts.registry import configuration_of
 
     drive = load_design(design).drive
-    kind = configuration_of(drive)
-    assembly = kind.bill(kind.layout(drive))
+    assembly = drive.layout.bill()
     target.mkdir()
     for part in assembly.parts:
         solid = cq.importers.importStep(str(built / "parts" / f"{part}.step")).val()

@@ -28,9 +28,9 @@ ROOMS = (
     "design",
     "sizing",
     "routes",
-    "face",
     "model",
     "parts",
+    "face",
     "checks",
     "layouts",
     "solving",
@@ -49,7 +49,7 @@ ROOMS = (
     "cli",
 )
 # What all rooms may know of the layouts: that there are some, and what each supplies.
-FACE = ("layouts", "layouts.interface", "layouts.registry")
+FACE = ("layouts", "layouts.base", "layouts.sector", "layouts.registry")
 # Ends of the names of classes that describe a whole design of one layout.
 ROLES = ("Design", "Drive", "Layout", "UnderTest", "Known", "Geometry", "Figures")
 # Two classes hold the same fields from this number of common names on.
@@ -149,9 +149,9 @@ def class_families(house: House) -> int:
 
 
 def registry_calls(house: House) -> int:
-    """Calls that look a layout up by its name, ``configuration(name)``, in the whole package."""
+    """Calls that look a layout up by its name, ``layout_named(name)``, in the whole package."""
     return sum(
-        isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "configuration"
+        isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "layout_named"
         for tree in house.trees.values()
         for node in ast.walk(tree)
     )

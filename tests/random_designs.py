@@ -44,7 +44,6 @@ from mbcdm_cad.layouts.miso_bevel.checks import envelope
 from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES as BEVEL_VOLUMES
 from mbcdm_cad.layouts.miso_spur.checks import room as round_room
 from mbcdm_cad.layouts.miso_spur.support.volume import VOLUMES as ROUND_VOLUMES
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.layouts.siso_bevel.checks import room as bevel_room
 from mbcdm_cad.layouts.siso_bevel.support.volume import VOLUMES as SISO_BEVEL_VOLUMES
 from mbcdm_cad.layouts.siso_spur.checks import room
@@ -78,7 +77,7 @@ VOLUMES = {
 
 def box_mm(drive: Any) -> tuple[float, float, float]:
     """Box (X, Z, Y) worked out before anything is drawn, mm."""
-    size: tuple[float, float, float] = BOXES[drive.configuration](configuration_of(drive).design_under_test(drive))
+    size: tuple[float, float, float] = BOXES[drive.configuration](drive.layout)
     return size
 
 
@@ -126,9 +125,8 @@ def figures(found: Passing) -> dict[str, float]:
 
 def exercise(found: Passing, poses: int) -> Iterator[Failure]:
     """Draw, test, mesh and turn one design; yields what fails."""
-    kind = configuration_of(found.loaded.drive)
-    dims: Any = kind.layout(found.loaded.drive)
-    b = kind.bill(dims)
+    dims: Any = found.loaded.drive.layout
+    b = dims.bill()
     material = {item.part: item.material for item in b.items}
     solids: dict[str, Any] = {}
     for name, spec in b.parts.items():
@@ -181,9 +179,8 @@ def masses_g(found: Passing, b: Bill, solids: dict[str, Any]) -> tuple[float, fl
 
 def exercise_workshop(found: Passing, undrawn: tuple[str, ...] = ()) -> Iterator[Failure]:
     """What the workshop asks of one design, and of one forced in its place; yields what fails."""
-    kind = configuration_of(found.loaded.drive)
-    dims: Any = kind.layout(found.loaded.drive)
-    b = kind.bill(dims)
+    dims: Any = found.loaded.drive.layout
+    b = dims.bill()
     try:
         solids = at_rest(b)
     except Exception as error:  # the kernel raises what it likes

@@ -17,7 +17,6 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.registry import configuration_of
 
 Data = dict[str, Any]
 PRINTED = {"drum": {"material": "pa12"}, "guide": {"material": "pa12"}, "support": {"material": "pa12"}}
@@ -152,7 +151,7 @@ def load(data: Data) -> LoadedDesign:
 
 def failing(loaded: LoadedDesign) -> tuple[tuple[str, str], ...]:
     """(id, message) of the checks that fail, in order, without the search for remedies."""
-    subject = configuration_of(loaded.drive).design_under_test(loaded.drive)
+    subject = loaded.drive.layout
     with np.errstate(all="ignore"):
         found = [run_check(check, subject, Budget(0)) for check in checks_of(loaded.drive)]
     return tuple((check.id, check.message) for check in found if check.status == "fail")

@@ -19,7 +19,6 @@ from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_module, sheet_of
@@ -145,8 +144,7 @@ class _Assembly:
 
 
 def _centred(drive: Drive) -> Bill:
-    kind = configuration(drive.configuration)
-    return kind.bill(kind.layout(drive))
+    return drive.layout.bill()
 
 
 def drawn_parts(drive: Drive) -> tuple[str, ...]:

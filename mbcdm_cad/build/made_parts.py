@@ -9,7 +9,6 @@ from collections.abc import Callable
 from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import Bill, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
@@ -20,8 +19,7 @@ def drawn(
 ) -> tuple[tuple[Item, ...], dict[str, MadePart]]:
     """Items and parts with the drum at ``angle_deg``, without checks: for pictures."""
     refuse_angle(drive, angle_deg)
-    kind = configuration(drive.configuration)
-    posed = kind.bill(kind.layout(drive), angle_deg)
+    posed = drive.layout.bill(angle_deg)
     return posed.items, made_parts(Store(cache, progress), posed, drive.export.mesh_tolerance_mm, os.cpu_count() or 1)
 
 

@@ -13,8 +13,7 @@ from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.store import MadePart, Progress
 from mbcdm_cad.build.trianglemesh import FloatArray, TriangleMesh
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.interface import Layout
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
@@ -42,13 +41,12 @@ def pictures_of(
     Pictures whose parts, places and code have not changed come from the cache. Raises ``OutputError`` if the machine
     cannot draw.
     """
-    kind = configuration(drive.configuration)
-    layout = kind.layout(drive)
+    layout = drive.layout
     items, parts = drawn(drive, 0.0, cache, progress)
     by_name = {item.name: item for item in items}
     there: list[Item] = []
     wanted: dict[str, tuple[Sequence[Item], dict[str, Any]]] = {}
-    for number, step in enumerate(kind.assembly_order(layout), 1):
+    for number, step in enumerate(layout.assembly_order, 1):
         if step.items:
             new = [by_name[name] for name in step.items]
             there = there + new
@@ -112,7 +110,7 @@ def transfer_section(layout: Layout) -> tuple[Vector, Vector, float] | None:
 
     None where a configuration does not say which stretch of a cable lies on the drum.
     """
-    drum = next(body for body in configuration(layout.drive.configuration).moving_bodies(layout) if body.kind == "drum")
+    drum = next(body for body in layout.moving_bodies if body.kind == "drum")
     reached = []
     for path in layout.cable_paths(0.0):
         for before, stretch, after in zip(

@@ -7,7 +7,6 @@ import os
 from mbcdm_cad.build.made_parts import drawn, exported_parts
 from mbcdm_cad.build.store import MadePart, Progress, Store
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
@@ -20,8 +19,7 @@ def prints_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None
     ``GeometryError`` for a part that cannot be drawn.
     """
     items, parts = drawn(drive, 0.0, cache, progress)
-    kind = configuration(drive.configuration)
-    posed = kind.bill(kind.layout(drive))
+    posed = drive.layout.bill()
     files = exported_parts(Store(cache, progress), posed, parts, drive, os.cpu_count() or 1)
     made = {item.part: item.material for item in items if item.kind == "made"}
     code = source_hash(__name__, "mbcdm_cad.build.export.threemf", "mbcdm_cad.build.wider_holes")

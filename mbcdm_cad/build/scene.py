@@ -8,8 +8,7 @@ from math import radians
 
 import numpy as np
 
-from mbcdm_cad.layouts.interface import Layout
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.routes.cable_path import CablePath, Stretch
@@ -26,11 +25,10 @@ class Pose:
 
 def scenes(layout: Layout, drum_angles_deg: Iterable[float]) -> dict[float, Pose]:
     """The scenes of a design by drum angle."""
-    kind = configuration(layout.drive.configuration)
     return {
         angle: Pose(
             angle,
-            tuple(item for item in kind.bill(layout, angle).items if not item.name.startswith(CABLE)),
+            tuple(item for item in layout.bill(angle).items if not item.name.startswith(CABLE)),
             layout.cable_paths(radians(angle)),
         )
         for angle in dict.fromkeys(drum_angles_deg)

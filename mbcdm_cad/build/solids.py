@@ -8,7 +8,7 @@ from mbcdm_cad.build.kernel import location
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.storage.cache import Cache, cache_folder
 
@@ -45,8 +45,7 @@ def assembled(drive: Drive, angle_deg: float) -> cq.Assembly:
 
 
 def _bill(drive: Drive):  # type: ignore[no-untyped-def]  # a configuration's own class
-    found = configuration(drive.configuration)
     try:
-        return found.bill(found.layout(drive))
-    except (ValueError, ZeroDivisionError) as error:
-        raise MbcdmError(f"{drive.name}: the dimensions have no solution: {error}; 'mbcdm check' says more") from None
+        return drive.layout.bill()
+    except NoFigureError as error:
+        raise MbcdmError(f"{drive.name}: {error}; 'mbcdm check' says more") from None

@@ -20,8 +20,7 @@ from mbcdm_cad.build.pairs import PartShape
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.scene import scenes
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.layouts.interface import FrameCompliance, Layout
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import FrameCompliance, Layout
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.storage.cache import Cache
@@ -166,7 +165,7 @@ class Store:
         """
         run, known = _interference_run(layout, parts, poses_deg), KnownTests(self._cache, self._source(*TEST_MODULES))
         missing = run.missing(known)
-        study = configuration(layout.drive.configuration).frame_study(layout)
+        study = layout.frame_study
         frame_key = content_key("frame", study.inputs, self._source(study.module), versions()) if study else ""
         frame = self._cache.get(frame_key) if study else None
         pending: dict[str, Callable[[], Any]] = {}  # the longest first

@@ -16,8 +16,8 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.design.bought import Bearing
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model.equilibrium import two_bearing_reactions_N
 
 STATIC_SAFETY = 1.0
@@ -32,7 +32,7 @@ def safety(bearing: Bearing, name: str, load_N: float, limit: float) -> Comparis
     return at_least(what, bearing.static_rating_N / max(load_N, 1e-9), limit, "times")
 
 
-def input_reactions(s: SectorUnderTest) -> list[tuple[str, float, float]]:
+def input_reactions(s: SectorLayout) -> list[tuple[str, float, float]]:
     """(input, lower, upper) largest radial loads in N, at no load and at peak torque both ways."""
     bearings, found = s.drive.bearings, []
     for i, name in enumerate(s.drive.input_names):
@@ -49,9 +49,9 @@ def input_reactions(s: SectorUnderTest) -> list[tuple[str, float, float]]:
     return found
 
 
-def drum_reactions_N(s: SectorUnderTest) -> tuple[float, float]:
+def drum_reactions_N(s: SectorLayout) -> tuple[float, float]:
     """Largest radial loads of the drum's (rear, front) bearings."""
-    shaft, width = s.layout.drum_shaft, s.drive.bearings.drum.width_mm
+    shaft, width = s.drum_shaft, s.drive.bearings.drum.width_mm
     rear, front = ((y + width / 2) * 1e-3 for y in (shaft.rear_bearing_y, shaft.front_bearing_y))
     most = [0.0, 0.0]
     for on_bodies in s.loads.on_bodies:
@@ -65,7 +65,7 @@ def drum_reactions_N(s: SectorUnderTest) -> tuple[float, float]:
     return most[0], most[1]
 
 
-def input_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
+def input_safety(s: SectorLayout, limit: float) -> list[Comparison]:
     bearings = s.drive.bearings
     return [
         safety(bearing, f"{end} bearing of the {name} input", load, limit)
@@ -74,8 +74,8 @@ def input_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
     ]
 
 
-def drum_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
-    axial = s.layout.preload_spring.force_N
+def drum_safety(s: SectorLayout, limit: float) -> list[Comparison]:
+    axial = s.preload_spring.force_N
     return [
         # Static equivalent load of a deep-groove bearing, ISO 76.
         safety(s.drive.bearings.drum, f"{end} drum bearing", max(load, 0.6 * load + 0.5 * axial), limit)
@@ -83,32 +83,32 @@ def drum_safety(s: SectorUnderTest, limit: float) -> list[Comparison]:
     ]
 
 
-def input_bearings(s: SectorUnderTest) -> Comparison:
+def input_bearings(s: SectorLayout) -> Comparison:
     """Static safety of the bearings at both ends of the input pulleys."""
     return worst(input_safety(s, STATIC_SAFETY))
 
 
-def drum_bearings(s: SectorUnderTest) -> Comparison:
+def drum_bearings(s: SectorLayout) -> Comparison:
     """Static safety of the bearings of the drum's shaft."""
     return worst(drum_safety(s, STATIC_SAFETY))
 
 
-def drum_bearing_spacing(s: SectorUnderTest) -> Comparison:
+def drum_bearing_spacing(s: SectorLayout) -> Comparison:
     """Distance between the drum's bearings, without the spring between them: at least one bearing width."""
-    shaft = s.layout.drum_shaft
+    shaft = s.drum_shaft
     width = s.drive.bearings.drum.width_mm
-    between = shaft.front_bearing_y - shaft.rear_bearing_y - width - s.layout.preload_spring.height
+    between = shaft.front_bearing_y - shaft.rear_bearing_y - width - s.preload_spring.height
     return at_least("space between the drum's bearings", between, width, "mm")
 
 
-def coupling_runout(s: SectorUnderTest) -> Comparison:
+def coupling_runout(s: SectorLayout) -> Comparison:
     """Sideways movement of the pulley at the coupling from the cables; beyond its play it loads the gearhead."""
-    lay, drive, found = s.layout, s.drive, []
-    for i, p in enumerate(lay.inputs):
+    drive, found = s.drive, []
+    for i, p in enumerate(s.inputs):
         v = s.levels_of(i)
         lower = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm / 2
         upper = v.top_plate_bottom_z + drive.bearings.input_upper.width_mm / 2
-        span, overhang = upper - lower, lower - (lay.collar.bottom_z + lay.collar.top_z) / 2
+        span, overhang = upper - lower, lower - (s.collar.bottom_z + s.collar.top_z) / 2
         # The smallest neck diameter along the whole span, which is conservative.
         second_moment = pi * min(p.lower_neck_radius, p.upper_neck_radius, p.lower_surface_radius) ** 4 / 4
         stiffness = drive.input_pulleys.material.youngs_modulus_GPa * 1e3 * second_moment
@@ -166,7 +166,7 @@ def quiet(measure: Callable[[Any], Comparison]) -> Check:
     )
 
 
-def _rating_needed(measure: Callable[[Any], Comparison], s: SectorUnderTest) -> str:
+def _rating_needed(measure: Callable[[Any], Comparison], s: SectorLayout) -> str:
     finding, rated = measure(s), s.drive.bearings.all()
     name = finding.subject.split(",")[0].split(": ")[1]
     rating = next(b.static_rating_N for b in rated if b.name == name)
@@ -175,7 +175,7 @@ def _rating_needed(measure: Callable[[Any], Comparison], s: SectorUnderTest) -> 
     return f"choose a bearing of static rating {rating / finding.actual * QUIET_SAFETY:.4g} N or more in its place"
 
 
-def _input_and_drum(s: SectorUnderTest) -> Comparison:
+def _input_and_drum(s: SectorLayout) -> Comparison:
     """All bearings of a drive that has bearings only at its inputs and its drum."""
     return worst([*input_safety(s, QUIET_SAFETY), *drum_safety(s, QUIET_SAFETY)])
 

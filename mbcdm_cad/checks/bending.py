@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.checks.design_variables import Adjustment
 from mbcdm_cad.checks.remedies import floored
+from mbcdm_cad.layouts.base import Layout
 
 # Strength efficiency of wire rope bent over D/d, from rope makers' tables.
 EFFICIENCY_RATIO = (10.0, 15.0, 20.0, 40.0)
@@ -30,7 +30,7 @@ def strength_efficiency(ratio: float) -> float:
     return float(np.interp(ratio, EFFICIENCY_RATIO, EFFICIENCY))
 
 
-def _ratios(s: DesignUnderTest) -> list[tuple[str, float]]:
+def _ratios(s: Layout) -> list[tuple[str, float]]:
     d = s.drive.cable.diameter_mm
     return [(f"D/d of {cable} on the {pulley}", 2 * radius / d) for cable, pulley, radius in s.bends_mm()]
 
@@ -40,25 +40,25 @@ def _cost(ratio: float) -> str:
     return f"{strength_efficiency(ratio):.1%} of the breaking load left{life}"
 
 
-def bend_ratio(s: DesignUnderTest) -> Comparison:
+def bend_ratio(s: Layout) -> Comparison:
     """Pitch diameter over cable diameter is compared with the limit of the design."""
     limit = s.drive.limits.bend_ratio_min
     return worst(at_least(name, ratio, limit, "D/d") for name, ratio in _ratios(s))
 
 
-def bend_ratio_minimum(s: DesignUnderTest) -> Comparison:
+def bend_ratio_minimum(s: Layout) -> Comparison:
     """Pitch diameter over cable diameter is compared with the minimum in the rope's catalogue."""
     limit = s.drive.cable.bend_ratio_minimum
     return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
 
 
-def bend_ratio_desired(s: DesignUnderTest) -> Comparison:
+def bend_ratio_desired(s: Layout) -> Comparison:
     """Pitch diameter over cable diameter is compared with the value that the catalogue recommends."""
     limit = s.drive.cable.bend_ratio_desired
     return worst(at_least(name, ratio, limit, "D/d", _cost(ratio)) for name, ratio in _ratios(s))
 
 
-def _thinner_or_larger(measure: Callable[[DesignUnderTest], Comparison], s: DesignUnderTest) -> str:
+def _thinner_or_larger(measure: Callable[[Layout], Comparison], s: Layout) -> str:
     """Advice for a bend ratio below the catalogue: a thinner rope or larger radii."""
     share = measure(s).limit / measure(s).actual
     return (
@@ -67,7 +67,7 @@ def _thinner_or_larger(measure: Callable[[DesignUnderTest], Comparison], s: Desi
     )
 
 
-def anchor_bend(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], s: DesignUnderTest) -> Comparison:
+def anchor_bend(bends_mm: Callable[[Any], Iterable[tuple[str, float]]], s: Layout) -> Comparison:
     """The constant bend of the cable before the swaged stop inside the input pulley."""
     d = s.drive.cable.diameter_mm
     return worst(

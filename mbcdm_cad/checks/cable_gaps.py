@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, at_least, worst
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 
 # Gap between a cable's flank and a wall or another cable that it must not rub on (estimate).
 CABLE_GAP_MM = 0.1
@@ -18,13 +18,13 @@ _MOST_SAMPLES = 500
 _PIECE = 16
 
 
-def step_mm(s: SectorUnderTest) -> float:
+def step_mm(s: SectorLayout) -> float:
     """Sampling step along cables, mm: it grows with the design, so that a large design does not take long."""
     longest = max(path.length_mm for _, paths in s.extreme_paths for path in paths)
     return max(_SAMPLE_MM, longest / _MOST_SAMPLES)
 
 
-def sampled(s: SectorUnderTest) -> list[tuple[float, list[np.ndarray]]]:
+def sampled(s: SectorLayout) -> list[tuple[float, list[np.ndarray]]]:
     """(drum angle in deg, points of every cable) at centre and both ends of travel."""
     step = step_mm(s)
     return [(float(np.degrees(angle)), [path.sample(step) for path in paths]) for angle, paths in s.extreme_paths]
@@ -57,7 +57,7 @@ def _pieces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return pieces, centre, np.linalg.norm(pieces - centre[:, None], axis=2).max(axis=1)
 
 
-def cables_apart(s: SectorUnderTest) -> Comparison:
+def cables_apart(s: SectorLayout) -> Comparison:
     """Gap between different cables with the drum centred and at both ends of travel."""
     d, step, names, found = s.drive.cable.diameter_mm, step_mm(s), [c.name for c in s.drive.cables], []
     for angle, lines in s.once("sampled", sampled):

@@ -65,11 +65,11 @@ def worst(findings: Iterable[Comparison]) -> Comparison:
 
 
 class Check(NamedTuple):
-    """One check. ``measure`` may raise :class:`~mbcdm_cad.checks.design_under_test.NoFigureError`.
+    """One check. ``measure`` may raise :class:`~mbcdm_cad.layouts.base.NoFigureError`.
 
     ``severity``: status if the limit is not kept. ``adjust``: design variables that may correct it, tried in this
     order. ``advice``: other changes that help. ``measure`` and ``advice`` get the design under test of the
-    configuration that the check belongs to, a :class:`~mbcdm_cad.checks.design_under_test.DesignUnderTest`.
+    configuration that the check belongs to, a :class:`~mbcdm_cad.layouts.base.Layout`.
     ``applies``: the drives of the configuration that the check is run on, None for all.
     """
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.strength import SLACK_SHARE
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.model.capability import torque_at_slip_Nm
 from mbcdm_cad.model.creep import DAY_S, TOLD_C, creeps, relaxation
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -18,7 +18,7 @@ RETENSION_DAYS = 30.0
 _HALVINGS = 12
 
 
-def _suffices(s: DesignUnderTest, share: float) -> bool:
+def _suffices(s: Layout, share: float) -> bool:
     """Whether a share of the preloads carries the peak torque both ways: no cable slack, none slips on its input."""
     peak = s.drive.loads.peak_torque_Nm
     less = s.loads.si.with_(preload_N=s.loads.si.preload_N * share)
@@ -38,7 +38,7 @@ def _suffices(s: DesignUnderTest, share: float) -> bool:
     return True
 
 
-def needed_share(s: DesignUnderTest) -> float:
+def needed_share(s: Layout) -> float:
     """Least share of the preloads that still carries the peak torque; 1 if not even the full preloads do."""
     low, high = 0.0, 1.0
     if not _suffices(s, high):
@@ -49,7 +49,7 @@ def needed_share(s: DesignUnderTest) -> float:
     return high
 
 
-def retension(s: DesignUnderTest) -> Comparison:
+def retension(s: Layout) -> Comparison:
     """Days until creep has lowered the preload to the need of the peak torque; ends fixed, room temperature."""
     rope = s.drive.cable
     if not creeps(rope):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 
 # Grid of the rim: 0.1 mm and finer near the outside of the reference design, 0.3 mm along it.
@@ -64,9 +64,9 @@ def wrap_points(d: DrumDims, flank_mm: float) -> np.ndarray:
     )
 
 
-def drum_zones(s: SectorUnderTest) -> list[Ring]:
+def drum_zones(s: SectorLayout) -> list[Ring]:
     """Rings that together enclose everything that turns with the drum in front of the frame."""
-    d = s.layout.drum
+    d = s.drum
     spec = s.drive.tensioner
     half = max(spec.nut_across_flats_mm / 3**0.5, d.lug_half_width, spec.swage_diameter_mm / 2)
     zones = [

@@ -6,7 +6,7 @@ from math import asin, degrees, radians
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.sizes import SLOT_WALLS
 
 # Rim under a pocket's floor, in multiples of the thinnest wall: it carries the root of the lug (estimate).
@@ -19,9 +19,9 @@ STOP_WINDOW_DEG = 0.5
 SPIGOT_MM = 0.3
 
 
-def rim_height(s: SectorUnderTest) -> Comparison:
+def rim_height(s: SectorLayout) -> Comparison:
     """Height of the rim below the deepest pocket and the smallest land."""
-    d = s.layout.drum
+    d = s.drum
     floors = [(f"pocket of {t.cable_name}", t.radius_mm - d.nut_pocket) for t in d.tensioners]
     floors += [(f"lug of {t.cable_name}", t.radius_mm - d.lug_root(t)) for t in d.tensioners]
     floors.append(("land of step 1", d.lands[0].surface_radius_mm))
@@ -29,9 +29,9 @@ def rim_height(s: SectorUnderTest) -> Comparison:
     return worst(at_least(f"rim under the {name}", floor - d.rim_inner_radius, limit, "mm") for name, floor in floors)
 
 
-def web_inside_rim(s: SectorUnderTest) -> Comparison:
+def web_inside_rim(s: SectorLayout) -> Comparison:
     """The web lies within the width of the rim and is at least as thick as the material allows."""
-    d = s.layout.drum
+    d = s.drum
     return worst(
         (
             at_least("rim's outer face beyond the web", s.drive.drum.outer_face_y_mm - d.web_end_y, 0.0, "mm"),
@@ -45,17 +45,17 @@ def web_inside_rim(s: SectorUnderTest) -> Comparison:
     )
 
 
-def land_thickness(s: SectorUnderTest) -> Comparison:
+def land_thickness(s: SectorLayout) -> Comparison:
     """Width of every land along y, at least half a cable."""
     return worst(
         at_least(f"width of the land of step {land.step}", land.y_end - land.y_start, s.flank_mm, "mm")
-        for land in s.layout.drum.lands
+        for land in s.drum.lands
     )
 
 
-def hub_walls(s: SectorUnderTest) -> Comparison:
+def hub_walls(s: SectorLayout) -> Comparison:
     """Walls of the hub round the payload's threads and round the threads of its set screws."""
-    d = s.layout.drum
+    d = s.drum
     screw = s.drive.screw(d.set_screw)
     insert = d.payload_insert
     return worst(
@@ -71,9 +71,9 @@ def hub_walls(s: SectorUnderTest) -> Comparison:
     )
 
 
-def hub_length(s: SectorUnderTest) -> Comparison:
+def hub_length(s: SectorLayout) -> Comparison:
     """The hub holds the shaft over at least one diameter, and has room for the set screws in front of the web."""
-    d = s.layout.drum
+    d = s.drum
     screw = s.drive.screw(d.set_screw)
     beyond = d.hub_face_y - d.web_end_y
     return worst(
@@ -95,9 +95,9 @@ def hub_length(s: SectorUnderTest) -> Comparison:
     )
 
 
-def hub_spigot(s: SectorUnderTest) -> Comparison:
+def hub_spigot(s: SectorLayout) -> Comparison:
     """The spigot presses on the inner ring of the front bearing only, and stays inside the hub."""
-    d = s.layout.drum
+    d = s.drum
     return worst(
         (
             at_least("hub's spigot over the shaft", d.spigot_radius - d.bore_radius, SPIGOT_MM, "mm"),
@@ -106,17 +106,17 @@ def hub_spigot(s: SectorUnderTest) -> Comparison:
     )
 
 
-def shaft_wall(s: SectorUnderTest) -> Comparison:
+def shaft_wall(s: SectorLayout) -> Comparison:
     """Wall thickness of the hollow drum shaft."""
-    shaft = s.layout.drum_shaft
+    shaft = s.drum_shaft
     return at_least(
         "wall of the drum shaft", shaft.radius - shaft.bore_radius, s.drive.drum.shaft_material.min_wall_mm, "mm"
     )
 
 
-def stop_slot(s: SectorUnderTest) -> Comparison:
+def stop_slot(s: SectorLayout) -> Comparison:
     """The slot for the stop pin lies in the web between hub and rim, inside the ends of the sector."""
-    d = s.layout.drum
+    d = s.drum
     half, limit = d.stop_slot_width / 2, SLOT_WALLS * s.drive.drum.material.min_wall_mm
     end = d.stop_slot_end_deg + degrees(asin(min(1.0, half / d.stop_radius)))
     return worst(
@@ -133,19 +133,19 @@ def stop_slot(s: SectorUnderTest) -> Comparison:
     )
 
 
-def _stop_angle_deg(s: SectorUnderTest) -> float:
+def _stop_angle_deg(s: SectorLayout) -> float:
     """Drum angle at which the pin meets the slot's end, beyond the travel."""
-    d = s.layout.drum
-    play = d.stop_slot_width / 2 - s.layout.frame.stop_pin_radius
+    d = s.drum
+    play = d.stop_slot_width / 2 - s.frame.stop_pin_radius
     return float(d.stop_slot_end_deg + degrees(play / d.stop_radius) - s.drive.half_travel_deg)
 
 
-def stop_late(s: SectorUnderTest) -> Comparison:
+def stop_late(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: not less than zero."""
     return at_least("stops engage beyond the travel by", _stop_angle_deg(s), 0.0, "deg")
 
 
-def stop_early(s: SectorUnderTest) -> Comparison:
+def stop_early(s: SectorLayout) -> Comparison:
     """Angle between the end of the travel and the stop: at most half a degree."""
     return at_most("stops engage beyond the travel by", _stop_angle_deg(s), STOP_WINDOW_DEG, "deg")
 

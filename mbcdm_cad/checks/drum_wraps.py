@@ -14,14 +14,14 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.remedies import floored
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 
 # Remaining land under the cable between transfer point and terminal at the end of travel (estimate).
 LEAST_WRAP_DEG = 2.0
 FULL_TURN_DEG = 360.0
 
 
-def wrap_left(s: SectorUnderTest) -> Comparison:
+def wrap_left(s: SectorLayout) -> Comparison:
     """The cable still wraps the drum at both ends of the travel."""
     return worst(
         at_least(
@@ -34,7 +34,7 @@ def wrap_left(s: SectorUnderTest) -> Comparison:
     )
 
 
-def _larger_angle(s: SectorUnderTest) -> str:
+def _larger_angle(s: SectorLayout) -> str:
     """Remedy for a cable whose wrap ends too early because the file states where its terminal is."""
     least = degrees(s.half_travel_rad) + LEAST_WRAP_DEG
     asked = [
@@ -45,7 +45,7 @@ def _larger_angle(s: SectorUnderTest) -> str:
     )
 
 
-def wrap_under_a_turn(s: SectorUnderTest) -> Comparison:
+def wrap_under_a_turn(s: SectorLayout) -> Comparison:
     """Cable and terminal take less than a full turn; otherwise they would reach the transfer point a second time."""
     return worst(
         at_most(
@@ -54,11 +54,11 @@ def wrap_under_a_turn(s: SectorUnderTest) -> Comparison:
             FULL_TURN_DEG,
             "deg",
         )
-        for t in s.layout.drum.tensioners
+        for t in s.drum.tensioners
     )
 
 
-def _wrap_against_slip(s: SectorUnderTest, load: str, states: tuple[np.ndarray, np.ndarray]) -> Comparison:
+def _wrap_against_slip(s: SectorLayout, load: str, states: tuple[np.ndarray, np.ndarray]) -> Comparison:
     friction = s.drive.friction_coefficient
     found = []
     for k, c in enumerate(s.drive.cables):
@@ -77,19 +77,19 @@ def _wrap_against_slip(s: SectorUnderTest, load: str, states: tuple[np.ndarray, 
     return worst(found)
 
 
-def slip_at_test(s: SectorUnderTest) -> Comparison:
+def slip_at_test(s: SectorLayout) -> Comparison:
     """The smallest wrap on the drum is compared with the slip angle at the test torque."""
     load = f"{s.drive.loads.test_torque_Nm:g} N m"
     return _wrap_against_slip(s, load, (s.loads.test_forward, s.loads.test_back))
 
 
-def slip_at_peak(s: SectorUnderTest) -> Comparison:
+def slip_at_peak(s: SectorLayout) -> Comparison:
     """The smallest wrap on the drum is compared with the slip angle at peak torque."""
     load = f"{s.drive.loads.peak_torque_Nm:g} N m"
     return _wrap_against_slip(s, load, (s.loads.peak_forward, s.loads.peak_back))
 
 
-def _travel_within(measure: Callable[[SectorUnderTest], Comparison], s: SectorUnderTest) -> str:
+def _travel_within(measure: Callable[[SectorLayout], Comparison], s: SectorLayout) -> str:
     travel = s.drive.half_travel_deg + measure(s).margin
     if travel > 1.0:
         return f"raise rope.preload_N or lower travel.half_angle_deg to at most {floored(travel)}"

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
-from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.volume import Volume, estimated_mm3
 
@@ -32,7 +32,7 @@ def estimated_mass_g(bill: Bill, own: Mapping[str, Volume]) -> float:
 def _mass(bill_of: BillOf, own: Mapping[str, Volume], s: Any) -> Comparison:
     """Mass of all parts from their dimensions, within 1 % of the mass of the solids, which the build computes."""
     try:
-        mass, targets = estimated_mass_g(bill_of(s.layout), own), s.drive.targets
+        mass, targets = estimated_mass_g(bill_of(s), own), s.drive.targets
     except (ValueError, ZeroDivisionError) as error:
         raise NoFigureError(f"a part of this design has no volume: {error}") from None
     if targets.mass_g is None:

@@ -6,11 +6,11 @@ from math import pi, sqrt
 
 from mbcdm_cad.checks.bearings import drum_reactions_N, input_reactions
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted, worst
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Screw
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.collar.dims import CollarDims
 
 # Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
@@ -40,14 +40,14 @@ def grip_Nmm(collar: CollarDims, screw: Screw, shaft_mm: float) -> float:
     return FRICTION * clamp_force_N(screw) * (1 + collar.screw_offset / hinge) * shaft_mm
 
 
-def collar_grip(s: SectorUnderTest) -> Comparison:
+def collar_grip(s: SectorLayout) -> Comparison:
     """Torque that a clamp collar holds, over the largest torque of an input.
 
     The ring bends like a hinge opposite its slit, so that the screw presses the bore with F (1 + a/h), a and h the
     distances of screw and hinge from the axis; two contact zones together carry mu N d. The part of the force that
     deforms ring and slit journal is covered by the safety factor.
     """
-    drive, collar = s.drive, s.layout.collar
+    drive, collar = s.drive, s.collar
     holds = grip_Nmm(collar, drive.screw(collar.screw), drive.gearhead.shaft_diameter_mm)
     needed = s.loads.highest_input_Nm * 1e3
     return at_least(
@@ -58,10 +58,10 @@ def collar_grip(s: SectorUnderTest) -> Comparison:
     )
 
 
-def hub_set_screws(s: SectorUnderTest) -> Comparison:
+def hub_set_screws(s: SectorLayout) -> Comparison:
     """The set screws turn the drum's shaft against bearing friction only; the load does not pass through the shaft."""
-    radius = s.layout.drum_shaft.radius
-    holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.layout.drum.set_screw)) * radius
+    radius = s.drum_shaft.radius
+    holds = 2 * FRICTION * SET_SCREW_SHARE * clamp_force_N(s.drive.screw(s.drum.set_screw)) * radius
     needed = (
         BEARING_FRICTION * sum(s.once("drum_reactions", drum_reactions_N)) * s.drive.bearings.drum.outer_diameter_mm / 2
     )
@@ -74,15 +74,14 @@ def hub_set_screws(s: SectorUnderTest) -> Comparison:
     )
 
 
-def stop_pin(s: SectorUnderTest) -> Comparison:
+def stop_pin(s: SectorLayout) -> Comparison:
     """Bending of the pin between the frame's front and the web, with both motors stalled against it."""
-    lay = s.layout
     stall = max(
         s.drive.loads.peak_torque_Nm,
-        rated_input_Nm(s) * sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps) * len(lay.inputs),
+        rated_input_Nm(s) * sum(o.drum_radius_mm / o.input_radius_mm for o in s.steps) / len(s.steps) * len(s.inputs),
     )
-    lever = (lay.drum.web_start_y + lay.drum.web_end_y) / 2 - s.levels.front_y
-    stress = stall * 1e3 / lay.drum.stop_radius * lever / (pi * lay.frame.stop_pin_radius**3 / 4)
+    lever = (s.drum.web_start_y + s.drum.web_end_y) / 2 - s.levels.front_y
+    stress = stall * 1e3 / s.drum.stop_radius * lever / (pi * s.frame.stop_pin_radius**3 / 4)
     strength = s.drive.material("steel").yield_MPa
     return at_least(
         f"yield {strength:g} MPa over the stop pin's {stress:.4g} MPa at {stall:.4g} N m",
@@ -92,14 +91,12 @@ def stop_pin(s: SectorUnderTest) -> Comparison:
     )
 
 
-def pulley_stress(s: SectorUnderTest) -> Comparison:
+def pulley_stress(s: SectorLayout) -> Comparison:
     """Stress in the input pulley's necks from bending and torsion, against the yield stress."""
     strength = s.drive.input_pulleys.material.yield_MPa
     torque = s.loads.highest_input_Nm * 1e3
     found = []
-    for i, (p, (name, low, high)) in enumerate(
-        zip(s.layout.inputs, s.once("input_reactions", input_reactions), strict=True)
-    ):
+    for i, (p, (name, low, high)) in enumerate(zip(s.inputs, s.once("input_reactions", input_reactions), strict=True)):
         v = s.levels_of(i)
         lower = v.bearing_shelf_top_z - s.drive.bearings.input_lower.width_mm / 2
         upper = v.top_plate_bottom_z + s.drive.bearings.input_upper.width_mm / 2
@@ -117,9 +114,9 @@ def pulley_stress(s: SectorUnderTest) -> Comparison:
     return worst(found)
 
 
-def shaft_twist(s: SectorUnderTest) -> Comparison:
+def shaft_twist(s: SectorLayout) -> Comparison:
     """Twist of the drum's shaft for a load at its far end."""
-    shaft, metal = s.layout.drum_shaft, s.drive.drum.shaft_material
+    shaft, metal = s.drum_shaft, s.drive.drum.shaft_material
     length = shaft.y_end - shaft.y_start
     shear = metal.youngs_modulus_GPa * 1e3 / (2 * (1 + metal.poisson_ratio))
     polar = pi / 2 * (shaft.radius**4 - shaft.bore_radius**4)

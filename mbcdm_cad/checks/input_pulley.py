@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.collar.dims import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM, STOP_PLAY_MM, InputPulleyDims, StopSlot
 
@@ -22,12 +22,12 @@ DEAD_TURNS = 0.5
 PASSAGE_MM = 0.1
 
 
-def _slots(s: SectorUnderTest) -> list[tuple[InputPulleyDims, StopSlot, float]]:
+def _slots(s: SectorLayout) -> list[tuple[InputPulleyDims, StopSlot, float]]:
     """(pulley, slot, surface radius of the land round it)."""
-    return [(p, slot, slot.pitch_radius - s.flank_mm) for p in s.layout.inputs for slot in p.slots]
+    return [(p, slot, slot.pitch_radius - s.flank_mm) for p in s.inputs for slot in p.slots]
 
 
-def dead_turns(s: SectorUnderTest) -> Comparison:
+def dead_turns(s: SectorLayout) -> Comparison:
     """Number of turns that stay on the input pulley at the unwound end of the travel."""
     return at_least("dead turns on the input pulleys", s.drive.dead_turns, DEAD_TURNS, "turns")
 
@@ -37,7 +37,7 @@ def dead_turns_check(adjust: tuple[Adjustment, ...]) -> Check:
     return Check("dead_turns", "Dead turns protect the stop", "half a turn: estimate", dead_turns, adjust=adjust)
 
 
-def stop_pocket_wall(s: SectorUnderTest) -> Comparison:
+def stop_pocket_wall(s: SectorLayout) -> Comparison:
     """Wall between the corner of a stop's pocket and the surface of the land."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     return worst(
@@ -51,11 +51,11 @@ def stop_pocket_wall(s: SectorUnderTest) -> Comparison:
     )
 
 
-def stop_pocket_floor(s: SectorUnderTest) -> Comparison:
+def stop_pocket_floor(s: SectorLayout) -> Comparison:
     """Wall between the pockets that are milled from both end faces of a pulley."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
-    for p in s.layout.inputs:
+    for p in s.inputs:
         low, high = sorted(p.slots, key=lambda slot: slot.face_z)
         deep = low.stop_radius + STOP_PLAY_MM
         found.append(
@@ -64,7 +64,7 @@ def stop_pocket_floor(s: SectorUnderTest) -> Comparison:
     return worst(found)
 
 
-def stop_pocket_bore(s: SectorUnderTest) -> Comparison:
+def stop_pocket_bore(s: SectorLayout) -> Comparison:
     """Wall between a stop's pocket and the bore for the gearhead's shaft, or between the pockets and the bore's end."""
     limit = s.drive.input_pulleys.material.min_wall_mm
     found = []
@@ -75,20 +75,20 @@ def stop_pocket_bore(s: SectorUnderTest) -> Comparison:
     return worst(found)
 
 
-def bore_wall(s: SectorUnderTest) -> Comparison:
+def bore_wall(s: SectorLayout) -> Comparison:
     """Wall of the slit journal round the gearhead's shaft."""
-    p = s.layout.inputs[0]
+    p = s.inputs[0]
     limit = s.drive.input_pulleys.material.min_wall_mm
     return at_least(
         f"journal's wall round the {s.drive.mounted}'s shaft", p.lower_journal_radius - p.bore_radius, limit, "mm"
     )
 
 
-def bearing_shoulders(s: SectorUnderTest) -> Comparison:
+def bearing_shoulders(s: SectorLayout) -> Comparison:
     """The necks are higher than the journals, so that the bearings' inner rings rest on them."""
     return worst(
         at_least(f"{end} neck of {p.name} over its journal", neck - journal, SHOULDER_MM, "mm")
-        for p in s.layout.inputs
+        for p in s.inputs
         for end, neck, journal in (
             ("lower", p.lower_neck_radius, p.lower_journal_radius),
             ("upper", p.upper_neck_radius, p.upper_journal_radius),
@@ -96,7 +96,7 @@ def bearing_shoulders(s: SectorUnderTest) -> Comparison:
     )
 
 
-def encoder_fit(s: SectorUnderTest) -> Comparison:
+def encoder_fit(s: SectorLayout) -> Comparison:
     """The bore of each encoder equals the diameter of the shaft that it sits on."""
     drive = s.drive
     pairs = (
@@ -106,14 +106,14 @@ def encoder_fit(s: SectorUnderTest) -> Comparison:
     return worst(at_most(name, abs(off), FIT_MM, "mm") for name, off in pairs)
 
 
-def bought_depth(s: SectorUnderTest) -> Comparison:
+def bought_depth(s: SectorLayout) -> Comparison:
     """Material behind the threaded holes that the drive uses in bought parts."""
-    drive, lay = s.drive, s.layout
+    drive = s.drive
     gear_screw, encoder_screw = drive.screw(drive.gearhead.screw), drive.screw(drive.encoder.screw)
     ring_screw = drive.screw(drive.drum_encoder.screw)
     in_gear = gear_screw.length_mm - s.motor_shelf_mm + 1.0
     in_encoder = encoder_screw.length_mm - (s.encoder_plate_mm - encoder_screw.head_height_mm - 0.2) + 0.5
-    grip = ring_screw.length_mm - lay.frame.encoder_screw_depth + 0.5
+    grip = ring_screw.length_mm - s.frame.encoder_screw_depth + 0.5
     return worst(
         (
             at_least(f"{drive.mounted} behind its screws", drive.face_depth_mm - in_gear, FLOOR_MM, "mm"),
@@ -131,24 +131,24 @@ def bought_depth(s: SectorUnderTest) -> Comparison:
     )
 
 
-def shaft_grip(s: SectorUnderTest) -> Comparison:
+def shaft_grip(s: SectorLayout) -> Comparison:
     """Length over which the collar clamps journal and shaft."""
-    lay, gear = s.layout, s.drive.gearhead
+    gear = s.drive.gearhead
     end = s.input_levels.motor_shelf_bottom_z + gear.shaft_length_mm
-    start = max(lay.collar.bottom_z, max(p.journal_bottom_z for p in lay.inputs))
+    start = max(s.collar.bottom_z, max(p.journal_bottom_z for p in s.inputs))
     return at_least(
         f"{s.drive.mounted} shaft inside the clamp collar",
-        min(end, lay.collar.top_z) - start,
+        min(end, s.collar.top_z) - start,
         GRIP_DIAMETERS * gear.shaft_diameter_mm,
         "mm",
     )
 
 
-def pilot_room(s: SectorUnderTest) -> Comparison:
+def pilot_room(s: SectorLayout) -> Comparison:
     """Gap between the gearhead's centring boss and the pulley's journal, the shelf and the screws' heads."""
     gear, running = s.drive.gearhead, s.drive.clearances.running_mm
     top = s.input_levels.motor_shelf_bottom_z + gear.pilot_height_mm
-    bottom = min(p.journal_bottom_z for p in s.layout.inputs)
+    bottom = min(p.journal_bottom_z for p in s.inputs)
     head = s.drive.screw(gear.screw).head_diameter_mm
     beside = (gear.bolt_circle_mm - head - gear.pilot_diameter_mm) / 2
     inside = s.motor_shelf_mm - gear.pilot_height_mm
@@ -165,17 +165,17 @@ def pilot_room(s: SectorUnderTest) -> Comparison:
     )
 
 
-def coupling_height(s: SectorUnderTest) -> Comparison:
+def coupling_height(s: SectorLayout) -> Comparison:
     """The coupling space has room for collar and slit below the bearing, and to insert gearhead screws and collar."""
-    lay, v, drive = s.layout, s.input_levels, s.drive
+    v, drive = s.input_levels, s.drive
     shaft_end = v.motor_shelf_bottom_z + drive.gearhead.shaft_length_mm
     screw = drive.screw(drive.gearhead.screw)
     bearing_bottom = v.bearing_shelf_top_z - drive.bearings.input_lower.width_mm
-    gap, slit_top = drive.clearances.running_mm, max(p.slit_top_z for p in lay.inputs)
+    gap, slit_top = drive.clearances.running_mm, max(p.slit_top_z for p in s.inputs)
     space = v.bearing_shelf_bottom_z - v.motor_shelf_top_z
     return worst(
         (
-            at_least("bearing shelf above the clamp collar", v.bearing_shelf_bottom_z - lay.collar.top_z, gap, "mm"),
+            at_least("bearing shelf above the clamp collar", v.bearing_shelf_bottom_z - s.collar.top_z, gap, "mm"),
             at_least("lower bearing above the journal's slit", bearing_bottom - slit_top, gap, "mm"),
             at_least(
                 f"coupling space beyond the length of a {screw.name} with its head",
@@ -195,7 +195,7 @@ def coupling_height(s: SectorUnderTest) -> Comparison:
     )
 
 
-def _of_thinner_walls(s: SectorUnderTest) -> str:
+def _of_thinner_walls(s: SectorLayout) -> str:
     """Advice to choose steel or brass, if the pulleys are of a material that needs thicker walls."""
     own, steel = s.drive.input_pulleys.material, s.drive.material("steel")
     return "choose steel or brass for input_pulleys.material" if own.min_wall_mm > steel.min_wall_mm else ""

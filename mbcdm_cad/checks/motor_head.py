@@ -7,42 +7,25 @@ from collections.abc import Iterator
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, corner_gap, web_between
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import HeadLayout
 from mbcdm_cad.parts.boss.dims import EAR_WALL_MM
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
-from mbcdm_cad.parts.motor_head.dims import HeadedDrive
 
 # Numbers of holes in the parts: for the encoders' screws, one on each side, and for those of motor or gearhead.
 SCREWS_DRAWN = 2
 FACE_SCREWS = (2, 3, 4)
 
 
-class HeadUnderTest(SectorUnderTest):
-    """Adds the thicknesses that determine a motor head's dimensions."""
-
-    drive: HeadedDrive
-
-    @property
-    def encoder_plate_mm(self) -> float:
-        """See the base class."""
-        return self.drive.support.encoder_shelf_mm
-
-    @property
-    def motor_shelf_mm(self) -> float:
-        """See the base class."""
-        return self.drive.support.motor_shelf_mm
-
-
-def engagement(s: HeadUnderTest) -> Comparison:
+def engagement(s: HeadLayout) -> Comparison:
     """Engaged thread of every screw minus its diameter."""
-    drive, lay, f = s.drive, s.layout, s.layout.frame
+    drive, f = s.drive, s.frame
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
-    hub, collar, c = drive.screw(lay.drum.set_screw), drive.screw(lay.collar.screw), lay.collar
+    hub, collar, c = drive.screw(s.drum.set_screw), drive.screw(s.collar.screw), s.collar
     engaged = (
         (f"{drive.mounted} screw", gear, gear.length_mm - drive.support.motor_shelf_mm),
         ("encoder screw", encoder, encoder.length_mm - (drive.support.encoder_shelf_mm - f.encoder_head_depth)),
         ("drum encoder's screw", ring, f.encoder_screw_depth - 0.5),
-        ("hub's set screw", hub, min(hub.length_mm, lay.drum.hub_radius - lay.drum.set_screw_radius)),
+        ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
         ("collar's screw", collar, collar.length_mm - c.head_seat - c.slit_width / 2),
     )
     return worst(
@@ -51,7 +34,7 @@ def engagement(s: HeadUnderTest) -> Comparison:
     )
 
 
-def screw_counts(s: HeadUnderTest) -> Comparison:
+def screw_counts(s: HeadLayout) -> Comparison:
     """Gearhead or motor, and encoders, are held by as many screws as the parts can be drilled for."""
     drive, count = s.drive, s.drive.gearhead.screw_count
     items = (("encoder", drive.encoder), ("drum encoder", drive.drum_encoder))
@@ -69,18 +52,18 @@ def screw_counts(s: HeadUnderTest) -> Comparison:
     )
 
 
-def key_access(s: HeadUnderTest) -> Comparison:
+def key_access(s: HeadLayout) -> Comparison:
     """The holes for the key of the gearhead's screws lie completely inside the bearing's seat, or outside it."""
-    h = s.layout.head
+    h = s.head
     inside = h.seat_radius - h.gear_bolt_circle - h.key_hole_radius
     outside = h.gear_bolt_circle - h.key_hole_radius - h.seat_radius - HOLE_WEB_MM
     what = f"{s.drive.mounted} screws' key holes from the wall of the bearing's seat"
     return at_least(what, max(inside, outside), 0.0, "mm")
 
 
-def collar_space(s: HeadUnderTest) -> Comparison:
+def collar_space(s: HeadLayout) -> Comparison:
     """Collar and gearhead screws' heads stand clear of the coupling space's walls and rounded corners."""
-    v, h, c, drive = s.levels, s.layout.head, s.layout.collar, s.drive
+    v, h, c, drive = s.levels, s.head, s.collar, s.drive
     reach = collar_sweep_mm(drive, *drive.collar_seat)
     head = h.gear_bolt_circle + drive.screw(drive.gearhead.screw).head_diameter_mm / 2
     corner = min(h.corner_radius, 0.49 * (v.bearing_shelf_bottom_z - v.motor_shelf_top_z))
@@ -96,9 +79,9 @@ def collar_space(s: HeadUnderTest) -> Comparison:
     )
 
 
-def encoder_shelf(s: HeadUnderTest) -> Comparison:
+def encoder_shelf(s: HeadLayout) -> Comparison:
     """The encoder's screws have metal under their heads and enough thread in its housing."""
-    f, drive = s.layout.frame, s.drive
+    f, drive = s.frame, s.drive
     screw, limit = drive.screw(drive.encoder.screw), drive.support.material.min_wall_mm
     shelf = drive.support.encoder_shelf_mm
     low, high = f.encoder_shelf_bottom_z, f.encoder_shelf_top_z
@@ -118,9 +101,9 @@ def encoder_shelf(s: HeadUnderTest) -> Comparison:
     return worst(found)
 
 
-def boss_walls(s: HeadUnderTest) -> Iterator[Comparison]:
+def boss_walls(s: HeadLayout) -> Iterator[Comparison]:
     """The boss has room for both drum bearings and a shoulder between them, its ears for the encoder's screws."""
-    b, encoder = s.layout.frame.boss, s.drive.drum_encoder
+    b, encoder = s.frame.boss, s.drive.drum_encoder
     limit = s.drive.support.material.min_wall_mm
     for name, wall, least in (
         ("shoulder between the drum's bearings", b.front_seat_start_y - b.rear_seat_end_y, 2 * limit),

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from functools import partial
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.checks.design_variables import down
 from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.checks.strength import balanced_preloads, rated_input_Nm
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 
 # Ratings above this multiple of T_pre r_m are not evaluated: cables are slack long before.
@@ -21,7 +21,7 @@ _RATING_CAP = 60.0
 _WORDS = {1: "+", -1: "-"}
 
 
-def saturation_Nm(s: DesignUnderTest, limit_Nm: float, direction: int) -> tuple[float, str]:
+def saturation_Nm(s: Layout, limit_Nm: float, direction: int) -> tuple[float, str]:
     """Drum torque (N m) at which the first input reaches ``limit_Nm``, and that input's name."""
     si = s.loads.si
     limit = min(limit_Nm, _RATING_CAP * float((si.preload_N * si.input_radius_m).min()))
@@ -32,7 +32,7 @@ def saturation_Nm(s: DesignUnderTest, limit_Nm: float, direction: int) -> tuple[
     return float(loads[first]), si.input_names[first]
 
 
-def _against_peak(s: DesignUnderTest, what: str, limit_Nm: float, direction: int, note: str = "") -> Comparison:
+def _against_peak(s: Layout, what: str, limit_Nm: float, direction: int, note: str = "") -> Comparison:
     reached, name = saturation_Nm(s, limit_Nm, direction)
     return at_least(
         f"drum torque {_WORDS[direction]} at which the {name} input reaches its {what} of {limit_Nm * 1e3:.4g} mN m",
@@ -43,7 +43,7 @@ def _against_peak(s: DesignUnderTest, what: str, limit_Nm: float, direction: int
     )
 
 
-def motor_torque(direction: int, s: DesignUnderTest) -> Comparison:
+def motor_torque(direction: int, s: Layout) -> Comparison:
     """The motors hold peak torque in this direction at their rated torque, with lossless gearheads."""
     bias = s.loads.input_torque_Nm[0] * 1e3
     listed = ", ".join(f"{name} {value:+.4g}" for name, value in zip(s.drive.input_names, bias, strict=True))
@@ -51,7 +51,7 @@ def motor_torque(direction: int, s: DesignUnderTest) -> Comparison:
     return _against_peak(s, "motor's rated torque", rated_input_Nm(s), direction, note)
 
 
-def motor_losses(s: DesignUnderTest) -> Comparison:
+def motor_losses(s: Layout) -> Comparison:
     """The torque that the motors hold with the gearhead's efficiency, in the worse direction."""
     limit = rated_input_Nm(s) * s.drive.gearhead.efficiency
     note = f"with the gearhead's efficiency of {s.drive.gearhead.efficiency:g}, which the paper leaves out"
@@ -60,27 +60,27 @@ def motor_losses(s: DesignUnderTest) -> Comparison:
     return worst(_against_peak(s, "motor's torque after losses", limit, sign, note) for sign in (1, -1))
 
 
-def gearhead_maximum(s: DesignUnderTest) -> Comparison:
+def gearhead_maximum(s: Layout) -> Comparison:
     """Drum torque at the intermittent rating of the gearhead (of the motor if there is none), worse direction."""
     limit = s.drive.gearhead.max_torque_mNm * 1e-3
     return worst(_against_peak(s, f"{s.drive.mounted}'s intermittent rating", limit, sign) for sign in (1, -1))
 
 
-def gearhead_continuous(s: DesignUnderTest) -> Comparison:
+def gearhead_continuous(s: Layout) -> Comparison:
     """Drum torque at the continuous rating of the gearhead (of the motor if there is none), worse direction."""
     limit = s.drive.gearhead.rated_torque_mNm * 1e-3
     note = "hold more than this only for a short time"
     return worst(_against_peak(s, f"{s.drive.mounted}'s continuous rating", limit, sign, note) for sign in (1, -1))
 
 
-def _less_torque(measure: Callable[[DesignUnderTest], Comparison], otherwise: str, s: DesignUnderTest) -> str:
+def _less_torque(measure: Callable[[Layout], Comparison], otherwise: str, s: Layout) -> str:
     reached = measure(s).actual
     return f"{otherwise} or lower loads.peak_torque_Nm to at most {floored(reached)}" if reached > 0.0 else otherwise
 
 
 _LESS = (down("loads.peak_torque_Nm"),)
-_forward: Callable[[DesignUnderTest], Comparison] = partial(motor_torque, 1)
-_back: Callable[[DesignUnderTest], Comparison] = partial(motor_torque, -1)
+_forward: Callable[[Layout], Comparison] = partial(motor_torque, 1)
+_back: Callable[[Layout], Comparison] = partial(motor_torque, -1)
 CHECKS = (
     Check(
         "motor_torque_forward",

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Comparison, at_most, shown
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.design.drive import CableRun
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.kinematics import pair_mismatch_m
 
@@ -31,7 +31,7 @@ def spread(name: str, ratios: Sequence[float], cables: Sequence[CableRun], note:
     return at_most(f"{name} = {listed}: {cables[k].name} off", off[k], RATIO_TOLERANCE, "relative", note)
 
 
-def pair_mismatch(s: DesignUnderTest) -> Comparison:
+def pair_mismatch(s: Layout) -> Comparison:
     """Tension that the two cables of an input cause in each other over the travel, from the model."""
 
     si, idle = s.loads.si, s.loads.idle

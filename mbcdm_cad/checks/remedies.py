@@ -12,10 +12,10 @@ from math import ceil, floor, log10
 from typing import NamedTuple
 
 from mbcdm_cad.checks.comparison import Check, Comparison
-from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.checks.design_variables import ROPE_DIAMETER, DesignVariable
 from mbcdm_cad.design.catalogue import package_entries
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 
 SIGNIFICANT_DIGITS = 4
 BISECTIONS = 14
@@ -63,7 +63,7 @@ class Budget:
         return self._asked()
 
 
-def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
+def remedy(check: Check, design: Layout, budget: Budget) -> str:
     """The sentence that says how the check would pass; each number was tried on the design."""
     if check.severity == "warn" and not budget.warnings:
         return ""
@@ -82,7 +82,7 @@ def remedy(check: Check, design: DesignUnderTest, budget: Budget) -> str:
     return f"no single one of {names} is enough: change several"
 
 
-def offers(check: Check, design: DesignUnderTest, budget: Budget) -> tuple[list[str], list[str]]:
+def offers(check: Check, design: Layout, budget: Budget) -> tuple[list[str], list[str]]:
     """The first variables that can make the check pass alone, as in ``raise X from 34.6 to at least 36.2``.
 
     First those that leave the requirements alone, then the requirements.
@@ -135,8 +135,8 @@ def _rope_of(drive: Drive, sense: int, diameter_mm: float) -> str:
 def passing_value(
     variable: DesignVariable,
     sense: int,
-    design: DesignUnderTest,
-    measure: Callable[[DesignUnderTest], Comparison],
+    design: Layout,
+    measure: Callable[[Layout], Comparison],
     budget: Budget,
 ) -> float | None:
     """The rounded value nearest to the present one, in the given direction, at which ``measure`` holds, or None."""

@@ -9,13 +9,13 @@ from math import isfinite
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, shown
-from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.checks.remedies import Budget, remedy
 from mbcdm_cad.checks.result import CheckResult, Status
 from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 
 
-def run_all(checks: Iterable[Check], design: DesignUnderTest, budget: Budget | None = None) -> tuple[CheckResult, ...]:
+def run_all(checks: Iterable[Check], design: Layout, budget: Budget | None = None) -> tuple[CheckResult, ...]:
     """All checks on ``design``, in order; if a figure does not exist, the checks that need it fail with the reason.
 
     ``budget``: number of trials for the remedies; it receives the values that they find.
@@ -26,7 +26,7 @@ def run_all(checks: Iterable[Check], design: DesignUnderTest, budget: Budget | N
         return tuple(run_check(check, design, budget) for check in checks)
 
 
-def run_check(check: Check, design: DesignUnderTest, budget: Budget | None = None) -> CheckResult:
+def run_check(check: Check, design: Layout, budget: Budget | None = None) -> CheckResult:
     """One check on one design, waiver applied."""
     try:
         found = check.measure(design)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, noted
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.model.stack_up import StackUp, tightest
 from mbcdm_cad.parts.making import model_tolerances
 
@@ -26,7 +26,7 @@ def _against_stack(of: Stacks, s: Any) -> Comparison:
     return at_least(stack.figure.removesuffix(", mm"), stack.margin, stack.rss, "mm", note)
 
 
-def transmission_error(s: DesignUnderTest) -> Comparison:
+def transmission_error(s: Layout) -> Comparison:
     """Largest error of the drum's angle over the travel that the tolerances cause: linear theory, two sigma."""
     from mbcdm_cad.model.tolerance import linear_error
 

@@ -7,9 +7,9 @@ from math import exp, radians, tau
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
-from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.remedies import floored
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 from mbcdm_cad.model.capability import balanced_preload_N, torque_at_input_limit_Nm
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.si import ModelError
@@ -20,7 +20,7 @@ SLACK_SHARE = 0.01
 BIAS_SHARE = 0.1
 
 
-def no_slack(s: DesignUnderTest) -> Comparison:
+def no_slack(s: Layout) -> Comparison:
     """Lowest tension at peak torque in both directions, at both ends of travel, with the wraps that are left there."""
     peak = s.drive.loads.peak_torque_Nm
     si = s.loads.si
@@ -38,7 +38,7 @@ def no_slack(s: DesignUnderTest) -> Comparison:
     return worst(found)
 
 
-def tension(s: DesignUnderTest) -> Comparison:
+def tension(s: Layout) -> Comparison:
     """Breaking load divided by the largest tension at peak torque."""
     highest = s.loads.highest_N
     return at_least(
@@ -49,7 +49,7 @@ def tension(s: DesignUnderTest) -> Comparison:
     )
 
 
-def preload_share(s: DesignUnderTest) -> Comparison:
+def preload_share(s: Layout) -> Comparison:
     """Preload divided by breaking load."""
     most = max(s.drive.cables, key=lambda c: c.preload_N)
     return at_most(
@@ -60,7 +60,7 @@ def preload_share(s: DesignUnderTest) -> Comparison:
     )
 
 
-def termination_fits(s: DesignUnderTest) -> Comparison:
+def termination_fits(s: Layout) -> Comparison:
     """The chosen termination suits the rope's construction, and the rope's diameter lies within its range."""
     end, rope = s.drive.termination, s.drive.cable
     if rope.construction not in end.constructions:
@@ -74,7 +74,7 @@ def termination_fits(s: DesignUnderTest) -> Comparison:
     )
 
 
-def _other_termination(s: DesignUnderTest) -> str:
+def _other_termination(s: Layout) -> str:
     """The terminations that fit the rope, the strongest first."""
     rope = s.drive.cable
     fitting = sorted((e for e in s.drive.terminations if e.fits(rope)), key=lambda e: -e.strength_share)
@@ -84,7 +84,7 @@ def _other_termination(s: DesignUnderTest) -> str:
     return f"choose rope.termination: {' or '.join(e.name for e in fitting)}, or leave it out"
 
 
-def cable_ends(s: DesignUnderTest) -> Comparison:
+def cable_ends(s: Layout) -> Comparison:
     """Strength of the terminal, and of the stop on the input behind its dead turn, against the cable's force."""
     highest, end = s.loads.highest_N, s.drive.termination
     grip, factor = end.strength_share * s.drive.cable.breaking_load_N, s.drive.limits.tension_safety_factor
@@ -100,12 +100,12 @@ def cable_ends(s: DesignUnderTest) -> Comparison:
     )
 
 
-def rated_input_Nm(s: DesignUnderTest) -> float:
+def rated_input_Nm(s: Layout) -> float:
     """Motor's rated torque through the gearhead, lossless as the paper counts."""
     return s.drive.motor.rated_torque_mNm * 1e-3 * s.drive.gearhead.ratio
 
 
-def preload_bias(s: DesignUnderTest) -> Comparison:
+def preload_bias(s: Layout) -> Comparison:
     """Torque on each input from the preload alone, T_2 r_2 - T_1 r_1; equal preloads on unequal radii do not cancel."""
     bias = s.loads.input_torque_Nm[0]
     rated = rated_input_Nm(s)
@@ -119,7 +119,7 @@ def preload_bias(s: DesignUnderTest) -> Comparison:
     )
 
 
-def balanced_preloads(s: DesignUnderTest) -> str:
+def balanced_preloads(s: Layout) -> str:
     """Advice with preloads T ~ 1/r within each pair, and the torques that the drive then reaches."""
     try:
         si = s.loads.si
@@ -135,7 +135,7 @@ def balanced_preloads(s: DesignUnderTest) -> str:
     )
 
 
-def _less_bias(s: DesignUnderTest) -> str:
+def _less_bias(s: Layout) -> str:
     """Advice to lower the preload, since the bias grows with it."""
     most = max(c.preload_N for c in s.drive.cables)
     fitting = floored(BIAS_SHARE / preload_bias(s).actual * most)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 
 # Thinnest stub that is still turned between journals of this size (estimate).
@@ -13,12 +13,12 @@ SMALLEST_SURFACE_MM = 1.0
 SURFACE_TOLERANCE_MM = 1e-6
 
 
-def ratio_if_cut_as_surface(s: SectorUnderTest, cable: SectorRun) -> float:
+def ratio_if_cut_as_surface(s: SectorLayout, cable: SectorRun) -> float:
     """Total ratio of a cable if its pitch radii were cut as surface radii: (r_o + d/2) / (r_m + d/2)."""
     return (cable.drum_radius_mm + s.flank_mm) / (cable.input_radius_mm + s.flank_mm)
 
 
-def smallest_surface(s: SectorUnderTest) -> Comparison:
+def smallest_surface(s: SectorLayout) -> Comparison:
     """Every surface radius r - d/2 can be machined."""
     ratios = "/".join(f"{ratio_if_cut_as_surface(s, c):.4g}" for c in s.steps)
     meant = "/".join(f"{c.drum_radius_mm / c.input_radius_mm:.4g}" for c in s.steps)

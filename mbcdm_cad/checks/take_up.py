@@ -6,7 +6,7 @@ from math import acos, degrees
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.terminal.take_up import take_up_of
 
 # A nut engages with all its threads if the stud projects by this many pitches (usual rule).
@@ -17,7 +17,7 @@ RUN_OUT_PITCHES = 2.0
 TWIST_DEG = 20.0
 
 
-def take_up(s: SectorUnderTest) -> Comparison:
+def take_up(s: SectorLayout) -> Comparison:
     """Adjustment length of each terminal with thread under nut and lock nut, against the length that its cable needs.
 
     Asked: stretch at the highest preload, bedding-in, both ends of the cut length's tolerance.
@@ -35,7 +35,7 @@ def take_up(s: SectorUnderTest) -> Comparison:
     return worst(found)
 
 
-def thread_at_end(s: SectorUnderTest) -> Comparison:
+def thread_at_end(s: SectorLayout) -> Comparison:
     """Thread that is left at the lug for the nut when the terminal is drawn in completely."""
     spec = s.drive.tensioner
     return worst(
@@ -45,13 +45,13 @@ def thread_at_end(s: SectorUnderTest) -> Comparison:
             RUN_OUT_PITCHES * spec.pitch_mm,
             "mm",
         )
-        for t in s.layout.drum.tensioners
+        for t in s.drum.tensioners
     )
 
 
-def terminal_twist(s: SectorUnderTest) -> Comparison:
+def terminal_twist(s: SectorLayout) -> Comparison:
     """Angle by which a terminal turns with its nut before the flat of its sleeve touches the wall of the pocket."""
-    spec, wall = s.drive.tensioner, s.layout.drum.flat_wall
+    spec, wall = s.drive.tensioner, s.drum.flat_wall
     corner, flat = spec.swage_diameter_mm / 2, spec.swage_flats_mm / 2
     # After a rotation a, the corner of the flat lies corner cos(h - a) below the axis, h its angle from the flat's
     # middle.

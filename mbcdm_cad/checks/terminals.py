@@ -9,11 +9,11 @@ from math import atan2, degrees, hypot
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import Points, polygon_gap
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
 from mbcdm_cad.design.catalogue import package_entries
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.parts.terminal.dims import CHAMFER_MM, Tensioner
@@ -29,14 +29,14 @@ LUG_SAFETY = 2.0
 _ALONE = noted("terminals beside another one", 0.0, "")
 
 
-def bodies_of(s: SectorUnderTest, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
+def bodies_of(s: SectorLayout, t: Tensioner, moved: bool = True) -> list[tuple[str, Points, float, float]]:
     """(name, outline in x, z, lowest y, highest y) of the pieces of a terminal and of its lug.
 
     ``moved``: the space that they need over the whole travel of the terminal, as a polygon; else what bounds them at
     preload, without the stud's chamfered edge.
     """
     start, end, tip = (t.slack_start, t.last_end, t.last_tip) if moved else (t.swage_start, t.swage_end, t.tip)
-    spec, d = s.drive.tensioner, s.layout.drum
+    spec, d = s.drive.tensioner, s.drum
     nut = spec.nut_across_flats_mm / 3**0.5
     swage, stud, lug = spec.swage_diameter_mm / 2, spec.thread_mm / 2, d.lug_half_width
 
@@ -63,7 +63,7 @@ def _pairs(d: DrumDims) -> Iterator[tuple[Tensioner, Tensioner]]:
             yield a, b
 
 
-def sleeve_fits(s: SectorUnderTest) -> Comparison:
+def sleeve_fits(s: SectorLayout) -> Comparison:
     """The terminal's sleeve has enough wall round the rope, and is long enough to hold it."""
     end, spec, d = s.drive.termination, s.drive.tensioner, s.drive.cable.diameter_mm
     return worst(
@@ -81,7 +81,7 @@ def sleeve_fits(s: SectorUnderTest) -> Comparison:
     )
 
 
-def _fitting_tensioner(s: SectorUnderTest) -> str:
+def _fitting_tensioner(s: SectorLayout) -> str:
     """The smallest tensioner of the package whose sleeve takes the rope."""
     end, d = s.drive.termination, s.drive.cable.diameter_mm
     fitting = [
@@ -95,10 +95,10 @@ def _fitting_tensioner(s: SectorUnderTest) -> str:
     return "add a tensioner with a larger sleeve to catalogue: tensioners:, or choose a thinner rope"
 
 
-def terminals_apart(s: SectorUnderTest) -> Comparison:
+def terminals_apart(s: SectorLayout) -> Comparison:
     """Gap between neighbouring terminals and lugs on one side, including the corners of the nuts."""
     found = []
-    for a, b in _pairs(s.layout.drum):
+    for a, b in _pairs(s.drum):
         for name, outline, low, high in bodies_of(s, a):
             for other, other_outline, other_low, other_high in bodies_of(s, b):
                 along_y = max(other_low - high, low - other_high)
@@ -108,9 +108,9 @@ def terminals_apart(s: SectorUnderTest) -> Comparison:
     return worst(found) if found else _ALONE
 
 
-def lands_intact(s: SectorUnderTest) -> Comparison:
+def lands_intact(s: SectorLayout) -> Comparison:
     """No pocket cuts into a land, into the root of a lug, or into the path of a neighbouring cable."""
-    d, half, wall = s.layout.drum, s.flank_mm, s.drive.drum.material.min_wall_mm
+    d, half, wall = s.drum, s.flank_mm, s.drive.drum.material.min_wall_mm
     lands = {c.name: d.lands[k] for k, c in enumerate(s.steps)}
     found = []
     for a, b in _pairs(d):
@@ -147,7 +147,7 @@ def lands_intact(s: SectorUnderTest) -> Comparison:
     return worst(found) if found else _ALONE
 
 
-def terminal_angles(s: SectorUnderTest) -> Comparison:
+def terminal_angles(s: SectorLayout) -> Comparison:
     """Angles at which the file asks for terminals, against the furthest at which they are inside the sector."""
     found = [
         at_most(
@@ -162,9 +162,9 @@ def terminal_angles(s: SectorUnderTest) -> Comparison:
     return worst(found) if found else noted("no angle of a terminal is stated", 0.0, "")
 
 
-def outer_face(s: SectorUnderTest) -> Comparison:
+def outer_face(s: SectorLayout) -> Comparison:
     """Distance from the rim's outer face to the outermost nut or lug."""
-    d = s.layout.drum
+    d = s.drum
     half = max(s.drive.tensioner.nut_across_flats_mm / 3**0.5, d.stud_hole_radius + s.drive.drum.material.min_wall_mm)
     return worst(
         at_least(f"rim beyond the terminal of {t.cable_name}", d.lands[-1].y_end - t.y_mm - half, 0.0, "mm")
@@ -172,9 +172,9 @@ def outer_face(s: SectorUnderTest) -> Comparison:
     )
 
 
-def pocket_corners(s: SectorUnderTest) -> Comparison:
+def pocket_corners(s: SectorLayout) -> Comparison:
     """The pockets for swage and nuts are longer and wider than the rounded corners that the cutter leaves."""
-    d = s.layout.drum
+    d = s.drum
     rooms = [
         (f"{name} of {t.cable_name}", min(length, half + t.pocket_top))
         for t in d.tensioners
@@ -189,7 +189,7 @@ def pocket_corners(s: SectorUnderTest) -> Comparison:
     )
 
 
-def stud_stress(s: SectorUnderTest) -> Comparison:
+def stud_stress(s: SectorLayout) -> Comparison:
     """Tensile stress of the stud at the largest cable force, against the yield stress."""
     spec = s.drive.tensioner
     strength = s.drive.material(spec.material).yield_MPa
@@ -202,9 +202,9 @@ def stud_stress(s: SectorUnderTest) -> Comparison:
     )
 
 
-def lug_stress(s: SectorUnderTest) -> Comparison:
+def lug_stress(s: SectorLayout) -> Comparison:
     """Bending stress at the root of the lug; only the metal between the slot and the outer face counts."""
-    d = s.layout.drum
+    d = s.drum
     strength = s.drive.drum.material.yield_MPa
     found = []
     for t in d.tensioners:

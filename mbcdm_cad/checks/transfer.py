@@ -11,7 +11,7 @@ from math import hypot
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, worst
 from mbcdm_cad.checks.design_variables import down, up
-from mbcdm_cad.checks.sector_under_test import SectorUnderTest
+from mbcdm_cad.layouts.sector import SectorLayout
 
 # A tenth of the tolerance of good turning on a step plane: allows for rounding of nominal dimensions only.
 PITCH_LINE_MM = 0.001
@@ -21,7 +21,7 @@ EDGE_BREAK_MM = 0.1
 RUN_OUT_MM = 0.05
 
 
-def pitch_line(s: SectorUnderTest) -> Comparison:
+def pitch_line(s: SectorLayout) -> Comparison:
     """Distance of each transfer point from the line through the apex and the outermost transfer point."""
     outer = s.steps[-1]
     length = hypot(outer.land_y_mm, outer.drum_radius_mm)
@@ -36,7 +36,7 @@ def pitch_line(s: SectorUnderTest) -> Comparison:
     )
 
 
-def radii_rise(s: SectorUnderTest) -> Comparison:
+def radii_rise(s: SectorLayout) -> Comparison:
     """From step to step the radii of both bodies increase together."""
     return worst(
         at_least(f"{body} radius of step {b.step} over step {a.step}", rise, EDGE_BREAK_MM, "mm")
@@ -48,7 +48,7 @@ def radii_rise(s: SectorUnderTest) -> Comparison:
     )
 
 
-def land_width(s: SectorUnderTest) -> Comparison:
+def land_width(s: SectorLayout) -> Comparison:
     """The radius increases from step to step by at least half a cable plus the edge margin; the rest is a gap.
 
     The land's edge must lie between a cable's flank and the next cable's contact line: delta r_k >= d/2 + edge margin.
@@ -67,16 +67,16 @@ def land_width(s: SectorUnderTest) -> Comparison:
     )
 
 
-def land_edge(s: SectorUnderTest) -> Comparison:
+def land_edge(s: SectorLayout) -> Comparison:
     """Distance from the contact line of every cable to the broken edge of its land."""
-    lands = s.layout.drum.lands
+    lands = s.drum.lands
     return worst(
         at_least(f"contact line of {c.name} from its land's edge", c.land_y_mm - land.y_start, EDGE_BREAK_MM, "mm")
         for c, land in zip(s.steps, lands, strict=True)
     )
 
 
-def outermost_land(s: SectorUnderTest) -> Comparison:
+def outermost_land(s: SectorLayout) -> Comparison:
     """The outermost land is wide enough for its cable up to the drum's outer face."""
     c = s.steps[-1]
     return at_least(
@@ -87,7 +87,7 @@ def outermost_land(s: SectorUnderTest) -> Comparison:
     )
 
 
-def body_gaps_mm(s: SectorUnderTest) -> list[tuple[str, int, float]]:
+def body_gaps_mm(s: SectorLayout) -> list[tuple[str, int, float]]:
     """Gaps between every step before the drum and every drum land in the half plane x = 0, along y or z, in mm.
 
     Each with its description, the index of the step and the gap.
@@ -99,20 +99,20 @@ def body_gaps_mm(s: SectorUnderTest) -> list[tuple[str, int, float]]:
             max(land.y_start - surface, bottom - land.surface_radius_mm),
         )
         for j, (surface, bottom) in enumerate(s.steps_before_drum)
-        for k, land in enumerate(s.layout.drum.lands)
+        for k, land in enumerate(s.drum.lands)
     ]
 
 
-def bodies_clear(s: SectorUnderTest) -> Comparison:
+def bodies_clear(s: SectorLayout) -> Comparison:
     """The smallest gap between the two bodies, including the walls of their steps."""
     return worst(at_least(name, gap, RUN_OUT_MM, "mm") for name, _, gap in body_gaps_mm(s))
 
 
-def transfer_gap(s: SectorUnderTest) -> Comparison:
+def transfer_gap(s: SectorLayout) -> Comparison:
     """At every transfer point the gap between the bodies is less than half a cable, so that no cable slips into it."""
     return worst(
         at_most(f"gap at the transfer of step {land.step}", land.y_start - surface, s.flank_mm, "mm")
-        for land, (surface, _) in zip(s.layout.drum.lands, s.steps_before_drum, strict=True)
+        for land, (surface, _) in zip(s.drum.lands, s.steps_before_drum, strict=True)
     )
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, TypeVar
+from importlib import import_module
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from mbcdm_cad.design.bought import (
     CableSpec,
@@ -21,6 +22,9 @@ from mbcdm_cad.design.bought import (
     TerminationSpec,
     shortest_insert,
 )
+
+if TYPE_CHECKING:
+    from mbcdm_cad.layouts.base import Layout
 
 
 @dataclass(frozen=True)
@@ -177,6 +181,16 @@ class Drive:
     inserts: tuple[InsertSpec, ...]
     sigmas: Sigmas
     as_built: tuple[AsBuilt, ...]
+
+    @cached_property
+    def layout(self) -> Layout:
+        """This design as an object of its layout: routes, parts, checks.
+
+        The class is ``LAYOUT`` in the module ``layout`` of the package that this drive's class is in.
+        """
+        package = type(self).__module__.rpartition(".")[0]
+        found: Layout = import_module(f"{package}.layout").LAYOUT(self)
+        return found
 
     @property
     def mounted(self) -> str:

@@ -27,9 +27,8 @@ from mbcdm_cad.checks.result import CheckResult, failed
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import GeometryError
+from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.check_design import run_checks
-from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.report.build_report import BuildReport
 from mbcdm_cad.report.check_report import CheckReport
@@ -73,11 +72,10 @@ def build(
     checks = run_checks(loaded)
     if failed(checks) and not force:
         return _outcome(loaded, None, checks)
-    kind = configuration(drive.configuration)
-    dims = kind.layout(drive)
+    layout = drive.layout
     processes = jobs or os.cpu_count() or 1
     store = Store(cache, progress)
-    posed, centred = kind.bill(dims, angle_deg), kind.bill(dims)
+    posed, centred = layout.bill(angle_deg), layout.bill()
     poses = travel_poses(drive.half_travel_deg, POSES)
     # Imported here, so that a build that has nothing to do starts fast.
     from mbcdm_cad.report.data import DesignFigures, Tested, checks_data, design_figures, report_data
@@ -89,24 +87,24 @@ def build(
 
         nonlocal figures
         prepare()
-        figures = design_figures(dims, centred)
+        figures = design_figures(layout, centred)
 
     try:
         parts = made_parts(store, posed, drive.export.mesh_tolerance_mm, processes, prepared)
-        clashes, frame = store.judged(dims, parts, poses, processes, () if failed(checks) else posed.items)
+        clashes, frame = store.judged(layout, parts, poses, processes, () if failed(checks) else posed.items)
     except GeometryError as error:
         raise GeometryError(f"{error}; {_why_not_drawn(failed(checks))}") from error
 
     tested = Tested(clashes, poses, frame)
     data = report_data(
-        dims, centred, parts, tested, drum_angle_deg=angle_deg, design_sha256=loaded.sha256, figures=figures
+        layout, centred, parts, tested, drum_angle_deg=angle_deg, design_sha256=loaded.sha256, figures=figures
     )
     checks = (
         *checks,
         mass_check(drive, data["mass"]["mass_g"], data["mass"]["sigma_g"]),
         envelope_check(drive, data["envelope"]["size_mm"]),
         interference_check(drive, clashes),
-        *_frame_checks(drive, kind.frame_study(dims), frame, asked),
+        *_frame_checks(drive, layout.frame_study, frame, asked),
         *_printing_checks(drive, centred.items, parts),
     )
     failing = failed(checks)
@@ -198,6 +196,6 @@ def _write(
         folder.write(f"{name}.step", assembly["step"])
         folder.write(f"{name}.glb", assembly["glb"])
         folder.write("report.json", json.dumps(data, indent=1, sort_keys=True, allow_nan=False) + "\n")
-        folder.write("report.md", report_markdown(data))
+        folder.write("report.md", report_markdown(data, loaded.drive.layout.paths_template()))
     # An old page would show other figures than the new report, so it is removed; `mbcdm page` makes a new one.
     (target / PAGE).unlink(missing_ok=True)

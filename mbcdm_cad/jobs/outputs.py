@@ -18,7 +18,6 @@ from mbcdm_cad.build.store import Progress
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, MbcdmError, Problem
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.files import refuse_missing_folder, write_whole
 from mbcdm_cad.storage.folders import output_folder
@@ -105,17 +104,16 @@ def write_moving_picture(loaded: LoadedDesign, gif: Path, cache: Cache, *, view:
 
     _refuse_other_view(view)
     drive = loaded.drive
-    kind = configuration(drive.configuration)
-    dims = kind.layout(drive)
-    centred = kind.bill(dims)
+    layout = drive.layout
+    centred = layout.bill()
     _, parts = drawn(drive, 0.0, cache, progress)
     progress("moving picture")
     colour = next(item.material.colour for item in centred.items if is_cable(item))
     data = travel_gif(
         [item for item in centred.items if not is_cable(item)],
         {name: part.files.mesh for name, part in parts.items()},
-        bodies(kind.moving_bodies(dims), centred),
-        (dims.cable_paths, drive.cable.diameter_mm, colour),
+        bodies(layout.moving_bodies, centred),
+        (layout.cable_paths, drive.cable.diameter_mm, colour),
         drive.half_travel_deg,
         view=view,
     )
@@ -196,8 +194,7 @@ def write_sensitivity(loaded: LoadedDesign, out: Path) -> SensitivityStudy:
     target = out / f"{loaded.drive.name}-sensitivity"
     inputs = content_key("sensitivity", loaded.sha256, package_hash(), versions())
     with output_folder(target, Manifest(loaded.sha256, inputs), design=loaded.path) as folder:
-        kind = configuration(loaded.drive.configuration)
-        stacks = kind.tolerance_stacks(kind.layout(loaded.drive))
+        stacks = loaded.drive.layout.tolerance_stacks
         summary = write_study(loaded.drive, folder.path, model_tolerances(loaded.drive), stacks)
     return SensitivityStudy(target, summary)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.comparison import Check
@@ -15,8 +15,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import dotted
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError, Problem, did_you_mean
-from mbcdm_cad.layouts.interface import Layout
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import Layout
 
 if TYPE_CHECKING:
     from mbcdm_cad.layouts.together import Together
@@ -24,8 +23,7 @@ if TYPE_CHECKING:
 
 def checks_of(drive: Drive) -> tuple[Check, ...]:
     """The checks of this drive, in the order in which they are run and shown."""
-    families = configuration(drive.configuration).check_families()
-    return tuple(check for family in families for check in family.CHECKS if check.asked_of(drive))
+    return tuple(check for family in drive.layout.check_families() for check in family.CHECKS if check.asked_of(drive))
 
 
 def known_ids(drive: Drive) -> tuple[str, ...]:
@@ -41,18 +39,16 @@ def run_checks(design: Drive | LoadedDesign | Layout) -> tuple[CheckResult, ...]
     """
     if isinstance(design, LoadedDesign):
         return advised_checks(design)[0]
-    drive: Drive = design if isinstance(design, Drive) else design.drive
-    given: Any = None if isinstance(design, Drive) else design
-    refuse_unknown_waivers(drive)
-    return run_all(checks_of(drive), configuration(drive.configuration).design_under_test(drive, given))
+    layout = design.layout if isinstance(design, Drive) else design
+    refuse_unknown_waivers(layout.drive)
+    return run_all(checks_of(layout.drive), layout)
 
 
 def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Together | None]:
     """Every check on a design file, with advice on its pins, and the result of applying all remedies together."""
     refuse_unknown_waivers(loaded.drive, loaded)
     checks, budget = checks_of(loaded.drive), Budget(asked=lambda: _asked(loaded))
-    subject = configuration(loaded.drive.configuration).design_under_test(loaded.drive)
-    results = run_all(checks, subject, budget)
+    results = run_all(checks, loaded.drive.layout, budget)
     wrong = [result.id for result in failed(results)]
     if not wrong:
         return results, None
@@ -67,7 +63,7 @@ def advised_checks(loaded: LoadedDesign) -> tuple[tuple[CheckResult, ...], Toget
 
 def _asked(loaded: LoadedDesign) -> frozenset[str]:
     """Fields that the file gives and that are not derived dimensions; empty if there are no rules."""
-    derived = configuration(loaded.drive.configuration).design_file().derived()
+    derived = loaded.drive.layout.design_file().derived()
     given = {dotted(path) for path in loaded.lines}
     return frozenset(given.difference(derived)) if derived else frozenset()
 

@@ -14,7 +14,7 @@ from mbcdm_cad.design.source import read_text
 from mbcdm_cad.design.template import new_text, reference_values, with_derived
 from mbcdm_cad.design.yamltree import Tree, parse
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, did_you_mean, shortened
-from mbcdm_cad.layouts.registry import DEFAULT, configuration, names
+from mbcdm_cad.layouts.registry import DEFAULT, design_file_named, names
 
 __all__ = [
     "DEFAULT",
@@ -74,18 +74,21 @@ def reference_data(of: str = DEFAULT) -> dict[str, Any]:
 
 
 def design_file(name: str = DEFAULT) -> DesignFile:
-    """The design files of one configuration. Raises ``MbcdmError`` if there is none of that name."""
-    return configuration(name).design_file()
+    """The design files of one layout. Raises ``MbcdmError`` if there is none of that name."""
+    return design_file_named(name)
 
 
 def design_file_of(tree: Tree, path: str) -> DesignFile:
-    """The design files of the file's ``configuration``; if it is missing, the default's, whose schema reports that."""
+    """The design files of the file's ``configuration``; if it names none, of the default, whose schema reports that.
+
+    Raises ``InputError`` for a name that no layout has.
+    """
     if not isinstance(tree.data, dict) or "configuration" not in tree.data:
-        return design_file()
+        return design_file_named(DEFAULT)
     name: Any = tree.data["configuration"]
     if isinstance(name, str):
         with suppress(MbcdmError):
-            return design_file(name)
+            return design_file_named(name)
     known = names()
     line, limit = tree.line_of(("configuration",)), "one of " + ", ".join(known)
     remedy = did_you_mean(str(name), known)

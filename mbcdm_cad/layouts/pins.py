@@ -16,8 +16,7 @@ from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import design_file, load_tree
-from mbcdm_cad.layouts.registry import configuration_of
+from mbcdm_cad.layouts.loader import load_tree
 
 # A file with more pins than this is a complete file: its pins are tried together.
 FEW = 8
@@ -26,7 +25,7 @@ FEW = 8
 def pin_advice(loaded: LoadedDesign, failed: Sequence[Check]) -> tuple[dict[str, str], dict[str, list[str]]]:
     """For each failed check that passes without certain pins, by its id: the advice in words, and these pins."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
-    derived = design_file(loaded.drive.configuration).derived()
+    derived = loaded.drive.layout.design_file().derived()
     pins = [field for field in derived if _stands(tree.data, field)]
     if not pins or not failed:
         return {}, {}
@@ -60,8 +59,7 @@ def _together(
 
 
 def _mended(freed: LoadedDesign, failed: Sequence[Check]) -> list[Check]:
-    subject = configuration_of(freed.drive).design_under_test(freed.drive)
-    return [check for check in failed if run_check(check, subject, Budget(0)).status != "fail"]
+    return [check for check in failed if run_check(check, freed.drive.layout, Budget(0)).status != "fail"]
 
 
 def _without(loaded: LoadedDesign, tree: yamltree.Tree, fields: Iterable[str]) -> LoadedDesign | None:

@@ -1,6 +1,6 @@
-"""Finds configurations: the folders beside this file, those of plug-ins, and those added by a program.
+"""Finds layouts: the folders beside this file, those of plug-ins, and those added by a program.
 
-A plug-in announces its module as an entry point of the group ``mbcdm_cad.layouts``.
+A plug-in announces its class as an entry point of the group ``mbcdm_cad.layouts``: ``name = "package.module:Class"``.
 """
 
 from __future__ import annotations
@@ -8,53 +8,56 @@ from __future__ import annotations
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.errors import MbcdmError, did_you_mean
-from mbcdm_cad.layouts.interface import Configuration
 
 if TYPE_CHECKING:
-    from mbcdm_cad.design.drive import Drive
+    from importlib.metadata import EntryPoint
+
+    from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.layouts.base import Layout
 
 ENTRY_POINTS = "mbcdm_cad.layouts"
-# Configuration of new design files by default.
+# Layout of new design files by default.
 DEFAULT = "miso_bevel"
 _FOLDER = Path(__file__).parent
-_added: dict[str, Configuration] = {}
+_added: dict[str, type[Layout]] = {}
 
 
-def add(module: ModuleType) -> Configuration:
-    """Add the ``CONFIGURATION`` of a module from outside the package; a second one of the same name replaces it."""
-    found: Configuration = module.CONFIGURATION
-    _added[found.name] = found
-    return found
+def add(layout: type[Layout]) -> type[Layout]:
+    """Add a layout from outside the package; a second one of the same name replaces it."""
+    _added[layout.name] = layout
+    return layout
 
 
 def names() -> tuple[str, ...]:
-    """Names of all configurations: those of the package first, in alphabetical order."""
+    """Names of all layouts: those of the package first, in alphabetical order."""
     return tuple(dict.fromkeys([*_own(), *sorted(_added), *sorted(_plug_ins())]))
 
 
-def configuration(name: str) -> Configuration:
-    """The configuration called ``name``. Raises ``MbcdmError`` if there is none."""
+def layout_named(name: str) -> type[Layout]:
+    """The layout called ``name``. Raises ``MbcdmError`` if there is none."""
     if name in _added:
         return _added[name]
     if name in _own():
-        found: Configuration = import_module(f"mbcdm_cad.layouts.{name}").CONFIGURATION
+        found: type[Layout] = import_module(f"mbcdm_cad.layouts.{name}.layout").LAYOUT
         return found
     # Searching the installed packages takes some milliseconds, so it is done only for a name that is not found here.
     if name in _plug_ins():
-        return add(import_module(_plug_ins()[name]))
+        return add(_plug_ins()[name].load())
     raise MbcdmError(
         f"configuration: no such configuration (value {name}, limit one of {', '.join(names())}); "
         f"{did_you_mean(name, names()) or 'choose one of them'}"
     )
 
 
-def configuration_of(drive: Drive) -> Configuration:
-    """The configuration that ``drive`` belongs to."""
-    return configuration(drive.configuration)
+def design_file_named(name: str) -> DesignFile:
+    """What the design files of a layout hold, without the rest of the layout: ``init`` and ``schema`` start fast."""
+    if name in _own() and name not in _added:
+        found: DesignFile = import_module(f"mbcdm_cad.layouts.{name}.design_file").DESIGN_FILE
+        return found
+    return layout_named(name).design_file()
 
 
 @cache
@@ -63,7 +66,7 @@ def _own() -> tuple[str, ...]:
 
 
 @cache
-def _plug_ins() -> dict[str, str]:
+def _plug_ins() -> dict[str, EntryPoint]:
     from importlib.metadata import entry_points  # takes as long to import as half of the checks
 
-    return {entry.name: entry.value for entry in entry_points(group=ENTRY_POINTS)}
+    return {entry.name: entry for entry in entry_points(group=ENTRY_POINTS)}

@@ -20,8 +20,7 @@ from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
-from mbcdm_cad.layouts.loader import design_file, load_tree
-from mbcdm_cad.layouts.registry import configuration_of
+from mbcdm_cad.layouts.loader import load_tree
 
 ROUNDS = 3
 # Trials that the remedies of a later round may take: a failing check must not take long.
@@ -69,7 +68,7 @@ def together(
 ) -> Together:
     """Follow the first remedy of each failed check, ``offers`` and ``pins`` to take out; what is ``asked`` stays."""
     tree = yamltree.parse(loaded.text, str(loaded.path))
-    file = design_file(loaded.drive.configuration)
+    file = loaded.drive.layout.design_file()
     data, changes, out = copy.deepcopy(tree.data), dict[str, float](), dict[str, None]()
     failing: tuple[str, ...] = tuple(offers)
     for _ in range(ROUNDS):
@@ -91,7 +90,7 @@ def together(
             break
         data, changes, out = tried, changes | wanted, gone
         budget = Budget(TRIALS, lambda: asked, most=1, warnings=False)
-        results = run_all(checks, configuration_of(design.drive).design_under_test(design.drive), budget)
+        results = run_all(checks, design.drive.layout, budget)
         failing = tuple(result.id for result in failed(results))
         offers, pins = {name: budget.offers.get(name, ()) for name in failing}, {}
         if not failing:

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.design_under_test import DesignUnderTest, NoFigureError
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.fields import Block
+from mbcdm_cad.layouts.base import Layout, NoFigureError
 
 # A margin and its unit.
 Margin = tuple[float, str]
@@ -52,12 +52,12 @@ class TrialDrives:
     ``schema``: schema of the configuration's files; ``of_design`` makes the design under test.
     """
 
-    def __init__(self, schema: type[Design], of_design: Callable[[Any], DesignUnderTest]) -> None:
+    def __init__(self, schema: type[Design], of_design: Callable[[Any], Layout]) -> None:
         self._schema, self._of_design = schema, of_design
         self.ends: dict[Way, End] = {}
-        self._kept: dict[bytes, tuple[DesignUnderTest | None, dict[str, Margin]]] = {}
+        self._kept: dict[bytes, tuple[Layout | None, dict[str, Margin]]] = {}
         self._last: tuple[Mapping[str, Any], Design] | None = None
-        self._loaded: DesignUnderTest | None = None
+        self._loaded: Layout | None = None
 
     def margins(
         self, data: dict[str, Any], checks: Iterable[str], known: Mapping[str, Check], to_first_miss: bool = False
@@ -82,14 +82,14 @@ class TrialDrives:
             self._loaded = under_test
         return found
 
-    def under_test(self, data: dict[str, Any]) -> DesignUnderTest:
+    def under_test(self, data: dict[str, Any]) -> Layout:
         """The drive of a file's whole data, under test.
 
         Raises ``NoFigureError`` if the data describe no drive, ``SizingError`` if the file breaks a rule.
         """
         return self._looked_up(data)[0]
 
-    def _looked_up(self, data: dict[str, Any]) -> tuple[DesignUnderTest, dict[str, Margin]]:
+    def _looked_up(self, data: dict[str, Any]) -> tuple[Layout, dict[str, Margin]]:
         # ``repr`` takes several times as long. In version 2, equal data give equal bytes.
         key = marshal.dumps(data, 2)
         if key not in self._kept:
@@ -99,7 +99,7 @@ class TrialDrives:
             raise NoFigureError("the values known so far describe no drive")
         return under_test, margins
 
-    def _made(self, data: dict[str, Any]) -> DesignUnderTest | None:
+    def _made(self, data: dict[str, Any]) -> Layout | None:
         try:
             found = self._of_design(self._design(data))
         except (NoFigureError, ValidationError):
@@ -131,7 +131,7 @@ class TrialDrives:
         return found
 
 
-def _margin(check: Check, under_test: DesignUnderTest) -> Margin:
+def _margin(check: Check, under_test: Layout) -> Margin:
     """Infinite for a check that is not run on such a drive."""
     if not check.asked_of(under_test.drive):
         return inf, ""

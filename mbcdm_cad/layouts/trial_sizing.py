@@ -14,12 +14,12 @@ from math import ceil, floor, inf, pi
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.design.blocks import Design
 from mbcdm_cad.design.bought import Gearhead, Screw, least_wall_mm
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import Broken, NamedEntry, every_broken_rule
 from mbcdm_cad.design.sized import Moved, Sizing, SizingError
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.layouts.trial_drives import At, End, Margin, TrialDrives, Way
 from mbcdm_cad.sizing.engine import fill
 from mbcdm_cad.sizing.known import KnownFields, RopeKnown
@@ -142,10 +142,10 @@ class TrialKnown(RopeKnown):
         """The checks of the configuration, by id."""
 
     @abstractmethod
-    def of_design(self, design: Any) -> DesignUnderTest:
+    def of_design(self, design: Any) -> Layout:
         """A design of the configuration's schema, under test. Raises ``SizingError`` if it breaks a rule."""
 
-    def trial(self, field: str, value: Any) -> DesignUnderTest:
+    def trial(self, field: str, value: Any) -> Layout:
         """The drive under test with ``field`` at ``value``, all known fields, and guesses for the open ones.
 
         Raises ``NoFigureError`` if the data give no drive, ``SizingError`` if the file breaks a rule.

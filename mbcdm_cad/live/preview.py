@@ -17,7 +17,6 @@ from mbcdm_cad.checks.built import envelope_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE, PartSpec
 from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
 from mbcdm_cad.report.explain import fields_data
@@ -84,15 +83,14 @@ class Previewer:
         Raises ``MbcdmError`` for a part that cannot be drawn.
         """
         drive = loaded.drive
-        kind = configuration(drive.configuration)
-        dims = kind.layout(drive)
-        bill = kind.bill(dims)
+        layout = drive.layout
+        bill = layout.bill()
         materials = {item.part: item.material for item in bill.items}
         keys = self._store.keys(bill.parts, materials, drive.export.mesh_tolerance_mm)
         changed = tuple(name for name, key in keys.items() if self._written.get(name) != key)
         parts = self._store.known(keys)
         self._write({name: parts[name] for name in changed if name in parts})
-        shafts = {body.name for body in kind.moving_bodies(dims) if body.kind != "drum"}
+        shafts = {body.name for body in layout.moving_bodies if body.kind != "drum"}
         pulleys = {item.part for item in bill.items if item.kind == "made" and item.group in shafts}
         missing = self._in_order([name for name in keys if name not in parts], pulleys)
         for name in missing:
@@ -108,7 +106,7 @@ class Previewer:
         with forked(draw, missing, os.cpu_count() or 1) as results:
             # Computing the figures at the same time would slow the pulleys down by a third.
             results(self._look, sum(name in pulleys for name in missing))
-            figures, fields = design_figures(dims, bill), fields_data(loaded)
+            figures, fields = design_figures(layout, bill), fields_data(loaded)
             self._look()
             shown = page_figures(drive, fields["fields"], self._cache)
             drawn = results(self._look)
@@ -116,7 +114,7 @@ class Previewer:
         self._write(made)
         parts |= made | {cable.spec.name: cable.undrawn() for cable in self._cables}
         data = report_data(
-            dims, bill, parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256, figures=figures
+            layout, bill, parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256, figures=figures
         )
         mass, size = data["mass"], data["envelope"]["size_mm"]
         whole = (*checks, mass_check(drive, mass["mass_g"], mass["sigma_g"]), envelope_check(drive, size))

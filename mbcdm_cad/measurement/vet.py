@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.measurement.run import Run, VettingNote, column_of
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
 from mbcdm_cad.measurement.vet_reach import reach_findings
@@ -85,7 +84,7 @@ def _after_gearhead(run: Run, gearhead_ratio: float) -> Run:
 
 def _input_sides(drive: Drive) -> list[int]:
     """For each input the sign of its x coordinate."""
-    bodies = {body.name: body for body in configuration_of(drive).routes(drive).routes.bodies}
+    bodies = {body.name: body for body in drive.layout.routed.routes.bodies}
     return [int(np.sign(bodies[input_body(name)].point_m[0])) for name in drive.input_names]
 
 

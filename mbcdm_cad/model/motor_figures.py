@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.model.stiffness import torsional_modes_Hz
@@ -123,7 +122,7 @@ def motor_figures(drive: Drive, d: DriveSI, peak_input_Nm: float, cap_Nm: float)
 
 def _modes_Hz(drive: Drive, d: DriveSI, rotor_at_input_kg_m2: float) -> tuple[float, float]:
     """Lowest mode with the inputs held, and with them free, from the configuration's inertias without CAD."""
-    bodies = configuration_of(drive).inertias_kg_m2(drive)
+    bodies = drive.layout.inertias_kg_m2
     drum = bodies[d.routes.drum.name]
     drum += sum(bodies[body.name] * body.turns_per_drum**2 for body in d.routes.passed)
     inputs = np.array([bodies[body.name] + rotor_at_input_kg_m2 for body in d.routes.inputs])

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, Geometry, RoutedDrive
 from mbcdm_cad.routes.route import DriveRoutes
@@ -271,7 +270,7 @@ def routed(drive: Drive) -> RoutedDrive:
                 "correct cables[].input"
             )
     try:
-        return configuration_of(drive).routes(drive)
+        return drive.layout.routed
     except MbcdmError as error:
         raise ModelError(str(error)) from None
 

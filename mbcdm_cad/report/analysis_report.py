@@ -6,7 +6,7 @@ The command line prints it, the Python API returns it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.model import Analysis, analyse
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import pandas
 
     from mbcdm_cad.design.drive import Drive
+    from mbcdm_cad.layouts.base import Layout
     from mbcdm_cad.model.capability import TorqueLimit
 
 # Names of the limits of the drum's torque, by cause.
@@ -41,7 +42,7 @@ class AnalysisReport:
     figures: Analysis
     paths: dict[str, Any] | None
     no_paths: str
-    configuration: str
+    layout: Layout = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
@@ -54,7 +55,7 @@ class AnalysisReport:
     def text(self, width: int | None = None) -> str:
         """What ``mbcdm analyse`` prints: figures by subject, no line longer than ``width``."""
         lines = [line for block in self._blocks(width) for line in (*block, "")]
-        paths = path_lines(self.configuration, self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
+        paths = path_lines(self.layout, self.paths) if self.paths else [f"Cable paths: {self.no_paths}"]
         return "\n".join([*lines, *(line for text in paths for line in filled(text, width))])
 
     def __str__(self) -> str:
@@ -193,7 +194,7 @@ def _turned(t: ShaftTurns, shaft: str) -> str:
 def analyse_design(drive: Drive) -> AnalysisReport:
     """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
     paths, reason = path_data_or_reason(drive)
-    return AnalysisReport(analyse(drive), paths, reason, drive.configuration)
+    return AnalysisReport(analyse(drive), paths, reason, drive.layout)
 
 
 def _model_notes(a: Analysis) -> Iterator[str]:

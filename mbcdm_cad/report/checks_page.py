@@ -6,11 +6,10 @@ from functools import partial
 
 from mbcdm_cad.checks.built import BUILD_IDS
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
 from mbcdm_cad.checks.result import figures
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import Layout
 
 _HEAD = """\
 # The checks
@@ -42,9 +41,8 @@ _BUILD = {
 
 def checks_page(drive: Drive) -> str:
     """Markdown: id, description, figure of ``drive`` and its limit, source; one table for each family."""
-    kind = configuration(drive.configuration)
-    design, lines = kind.design_under_test(drive), []
-    for family in kind.check_families():
+    layout, lines = drive.layout, list[str]()
+    for family in layout.check_families():
         lines += [
             "",
             f"## {_first_line(family.__doc__)}",
@@ -52,7 +50,7 @@ def checks_page(drive: Drive) -> str:
             "| id | what | figure | source |",
             "| --- | --- | --- | --- |",
         ]
-        lines += [_row(check, design) for check in family.CHECKS]
+        lines += [_row(check, layout) for check in family.CHECKS]
     lines += ["", "## Checks of the build", "", "| id | what |", "| --- | --- |"]
     lines += [f"| `{name}` | {_BUILD[name]} |" for name in BUILD_IDS]
     return _HEAD + "\n".join(lines).lstrip("\n") + "\n"
@@ -62,7 +60,7 @@ def _first_line(text: str | None) -> str:
     return (text or "").strip().split("\n")[0].rstrip(".")
 
 
-def _row(check: Check, design: DesignUnderTest) -> str:
+def _row(check: Check, design: Layout) -> str:
     measure = check.measure.func if isinstance(check.measure, partial) else check.measure
     what = f"{check.title}. {_first_line(measure.__doc__)}."
     mark = " *(warn)*" if check.severity == "warn" else ""

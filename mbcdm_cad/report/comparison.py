@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_of
@@ -124,8 +123,7 @@ def _tightest(checks: Sequence[dict[str, Any]]) -> tuple[str, float]:
 
 def _fits(drive: Drive) -> tuple[int, int]:
     """Fits on the drawings of all kinds of made parts, and how many kinds have no drawing."""
-    kind = configuration(drive.configuration)
-    bill = kind.bill(kind.layout(drive))
+    bill = drive.layout.bill()
     made = {item.part for item in bill.items if item.mass_g is None}
     drawn = [name for name in made if has_sheet(bill.parts[name].maker)]
     fits = sum(len(sheet_of(name, bill.parts[name].maker, bill.parts[name].args).fits) for name in drawn)

@@ -13,8 +13,7 @@ from mbcdm_cad.build.mass import MassProperties, combined
 from mbcdm_cad.build.store import MadePart
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.interface import Conventions, FrameCompliance, Layout
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
 from mbcdm_cad.model import Analysis, analyse, measured
 from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.stack_up import stack_data
@@ -118,22 +117,21 @@ class DesignFigures:
 def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
     """Model, tolerances, tensioning and order of assembly of a design; ``centred`` is its bill, the drum centred."""
     drive = layout.drive
-    kind = configuration(drive.configuration)
-    analysis, order = analyse(drive), kind.assembly_order(layout)
+    analysis, order = analyse(drive), layout.assembly_order
     half = drive.half_travel_deg
     angles = (0.0, *(float(angle) for angle in np.linspace(-half, half, _SWEPT_POSES)))
     data = {
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),
-        "tolerance_stacks": [stack_data(stack) for stack in kind.tolerance_stacks(layout)],
+        "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
         "holes": holes_of(centred),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,
         "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
-        "tensioning": _tensioning(kind.tensioning(layout)),
+        "tensioning": _tensioning(layout.tensioning),
         "cable_lengths_mm": {p.cable.name: p.length_mm for p in layout.cable_paths(0.0)},
         "assembly_order": [step.text for step in order],
         "assembly_items": [list(step.items) for step in order],
-        "conventions": _conventions(kind.conventions, drive.export.threads),
+        "conventions": _conventions(layout.conventions, drive.export.threads),
     }
     return DesignFigures(analysis, data, angles, tuple(cable_boxes_mm(layout, angles)))
 

@@ -18,7 +18,6 @@ from typing import Any
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.report.data import Tested, report_data
 from mbcdm_cad.report.table import ReportTable
 from mbcdm_cad.storage.cache import Cache, cache_folder
@@ -98,9 +97,8 @@ def gallery_drive(path: Path, cache: Cache) -> GalleryDrive:
 
     loaded = load_design(path)
     items, parts = drawn(loaded.drive, 0.0, cache, lambda name: None)
-    kind = configuration(loaded.drive.configuration)
-    dims = kind.layout(loaded.drive)
-    data = report_data(dims, kind.bill(dims), parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256)
+    layout = loaded.drive.layout
+    data = report_data(layout, layout.bill(), parts, Tested(), drum_angle_deg=0.0, design_sha256=loaded.sha256)
     png = picture_png(items, {name: part.files.mesh for name, part in parts.items()}, "output", _PICTURE_PX)
     return GalleryDrive(loaded, data, png)
 

@@ -7,7 +7,6 @@ from typing import Any
 import jinja2
 
 from mbcdm_cad.design.describe import flow
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.report.analysis_report import motor_lines
 
 _AT_DRUM = "_at_drum"
@@ -21,8 +20,8 @@ def _figure(value: Any) -> str:
     return "none" if value is None else str(value)
 
 
-def report_markdown(data: dict[str, Any]) -> str:
-    """The report in words and tables."""
+def report_markdown(data: dict[str, Any], paths_template: str) -> str:
+    """The report in words and tables; ``paths_template`` is the layout's for its cable paths."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("mbcdm_cad.report", "."),
         undefined=jinja2.StrictUndefined,
@@ -32,8 +31,7 @@ def report_markdown(data: dict[str, Any]) -> str:
     environment.filters["figure"] = _figure
     environment.filters["figures"] = _figure
     environment.filters["flow"] = flow
-    kind = configuration(data["configuration"])
-    paths = environment.from_string(kind.paths_template).render(r=data)
+    paths = environment.from_string(paths_template).render(r=data)
     moving = data["inertia_moving_g_mm2"]
     passed = {
         name.removesuffix(_AT_DRUM): value

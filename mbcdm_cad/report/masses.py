@@ -14,8 +14,7 @@ from mbcdm_cad.build.bodies import bodies
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
 from mbcdm_cad.build.store import MadePart
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.interface import Layout
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 
@@ -139,7 +138,7 @@ def inertias(layout: Layout, centred: Bill, by_item: Mapping[str, MassProperties
     passed: dict[str, float] = {}
     inputs = 0.0
     shafts = []
-    for body in configuration(drive.configuration).moving_bodies(layout):
+    for body in layout.moving_bodies:
         own = combined(groups[body.name]).about_axis(body.axis, body.origin_mm)
         at_drum = own * body.turns_per_drum**2
         if body.kind == "drum":
@@ -187,7 +186,7 @@ def boxes_mm(
     """
     items = {item.name: item for item in centred.items}
     boxes = list(cables)
-    for group in bodies(configuration(layout.drive.configuration).moving_bodies(layout), centred):
+    for group in bodies(layout.moving_bodies, centred):
         placed = [items[name].location.apply(parts[items[name].part].files.mesh.points_mm) for name in group.items]
         if not placed:
             continue

@@ -9,23 +9,22 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.interface import Layout, PathFigures
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.base import Layout, NoFigureError, PathFigures
 from mbcdm_cad.model import DriveSI, ModelError, to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.model.stiffness import sticking_response
 
 
-def path_data(dims: Layout) -> dict[str, Any]:
+def path_data(layout: Layout) -> dict[str, Any]:
     """Plain data of the paths, as in the report and in ``mbcdm analyse --json``."""
-    figures = configuration(dims.drive.configuration).path_figures(dims)
+    figures = layout.path_figures
     length_m = np.array([cable.length_um for cable in figures.cables]) * 1e-6
-    d = to_si(dims.drive)
+    d = to_si(layout.drive)
     turn, pull = sticking_response(d, length_m)
     return {
         **asdict(figures),  # type: ignore[call-overload]
         "usable_deg": list(figures.usable_deg),
-        "test_turn_mrad": _turns_with_real_wraps(d, figures, dims.drive.loads.test_torque_Nm),
+        "test_turn_mrad": _turns_with_real_wraps(d, figures, layout.drive.loads.test_torque_Nm),
         "drum_turn_urad": [float(v) for v in turn * 1e6],
         "tension_change_N": [[float(v) for v in row] for row in pull],
     }
@@ -46,17 +45,17 @@ def _turns_with_real_wraps(d: DriveSI, figures: PathFigures, load_Nm: float) -> 
 def path_data_or_reason(drive: Drive) -> tuple[dict[str, Any] | None, str]:
     """As :func:`path_data`; (None, reason) if the dimensions have no solution, which ``mbcdm check`` explains."""
     try:
-        return path_data(configuration(drive.configuration).layout(drive)), ""
-    except (ValueError, ZeroDivisionError, ModelError) as error:
+        return path_data(drive.layout), ""
+    except (NoFigureError, ValueError, ZeroDivisionError, ModelError) as error:
         return None, str(error)
 
 
-def path_lines(kind: str, paths: dict[str, Any]) -> Iterator[str]:
+def path_lines(layout: Layout, paths: dict[str, Any]) -> Iterator[str]:
     """The paths for a terminal: the configuration's lines for each cable, then the travel."""
     ends = paths["drum_angle_deg"][0], paths["drum_angle_deg"][-1]
     yield "cable paths (wraps in deg, drum centred and at both ends of travel; walk and fleet angle at the ends):"
     for c in paths["cables"]:
-        yield from configuration(kind).path_lines(c)
+        yield from layout.path_lines(c)
     longest = max(max(map(abs, c["length_um"])) for c in paths["cables"])
     pull = max(max(map(abs, row)) for row in paths["tension_change_N"])
     yield (

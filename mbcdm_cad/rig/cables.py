@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.routes.route import CableRoute, DriveRoutes, Wrap
 
 
@@ -42,7 +41,7 @@ class RigCable:
 
 def routes_of(drive: Drive) -> DriveRoutes:
     """The routes of the cables of ``drive``. Raises ValueError where the geometry leaves no free span."""
-    found = configuration_of(drive).routes(drive)
+    found = drive.layout.routed
     routes = found.routes
     if any(math.isnan(route.free_length_m) for route in routes.cables):
         raise ValueError(found.geometry.fault(found.parameters))

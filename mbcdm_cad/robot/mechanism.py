@@ -15,7 +15,6 @@ from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Vector
@@ -86,11 +85,10 @@ class Mechanism:
 
 def mechanism(drive: Drive, parts: Mapping[str, PartFiles]) -> Mechanism:
     """The drive as links and joints; ``parts`` by name. Raises ``MbcdmError`` if the mesh of a body is too fine."""
-    kind = configuration(drive.configuration)
-    dims = kind.layout(drive)
-    centred = kind.bill(dims)
+    layout = drive.layout
+    centred = layout.bill()
     items = {item.name: item for item in centred.items}
-    still, *turning = bodies(kind.moving_bodies(dims), centred)
+    still, *turning = bodies(layout.moving_bodies, centred)
     drum = next(body for body in turning if body.kind == "drum")
     links = tuple(_link(body, [items[name] for name in body.items], parts, drive) for body in turning)
     fixed = [items[name] for name in still.items]

@@ -12,15 +12,15 @@ from math import isfinite, log
 import numpy as np
 
 from mbcdm_cad.checks.comparison import Check
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.freedom import Freedom
 from mbcdm_cad.design.loader import Resolved
 from mbcdm_cad.design.sized import Sizing
 from mbcdm_cad.errors import InputError
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.check_design import checks_of
-from mbcdm_cad.layouts.registry import configuration_of
+from mbcdm_cad.layouts.registry import layout_named
 from mbcdm_cad.solving.question import Fixed, Out, Point, Question, Times
 from mbcdm_cad.storage.parallel import fork_map
 
@@ -83,9 +83,7 @@ class Trials:
     @cached_property
     def checks(self) -> dict[str, Check]:
         """The checks of this configuration by their ids."""
-        from mbcdm_cad.layouts.registry import configuration
-
-        families = configuration(self.question.data["configuration"]).check_families()
+        families = layout_named(self.question.data["configuration"]).check_families()
         return {check.id: check for family in families for check in family.CHECKS}
 
     def begin_at(self, point: Point) -> Resolved | None:
@@ -150,7 +148,7 @@ def outcome(question: Question, point: Point, similar: Sizing | None = None) -> 
             drive = question.resolve(*question.trial(point), similar).drive
         except InputError as error:
             return TrialResult((), str(error.problems[0].what))
-        subject = configuration_of(drive).design_under_test(drive)
+        subject = drive.layout
         asked = [check for check in checks_of(drive) if _must_hold(check) and drive.waiver(check.id) is None]
         found = [(check.id, missed(check, subject)) for check in asked if check.id not in LAST]
         if not any(miss for _, miss in found):
@@ -178,7 +176,7 @@ def messages(question: Question, point: Point) -> list[tuple[str, str]]:
         drive = question.resolve(*question.trial(point)).drive
     except InputError as error:
         return [("sizing", str(error.problems[0].what))]
-    subject = configuration_of(drive).design_under_test(drive)
+    subject = drive.layout
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         results = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]

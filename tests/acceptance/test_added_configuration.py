@@ -1,4 +1,4 @@
-"""A configuration is added by new files alone: the small one of tests/support runs through all commands.
+"""A layout is added by one folder of six files: the small one of tests/support runs through all commands.
 
 It has two cables, one input, no guide, a drum on a parallel axis, and boxes and cylinders as parts.
 """
@@ -37,11 +37,11 @@ EXPERIMENT = {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with the design, while the configuration is known."""
+    """A folder with the design, while the layout is known."""
     patch = pytest.MonkeyPatch()
     patch.syspath_prepend(str(SUPPORT))
     added = dict(registry._added)
-    registry.add(importlib.import_module("parallel_drive"))
+    registry.add(importlib.import_module("parallel_drive.layout").LAYOUT)
     work = tmp_path_factory.mktemp("added")
     patch.setenv("MBCDM_CACHE_DIR", str(work / "cache"))
     patch.chdir(work)
@@ -55,7 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def run(*arguments: str, code: int = 0) -> str:
-    """Standard output of a command of the program, run in this process, where the configuration is known."""
+    """Standard output of a command of the program, run in this process, where the layout is known."""
     with redirect_stdout(StringIO()) as stdout, redirect_stderr(StringIO()) as stderr:
         ended = cli.run(list(arguments))
     text = stdout.getvalue()
@@ -66,6 +66,11 @@ def run(*arguments: str, code: int = 0) -> str:
 def output(*arguments: str) -> Any:
     """What a command prints as JSON."""
     return json.loads(run(*arguments, "--json"))
+
+
+def test_the_folder_has_at_most_six_files() -> None:
+    files = [path.name for path in (SUPPORT / "parallel_drive").iterdir() if path.is_file()]
+    assert len(files) <= 6, files
 
 
 def test_check_passes_and_names_its_own_checks(folder: Path) -> None:

@@ -12,9 +12,8 @@ from mbcdm_cad.checks.estimated_mass import estimated_mass_g
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.checks.envelope import box_mm
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
@@ -35,7 +34,7 @@ def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> No
         gearhead=replace(drive.gearhead, screw_count=3),
         support=replace(drive.support, back_y_mm=drive.support.back_y_mm - 1.2),
     )
-    dims = layout(drive)
+    dims = BevelLayout(drive)
     centred = bill(dims)
     solids = {name: make(spec.maker, spec.args) for name, spec in centred.parts.items() if not name.startswith(CABLE)}
     for name in ("frame", "top_plate", "gearhead", "input_pulley_left", "input_pulley_right"):
@@ -45,7 +44,7 @@ def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> No
         solids[item.part].Volume() * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
         for item in centred.items
     )
-    design = BevelUnderTest(drive)
+    design = BevelLayout(drive)
     assert estimated_mass_g(centred, VOLUMES) == pytest.approx(mass, rel=0.01)
     assert box_mm(design)[2] == pytest.approx(drive.drum.hub_face_y_mm - drive.support.back_y_mm)
     run = run_of(dims, {name: body(name, solid, MESH_MM) for name, solid in solids.items()}, (-35.0, 35.0))

@@ -20,7 +20,7 @@ from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
 from mbcdm_cad.parts.cable import create_cable
@@ -46,12 +46,12 @@ class Move(NamedTuple):
     axis: bool = False
 
 
-def moves(dims: Layout) -> tuple[Move, ...]:
+def moves(dims: BevelLayout) -> tuple[Move, ...]:
     """How the items of each step leave it again, in the order in which they came."""
     return above(dims) if dims.drive.motors_above else below(dims)
 
 
-def above(dims: Layout) -> tuple[Move, ...]:
+def above(dims: BevelLayout) -> tuple[Move, ...]:
     """With motors above: drives, collars and their bearings are mounted on the top plate on the bench."""
     front, up = ((0, FAR_MM, 0),), ((0, 0, FAR_MM),)
     on_plate = ("top_plate", "gearhead_*", "motor_*", "collar_*", "input_bearing_lower_*")
@@ -78,7 +78,7 @@ INSTEAD = (
 )
 
 
-def bench_moves(dims: Layout) -> tuple[Move, ...]:
+def bench_moves(dims: BevelLayout) -> tuple[Move, ...]:
     """How what is mounted on the top plate with motors above leaves it again, on the bench."""
     v, gear = dims.levels.from_gearhead, dims.drive.gearhead
     front, up, down = ((0, FAR_MM, 0),), ((0, 0, FAR_MM),), ((0, 0, -FAR_MM),)
@@ -93,7 +93,7 @@ def bench_moves(dims: Layout) -> tuple[Move, ...]:
     )
 
 
-def below(dims: Layout) -> tuple[Move, ...]:
+def below(dims: BevelLayout) -> tuple[Move, ...]:
     """With motors below."""
     v, gear = dims.levels, dims.drive.gearhead
     screw = dims.drive.screw(gear.screw)
@@ -127,7 +127,7 @@ def below(dims: Layout) -> tuple[Move, ...]:
 class Workshop:
     """Solids of the reference design, and what stands in place so far."""
 
-    def __init__(self, dims: Layout, drum_deg: float = 0.0) -> None:
+    def __init__(self, dims: BevelLayout, drum_deg: float = 0.0) -> None:
         b = bill(dims, drum_deg)
         self.dims = dims
         self.items = {item.name: item for item in b.items}
@@ -255,21 +255,21 @@ def faults(shop: Workshop, order: Sequence[AssemblyStep]) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def dims() -> Layout:
-    return layout(load_design(ROOT / "params" / "mbcdm.yaml").drive)
+def dims() -> BevelLayout:
+    return BevelLayout(load_design(ROOT / "params" / "mbcdm.yaml").drive)
 
 
-def test_every_item_joins_in_exactly_one_step(dims: Layout) -> None:
+def test_every_item_joins_in_exactly_one_step(dims: BevelLayout) -> None:
     joined = [name for step in assembly_order(dims) for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(dims).items)
 
 
-def test_reference_goes_together_in_the_order_reported(dims: Layout) -> None:
+def test_reference_goes_together_in_the_order_reported(dims: BevelLayout) -> None:
     found = faults(Workshop(dims), assembly_order(dims))
     assert not found, "\n".join(found)
 
 
-def turned_faults(dims: Layout, order: Sequence[AssemblyStep]) -> Iterator[str]:
+def turned_faults(dims: BevelLayout, order: Sequence[AssemblyStep]) -> Iterator[str]:
     """What stands in the way of terminals on their way in from behind, with the drum where the order says."""
     text = next(step.text for step in order if "terminal_cable_1" in step.items)
     half = dims.drive.half_travel_deg
@@ -282,29 +282,29 @@ def turned_faults(dims: Layout, order: Sequence[AssemblyStep]) -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def raised() -> Layout:
-    return layout(bevel(load_text(ABOVE).drive))
+def raised() -> BevelLayout:
+    return BevelLayout(bevel(load_text(ABOVE).drive))
 
 
-def test_every_item_joins_in_exactly_one_step_with_motors_above(raised: Layout) -> None:
+def test_every_item_joins_in_exactly_one_step_with_motors_above(raised: BevelLayout) -> None:
     joined = [name for step in assembly_order(raised) for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill(raised).items)
 
 
-def test_motors_above_go_together_in_the_order_reported(raised: Layout) -> None:
+def test_motors_above_go_together_in_the_order_reported(raised: BevelLayout) -> None:
     order = assembly_order(raised)
     found = [*faults(Workshop(raised), order), *turned_faults(raised, order)]
     assert not found, "\n".join(found)
 
 
-def test_bearings_first_would_hide_the_gearheads_screws(raised: Layout) -> None:
+def test_bearings_first_would_hide_the_gearheads_screws(raised: BevelLayout) -> None:
     """The test sees a key that a bearing stands in the way of."""
     shop = Workshop(raised)
     found = list(shop.key("gearhead_screw_left_1", ["top_plate", "input_bearing_lower_left"]))
     assert any("input_bearing_lower_left" in line for line in found), found
 
 
-def test_drum_first_would_hide_the_collars_screws(dims: Layout) -> None:
+def test_drum_first_would_hide_the_collars_screws(dims: BevelLayout) -> None:
     """The test sees what an order that does not work runs into."""
     order = assembly_order(dims)
     drum = next(k for k, step in enumerate(order) if "drum" in step.items)

@@ -12,7 +12,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design, load_text
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.loads import seat_loads, unit_tensions_N
 from mbcdm_cad.layouts.miso_bevel.support.stiffness import frame_compliance
 from mbcdm_cad.model.si import to_si
@@ -41,12 +41,12 @@ WALLS = {
 }
 
 
-def dims_of(**walls: float) -> Layout:
+def dims_of(**walls: float) -> BevelLayout:
     drive = load_design(REFERENCE).drive
-    return layout(replace(drive, support=replace(drive.support, **walls)))
+    return BevelLayout(replace(drive, support=replace(drive.support, **walls)))
 
 
-def by_elements(dims: Layout, cell_mm: float) -> float:
+def by_elements(dims: BevelLayout, cell_mm: float) -> float:
     loads = seat_loads(dims, unit_tensions_N(to_si(dims.drive)))
     model = SupportFE(dims, cell_mm)
     assert tuple(seat.name for seat in seats(dims)) == loads.names
@@ -128,6 +128,6 @@ def test_estimate_agrees_with_finite_elements(walls: dict[str, float]) -> None:
 
 @pytest.mark.slow
 def test_estimate_agrees_with_finite_elements_for_motors_above() -> None:
-    dims = layout(bevel(load_text(ABOVE).drive))
+    dims = BevelLayout(bevel(load_text(ABOVE).drive))
     quick, found = frame_compliance(dims).windup_urad_Nm, by_elements(dims, COARSE_MM)
     assert abs(quick / found - 1.0) < AGREEMENT, f"{quick:.2f} urad per N m, {found:.2f} by finite elements"

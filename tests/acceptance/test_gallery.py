@@ -11,7 +11,6 @@ from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration_of
 
 GALLERY = sorted((Path(__file__).parents[2] / "params" / "gallery").glob("*.yaml"))
 
@@ -25,7 +24,7 @@ def test_a_short_file_gives_a_drive_that_passes(path: Path) -> None:
     lines = [line for line in path.read_text("utf-8").splitlines() if line and not line.startswith("#")]
     assert len(lines) <= 10, lines
     drive = load_design(path).drive
-    subject = configuration_of(drive).design_under_test(drive)
+    subject = drive.layout
     with np.errstate(all="ignore"):
         found = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
     assert {check.id: check.message for check in found if check.status == "fail"} == {}

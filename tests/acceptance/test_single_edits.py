@@ -16,7 +16,6 @@ from mbcdm_cad.checks.remedies import Budget
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.registry import configuration_of
 
 Edit = Callable[[dict[str, Any]], None]
 
@@ -89,7 +88,7 @@ EXCLUDED = {
 def failing(data: dict[str, Any]) -> dict[str, str]:
     """Checks that fail, with their messages; remedies are not looked for."""
     drive = load_text(yaml.safe_dump(data)).drive
-    subject = configuration_of(drive).design_under_test(drive)
+    subject = drive.layout
     with np.errstate(all="ignore"):
         found = [run_check(check, subject, Budget(0)) for check in checks_of(drive)]
     return {check.id: check.message for check in found if check.status == "fail"}

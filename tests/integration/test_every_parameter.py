@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from functools import cache
 from typing import Any
 
@@ -16,7 +16,7 @@ from mbcdm_cad.design.describe import named_values
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import design_file, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model import analyse
 
 Path = tuple[str | int, ...]
@@ -148,14 +148,29 @@ def changed(path: Path) -> Any:
     return value * 1.01 if value * 1.01 <= node["maximum"] else value * 0.99
 
 
+# All dimensions that the parts and checks of the layout read.
+DIMENSIONS = (
+    "levels",
+    "drum",
+    "drum_shaft",
+    "preload_spring",
+    "inputs",
+    "collar",
+    "guide",
+    "axle",
+    "frame",
+    "top_plate",
+)
+
+
 @cache
 def seen(text: str) -> dict[str, Any]:
     """All that a design leads to without the kernel, by room."""
     drive = load_text(text, "edited.yaml").drive
-    dims = layout(drive)
+    dims = BevelLayout(drive)
     posed = bill(dims, 5.0)
     return {
-        "layout": {f.name: getattr(dims, f.name) for f in fields(dims) if f.name != "drive"},
+        "layout": {name: getattr(dims, name) for name in DIMENSIONS},
         "bill": (posed.parts, posed.items),
         "checks": run_checks(drive),
         "analysis": analyse(drive).to_dict(),
@@ -283,7 +298,7 @@ def test_mesh_tolerance_changes_the_mesh() -> None:
     counts = []
     for tolerance in (0.01, 0.04):
         drive = load_text(edited({("export", "mesh_tolerance_mm"): tolerance})).drive
-        spec = bill(layout(drive)).parts["guide"]
+        spec = bill(BevelLayout(drive)).parts["guide"]
         files = drawn_part(spec, drive.guide.material, drive.export.mesh_tolerance_mm)
         assert files.mesh.deviation_mm <= tolerance
         counts.append(len(files.mesh.triangles))
@@ -308,7 +323,7 @@ def test_prototype_mass_stands_in_the_report() -> None:
     from mbcdm_cad.storage.cache import Cache, cache_folder
 
     drive = load_text(edited({("targets", "prototype_mass_g"): 341.0})).drive
-    dims = layout(drive)
+    dims = BevelLayout(drive)
     centred, store = bill(dims), Store(Cache(cache_folder()), lambda name: None)
     material = {item.part: item.material for item in centred.items}
     parts = store.parts(centred.parts, material, drive.export.mesh_tolerance_mm, 1)

@@ -16,8 +16,8 @@ import random_designs
 from random_generator import Passing, passing, requirements
 
 from mbcdm_cad.layouts.check_design import run_checks
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
-from mbcdm_cad.layouts.registry import configuration
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 SEEDS = range(1, 25)
 # All that draw are slow: finding one design that passes and building it takes half a minute.
@@ -84,12 +84,11 @@ def test_a_design_that_clashes_is_reported_by_stage(monkeypatch: pytest.MonkeyPa
     """The stop pin moved by 2 mm: drawn soundly, but it stands in the drum's web."""
     (found,) = found_first(1)
 
-    def shifted(_kind: object, drive: object) -> Layout:
-        dims = layout(drive)  # type: ignore[arg-type]
-        return replace(dims, drum=replace(dims.drum, stop_radius=dims.drum.stop_radius + 2.0))
+    def shifted(drive: BevelDrive) -> BevelLayout:
+        dims = BevelLayout(drive)
+        return dims.with_dimensions(drum=replace(dims.drum, stop_radius=dims.drum.stop_radius + 2.0))
 
-    kind = configuration(found.loaded.drive.configuration)
-    monkeypatch.setattr(type(kind), "layout", shifted)
+    monkeypatch.setattr(BevelDrive, "layout", property(shifted))
     failures = list(random_designs.exercise(found, 1))
     assert {f.stage for f in failures} == {"interference"}
     assert all("stop_pin" in f.what and "drum" in f.what for f in failures)

@@ -10,7 +10,7 @@ import pytest
 from mbcdm_cad.build.kernel import location
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.shapes import cylinder
@@ -22,7 +22,7 @@ TOUCH_MM3 = 1e-3
 @pytest.fixture(scope="module")
 def dims():
 
-    return layout(load_text(new_design_text("mbcdm")).drive)
+    return BevelLayout(load_text(new_design_text("mbcdm")).drive)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ import scipy.sparse.linalg as spla
 from frame_shape import in_support
 from numpy.typing import NDArray
 
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -38,7 +38,7 @@ class Seat:
     width: float
 
 
-def seats(layout: Layout) -> tuple[Seat, ...]:
+def seats(layout: BevelLayout) -> tuple[Seat, ...]:
     """Where bearings and axle press on the support."""
     v, f, t, s = layout.levels, layout.frame, layout.top_plate, layout.drum_shaft
     width = layout.drive.bearings.drum.width_mm
@@ -78,7 +78,7 @@ def _lines(faces: list[float], wished: list[float], cell: float, least: dict[tup
     return np.array(out)
 
 
-def grid(layout: Layout, cell_mm: float) -> tuple[Floats, Floats, Floats]:
+def grid(layout: BevelLayout, cell_mm: float) -> tuple[Floats, Floats, Floats]:
     """Grid lines in x, y, z through all flat faces; three cells through the back plate, two through the shelves."""
     v, f = layout.levels, layout.frame
     inner = f.boss_radius - f.rib_thickness
@@ -109,7 +109,7 @@ def grid(layout: Layout, cell_mm: float) -> tuple[Floats, Floats, Floats]:
     return x, y, _lines(zs, [p for _, p in pads], cell_mm, shelves)
 
 
-def metal_share(layout: Layout, x: Floats, y: Floats, z: Floats) -> Floats:
+def metal_share(layout: BevelLayout, x: Floats, y: Floats, z: Floats) -> Floats:
     """Share of each cell (nx, ny, nz) that is metal, from a lattice of points inside it."""
     at = (np.arange(SAMPLES) + 0.5) / SAMPLES
 
@@ -173,7 +173,7 @@ def _dissected(where: Ints, chosen: Ints) -> list[Ints]:
 class SupportFE:
     """Frame and top plate on their mounting screws, factorised once."""
 
-    def __init__(self, layout: Layout, cell_mm: float = 1.6) -> None:
+    def __init__(self, layout: BevelLayout, cell_mm: float = 1.6) -> None:
         self.layout = layout
         material = layout.drive.support.material
         x, y, z = grid(layout, cell_mm)

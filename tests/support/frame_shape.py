@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims
 
 COLUMN_WALL_MM = 1.2
@@ -100,6 +100,6 @@ def in_top_plate(d: TopPlateDims, x: Floats, y: Floats, z: Floats) -> Mask:
     return np.asarray(solid)
 
 
-def in_support(layout: Layout, x: Floats, y: Floats, z: Floats) -> Mask:
+def in_support(layout: BevelLayout, x: Floats, y: Floats, z: Floats) -> Mask:
     """Whether points lie in frame or top plate. Threaded and dowel holes count as full: steel sits in them."""
     return in_frame(layout.frame, x, y, z) | in_top_plate(layout.top_plate, x, y, z)

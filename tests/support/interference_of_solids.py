@@ -15,7 +15,7 @@ from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.pairs import Found, PartShape
 from mbcdm_cad.build.scene import scenes
 from mbcdm_cad.build.trianglemesh import TriangleMesh
-from mbcdm_cad.layouts.interface import Layout
+from mbcdm_cad.layouts.base import Layout
 
 # As builds mesh a part; one test compares a run with meshes to one without.
 _MESH_TOLERANCE_MM = 0.01

@@ -20,7 +20,6 @@ from mbcdm_cad.build.wider_holes import RoundHole, round_holes, with_wider_holes
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.errors import MbcdmError
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement
@@ -177,9 +176,8 @@ def forced(data: dict[str, Any], drive: Drive, seed: int) -> tuple[dict[str, Any
 def forced_parts(drive: Drive, what: str) -> Failures:
     """All parts of a forced design are drawn, or refused with words for the user: never the kernel's."""
     try:
-        kind = configuration(drive.configuration)
-        dims = kind.layout(drive)
-        bill = kind.bill(dims)
+        dims = drive.layout
+        bill = dims.bill()
     except Exception as error:
         if not isinstance(error, MbcdmError):
             yield "forced", f"{what}: layout: {type(error).__name__}: {error}"

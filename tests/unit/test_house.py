@@ -23,7 +23,6 @@ SHARED_NAMES: dict[str, str] = {
     "Printing": _BLOCK,
     "Targets": _BLOCK,
     "Waiver": _BLOCK,
-    "Layout": _FACE,
     "PathFigures": _FACE,
 }
 MOST_ARGUMENTS = 8

@@ -11,20 +11,20 @@ from tests.house_counts import House, circle_members, counts, repeats, twice_dec
 TREE = Path(__file__).parents[2]
 # Largest allowed counts; lower them when a change reaches less. Meanings: the docstrings of tests/house_counts.py.
 LIMITS = {
-    "class families a layout": 8,
-    "registry calls": 32,
+    "class families a layout": 6,
+    "registry calls": 3,
     "maker strings": 52,
     "fields declared twice": 185,
-    "files of miso_bevel": 63,
-    "files of siso_bevel": 38,
-    "files of siso_spur": 38,
-    "files of miso_spur": 28,
-    "files": 640,
+    "files of miso_bevel": 61,
+    "files of siso_bevel": 37,
+    "files of siso_spur": 37,
+    "files of miso_spur": 27,
+    "files": 632,
     "imports, share of lines in %": 8.5,
     "circles": 5,
     "arrows back": 0,
-    "repeating pairs": 200,
-    "lines": 69800,
+    "repeating pairs": 196,
+    "lines": 69100,
 }
 
 

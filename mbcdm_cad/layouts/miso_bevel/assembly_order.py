@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import pi
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import winding
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.layouts.miso_bevel.tensioning import plan
@@ -16,18 +16,18 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
 
 
-def assembly_order(layout: Layout) -> tuple[AssemblyStep, ...]:
+def assembly_order(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     """Steps with the sizes of this design. Each item is added in one step; each screw is accessible in its step."""
     if layout.drive.motors_above:
         return (*_bench(layout), *_encoders_below(layout), *_pulleys(layout), *_drives_above(layout), *_drum(layout))
     return (*_bench(layout), *_drives(layout), *_pulleys(layout), *_plate(layout), *_drum(layout))
 
 
-def _key(layout: Layout, screw: str) -> str:
+def _key(layout: BevelLayout, screw: str) -> str:
     return f"{layout.drive.screw(screw).key_mm:g} mm key"
 
 
-def _each(stem: str, layout: Layout, count: int = 0) -> tuple[str, ...]:
+def _each(stem: str, layout: BevelLayout, count: int = 0) -> tuple[str, ...]:
     """Items ``stem_<input>``, or ``stem_<input>_1`` to ``_<count>``, of both inputs."""
     ends = [f"_{n}" for n in range(1, count + 1)] or [""]
     return tuple(f"{stem}_{p.name}{end}" for p in layout.inputs for end in ends)
@@ -37,12 +37,12 @@ def _numbered(stem: str, count: int) -> tuple[str, ...]:
     return tuple(f"{stem}_{n}" for n in range(1, count + 1))
 
 
-def _behind_the_guide(layout: Layout) -> tuple[str, ...]:
+def _behind_the_guide(layout: BevelLayout) -> tuple[str, ...]:
     """Cables that pass between guide and back plate, where a swaged terminal finds no way through."""
     return tuple(c.name for c in layout.drive.cables if winding(layout.drive, c).guide_wrap_rad > pi)
 
 
-def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _bench(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
     rope, ring, spring = drive.cable, drive.drum_encoder, layout.preload_spring
     insert = layout.frame.plate_insert
@@ -79,7 +79,7 @@ def _bench(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
-def _drives(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _drives(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     gear, mounted, collar_screw = layout.drive.gearhead, layout.drive.mounted, layout.collar.screw
     train = "motors" if gear.absent else "gearheads with their motors"
     return (
@@ -101,7 +101,7 @@ def _drives(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
-def _encoders_below(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _encoders_below(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive = layout.drive
     encoder = drive.encoder
     return (
@@ -114,7 +114,7 @@ def _encoders_below(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
-def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _pulleys(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive, bearings, collar_screw = layout.drive, layout.drive.bearings, layout.collar.screw
     names = tuple(c.name for c in drive.cables)
     behind = " and ".join(_behind_the_guide(layout))
@@ -142,7 +142,7 @@ def _pulleys(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
-def _plate(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _plate(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive, bearings = layout.drive, layout.drive.bearings
     encoder, screw = drive.encoder, plate_screw_of(drive).name
     return (
@@ -164,7 +164,7 @@ def _plate(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
-def _drives_above(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _drives_above(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     drive, gear, mounted = layout.drive, layout.drive.gearhead, layout.drive.mounted
     train = "motors" if gear.absent else "gearheads with their motors"
     screw, collar_screw = plate_screw_of(drive).name, layout.collar.screw
@@ -193,7 +193,7 @@ def _drives_above(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
-def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _drum(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     hub_screw, insert = layout.drum.set_screw, layout.drum.payload_insert
     places = len(layout.drum.payload_places)
     return (
@@ -212,7 +212,7 @@ def _drum(layout: Layout) -> tuple[AssemblyStep, ...]:
     )
 
 
-def _terminals(layout: Layout) -> tuple[AssemblyStep, ...]:
+def _terminals(layout: BevelLayout) -> tuple[AssemblyStep, ...]:
     """The last steps; with motors above, the lowest shelf may be behind a lug of the centred drum."""
     first, *others = terminal_steps(layout.drive, plan(layout))
     hidden = [t.cable_name for t in layout.drum.tensioners if layout.drive.motors_above and _before_frame(layout, t)]
@@ -222,7 +222,7 @@ def _terminals(layout: Layout) -> tuple[AssemblyStep, ...]:
     return (first, *others)
 
 
-def _before_frame(layout: Layout, t: Tensioner) -> bool:
+def _before_frame(layout: BevelLayout, t: Tensioner) -> bool:
     """Whether a part of the terminal, drum centred, has the frame behind it."""
     v, half = layout.levels, layout.drive.tensioner.swage_diameter_mm / 2
     ends = [t.at(along, out) for along in (t.swage_start, t.tip) for out in (-half, half)]

@@ -10,7 +10,7 @@ from math import radians
 
 from mbcdm_cad.design.bought import Bearing, Screw
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
@@ -33,7 +33,7 @@ _TURNED_OVER = Placement.about(_Y, 180.0)
 # Colours (linear RGB) that distinguish bought bodies and cables from machined metal.
 
 
-def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
+def moving_bodies(layout: BevelLayout) -> tuple[MovingBody, ...]:
     """Drum, guide and inputs: theta_g = -theta_o r_o/r_g, theta_m = theta_o r_o/r_m."""
     first = layout.drive.cables[0]
     inputs = []
@@ -59,7 +59,7 @@ def moving_bodies(layout: Layout) -> tuple[MovingBody, ...]:
 class _Builder(BillBuilder):
     """Knows the layout and what bought parts are made of."""
 
-    def __init__(self, layout: Layout, drum_angle_deg: float) -> None:
+    def __init__(self, layout: BevelLayout, drum_angle_deg: float) -> None:
         super().__init__(moving_bodies(layout), drum_angle_deg)
         self.layout = layout
         self.drive: BevelDrive = layout.drive
@@ -202,7 +202,7 @@ def _pulleys(b: _Builder) -> None:
         add_input_pulley(b, drive, p, lay.collar, drive.support.material, _stand(drive))
 
 
-def bill(layout: Layout, drum_angle_deg: float = 0.0) -> Bill:
+def bill(layout: BevelLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     b = _Builder(layout, drum_angle_deg)
     for section in (_support, _bearings, _drives):

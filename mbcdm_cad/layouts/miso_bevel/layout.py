@@ -1,15 +1,24 @@
-"""All derived dimensions of a design in one object, which the checks and the parts read."""
+"""The layout of Fig. 1 (d): two inputs, a guide, and a bevel transfer to the drum."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from math import pi, tau
 
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
+from mbcdm_cad.layouts.base import Conventions, NoFigureError, dimensions
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
-from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
+from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.drum import drum
 from mbcdm_cad.layouts.miso_bevel.pulleys import axle, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
@@ -20,21 +29,149 @@ from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.routes.cable_path import CablePath
 
 
-@dataclass(frozen=True)
-class Layout:
-    """Dimensions of every part of one design, mm, drum centred."""
+def _input_ratio(drive: BevelDrive, value: float) -> BevelDrive:
+    return replace(drive, cables=tuple(replace(c, input_radius_mm=c.guide_radius_mm / value) for c in drive.cables))
+
+
+def _radii_explicit(drive: BevelDrive) -> bool:
+    return drive.radii_explicit
+
+
+def _all_radii(drive: BevelDrive) -> tuple[str, str]:
+    return (ALL_RADII, "") if drive.radii_explicit else ("transmission.drum_radii_mm", " (the others follow)")
+
+
+def _first_drum_mm(drive: BevelDrive) -> float:
+    return drive.cables[0].drum_radius_mm
+
+
+def _total_ratio(drive: BevelDrive) -> float:
+    return drive.cables[0].drum_radius_mm / drive.cables[0].input_radius_mm
+
+
+_DRUM = (
+    "sector_half_angle_deg",
+    "rim_inner_radius_mm",
+    "outer_face_y_mm",
+    "web_thickness_mm",
+    "hub_diameter_mm",
+    "hub_face_y_mm",
+    "shaft_bore_mm",
+)
+_SUPPORT = (
+    "back_y_mm",
+    "back_plate_mm",
+    "side_wall_mm",
+    "motor_shelf_mm",
+    "coupling_space_mm",
+    "bearing_shelf_mm",
+    "top_plate_mm",
+    "rib_mm",
+)
+VARIABLES: dict[str, DesignVariable] = by_path(
+    (
+        *SHARED,
+        field("transmission.centre_distance_mm", "centre_distance_mm"),
+        field("transmission.input_setback_mm", "input_setback_mm"),
+        radii(ALL_RADII, ("drum_radius_mm", "guide_radius_mm", "input_radius_mm"))._replace(
+            shown=_all_radii, short=("transmission.drum_radius_mm", _first_drum_mm)
+        ),
+        radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=_radii_explicit),
+        radii("transmission.guide_radii_mm", ("guide_radius_mm",))._replace(applies=_radii_explicit),
+        DesignVariable(
+            "transmission.ratios.input_to_guide",
+            lambda drive: drive.cables[0].guide_radius_mm / drive.cables[0].input_radius_mm,
+            _input_ratio,
+            applies=lambda drive: not drive.radii_explicit,
+            asked=True,
+            short=("transmission.ratio", _total_ratio),
+        ),
+        field("rope.helix_lead_mm", "helix_lead_mm"),
+        field("rope.dead_turns", "dead_turns"),
+        field("clearances.transfer_gap_mm"),
+        field("clearances.land_edge_mm"),
+        *(field(f"drum.{name}") for name in _DRUM),
+        *(field(f"support.{name}") for name in _SUPPORT),
+    )
+)
+
+
+class BevelLayout(SectorLayout):
+    """One design."""
+
+    name = "miso_bevel"
+    title = "two inputs, a guide and a bevel transfer to the drum (Fig. 1 d)"
+    conventions = Conventions(
+        frame="Frame: origin where drum axis (Y) and guide axis (Z) meet; input pulleys at x = -L and +L; "
+        "lengths in mm.",
+        cables="Cables are round rods at the nominal diameter; on the guide they lie in their step planes.",
+    )
 
     drive: BevelDrive
-    levels: Stack
-    drum: DrumDims
-    drum_shaft: DrumShaftDims
-    preload_spring: PreloadSpringDims
-    inputs: tuple[InputPulleyDims, ...]
-    collar: CollarDims
-    guide: IdlerDims
-    axle: AxleDims
-    frame: FrameDims
-    top_plate: TopPlateDims
+    steps: tuple[BevelRun, ...]
+
+    def refuse_impossible(self) -> None:
+        """Refuses pulleys that have no place, and shelves below the drum's axis."""
+        levels = self.levels
+        if levels.shelf_bottom_z <= 0.0:
+            shelf, between = ("lowest", "encoders") if levels.motors_above else ("motor", "coupling space")
+            raise NoFigureError(
+                f"the {shelf} shelf comes to z = {levels.shelf_bottom_z:.4g} mm, below the drum's axis (limit 0): "
+                f"pulleys, {between} and shelves are higher than the drum's radius"
+            )
+
+    @cached_property
+    def levels(self) -> Stack:
+        """Heights and depths."""
+        try:
+            return stack(self.drive)
+        except ValueError as error:
+            raise NoFigureError(f"the pulleys have no place: {error}") from None
+
+    @dimensions
+    def drum(self) -> DrumDims:
+        """Drum sector."""
+        return drum(self.drive, self.levels)
+
+    @dimensions
+    def drum_shaft(self) -> DrumShaftDims:
+        """Shaft of the drum."""
+        return drum_shaft(self.drive, self.levels)
+
+    @dimensions
+    def preload_spring(self) -> PreloadSpringDims:
+        """Wave spring of the drum's bearings."""
+        return preload_spring(self.drive, self.drum_shaft)
+
+    @dimensions
+    def inputs(self) -> tuple[InputPulleyDims, ...]:
+        """The input pulleys."""
+        return tuple(input_pulley(self.drive, self.levels, name) for name in self.drive.input_names)
+
+    @dimensions
+    def collar(self) -> CollarDims:
+        """Clamp collar of each input pulley."""
+        return collar(self.drive, *self.drive.collar_seat, self.levels.from_gearhead.motor_shelf_top_z)
+
+    @dimensions
+    def guide(self) -> IdlerDims:
+        """Guide pulley."""
+        return guide(self.drive, self.levels)
+
+    @dimensions
+    def axle(self) -> AxleDims:
+        """Fixed axle of the guide."""
+        return axle(self.drive, self.levels)
+
+    @dimensions
+    def frame(self) -> FrameDims:
+        """The frame."""
+        return frame(self.drive, self.levels)
+
+    @dimensions
+    def top_plate(self) -> TopPlateDims:
+        """The plate that carries the upper bearings."""
+        return top_plate(self.drive, self.levels)
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Centre lines of all cables at a drum angle, from the stop in the pulley to the bottom of the swage's bore."""
@@ -44,21 +181,68 @@ class Layout:
             for c in self.drive.cables
         )
 
+    @property
+    def variables(self) -> Mapping[str, DesignVariable]:
+        """See the base class."""
+        return VARIABLES
 
-def layout(drive: BevelDrive) -> Layout:
-    """Compute all dimensions. Raises ValueError only if no geometry exists (pulleys that overlap)."""
-    levels = stack(drive)
-    shaft = drum_shaft(drive, levels)
-    return Layout(
-        drive=drive,
-        levels=levels,
-        drum=drum(drive, levels),
-        drum_shaft=shaft,
-        preload_spring=preload_spring(drive, shaft),
-        inputs=tuple(input_pulley(drive, levels, name) for name in drive.input_names),
-        collar=collar(drive, *drive.collar_seat, levels.from_gearhead.motor_shelf_top_z),
-        guide=guide(drive, levels),
-        axle=axle(drive, levels),
-        frame=frame(drive, levels),
-        top_plate=top_plate(drive, levels),
-    )
+    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
+        """Input pulley, guide and drum of each cable."""
+        return [
+            (c.name, body, radius)
+            for c in self.steps
+            for body, radius in (
+                ("input pulley", c.input_radius_mm),
+                ("guide", c.guide_radius_mm),
+                ("drum", c.drum_radius_mm),
+            )
+        ]
+
+    @property
+    def before_drum(self) -> str:
+        """See the base class."""
+        return "guide"
+
+    @property
+    def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
+        """See the base class."""
+        guide = self.guide
+        return tuple(zip(guide.surface_radii, (guide.bottom_z, *guide.walls_z), strict=True))
+
+    @property
+    def motor_shelf_mm(self) -> float:
+        """See the base class."""
+        return self.drive.support.motor_shelf_mm
+
+    @property
+    def encoder_plate_mm(self) -> float:
+        """See the base class."""
+        return self.drive.encoder_plate_mm
+
+    @property
+    def levels_sense(self) -> int:
+        """See the base class."""
+        return -1 if self.drive.motors_above else 1
+
+    @property
+    def input_levels(self) -> Stack:
+        """See the base class."""
+        return self.levels.from_gearhead
+
+    def levels_of(self, index: int) -> Stack:
+        """See the base class."""
+        return self.input_levels
+
+    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
+        cables = self.drive.cables
+        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
+        on_input = [
+            tau * self.drive.dead_turns
+            + c.drum_radius_mm / c.input_radius_mm * (self.half_travel_rad - c.drum_side * drum_angle_rad)
+            for c in cables
+        ]
+        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, 2 * pi)
+
+
+LAYOUT = BevelLayout

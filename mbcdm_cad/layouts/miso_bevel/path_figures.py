@@ -11,7 +11,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.terminal.dims import Tensioner
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
@@ -65,7 +65,7 @@ class PathFigures:
         return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
 
 
-def path_figures(layout: Layout) -> PathFigures:
+def path_figures(layout: BevelLayout) -> PathFigures:
     """The figures of one design at ``STATIONS`` drum angles over its travel."""
     half = layout.drive.half_travel_deg
     angles = tuple(float(v) for v in np.linspace(-half, half, STATIONS))
@@ -83,7 +83,7 @@ def path_figures(layout: Layout) -> PathFigures:
     )
 
 
-def _cable_figures(layout: Layout, centred: CablePath, posed: list[CablePath]) -> CablePathFigures:
+def _cable_figures(layout: BevelLayout, centred: CablePath, posed: list[CablePath]) -> CablePathFigures:
     drive = layout.drive
     run = next(run for run in drive.cables if run.name == centred.cable.name)
     angles = [path.drum_angle_rad for path in posed]
@@ -115,20 +115,20 @@ def _turned_deg(piece: Piece) -> float:
     return degrees(abs(piece.angle_end - piece.angle_start))
 
 
-def terminal_to_guide_mm(layout: Layout, terminal: Tensioner, wrap_rad: float) -> float:
+def terminal_to_guide_mm(layout: BevelLayout, terminal: Tensioner, wrap_rad: float) -> float:
     """Gap, mm, between a terminal and the guide with its cables, with a wrap ``wrap_rad`` left on the drum."""
     across, along, keep = _terminal(layout, terminal)
     return across * sin(wrap_rad) + along * cos(wrap_rad) - keep
 
 
-def _terminal(layout: Layout, terminal: Tensioner) -> tuple[float, float, float]:
+def _terminal(layout: BevelLayout, terminal: Tensioner) -> tuple[float, float, float]:
     """Nearest corner of a terminal, across and along the tangent at its anchor, and the reach of the guide, mm."""
     drive, drum = layout.drive, layout.drum
     reach = max(run.guide_radius_mm for run in drive.cables) + drive.cable.diameter_mm / 2
     return terminal.radius_mm - max(drum.nut_pocket, drum.lug_half_width), terminal.slack_start, reach
 
 
-def _limits(layout: Layout) -> Iterator[TravelLimit]:
+def _limits(layout: BevelLayout) -> Iterator[TravelLimit]:
     drive = layout.drive
     half = radians(drive.half_travel_deg)
     terminals = {t.cable_name: t for t in layout.drum.tensioners}
@@ -151,14 +151,14 @@ def _limit(angle_rad: float, cause: str) -> TravelLimit:
     return TravelLimit(degrees(angle_rad), cause)
 
 
-def _wrap_at_guide(layout: Layout, terminal: Tensioner) -> float:
+def _wrap_at_guide(layout: BevelLayout, terminal: Tensioner) -> float:
     """Wrap left when the terminal comes within the running clearance of the guide: A sin w + B cos w = C."""
     across, along, reach = _terminal(layout, terminal)
     share = (reach + layout.drive.clearances.running_mm) / hypot(across, along)
     return asin(min(share, 1.0)) - atan2(along, across)
 
 
-def _fleet_limits(layout: Layout, run: BevelRun) -> Iterator[TravelLimit]:
+def _fleet_limits(layout: BevelLayout, run: BevelRun) -> Iterator[TravelLimit]:
     drive = layout.drive
     w = winding(drive, run)
     per_rad = abs(axial_walk_mm(drive, run, 1.0))

@@ -12,7 +12,7 @@ from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, furthest_anchor_rad
 from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope, terminal_travel_mm
 
 if TYPE_CHECKING:  # the layout asks this module for the terminals' travel
-    from mbcdm_cad.layouts.miso_bevel.layout import Layout
+    from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 
 def longest_mm(drive: BevelDrive, cable: BevelRun, anchor_rad: float) -> float:
@@ -31,7 +31,7 @@ def terminal_way(drive: BevelDrive) -> TerminalWay:
     return terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
 
 
-def plan(layout: Layout) -> TensioningPlan:
+def plan(layout: BevelLayout) -> TensioningPlan:
     """Plan to set the preloads of this design, cables in the order of the file."""
     drive = layout.drive
     terminals = {t.cable_name: t for t in layout.drum.tensioners}

@@ -1,18 +1,26 @@
-"""All derived dimensions of a design in one object, which the checks and the parts read."""
+"""The layout of Fig. 1 (c): one stepped input pulley, straight onto the drum by a bevel transfer."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
+from math import pi
 
-from mbcdm_cad.layouts.siso_bevel.cable_path import cable_path, longest_mm
-from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
+from mbcdm_cad.layouts.base import Conventions, dimensions
+from mbcdm_cad.layouts.sector import HeadLayout
+from mbcdm_cad.layouts.siso_bevel.cable_path import cable_path, input_wrap_rad, longest_mm
+from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import drum, drum_shaft, furthest_anchor_rad, preload_spring
+from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, drum_shaft, furthest_anchor_rad, preload_spring
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
@@ -20,35 +28,112 @@ from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
 
-@dataclass(frozen=True)
-class DirectLayout:
-    """Dimensions of every part of one design, mm, drum centred; pulley and collar with their heights along -Z.
+def _ratio(drive: DirectDrive, value: float) -> DirectDrive:
+    return replace(drive, cables=tuple(replace(c, input_radius_mm=c.drum_radius_mm / value) for c in drive.cables))
 
-    Parts that exist for every drive are computed on first use: most trials of sizing need a few of them only.
-    """
+
+def _reserve(drive: DirectDrive, value: float) -> DirectDrive:
+    return replace(drive, reserve_deg=value, dead_turns=value / 360.0)
+
+
+_DRUM = (
+    "sector_half_angle_deg",
+    "rim_inner_radius_mm",
+    "outer_face_y_mm",
+    "web_thickness_mm",
+    "hub_diameter_mm",
+    "hub_face_y_mm",
+    "shaft_bore_mm",
+)
+_SUPPORT = (
+    "back_y_mm",
+    "back_plate_mm",
+    "side_wall_mm",
+    "motor_shelf_mm",
+    "coupling_space_mm",
+    "bearing_shelf_mm",
+    "encoder_shelf_mm",
+    "rib_mm",
+)
+VARIABLES: dict[str, DesignVariable] = by_path(
+    (
+        *SHARED,
+        radii(ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
+        radii("transmission.input_radii_mm", ("input_radius_mm",))._replace(applies=lambda d: d.radii_explicit),
+        DesignVariable(
+            "transmission.input_to_drum",
+            lambda drive: drive.total_ratio,
+            _ratio,
+            applies=lambda drive: not drive.radii_explicit,
+        ),
+        DesignVariable("transmission.reserve_deg", lambda drive: drive.reserve_deg, _reserve),
+        field("clearances.transfer_gap_mm"),
+        field("clearances.land_edge_mm"),
+        *(field(f"drum.{name}") for name in _DRUM),
+        *(field(f"support.{name}") for name in _SUPPORT),
+    )
+)
+
+
+class DirectLayout(HeadLayout):
+    """One design; pulley and collar have their heights along -Z."""
+
+    name = "siso_bevel"
+    title = "one input straight onto the drum by a bevel transfer (Fig. 1 c)"
+    conventions = Conventions(
+        frame="Frame: origin where drum axis (Y) and input axis (Z) meet; the motor stands above; lengths in mm.",
+        cables="Cables are round rods at the nominal diameter; on the input each lies in the plane of its step.",
+    )
 
     drive: DirectDrive
-    levels: DirectStack
-    drum: DrumDims
-    drum_shaft: DrumShaftDims
-    frame: ColumnDims
+    steps: tuple[DirectRun, ...]
+
+    def refuse_impossible(self) -> None:
+        """Refuses a pulley too small for a stop."""
+        self.terminal_way  # noqa: B018 - raises where there is none
 
     @cached_property
+    def terminal_way(self) -> TerminalWay:
+        """Take-up of the terminals. Raises ValueError for a pulley too small for a stop."""
+        furthest = furthest_anchor_rad(self.drive)
+        return terminal_travel_mm(self.drive, {c.name: longest_mm(self.drive, c, furthest) for c in self.drive.cables})
+
+    @cached_property
+    def levels(self) -> DirectStack:
+        """Heights and depths."""
+        return direct_stack(self.drive)
+
+    @dimensions
+    def drum(self) -> DrumDims:
+        """Drum sector."""
+        return drum(self.drive, self.levels, self.frame.stop_pin_z, self.terminal_way)
+
+    @dimensions
+    def drum_shaft(self) -> DrumShaftDims:
+        """Shaft of the drum."""
+        return drum_shaft(self.drive, self.levels)
+
+    @dimensions
+    def frame(self) -> ColumnDims:
+        """The frame."""
+        return column(self.drive, self.levels, self.drum_shaft)
+
+    @dimensions
     def preload_spring(self) -> PreloadSpringDims:
         """Wave spring of the drum's bearings."""
         return preload_spring(self.drive, self.drum_shaft)
 
-    @cached_property
+    @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:
         """The one input pulley."""
         return (input_pulley(self.drive, self.levels),)
 
-    @cached_property
+    @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of the pulley."""
         return collar(self.drive, *self.drive.collar_seat, self.levels.motor_shelf_top_z)
 
-    @cached_property
+    @dimensions
     def head(self) -> HeadDims:
         """Motor head."""
         return head(self.drive, self.levels, flange(self.levels))
@@ -61,13 +146,36 @@ class DirectLayout:
             for c in self.drive.cables
         )
 
+    @property
+    def variables(self) -> Mapping[str, DesignVariable]:
+        """See the base class."""
+        return VARIABLES
 
-def layout(drive: DirectDrive) -> DirectLayout:
-    """The dimensions of a drive. Raises ValueError only if no geometry exists (a pulley too small for a stop)."""
-    # First, because it fails if the pulley is too small.
-    furthest = furthest_anchor_rad(drive)
-    way = terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
-    levels = direct_stack(drive)
-    shaft = drum_shaft(drive, levels)
-    frame = column(drive, levels, shaft)
-    return DirectLayout(drive, levels, drum(drive, levels, frame.stop_pin_z, way), shaft, frame)
+    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
+        """Input pulley and drum of each cable."""
+        return [
+            (c.name, body, radius)
+            for c in self.steps
+            for body, radius in (("input pulley", c.input_radius_mm), ("drum", c.drum_radius_mm))
+        ]
+
+    @property
+    def before_drum(self) -> str:
+        """See the base class."""
+        return "input pulley"
+
+    @property
+    def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
+        """See the base class."""
+        pulley = self.inputs[0]
+        return (pulley.upper_surface_radius, -pulley.land_top_z), (pulley.lower_surface_radius, -pulley.wall_z)
+
+    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
+        cables = self.drive.cables
+        on_input = [input_wrap_rad(self.drive, c, drum_angle_rad) for c in cables]
+        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
+        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, 2 * pi)
+
+
+LAYOUT = DirectLayout

@@ -1,16 +1,25 @@
-"""All derived dimensions of a design in one object, which the checks and the parts read."""
+"""The layout of Fig. 1 (a): one input beside the drum, and one cable round it with crossed spans to the drum."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
+from math import pi
 
-from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, longest_mm
-from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.checks.design_variables import ALL_RADII, SHARED, DesignVariable, by_path, field, radii
+from mbcdm_cad.layouts.base import Conventions, dimensions
+from mbcdm_cad.layouts.sector import HeadLayout
+from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad, longest_mm, side_length_mm
+from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun, laid, spur
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
+from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, drum_shaft, furthest_anchor_rad, preload_spring
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
@@ -20,53 +29,131 @@ from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
 from mbcdm_cad.routes.cable_path import CablePath
 
 
-@dataclass(frozen=True)
-class SpurLayout:
-    """Dimensions of every part of one design, mm, drum centred; heights of pulley and collar are along +Y.
+def _ratio(drive: SpurDrive, value: float) -> SpurDrive:
+    return replace(drive, cables=tuple(replace(c, input_radius_mm=c.drum_radius_mm / value) for c in drive.cables))
 
-    Each is computed on first use: most trials of sizing need a few parts only. ``terminal_way``: take-up of the
-    terminals. The drum is that of a cable at level 0, for any ``level_mm`` of the drive.
+
+def _turns(drive: SpurDrive, value: float) -> SpurDrive:
+    return replace(drive, turns=max(1, round(value)))
+
+
+_DRUM = (
+    "sector_half_angle_deg",
+    "rim_inner_radius_mm",
+    "outer_face_y_mm",
+    "web_thickness_mm",
+    "hub_diameter_mm",
+    "hub_face_y_mm",
+    "shaft_bore_mm",
+)
+_SUPPORT = (
+    "back_y_mm",
+    "plate_mm",
+    "bridge_mm",
+    "side_wall_mm",
+    "motor_shelf_mm",
+    "coupling_space_mm",
+    "bearing_shelf_mm",
+    "encoder_shelf_mm",
+)
+
+
+def _with_lands(variable: DesignVariable) -> DesignVariable:
+    """The design variable; a drive with a new value gets new planes of its terminals."""
+    return variable._replace(put=lambda drive, value: laid(spur(variable.put(drive, value))))
+
+
+VARIABLES: dict[str, DesignVariable] = by_path(
+    _with_lands(variable)
+    for variable in (
+        *SHARED,
+        radii(ALL_RADII, ("drum_radius_mm", "input_radius_mm")),
+        radii("transmission.input_radius_mm", ("input_radius_mm",))._replace(applies=lambda d: d.radii_explicit),
+        DesignVariable(
+            "transmission.input_to_drum",
+            lambda drive: drive.total_ratio,
+            _ratio,
+            applies=lambda drive: not drive.radii_explicit,
+        ),
+        field("transmission.centre_distance_mm", "centre_distance_mm"),
+        DesignVariable("transmission.turns", lambda drive: float(drive.turns), _turns),
+        field("rope.helix_lead_mm", "helix_lead_mm"),
+        field("clearances.land_edge_mm"),
+        *(field(f"drum.{name}") for name in _DRUM),
+        *(field(f"support.{name}") for name in _SUPPORT),
+    )
+)
+
+
+class SpurLayout(HeadLayout):
+    """One design; heights of pulley and collar are along +Y.
+
+    The drum is that of a cable at level 0, for any ``level_mm`` of the drive.
     """
 
+    name = "siso_spur"
+    title = "one input beside the drum, one cable round it, axes parallel (Fig. 1 a)"
+    conventions = Conventions(
+        frame="Frame: origin on the drum axis (Y), in the middle of the cable; the input stands at +Z; lengths in mm.",
+        cables="The cable is a round rod at the nominal diameter; its turns walk along the input as the drum turns.",
+    )
+
     drive: SpurDrive
-    terminal_way: TerminalWay
+    steps: tuple[SpurRun, ...]
+
+    def refuse_impossible(self) -> None:
+        """Refuses pulleys that overlap."""
+        self.terminal_way  # noqa: B018 - raises where there is none
+
+    @cached_property
+    def terminal_way(self) -> TerminalWay:
+        """Take-up of the terminals. Raises ValueError for pulleys that overlap."""
+        drive = self.drive
+        if drive.free_span_mm <= 0.0:
+            reach = drive.drum_radius_mm + drive.input_radius_mm
+            raise ValueError(
+                f"centre distance {drive.centre_distance_mm:g} mm does not exceed r_o + r_i = {reach:.4g} mm; raise "
+                "transmission.centre_distance_mm"
+            )
+        longest = longest_mm(drive, furthest_anchor_rad(drive))
+        return terminal_travel_mm(drive, {c.name: longest for c in drive.cables})
 
     @cached_property
     def levels(self) -> SpurStack:
         """Levels along Y."""
         return spur_stack(self.drive)
 
-    @cached_property
+    @dimensions
     def drum(self) -> DrumDims:
         """Drum sector."""
         return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
 
-    @cached_property
+    @dimensions
     def drum_shaft(self) -> DrumShaftDims:
         """Shaft of the drum."""
         return drum_shaft(self.drive, self.levels)
 
-    @cached_property
+    @dimensions
     def preload_spring(self) -> PreloadSpringDims:
         """Wave spring of the drum's bearings."""
         return preload_spring(self.drive, self.drum_shaft)
 
-    @cached_property
+    @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:
         """The one input pulley."""
         return (input_pulley(self.drive, self.levels),)
 
-    @cached_property
+    @dimensions
     def collar(self) -> CollarDims:
         """Clamp collar of the pulley."""
         return collar(self.drive, *self.drive.collar_seat, self.levels.motor_shelf_top_z)
 
-    @cached_property
+    @dimensions
     def frame(self) -> YokeDims:
         """The frame."""
         return yoke(self.drive, self.levels, self.drum_shaft, self._flange)
 
-    @cached_property
+    @dimensions
     def head(self) -> HeadDims:
         """Motor head."""
         return head(self.drive, self.levels, self._flange)
@@ -84,18 +171,51 @@ class SpurLayout:
         """Centre line of each cable at a drum angle, to the bottom of the bore of each swage."""
         return cable_paths(self.drive, self.anchors, drum_angle_rad)
 
+    @property
+    def variables(self) -> Mapping[str, DesignVariable]:
+        """See the base class."""
+        return VARIABLES
 
-def layout(drive: SpurDrive) -> SpurLayout:
-    """The dimensions of a drive. Raises ValueError only if no geometry exists (pulleys that overlap)."""
-    if drive.free_span_mm <= 0.0:
-        reach = drive.drum_radius_mm + drive.input_radius_mm
-        raise ValueError(
-            f"centre distance {drive.centre_distance_mm:g} mm does not exceed r_o + r_i = {reach:.4g} mm; raise "
-            "transmission.centre_distance_mm"
-        )
-    longest = longest_mm(drive, furthest_anchor_rad(drive))
-    return SpurLayout(drive, terminal_travel_mm(drive, {c.name: longest for c in drive.cables}))
+    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
+        """Input pulley and drum."""
+        name, drive = self.drive.input_names[0], self.drive
+        return [(name, "input pulley", drive.input_radius_mm), (name, "drum", drive.drum_radius_mm)]
+
+    @property
+    def levels_sense(self) -> int:
+        """See the base class."""
+        return -1
+
+    @property
+    def before_drum(self) -> str:
+        """See the base class."""
+        return "input pulley"
+
+    @property
+    def steps_before_drum(self) -> tuple[tuple[float, float], ...]:
+        """See the base class."""
+        pulley = self.inputs[0]
+        return ((pulley.lower_surface_radius, pulley.land_bottom_z),)
+
+    def anchor_rad(self, cable: SectorRun) -> float:
+        """Wrap on the drum with the drum centred: from where the cable lands to where it leaves its land."""
+        return super().anchor_rad(cable) - self.drive.landing_rad
+
+    def tensioned_lengths_mm(self) -> Sequence[float]:
+        """Length that each terminal tensions: half of the one cable, or its own cable."""
+        anchors = self.anchors
+        return [side_length_mm(self.drive, c, *anchors[c.name]) for c in self.drive.cables]
+
+    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(input, drum) wraps of each side at a drum angle, never below zero, shape (n_cables,)."""
+        cables = self.drive.cables
+        on_input = [input_wrap_rad(self.drive, c, drum_angle_rad) for c in cables]
+        on_drum = [self.anchor_rad(c) + c.drum_side * drum_angle_rad for c in cables]
+        return np.maximum(on_input, 0.0), np.clip(on_drum, 0.0, 2 * pi)
 
 
 def _at_level_0(drive: SpurDrive) -> SpurDrive:
     return drive if drive.level_mm == 0.0 else laid(replace(drive, level_mm=0.0))
+
+
+LAYOUT = SpurLayout

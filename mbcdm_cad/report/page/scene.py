@@ -19,7 +19,6 @@ from mbcdm_cad.build.mass import item_mass
 from mbcdm_cad.build.partfiles import PartFiles
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import Bill, cable_item
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Piece
@@ -72,10 +71,9 @@ class _Binary:
 
 def design_scene(drive: Drive, parts: Mapping[str, PartFiles], lines: Lines) -> Scene:
     """The scene of one design from its configuration; ``parts`` by name, ``lines`` from :func:`cable_lines`."""
-    kind = configuration(drive.configuration)
-    dims = kind.layout(drive)
-    centred = kind.bill(dims)
-    return scene(centred, bodies(kind.moving_bodies(dims), centred), parts, lines, drive)
+    layout = drive.layout
+    centred = layout.bill()
+    return scene(centred, bodies(layout.moving_bodies, centred), parts, lines, drive)
 
 
 def scene(

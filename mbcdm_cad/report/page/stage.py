@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mbcdm_cad.build.drawings import ASSEMBLY
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model.capability import requirements
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.report.page.page import fields_graph, report_page
@@ -35,7 +34,7 @@ class PageFigures:
 
 def page_figures(drive: Drive, fields: Sequence[Mapping[str, Any]], cache: Cache) -> PageFigures:
     """The figures of the page; ``fields`` as in the report."""
-    paths_at = configuration(drive.configuration).layout(drive).cable_paths
+    paths_at = drive.layout.cable_paths
     lines, _ = cable_lines(paths_at, drive.half_travel_deg)
     return PageFigures(_studies(drive, cache), lines, fields_graph(drive.name, fields))
 

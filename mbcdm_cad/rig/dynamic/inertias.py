@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.rig.cables import routes_of
 from mbcdm_cad.routes.route import DriveRoutes
 
@@ -50,5 +49,5 @@ class Inertias:
 def inertias(drive: Drive) -> Inertias:
     """Inertias of the moving parts of ``drive``."""
     rotor = drive.motor.rotor_inertia_g_cm2 * _G_CM2
-    bodies = configuration_of(drive).inertias_kg_m2(drive)
+    bodies = dict(drive.layout.inertias_kg_m2)
     return Inertias(rotor, drive.gearhead.ratio, bodies, routes_of(drive))

@@ -14,7 +14,6 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.rig.bench import Bench
 from mbcdm_cad.rig.effects.base import RigEffect
 
@@ -29,7 +28,7 @@ class InputCreep(RigEffect):
         free = [c.route.wraps[0].may_slip_through for c in bench.cables]
         if not any(free):
             raise KeyError("cable that friction alone holds on its input")
-        found = configuration_of(bench.drive).routes(bench.drive)
+        found = bench.drive.layout.routed
         wraps = np.asarray(found.geometry.through_wrap_rad(found.parameters), dtype=float)
         if self.wrap_deg is not None:
             wraps[:] = radians(self.wrap_deg)

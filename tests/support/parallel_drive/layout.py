@@ -1,164 +1,161 @@
-"""Dimensions, cable paths and inertias of the parallel drive: plain arithmetic, mm."""
+"""The layout of the parallel drive: its dimensions by plain arithmetic, in mm, its checks, and what the report says."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import acos, degrees, pi, radians, sqrt
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from math import degrees, pi
+from types import ModuleType
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mbcdm_cad.design.drive import CableRun, Drive
-from mbcdm_cad.routes.cable_path import CablePath, Stretch
-from mbcdm_cad.routes.curves import Arc, Line, Triple
-from parallel_drive.design_file import ParallelDrive
+from mbcdm_cad.checks import motors, strength
+from mbcdm_cad.checks.bending import bending_checks
+from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
+from mbcdm_cad.checks.design_variables import SHARED, DesignVariable, by_path, down, field
+from mbcdm_cad.design.design_file import DesignFile
+from mbcdm_cad.layouts.base import Conventions, Layout
+from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
+from mbcdm_cad.routes.cable_path import CablePath
+from mbcdm_cad.routes.geometry import RoutedDrive
+from parallel_drive import parts, routes
+from parallel_drive.design_file import DESIGN_FILE, ParallelDrive
 
-# Wrap left on the drum and on the input where a cable is unwound.
-RESERVE_DEG = 20.0
-STATIONS = 9
 
+class ParallelLayout(Layout):
+    """One design; heights are along Y from the base up. The two cables run in planes beside the middle."""
 
-@dataclass(frozen=True)
-class ParallelLayout:
-    """Heights along Y from the base up, mm: the two cables run in the planes y = -plane and y = +plane."""
-
+    name = "parallel_test"
+    title = "one input and a drum on parallel axes, for the tests"
+    conventions = Conventions(
+        frame="Frame: the drum's axis is Y; the input stands at x = +L, its axis along -Y.",
+        cables="Cables are round rods at the nominal diameter, each in its own plane.",
+    )
     drive: ParallelDrive
-    plane: float
-    half_width: float
-    input_radius: float
-    drum_radius: float
-    base_top: float
-    base_thickness: float
+    half_width = 3.0
+    base_top = -4.0
+    base_thickness = 3.0
+
+    @classmethod
+    def design_file(cls) -> DesignFile:
+        """Schema, rules and the drive of a file."""
+        return DESIGN_FILE
+
+    @classmethod
+    def check_families(cls) -> tuple[ModuleType, ...]:
+        """One family: the checks below."""
+        return (sys.modules[__name__],)
+
+    @classmethod
+    def path_lines(cls, cable: dict[str, Any]) -> Iterator[str]:
+        """One line a cable."""
+        yield f"  {cable['name']}: length {cable['length_mm']:.2f} mm"
+
+    @classmethod
+    def paths_template(cls) -> str:
+        """The report's table of lengths."""
+        return (
+            "| cable | length mm |\n| --- | --- |\n"
+            "{% for c in r.paths.cables %}| {{ c.name }} | {{ '%.2f' % c.length_mm }} |\n{% endfor %}\n"
+        )
+
+    def refuse_impossible(self) -> None:
+        """Raise ValueError where the pulleys overlap."""
+        run = self.drive.cables[0]
+        if self.drive.centre_distance_mm <= run.input_radius_mm + run.drum_radius_mm:
+            raise ValueError(f"centre distance {self.drive.centre_distance_mm} mm leaves no free span")
+
+    @property
+    def input_radius(self) -> float:
+        """Surface of the input pulley under the cable."""
+        return self.drive.cables[0].input_radius_mm - self.drive.cable.diameter_mm / 2
+
+    @property
+    def drum_radius(self) -> float:
+        """Surface of the drum under the cable."""
+        return self.drive.cables[0].drum_radius_mm - self.drive.cable.diameter_mm / 2
+
+    @cached_property
+    def routed(self) -> RoutedDrive:
+        """How the cables run."""
+        return routes.routed(self.drive)
+
+    @cached_property
+    def inertias_kg_m2(self) -> Mapping[str, float]:
+        """Input pulley and drum as solid cylinders: pi/2 rho w R^4."""
+        density = self.drive.material("aluminium-7075").density_g_cm3 * 1e3
+        width = 2 * self.half_width * 1e-3
+        radii = {f"input_{self.drive.input_names[0]}": self.input_radius, "drum": self.drum_radius}
+        return {name: pi / 2 * density * width * (radius * 1e-3) ** 4 for name, radius in radii.items()}
 
     def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
         """Arc on the input, crossed span, arc on the drum."""
-        return tuple(_path(self, run, drum_angle_rad) for run in self.drive.cables)
+        self.require_geometry()
+        return tuple(routes.cable_path(self.drive, run, drum_angle_rad) for run in self.drive.cables)
 
+    @cached_property
+    def path_figures(self) -> routes.ParallelFigures:
+        """Lengths and wraps over the travel."""
+        self.require_geometry()
+        return routes.path_figures(self.drive)
 
-def height_mm(run: CableRun) -> float:
-    """The plane in which a cable runs: one above, one below the middle."""
-    return run.sigma * 1.5
+    @cached_property
+    def moving_bodies(self) -> tuple[MovingBody, ...]:
+        """Drum and input."""
+        return parts.moving_bodies(self)
 
+    def bill(self, drum_angle_deg: float = 0.0) -> Bill:
+        """Parts and instances."""
+        self.require_geometry()
+        return parts.bill(self, drum_angle_deg)
 
-def layout(drive: Drive) -> ParallelLayout:
-    """Raises ValueError where the pulleys overlap."""
-    assert isinstance(drive, ParallelDrive)
-    run = drive.cables[0]
-    if drive.centre_distance_mm <= run.input_radius_mm + run.drum_radius_mm:
-        raise ValueError(f"centre distance {drive.centre_distance_mm} mm leaves no free span")
-    flank = drive.cable.diameter_mm / 2
-    return ParallelLayout(
-        drive=drive,
-        plane=1.5,
-        half_width=3.0,
-        input_radius=run.input_radius_mm - flank,
-        drum_radius=run.drum_radius_mm - flank,
-        base_top=-4.0,
-        base_thickness=3.0,
-    )
+    @cached_property
+    def assembly_order(self) -> tuple[AssemblyStep, ...]:
+        """One step."""
+        return parts.assembly_order(self)
 
-
-def wraps_rad(drive: Drive, run: CableRun, drum_angle_rad: float) -> tuple[float, float]:
-    """(input, drum) wrap of a cable at a drum angle; a cable of sense sigma leaves the drum as it turns by +sigma."""
-    half, reserve = radians(drive.half_travel_deg), radians(RESERVE_DEG)
-    taken = half - run.sigma * drum_angle_rad
-    return reserve + run.drum_radius_mm / run.input_radius_mm * (2 * half - taken), reserve + taken
-
-
-def _path(lay: ParallelLayout, run: CableRun, drum_angle_rad: float) -> CablePath:
-    drive, turning, y = lay.drive, -run.sigma, height_mm(run)
-    r_i, r_o, distance = run.input_radius_mm, run.drum_radius_mm, drive.centre_distance_mm
-    beta = acos((r_i + r_o) / distance)
-    # Contact on the drum, an angle from +X towards -Z about +Y; on the input half a turn further.
-    at_drum = turning * beta
-    at_input = at_drum + pi
-    on_input, on_drum = wraps_rad(drive, run, drum_angle_rad)
-    x, z = (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
-    wound = Arc((distance, y, 0.0), x, z, r_i, at_input + turning * on_input, at_input)
-    drum = Arc((0.0, y, 0.0), x, z, r_o, at_drum, at_drum + turning * on_drum)
-    span = Line(_end(wound, 1.0), _end(drum, 0.0))
-    pieces = (("wound", wound), ("span", span), ("drum", drum))
-    stretches = (Stretch(f"input_{run.input_name}", ("wound",)), Stretch(None, ("span",)), Stretch("drum", ("drum",)))
-    return CablePath(run, drum_angle_rad, pieces, stretches)
-
-
-def _end(arc: Arc, fraction: float) -> Triple:
-    x, y, z = arc.points(np.array([fraction]))[0]
-    return float(x), float(y), float(z)
-
-
-@dataclass(frozen=True)
-class Limit:
-    """Where the travel ends in one direction."""
-
-    angle_deg: float
-    cause: str
-
-
-@dataclass(frozen=True)
-class CableFigures:
-    """What the report asks for of every cable."""
-
-    name: str
-    length_mm: float
-    length_um: tuple[float, ...]
-    input_wrap_deg: tuple[float, ...]
-    drum_wrap_deg: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class ParallelFigures:
-    """Figures of the paths over the travel."""
-
-    drum_angle_deg: tuple[float, ...]
-    cables: tuple[CableFigures, ...]
-    limits_positive: tuple[Limit, ...]
-    limits_negative: tuple[Limit, ...]
+    # The base is taken as rigid, no gap is stacked up, and how preloads are set is left open.
+    frame_study = None
+    tolerance_stacks = ()
+    tensioning = None
 
     @property
-    def usable_deg(self) -> tuple[float, float]:
-        """The nearest limits."""
-        return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
+    def variables(self) -> Mapping[str, DesignVariable]:
+        """The shared ones and the centre distance."""
+        return by_path((*SHARED, field("centre_distance_mm")))
+
+    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """See the base class."""
+        both = np.array([routes.wraps_rad(self.drive, run, drum_angle_rad) for run in self.drive.cables])
+        return both[:, 0], both[:, 1]
+
+    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
+        """Input pulley and drum."""
+        return [
+            (run.name, body, radius)
+            for run in self.drive.cables
+            for body, radius in (("input pulley", run.input_radius_mm), ("drum", run.drum_radius_mm))
+        ]
 
 
-def path_figures(lay: ParallelLayout) -> ParallelFigures:
-    """Lengths and wraps at nine angles."""
-    drive = lay.drive
-    half, stop = drive.half_travel_deg, drive.half_travel_deg + drive.stop_clearance_deg
-    angles = tuple(float(a) for a in np.linspace(-half, half, STATIONS))
-    cables = []
-    for k, run in enumerate(drive.cables):
-        centred = lay.cable_paths(0.0)[k].length_mm
-        lengths = [lay.cable_paths(radians(a))[k].length_mm for a in angles]
-        wraps = [wraps_rad(drive, run, radians(a)) for a in angles]
-        cables.append(
-            CableFigures(
-                run.name,
-                centred,
-                tuple((length - centred) * 1e3 for length in lengths),
-                tuple(degrees(w[0]) for w in wraps),
-                tuple(degrees(w[1]) for w in wraps),
-            )
-        )
-    beyond = half + RESERVE_DEG
-    return ParallelFigures(
-        angles,
-        tuple(cables),
-        (Limit(stop, "hard stop"), Limit(beyond, "wrap on the drum ends")),
-        (Limit(-stop, "hard stop"), Limit(-beyond, "wrap on the drum ends")),
+def under_a_turn(design: ParallelLayout) -> Comparison:
+    """The cable stays in its plane, so that its wrap on the input is under a turn."""
+    ends = (-design.half_travel_rad, design.half_travel_rad)
+    return worst(
+        at_most("largest wrap on the input", degrees(float(design.wraps_rad(angle)[0].max())), 350.0, "deg")
+        for angle in ends
     )
 
 
-def free_span_mm(drive: ParallelDrive, run: CableRun) -> float:
-    """Internal tangent."""
-    return sqrt(drive.centre_distance_mm**2 - (run.input_radius_mm + run.drum_radius_mm) ** 2)
-
-
-def inertias_kg_m2(drive: Drive) -> dict[str, float]:
-    """Two solid cylinders: pi/2 rho w R^4."""
-    lay, density = layout(drive), drive.material("aluminium-7075").density_g_cm3 * 1e3
-    width = 2 * lay.half_width * 1e-3
-    run = drive.cables[0]
-    return {
-        name: pi / 2 * density * width * (radius * 1e-3) ** 4
-        for name, radius in ((f"input_{run.input_name}", lay.input_radius), ("drum", lay.drum_radius))
-    }
+CHECKS = (
+    *bending_checks((down("rope diameter_mm"),)),
+    *strength.CHECKS,
+    *motors.CHECKS,
+    Check(
+        "input_wrap", "Wrap on the input under a turn", "derived", under_a_turn, adjust=(down("travel.half_angle_deg"),)
+    ),
+)
+LAYOUT = ParallelLayout

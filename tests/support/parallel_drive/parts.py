@@ -1,15 +1,85 @@
-"""The parts of the parallel drive: a cylinder and a box."""
+"""Parts of the parallel drive, a cylinder and a box, and its bill."""
 
 from __future__ import annotations
 
-import cadquery as cq
+from math import radians
+from typing import TYPE_CHECKING
+
+from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, cable_item
+from mbcdm_cad.parts.placement import Placement
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from parallel_drive.layout import ParallelLayout
+
+_PARTS = "parallel_drive.parts"
 
 
 def create_cylinder(radius: float, half_width: float) -> cq.Solid:
     """Cylinder along Y about the middle."""
+    import cadquery as cq
+
     return cq.Solid.makeCylinder(radius, 2 * half_width, cq.Vector(0, -half_width, 0), cq.Vector(0, 1, 0))
 
 
 def create_base(length: float, thickness: float, width: float) -> cq.Solid:
     """Box below y = 0."""
+    import cadquery as cq
+
     return cq.Solid.makeBox(length, thickness, width, cq.Vector(-length / 2, -thickness, -width / 2))
+
+
+def moving_bodies(lay: ParallelLayout) -> tuple[MovingBody, ...]:
+    """Drum about +Y, input about -Y."""
+    run, distance = lay.drive.cables[0], lay.drive.centre_distance_mm
+    return (
+        MovingBody("drum", "drum", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        MovingBody(
+            f"input_{run.input_name}",
+            "input",
+            (distance, 0.0, 0.0),
+            (0.0, -1.0, 0.0),
+            run.drum_radius_mm,
+            run.input_radius_mm,
+        ),
+    )
+
+
+def bill(lay: ParallelLayout, drum_angle_deg: float = 0.0) -> Bill:
+    """Base, drum, input pulley, motor below the base, two cables."""
+    drive = lay.drive
+    metal = drive.material("aluminium-7075")
+    b = BillBuilder(lay.moving_bodies, drum_angle_deg)
+    name, distance = drive.input_names[0], drive.centre_distance_mm
+    size = (4 * lay.drum_radius, lay.base_thickness, 3 * lay.drum_radius)
+    b.add("base", f"{_PARTS}:create_base", size, material=metal, place=Placement.translation(0.0, lay.base_top, 0.0))
+    width = lay.half_width
+    b.add("drum", f"{_PARTS}:create_cylinder", (lay.drum_radius, width), material=metal, group="drum")
+    pulley = (lay.input_radius, width)
+    b.add(f"input_pulley_{name}", f"{_PARTS}:create_cylinder", pulley, material=metal, group=f"input_{name}")
+    b.add(
+        f"motor_{name}",
+        "mbcdm_cad.parts.bought.draw:create_motor",
+        (drive.motor,),
+        part="motor",
+        material=drive.material("stainless"),
+        place=Placement.translation(distance, lay.base_top - lay.base_thickness, 0.0)
+        @ Placement.about((1.0, 0.0, 0.0), -90.0),
+        mass_g=drive.motor.mass_g,
+    )
+    rope = drive.material(drive.cable.material)
+    for path in lay.cable_paths(radians(drum_angle_deg)):
+        b.add(
+            cable_item(path.cable.name),
+            "mbcdm_cad.parts.cable:create_cable",
+            (path.line, drive.cable.diameter_mm / 2),
+            material=rope,
+            mass_g=drive.cable.mass_g_m * path.length_mm / 1e3,
+        )
+    return b.bill()
+
+
+def assembly_order(lay: ParallelLayout) -> tuple[AssemblyStep, ...]:
+    """All in one step."""
+    return (AssemblyStep("Put everything in its place.", tuple(item.name for item in bill(lay).items)),)

@@ -8,18 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import acos, degrees, pi, radians, sqrt
 
 import numpy as np
 
-from mbcdm_cad.design.drive import Drive
+from mbcdm_cad.design.drive import CableRun, Drive
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.cable_path import CablePath, Stretch
+from mbcdm_cad.routes.curves import Arc, Line, Triple
 from mbcdm_cad.routes.geometry import DRUM_RADIUS, INPUT_RADIUS, RoutedDrive, Varied, tangent_length_m
 from mbcdm_cad.routes.route import Anchor, Body, CableRoute, DriveRoutes, Span, Terminal, Wrap, input_body
 from parallel_drive.design_file import ParallelDrive
-from parallel_drive.layout import height_mm
 
 DISTANCE = "centre_distance_m"
 _MM = 1e-3
+# Wrap left on the drum and on the input where a cable is unwound.
+RESERVE_DEG = 20.0
+STATIONS = 9
 
 
 @dataclass(frozen=True)
@@ -96,3 +101,103 @@ def routed(drive: Drive) -> RoutedDrive:
         DISTANCE: np.asarray(drive.centre_distance_mm * _MM),
     }
     return RoutedDrive(geometry, parameters, {"centre_distance_mm": drive.centre_distance_mm})
+
+
+def height_mm(run: CableRun) -> float:
+    """The plane in which a cable runs: one above, one below the middle."""
+    return run.sigma * 1.5
+
+
+def wraps_rad(drive: Drive, run: CableRun, drum_angle_rad: float) -> tuple[float, float]:
+    """(input, drum) wrap of a cable at a drum angle; a cable of sense sigma leaves the drum as it turns by +sigma."""
+    half, reserve = radians(drive.half_travel_deg), radians(RESERVE_DEG)
+    taken = half - run.sigma * drum_angle_rad
+    return reserve + run.drum_radius_mm / run.input_radius_mm * (2 * half - taken), reserve + taken
+
+
+def cable_path(drive: ParallelDrive, run: CableRun, drum_angle_rad: float) -> CablePath:
+    turning, y = -run.sigma, height_mm(run)
+    r_i, r_o, distance = run.input_radius_mm, run.drum_radius_mm, drive.centre_distance_mm
+    beta = acos((r_i + r_o) / distance)
+    # Contact on the drum, an angle from +X towards -Z about +Y; on the input half a turn further.
+    at_drum = turning * beta
+    at_input = at_drum + pi
+    on_input, on_drum = wraps_rad(drive, run, drum_angle_rad)
+    x, z = (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
+    wound = Arc((distance, y, 0.0), x, z, r_i, at_input + turning * on_input, at_input)
+    drum = Arc((0.0, y, 0.0), x, z, r_o, at_drum, at_drum + turning * on_drum)
+    span = Line(_end(wound, 1.0), _end(drum, 0.0))
+    pieces = (("wound", wound), ("span", span), ("drum", drum))
+    stretches = (Stretch(f"input_{run.input_name}", ("wound",)), Stretch(None, ("span",)), Stretch("drum", ("drum",)))
+    return CablePath(run, drum_angle_rad, pieces, stretches)
+
+
+def _end(arc: Arc, fraction: float) -> Triple:
+    x, y, z = arc.points(np.array([fraction]))[0]
+    return float(x), float(y), float(z)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Where the travel ends in one direction."""
+
+    angle_deg: float
+    cause: str
+
+
+@dataclass(frozen=True)
+class CableFigures:
+    """What the report asks for of every cable."""
+
+    name: str
+    length_mm: float
+    length_um: tuple[float, ...]
+    input_wrap_deg: tuple[float, ...]
+    drum_wrap_deg: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ParallelFigures:
+    """Figures of the paths over the travel."""
+
+    drum_angle_deg: tuple[float, ...]
+    cables: tuple[CableFigures, ...]
+    limits_positive: tuple[Limit, ...]
+    limits_negative: tuple[Limit, ...]
+
+    @property
+    def usable_deg(self) -> tuple[float, float]:
+        """The nearest limits."""
+        return self.limits_negative[0].angle_deg, self.limits_positive[0].angle_deg
+
+
+def path_figures(drive: ParallelDrive) -> ParallelFigures:
+    """Lengths and wraps at nine angles."""
+    half, stop = drive.half_travel_deg, drive.half_travel_deg + drive.stop_clearance_deg
+    angles = tuple(float(a) for a in np.linspace(-half, half, STATIONS))
+    cables = []
+    for run in drive.cables:
+        centred = cable_path(drive, run, 0.0).length_mm
+        lengths = [cable_path(drive, run, radians(a)).length_mm for a in angles]
+        wraps = [wraps_rad(drive, run, radians(a)) for a in angles]
+        cables.append(
+            CableFigures(
+                run.name,
+                centred,
+                tuple((length - centred) * 1e3 for length in lengths),
+                tuple(degrees(w[0]) for w in wraps),
+                tuple(degrees(w[1]) for w in wraps),
+            )
+        )
+    beyond = half + RESERVE_DEG
+    return ParallelFigures(
+        angles,
+        tuple(cables),
+        (Limit(stop, "hard stop"), Limit(beyond, "wrap on the drum ends")),
+        (Limit(-stop, "hard stop"), Limit(-beyond, "wrap on the drum ends")),
+    )
+
+
+def free_span_mm(drive: ParallelDrive, run: CableRun) -> float:
+    """Internal tangent."""
+    return sqrt(drive.centre_distance_mm**2 - (run.input_radius_mm + run.drum_radius_mm) ** 2)

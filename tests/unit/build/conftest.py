@@ -1,4 +1,4 @@
-"""Layout and solids of the reference design, drawn once."""
+"""BevelLayout and solids of the reference design, drawn once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 
@@ -17,13 +17,13 @@ ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="session")
-def dims() -> Layout:
-    """Layout of params/mbcdm.yaml."""
-    return layout(load_design(ROOT / "params" / "mbcdm.yaml").drive)
+def dims() -> BevelLayout:
+    """BevelLayout of params/mbcdm.yaml."""
+    return BevelLayout(load_design(ROOT / "params" / "mbcdm.yaml").drive)
 
 
 @pytest.fixture(scope="session")
-def solids(dims: Layout) -> dict[str, Any]:
+def solids(dims: BevelLayout) -> dict[str, Any]:
     """Part name to solid, the cables left out: the interference run draws them itself."""
     parts = bill(dims).parts
     return {name: make(spec.maker, spec.args) for name, spec in parts.items() if not name.startswith(CABLE)}

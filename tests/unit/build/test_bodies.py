@@ -12,22 +12,20 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.build.bodies import MovingGroup, bodies, is_cable
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
-KIND = configuration(DRIVE.configuration)
-DIMS: Any = KIND.layout(DRIVE)
+DIMS: Any = DRIVE.layout
 
 
 @pytest.fixture(scope="module")
 def found() -> tuple[MovingGroup, ...]:
-    return bodies(KIND.moving_bodies(DIMS), KIND.bill(DIMS))
+    return bodies(DIMS.moving_bodies, DIMS.bill())
 
 
 def test_every_item_but_the_cables_is_in_one_body(found: tuple[MovingGroup, ...]) -> None:
     items = [name for body in found for name in body.items]
     assert len(items) == len(set(items))
-    assert set(items) == {item.name for item in KIND.bill(DIMS).items if not is_cable(item)}
+    assert set(items) == {item.name for item in DIMS.bill().items if not is_cable(item)}
 
 
 def test_one_body_stands_still_and_one_is_the_drum(found: tuple[MovingGroup, ...]) -> None:
@@ -38,9 +36,9 @@ def test_one_body_stands_still_and_one_is_the_drum(found: tuple[MovingGroup, ...
 @settings(max_examples=20, deadline=None)
 @given(angle=st.floats(-DRIVE.half_travel_deg, DRIVE.half_travel_deg))
 def test_bodies_move_their_items_as_the_bill_does(angle: float) -> None:
-    found = bodies(KIND.moving_bodies(DIMS), KIND.bill(DIMS))
-    centred = {item.name: item.location for item in KIND.bill(DIMS).items}
-    moved = {item.name: item.location for item in KIND.bill(DIMS, angle).items}
+    found = bodies(DIMS.moving_bodies, DIMS.bill())
+    centred = {item.name: item.location for item in DIMS.bill().items}
+    moved = {item.name: item.location for item in DIMS.bill(angle).items}
     for body in found:
         for name in body.items:
             error = np.abs(np.array((body.at(angle) @ centred[name]).rows) - np.array(moved[name].rows)).max()

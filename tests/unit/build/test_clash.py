@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mbcdm_cad.build.clash import Clash, cable_overlaps, centre_line_distance
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Line
 
@@ -23,7 +23,7 @@ def brute(first: CablePath, second: CablePath) -> float:
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, *(pytest.param(a, marks=pytest.mark.slow) for a in (0.0, 35.0))])
-def test_distances_are_those_of_brute_force(dims: Layout, angle_deg: float) -> None:
+def test_distances_are_those_of_brute_force(dims: BevelLayout, angle_deg: float) -> None:
     """Centre lines of different cables are never nearer than 2.7 mm."""
     paths = dims.cable_paths(radians(angle_deg))
     d = dims.drive.cable.diameter_mm
@@ -39,7 +39,7 @@ def test_distances_are_those_of_brute_force(dims: Layout, angle_deg: float) -> N
     assert least > 2.7, f"{least:.3f} mm"
 
 
-def test_neighbouring_turns_lie_a_lead_apart(dims: Layout) -> None:
+def test_neighbouring_turns_lie_a_lead_apart(dims: BevelLayout) -> None:
     """Two turns side by side: the lead times the cosine of the helix angle, where the span does not come nearer."""
     drive = dims.drive
     for cable in drive.cables:
@@ -50,13 +50,13 @@ def test_neighbouring_turns_lie_a_lead_apart(dims: Layout) -> None:
         assert distance == pytest.approx(expected, abs=2e-4), f"{cable.name}: {distance:.5f}, {expected:.5f} mm"
 
 
-def test_reference_cables_clear_each_other_and_themselves(dims: Layout) -> None:
+def test_reference_cables_clear_each_other_and_themselves(dims: BevelLayout) -> None:
     for angle in np.linspace(-35, 35, 5):
         assert not list(cable_overlaps(dims.cable_paths(radians(angle)), dims.drive.cable.diameter_mm))
 
 
-def test_a_lead_under_the_diameter_is_a_cable_that_overlaps_itself(dims: Layout) -> None:
-    tight = layout(replace(dims.drive, helix_lead_mm=0.80))
+def test_a_lead_under_the_diameter_is_a_cable_that_overlaps_itself(dims: BevelLayout) -> None:
+    tight = BevelLayout(replace(dims.drive, helix_lead_mm=0.80))
     found = list(cable_overlaps(tight.cable_paths(0.0), 0.81))
     assert [(i, j) for i, j, _, _ in found] == [(k, k) for k in range(4)]
     for k, _, depth_mm, (x, y, z) in found:
@@ -68,7 +68,7 @@ def test_a_lead_under_the_diameter_is_a_cable_that_overlaps_itself(dims: Layout)
         assert abs(z - cable.drum_radius_mm) < 2.1
 
 
-def test_two_cables_made_to_cross_are_named_with_depth_and_place(dims: Layout) -> None:
+def test_two_cables_made_to_cross_are_named_with_depth_and_place(dims: BevelLayout) -> None:
     """Thicker than their centre lines are apart, they clash; a hair thinner, they do not."""
     first, second = dims.cable_paths(0.0)[:2]
     distance, _ = centre_line_distance(first, second, 0.81)
@@ -89,7 +89,9 @@ HEIGHTS = st.lists(st.floats(0.80, 0.83), min_size=3, max_size=8)
 
 @settings(max_examples=60, deadline=None)
 @given(HEIGHTS, st.floats(0.0, 0.2), st.floats(2.0, 3.0))
-def test_no_overlap_is_missed_between_samples(dims: Layout, heights: list[float], shift: float, pitch: float) -> None:
+def test_no_overlap_is_missed_between_samples(
+    dims: BevelLayout, heights: list[float], shift: float, pitch: float
+) -> None:
     """A cable that passes another several times, a hair nearer or further: the least distance is found under d."""
     x = shift + pitch * np.arange(len(heights) + 1)
     corners = [(float(a), 1.1 if k % 2 else -1.1, 0.0) for k, a in enumerate(x)]

@@ -17,9 +17,8 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import InterferenceRun, answers
 from mbcdm_cad.build.pairs import CABLE_UNDERSIZE_MM, Found
 from mbcdm_cad.build.scene import travel_poses
-from mbcdm_cad.layouts.miso_bevel import CONFIGURATION
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.make import make
@@ -61,27 +60,27 @@ def move(monkeypatch: pytest.MonkeyPatch) -> Move:
     """``move({item: extra placement in the item's own frame})`` for all runs of this test."""
 
     def install(moves: dict[str, Placement]) -> None:
-        def moved(dims: Layout, angle_deg: float = 0.0) -> Bill:
+        def moved(dims: BevelLayout, angle_deg: float = 0.0) -> Bill:
             b = bill(dims, angle_deg)
             unknown = set(moves) - {i.name for i in b.items}
             assert not unknown, f"no such items: {unknown}"
             items = tuple(replace(i, location=i.location @ moves[i.name]) if i.name in moves else i for i in b.items)
             return replace(b, items=items)
 
-        monkeypatch.setattr(type(CONFIGURATION), "bill", lambda self, dims, angle_deg=0.0: moved(dims, angle_deg))
+        monkeypatch.setattr(BevelLayout, "bill", moved)
 
     return install
 
 
 @pytest.mark.slow
-def test_reference_design_is_free_of_clashes_at_nine_poses(dims: Layout, solids: dict[str, Any]) -> None:
+def test_reference_design_is_free_of_clashes_at_nine_poses(dims: BevelLayout, solids: dict[str, Any]) -> None:
     found = interferences(dims, solids, travel_poses(dims.drive.half_travel_deg, 9), jobs=2)
     assert not found, "\n".join(map(str, found))
 
 
 @pytest.mark.slow
 def test_a_thicker_guide_meets_the_drum_and_its_cables(
-    dims: Layout, solids: dict[str, Any], known: dict[str, Found]
+    dims: BevelLayout, solids: dict[str, Any], known: dict[str, Found]
 ) -> None:
     """Step 1 grown by 0.3 mm, 0.145 mm into the drum's inner face, as high as the first land reaches; and cable 1."""
     grown = 0.3
@@ -101,7 +100,7 @@ def test_a_thicker_guide_meets_the_drum_and_its_cables(
     assert dims.levels.guide_bottom_z < z < dims.drum.lands[0].surface_radius_mm
 
 
-def test_a_drum_too_near_meets_the_guide(dims: Layout, solids: dict[str, Any], known: dict[str, Found]) -> None:
+def test_a_drum_too_near_meets_the_guide(dims: BevelLayout, solids: dict[str, Any], known: dict[str, Found]) -> None:
     """Shifted by -0.3 mm along y: past the transfer gap of 0.155 and the flank gaps of 0.045 mm."""
     shifted = {**solids, "drum": solids["drum"].moved(cq.Location(cq.Vector(0, -0.3, 0)))}
     found = interferences(dims, shifted, (dims.drive.half_travel_deg,), known=known)
@@ -121,13 +120,13 @@ def test_a_drum_too_near_meets_the_guide(dims: Layout, solids: dict[str, Any], k
 
 
 @pytest.mark.slow
-def test_a_thicker_rope_uses_up_the_flank_gap(dims: Layout) -> None:
+def test_a_thicker_rope_uses_up_the_flank_gap(dims: BevelLayout) -> None:
     """Flank gap 0.6 - 0.15 - d/2: 0.045 mm for 0.81, 0.005 for 0.89, none for 0.93, of which 0.01 is undersize."""
     for diameter, clash in ((0.89, False), (0.93, True)):
         drive = replace(
             dims.drive, cable=replace(dims.drive.cable, diameter_mm=diameter), helix_lead_mm=diameter + 0.07
         )
-        thick = layout(drive)
+        thick = BevelLayout(drive)
         parts = bill(thick).parts
         only = {name: make(parts[name].maker, parts[name].args) for name in ("drum", "guide")}
         found = interferences(thick, only, (0.0,))
@@ -142,8 +141,8 @@ def test_a_thicker_rope_uses_up_the_flank_gap(dims: Layout) -> None:
             assert c.volume_mm3 == pytest.approx(expected_volume, rel=0.15), f"{c}; by hand {expected_volume:.4f}"
 
 
-def test_a_lead_under_the_diameter_is_a_self_overlap_at_every_pose(dims: Layout) -> None:
-    tight = layout(replace(dims.drive, helix_lead_mm=0.80))
+def test_a_lead_under_the_diameter_is_a_self_overlap_at_every_pose(dims: BevelLayout) -> None:
+    tight = BevelLayout(replace(dims.drive, helix_lead_mm=0.80))
     found = interferences(tight, {}, (-35.0, 0.0, 35.0))
     assert pairs(found) == {(f"cable_{k}", f"cable_{k}") for k in (1, 2, 3, 4)}
     for angle in (-35.0, 0.0, 35.0):
@@ -153,7 +152,7 @@ def test_a_lead_under_the_diameter_is_a_self_overlap_at_every_pose(dims: Layout)
 
 @pytest.mark.slow
 def test_past_the_stops_the_pin_cuts_the_slots_end(
-    dims: Layout, solids: dict[str, Any], known: dict[str, Found]
+    dims: BevelLayout, solids: dict[str, Any], known: dict[str, Found]
 ) -> None:
     """They engage at 35.25 deg: at 35.2 there is no clash, at 36 there is."""
     few = {name: solids[name] for name in ("drum", "stop_pin", "frame")}
@@ -168,7 +167,9 @@ def test_past_the_stops_the_pin_cuts_the_slots_end(
         assert c.place_mm[0] * c.drum_angle_deg < 0, "the slot's far end comes to the pin"
 
 
-def test_a_thicker_stop_pin_meets_frame_and_drum(dims: Layout, solids: dict[str, Any], known: dict[str, Found]) -> None:
+def test_a_thicker_stop_pin_meets_frame_and_drum(
+    dims: BevelLayout, solids: dict[str, Any], known: dict[str, Found]
+) -> None:
     """Radius 1.8: a ring of 0.3 mm in the frame's hole; and 0.15 mm into both sides of the slot."""
     length = dims.drum.web_end_y + 0.5 - dims.frame.stop_pin_start_y
     thick = make("mbcdm_cad.parts.ring:create_pin", (1.8, length))
@@ -184,7 +185,7 @@ def test_a_thicker_stop_pin_meets_frame_and_drum(dims: Layout, solids: dict[str,
 
 
 def test_a_nut_run_into_its_neighbour(
-    dims: Layout, solids: dict[str, Any], move: Move, known: dict[str, Found]
+    dims: BevelLayout, solids: dict[str, Any], move: Move, known: dict[str, Found]
 ) -> None:
     """Half a millimetre along its stud: as much of the next nut, no more and nothing else."""
     move({"nut_cable_3_1": Placement.translation(0.0, 0.0, 0.5)})
@@ -199,7 +200,7 @@ def test_a_nut_run_into_its_neighbour(
 
 
 def test_a_nut_turned_into_its_pockets_wall(
-    dims: Layout, solids: dict[str, Any], move: Move, known: dict[str, Found]
+    dims: BevelLayout, solids: dict[str, Any], move: Move, known: dict[str, Found]
 ) -> None:
     """A nut may stand at any angle; one with corners 0.6 mm too far out may not."""
     move({"nut_cable_1_1": Placement.about((0.0, 0.0, 1.0), 30.0), "nut_cable_2_2": Placement.about((0, 0, 1), 15.0)})
@@ -209,7 +210,7 @@ def test_a_nut_turned_into_its_pockets_wall(
     assert ("drum", "nut_cable_2_1") in pairs(found)
 
 
-def test_a_screw_one_size_too_long(dims: Layout, solids: dict[str, Any]) -> None:
+def test_a_screw_one_size_too_long(dims: BevelLayout, solids: dict[str, Any]) -> None:
     """M2x8 in holes drilled for M2x6: 1.5 mm of thread in solid frame, four times."""
     drive = dims.drive
     longer = make("mbcdm_cad.parts.bought.draw:create_screw", (replace(drive.screw("M2x8"), name="M2x6"),))
@@ -221,7 +222,7 @@ def test_a_screw_one_size_too_long(dims: Layout, solids: dict[str, Any]) -> None
 
 
 def test_result_and_order_do_not_depend_on_jobs(
-    dims: Layout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    dims: BevelLayout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The drum 0.3 mm too near, alone with the guide; on two processes the tests are really forked."""
     monkeypatch.setattr(parallel, "_allowed", True)
@@ -232,7 +233,7 @@ def test_result_and_order_do_not_depend_on_jobs(
 
 @pytest.mark.slow
 def test_every_item_of_the_bill_takes_part(
-    dims: Layout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    dims: BevelLayout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A small ball put inside every single item, and into every stretch of every cable, is found there."""
     inside = {name: _inner_point(solid) for name, solid in solids.items()}
@@ -243,7 +244,7 @@ def test_every_item_of_the_bill_takes_part(
         f"{p.cable.name}_{n}": p.piece(n).points(np.array([0.5]))[0] for p in paths for n in ("helix", "span", "drum")
     }
 
-    def probed(layout_: Layout, angle_deg: float = 0.0) -> Bill:
+    def probed(layout_: BevelLayout, angle_deg: float = 0.0) -> Bill:
         b = bill(layout_, angle_deg)
         probes: list[Item] = []
         for item in b.items:
@@ -264,7 +265,7 @@ def test_every_item_of_the_bill_takes_part(
             )
         return replace(b, items=(*b.items, *probes))
 
-    monkeypatch.setattr(type(CONFIGURATION), "bill", lambda self, dims, angle_deg=0.0: probed(dims, angle_deg))
+    monkeypatch.setattr(BevelLayout, "bill", probed)
     bodies = {name: body(name, solid) for name, solid in {**solids, "ball": ball}.items()}
     run = run_of(dims, bodies, (0.0,))
     # What does not touch a probe is left out: other tests look at it.

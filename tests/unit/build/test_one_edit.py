@@ -18,7 +18,7 @@ from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.interference import answers
 from mbcdm_cad.build.known import KnownTests
 from mbcdm_cad.build.pairs import Faces, Pair, PartShape, Rod
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.storage import parallel
 from mbcdm_cad.storage.cache import Cache
 
@@ -36,7 +36,7 @@ def edited(solids: dict[str, Any], part: str, shift_mm: tuple[float, float, floa
 
 
 def look(
-    dims: Layout, bodies: dict[str, PartShape], cache: Cache, jobs: int = 1
+    dims: BevelLayout, bodies: dict[str, PartShape], cache: Cache, jobs: int = 1
 ) -> tuple[tuple[Clash, ...], list[str]]:
     """Result of a run that may use and fills the cache, and the keys of the tests it had to make."""
     run, stored = run_of(dims, bodies, POSES), KnownTests(cache, "source")
@@ -48,7 +48,11 @@ def look(
 
 @pytest.mark.slow
 def test_edits_one_after_the_other_equal_runs_from_nothing(
-    dims: Layout, solids: dict[str, Any], bodies: dict[str, PartShape], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    dims: BevelLayout,
+    solids: dict[str, Any],
+    bodies: dict[str, PartShape],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A harmless edit, one that makes clashes, one of another part, and the way back: each as if nothing was known."""
     monkeypatch.setattr(parallel, "_allowed", True)
@@ -78,7 +82,7 @@ def test_edits_one_after_the_other_equal_runs_from_nothing(
 
 
 def test_only_pairs_of_the_edited_part_are_tested_again(
-    dims: Layout, solids: dict[str, Any], bodies: dict[str, PartShape], tmp_path: Path
+    dims: BevelLayout, solids: dict[str, Any], bodies: dict[str, PartShape], tmp_path: Path
 ) -> None:
     cache = Cache(tmp_path)
     _, all_tests = look(dims, bodies, cache)
@@ -95,7 +99,9 @@ def test_only_pairs_of_the_edited_part_are_tested_again(
         assert any(name.startswith("nut_") for name in looked_at), f"tested again: {looked_at}"
 
 
-def test_bodies_that_move_together_are_one_test_however_often_they_are_looked_at(dims: Layout, bodies: Any) -> None:
+def test_bodies_that_move_together_are_one_test_however_often_they_are_looked_at(
+    dims: BevelLayout, bodies: Any
+) -> None:
     """The four nuts' two pairs a terminal lie alike, whatever the drum's angle."""
     run = run_of(dims, bodies, (-20.0, -3.0, 11.0))
     looks = [look_.key for look_ in run.looks if all(name.startswith("nut_") for name in look_.names)]

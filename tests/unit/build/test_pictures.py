@@ -15,7 +15,6 @@ from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.pictures import EXPLODED, exploded, transfer_section
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.item import Item
 from mbcdm_cad.parts.placement import Placement, Vector
 
@@ -25,7 +24,7 @@ METAL = Material("metal", 1.0, 70.0, 0.3, 100.0, "milled", 0.5, 0.5, (0.5, 0.5, 
 
 def test_the_section_shows_the_plane_through_the_drum_s_axis_and_the_transfer_points() -> None:
     """Of miso_bevel: the plane x = 0, the points at (0, r_g, r_o)."""
-    found = transfer_section(configuration(DRIVE.configuration).layout(DRIVE))
+    found = transfer_section(DRIVE.layout)
     assert found is not None
     centre, normal, half = found
     guide = [c.guide_radius_mm for c in DRIVE.cables]  # type: ignore[attr-defined]
@@ -48,8 +47,7 @@ def test_the_exploded_view_keeps_directions_and_multiplies_distances() -> None:
 
 
 def test_each_cable_has_a_colour_of_its_own() -> None:
-    of = configuration(DRIVE.configuration)
-    items = of.bill(of.layout(DRIVE)).items
+    items = DRIVE.layout.bill().items
     colours = [item.material.colour for item in items if item.name.startswith("cable_")]
     assert len(set(colours)) == len(colours) == 4
 

@@ -16,7 +16,6 @@ from mbcdm_cad.build.wider_holes import round_holes, with_wider_holes
 from mbcdm_cad.checks.built import overhang_check, printed_walls_check
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
 
@@ -26,8 +25,7 @@ PRINTED = (ROOT / "params/gallery/printed.yaml").read_text("utf-8")
 
 def _bill(text: str):
     drive = load_text(text, "printed.yaml").drive
-    kind = configuration(drive.configuration)
-    return drive, kind.layout(drive), kind.bill(kind.layout(drive))
+    return drive, drive.layout, drive.layout.bill()
 
 
 @pytest.fixture(scope="module")
@@ -101,11 +99,11 @@ def test_checks_say_part_place_and_figure(printed) -> None:
 
 @pytest.mark.slow
 def test_inserts_stand_in_hole_bill_order_and_table(printed) -> None:
-    drive, dims, bill = printed
+    _, dims, bill = printed
     assert dims.frame.plate_insert.name == "M2x3" and dims.drum.payload_insert.name == "M2.5x4"
     inserts = [item for item in bill.items if item.part.startswith("insert_")]
     assert len(inserts) == 8 and all(item.kind == "bought" and item.mass_g > 0.0 for item in inserts)
-    steps = configuration(drive.configuration).assembly_order(dims)
+    steps = dims.assembly_order
     joined = [name for step in steps for name in step.items]
     assert sorted(joined) == sorted(item.name for item in bill.items)
     for step in steps:

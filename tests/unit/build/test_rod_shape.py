@@ -11,7 +11,6 @@ import pytest
 from mbcdm_cad.build.kernel import measure
 from mbcdm_cad.build.mass import rod_shape
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import CABLE
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.routes.curves import Arc, Line
@@ -45,8 +44,7 @@ def test_bent_rod_has_the_volume_and_centroid_of_pappus() -> None:
 @pytest.mark.parametrize("design", ["mbcdm", "siso_spur"])
 def test_cable_has_the_mass_that_the_kernel_finds(design: str) -> None:
     drive = load_design(PARAMS / f"{design}.yaml").drive
-    kind = configuration(drive.configuration)
-    parts = kind.bill(kind.layout(drive)).parts
+    parts = drive.layout.bill().parts
     spec = next(spec for name, spec in parts.items() if name.startswith(CABLE))
     line, solid = rod_shape(*spec.args), measure(make(spec.maker, spec.args))
     assert line.volume_mm3 == pytest.approx(solid.volume_mm3, rel=1e-5)

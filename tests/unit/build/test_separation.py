@@ -23,7 +23,7 @@ from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.build.overlap import common, rod
 from mbcdm_cad.build.pairs import Rod, RodShape
 from mbcdm_cad.build.separation import Surface, apart
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.routes.curves import Arc, Helix, Line
 
@@ -110,7 +110,9 @@ def test_a_line_of_chords_is_within_the_sagitta_of_its_curve() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("angle_deg", [-35.0, 12.0])
-def test_a_run_with_meshes_finds_what_one_without_finds(dims: Layout, solids: dict[str, Any], angle_deg: float) -> None:
+def test_a_run_with_meshes_finds_what_one_without_finds(
+    dims: BevelLayout, solids: dict[str, Any], angle_deg: float
+) -> None:
     """The drum 0.3 mm too near: all clashes of the plain run, to the last figure."""
     shifted = {**solids, "drum": solids["drum"].moved(cq.Location(cq.Vector(0, -0.3, 0)))}
     runs = [
@@ -121,7 +123,7 @@ def test_a_run_with_meshes_finds_what_one_without_finds(dims: Layout, solids: di
     assert plain and plain == culled
 
 
-def test_a_cable_wound_on_a_pulley_is_left_to_the_kernel(dims: Layout, solids: dict[str, Any]) -> None:
+def test_a_cable_wound_on_a_pulley_is_left_to_the_kernel(dims: BevelLayout, solids: dict[str, Any]) -> None:
     """0.005 mm off its land: nearer than the mesh is to the pulley, so nothing may be proven."""
     path = dims.cable_paths(0.0)[0].only(("helix",))
     radius = dims.drive.cable.diameter_mm / 2 - 0.005
@@ -135,7 +137,7 @@ def test_a_cable_wound_on_a_pulley_is_left_to_the_kernel(dims: Layout, solids: d
 
 @pytest.mark.parametrize("off_mm", [0.0, 0.03])
 def test_a_wound_cable_is_proven_off_its_land_and_what_overlaps_is_found_as_without_meshes(
-    dims: Layout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch, off_mm: float
+    dims: BevelLayout, solids: dict[str, Any], monkeypatch: pytest.MonkeyPatch, off_mm: float
 ) -> None:
     """The rod along the helix is drawn only where the pulley, moved towards the cable, is really in its way."""
     path = dims.cable_paths(0.0)[0]

@@ -10,7 +10,6 @@ from typing import Any, cast
 from mbcdm_cad.build.made_parts import exported_parts
 from mbcdm_cad.build.store import MadePart, Store
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.bill import PartSpec
 
 
@@ -27,8 +26,7 @@ class _Asked:
 
 def test_only_parts_with_tapped_holes_are_drawn_anew_and_only_where_asked() -> None:
     drive = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
-    of = configuration(drive.configuration)
-    whole = of.bill(of.layout(drive))
+    whole = drive.layout.bill()
     parts = {name: cast(MadePart, ("major", spec.args)) for name, spec in whole.parts.items()}
     store = _Asked()
     assert exported_parts(cast(Store, store), whole, parts, drive, 1) == parts and not store.specs

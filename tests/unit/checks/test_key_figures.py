@@ -23,13 +23,13 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import self_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
 from mbcdm_cad.layouts.miso_bevel.checks.bearings import guide_forces_N
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 BY_ID = {check.id: check for check in CHECKS}
 
 
 def result(name: str, drive: Drive) -> CheckResult:
-    return run_check(BY_ID[name], BevelUnderTest(drive))
+    return run_check(BY_ID[name], BevelLayout(drive))
 
 
 class TestPitchCone:
@@ -81,7 +81,7 @@ class TestLandWidth:
 
 class TestPitchAgainstSurfaceRadii:
     def test_ratios_if_table_2_were_cut_as_surfaces(self, drive: Drive) -> None:
-        ratios = [ratio_if_cut_as_surface(BevelUnderTest(drive), c) for c in drive.cables]
+        ratios = [ratio_if_cut_as_surface(BevelLayout(drive), c) for c in drive.cables]
         assert ratios == pytest.approx([8.494, 8.524, 8.550, 8.574], abs=5e-4), ratios
         message = result("surface_radius", drive).message
         assert "8.494/8.524/8.55/8.574 instead of 9/9/9/9" in message, message
@@ -100,10 +100,10 @@ class TestPitchAgainstSurfaceRadii:
         assert "guide_radii_mm: [9, 9.6, 10.2, 10.8] and input_radii_mm: [6, 6.4, 6.8, 7.2]" in found.remedy, found
 
     def test_a_layout_that_cuts_at_the_pitch_radius_fails(self, drive: Drive) -> None:
-        lay = BevelUnderTest(drive).layout
+        lay = BevelLayout(drive)
         radii = (lay.guide.surface_radii[0] + 0.001, *lay.guide.surface_radii[1:])
-        wrong = replace(lay, guide=replace(lay.guide, surface_radii=radii))
-        found = run_check(BY_ID["cut_at_pitch"], BevelUnderTest(drive, wrong))
+        wrong = lay.with_dimensions(guide=replace(lay.guide, surface_radii=radii))
+        found = run_check(BY_ID["cut_at_pitch"], wrong)
         assert found.status == "fail" and found.actual == pytest.approx(0.001, rel=1e-6), found
 
 
@@ -120,14 +120,13 @@ class TestPreloadBiasAndPeakTorque:
             balanced = with_cable(balanced, k, preload_N=preload)
         assert result("preload_bias", balanced).actual == pytest.approx(0.0, abs=1e-12)
         both = [
-            saturation_Nm(BevelUnderTest(balanced), rated_input_Nm(BevelUnderTest(balanced)), sign)[0]
-            for sign in (1, -1)
+            saturation_Nm(BevelLayout(balanced), rated_input_Nm(BevelLayout(balanced)), sign)[0] for sign in (1, -1)
         ]
         assert both == pytest.approx([3.69, 3.66], abs=0.005), both
         measured = put(balanced, "loads.peak_torque_Nm", 3.3)
         assert result("motor_torque_forward", measured).status == "pass"
         assert result("motor_torque_back", measured).status == "pass"
-        assert "cable_1 72.26, cable_2 67.74, cable_3 72, cable_4 68 N" in balanced_preloads(BevelUnderTest(drive))
+        assert "cable_1 72.26, cable_2 67.74, cable_3 72, cable_4 68 N" in balanced_preloads(BevelLayout(drive))
 
     def test_directions_differ(self, drive: Drive) -> None:
         forward, back = result("motor_torque_forward", drive), result("motor_torque_back", drive)
@@ -145,7 +144,7 @@ class TestPreloadBiasAndPeakTorque:
             assert "T ~ 1/r" in found[1].remedy, found[1].remedy
 
     def test_at_the_border_the_input_carries_its_rating(self, drive: Drive) -> None:
-        loads = BevelUnderTest(put(drive, "loads.peak_torque_Nm", 3.193720531803108)).loads
+        loads = BevelLayout(put(drive, "loads.peak_torque_Nm", 3.193720531803108)).loads
         assert loads.input_torque_Nm[2][1] == pytest.approx(-2.9e-3 * 76, rel=1e-6), loads.input_torque_Nm[2]
 
 
@@ -188,13 +187,13 @@ class TestFiguresOfTheMechanism:
         assert result("wrap_slip_peak", put(drive, "loads.peak_torque_Nm", 3.3)).limit == pytest.approx(80.6, abs=0.1)
 
     def test_wraps_left(self, drive: Drive) -> None:
-        left = sorted(degrees(BevelUnderTest(drive).smallest_wrap_rad(c)) for c in drive.cables)
+        left = sorted(degrees(BevelLayout(drive).smallest_wrap_rad(c)) for c in drive.cables)
         assert left[0] > 18.0 and left[-1] < 33.0, left
 
     def test_guide_bearings_by_moments_about_one_of_them(self, drive: Drive) -> None:
         """Forces of the four cables on the guide, summed cable by cable about the lower bearing."""
-        s = BevelUnderTest(drive)
-        g, tension = s.layout.guide, s.loads.peak_back
+        s = BevelLayout(drive)
+        g, tension = s.guide, s.loads.peak_back
         low, high = g.bottom_z + g.seat_depth / 2, g.top_z - g.seat_depth / 2
         total, moment = np.zeros(2), np.zeros(2)
         for c, pull in zip(drive.cables, tension, strict=True):
@@ -209,8 +208,8 @@ class TestFiguresOfTheMechanism:
         assert pair == pytest.approx(by_hand, rel=1e-9), (pair, by_hand)
 
     def test_drum_bearings_balance_force_and_moment(self, drive: Drive) -> None:
-        s = BevelUnderTest(drive)
-        shaft = s.layout.drum_shaft
+        s = BevelLayout(drive)
+        shaft = s.drum_shaft
         rear, front = shaft.rear_bearing_y + 2.0, shaft.front_bearing_y + 2.0
         most = np.zeros(2)
         for _, tension in s.loads.states:
@@ -238,8 +237,8 @@ def test_scaling_the_whole_transmission_keeps_every_ratio(factor: float) -> None
 
 
 def test_stress_of_the_stop_pin_by_hand(drive: Drive) -> None:
-    s = BevelUnderTest(drive)
+    s = BevelLayout(drive)
     stall = 2 * 2.9e-3 * 76 * 9
     lever = 10.5 - s.levels.front_y
-    stress = stall * 1e3 / s.layout.drum.stop_radius * lever * 32 / (pi * 3.0**3)
+    stress = stall * 1e3 / s.drum.stop_radius * lever * 32 / (pi * 3.0**3)
     assert result("stop_pin", drive).actual == pytest.approx(355.0 / stress, rel=1e-9)

@@ -17,8 +17,7 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
-from mbcdm_cad.layouts.miso_bevel.design_variables import VARIABLES
+from mbcdm_cad.layouts.miso_bevel.layout import VARIABLES, BevelLayout
 
 BY_ID = {check.id: check for check in CHECKS}
 CHANGE = re.compile(r"(?:raise|lower) ([\w.]+) from \S+ to at (?:least|most) ([-\d.e]+)")
@@ -69,12 +68,12 @@ def test_every_figure_of_a_remedy_mends_its_check(count: int, least: int) -> Non
             # Advice beside the figures may speak of several parameters at once.
             if r.status != "pass" and r.actual is not None and BY_ID[r.id].adjust:
                 for mended in _mended(drive, r.remedy):
-                    after = run_check(BY_ID[r.id], BevelUnderTest(mended))
+                    after = run_check(BY_ID[r.id], BevelLayout(mended))
                     tried += 1
                     assert after.status == "pass", (r.id, r.remedy, after.message)
     assert tried > least, tried
 
 
 def test_a_remedy_names_the_catalogues_rope() -> None:
-    found = run_check(BY_ID["land_width"], BevelUnderTest(put(reference(), "cable.diameter_mm", 1.0)))
+    found = run_check(BY_ID["land_width"], BevelLayout(put(reference(), "cable.diameter_mm", 1.0)))
     assert "choose a rope of at most 0.9 mm (such as FF-081)" in found.remedy, found.remedy

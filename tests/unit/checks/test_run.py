@@ -18,7 +18,7 @@ from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import known_ids, run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text, reference_data
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 PARAMS = Path(__file__).parents[3] / "params" / "mbcdm.yaml"
 
@@ -67,9 +67,9 @@ def test_results_come_in_the_order_of_the_registry_with_all_words(drive: Drive) 
 
 
 def test_a_layout_is_checked_as_it_is(drive: Drive) -> None:
-    lay = layout(drive)
+    lay = BevelLayout(drive)
     assert run_checks(lay) == run_checks(drive)
-    thin = replace(lay, drum_shaft=replace(lay.drum_shaft, bore_radius=3.9))
+    thin = lay.with_dimensions(drum_shaft=replace(lay.drum_shaft, bore_radius=3.9))
     assert by_id(run_checks(thin))["shaft_wall"].status == "fail"
 
 

@@ -14,7 +14,7 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 ROPES = package_entries("ropes")
 OWN_MODULUS = ("  modulus_GPa:", "  modulus_area:")
@@ -31,7 +31,7 @@ def _with_rope(rope: str, termination: str = "") -> Drive:
 
 
 def _result(drive: Drive, check_id: str) -> CheckResult:
-    return next(r for r in run_all(CHECKS, BevelUnderTest(drive)) if r.id == check_id)
+    return next(r for r in run_all(CHECKS, BevelLayout(drive)) if r.id == check_id)
 
 
 @pytest.mark.parametrize("rope", ROPES)

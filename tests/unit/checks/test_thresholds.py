@@ -12,7 +12,7 @@ from mbcdm_cad.checks.comparison import Check
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.checks import CHECKS
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 BY_ID = {check.id: check for check in CHECKS}
 BISECTIONS = 60
@@ -167,7 +167,7 @@ def test_every_check_has_its_border_tried() -> None:
 
 def _holds(check: Check, drive: Drive) -> bool:
     with np.errstate(all="ignore"):
-        return check.measure(BevelUnderTest(drive)).holds
+        return check.measure(BevelLayout(drive)).holds
 
 
 @pytest.mark.parametrize("name", WAYS)
@@ -178,12 +178,12 @@ def test_one_design_just_passes_and_one_just_fails(name: str) -> None:
         return way.change(reference(), value)
 
     passing, failing = way.passing, way.failing
-    assert _holds(check, design(passing)), check.measure(BevelUnderTest(design(passing)))
-    assert not _holds(check, design(failing)), check.measure(BevelUnderTest(design(failing)))
+    assert _holds(check, design(passing)), check.measure(BevelLayout(design(passing)))
+    assert not _holds(check, design(failing)), check.measure(BevelLayout(design(failing)))
     for _ in range(BISECTIONS):
         middle = 0.5 * (passing + failing)
         passing, failing = (middle, failing) if _holds(check, design(middle)) else (passing, middle)
-    good, bad = (run_check(check, BevelUnderTest(design(value))) for value in (passing, failing))
+    good, bad = (run_check(check, BevelLayout(design(value))) for value in (passing, failing))
     assert good.status == "pass" and good.remedy == "", good
     assert bad.status == check.severity, bad
     assert bad.remedy, bad

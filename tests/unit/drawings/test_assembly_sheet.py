@@ -7,7 +7,6 @@ from pathlib import Path
 
 from mbcdm_cad.build.assembly_sheet import assembly_sheet
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.sheets.description import Linear
 
 ROOT = Path(__file__).parents[3]
@@ -15,8 +14,7 @@ ROOT = Path(__file__).parents[3]
 
 def test_list_of_parts_is_the_bill() -> None:
     drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
-    of = configuration(drive.configuration)
-    items = of.bill(of.layout(drive)).items
+    items = drive.layout.bill().items
     boxes = {item.part: ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)) for item in items}
     sheet = assembly_sheet("assembly", items, boxes, ((-63.0, -14.0, -11.0), (63.0, 20.0, 86.0)))
     (table,) = sheet.tables

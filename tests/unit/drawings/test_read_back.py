@@ -9,7 +9,6 @@ import pytest
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import DoubledDimensionError, MissingDimensionError, dimensions, document
@@ -25,8 +24,7 @@ _VOLUME_ERROR = 2e-3
 def parts() -> dict[str, tuple[cq.Solid, bytes]]:
     """Solid and DXF of the parts that are rebuilt."""
     drive = load_design(ROOT / "params" / "mbcdm.yaml").drive
-    of = configuration(drive.configuration)
-    specs = of.bill(of.layout(drive)).parts
+    specs = drive.layout.bill().parts
     made = {}
     for name in SMALL:
         spec = specs[name]

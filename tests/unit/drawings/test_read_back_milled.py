@@ -10,7 +10,6 @@ from ezdxf.document import Drawing
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import (
@@ -46,8 +45,7 @@ def sheets() -> Sheets:
     made = {}
     for file, parts in DESIGNS.items():
         drive = load_design(ROOT / "params" / f"{file}.yaml").drive
-        of = configuration(drive.configuration)
-        specs = of.bill(of.layout(drive)).parts
+        specs = drive.layout.bill().parts
         for name in parts:
             spec = specs[name]
             solid = make(spec.maker, spec.args)

@@ -13,7 +13,6 @@ import pytest
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import document, table, texts_on_texts, texts_outside
@@ -21,8 +20,7 @@ from tests.support.drawing_reader import document, table, texts_on_texts, texts_
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
-_OF = configuration(_DRIVE.configuration)
-_BILL = _OF.bill(_OF.layout(_DRIVE))
+_BILL = _DRIVE.layout.bill()
 MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "made"))
 _FACTS = PartFacts("mbcdm", "metal", 1.0, "0", 0.02)
 

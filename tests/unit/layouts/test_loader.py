@@ -91,7 +91,7 @@ def belt(monkeypatch: pytest.MonkeyPatch) -> DesignFile:
     own = ("inputs", "cables", "clearances", "drum", "input_pulleys")
     shared = {place: given for place, given in BEVEL.reference.items() if place.partition(".")[0] not in own}
     file = DesignFile(BeltDesign, {**shared, "travel.half_angle_deg": Given(20.0, "a test")}, broken, named, drive)
-    registry.add(cast(Any, SimpleNamespace(CONFIGURATION=SimpleNamespace(name="belt", design_file=lambda: file))))
+    registry.add(cast(Any, SimpleNamespace(name="belt", design_file=lambda: file)))
     return file
 
 

@@ -13,7 +13,6 @@ from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.layouts.check_design import checks_of, run_checks
 from mbcdm_cad.layouts.loader import load_text
-from mbcdm_cad.layouts.registry import configuration, configuration_of
 
 PARAMS = Path(__file__).parents[3] / "params"
 LAYOUTS = ("mbcdm", "siso_spur", "miso_spur", "siso_bevel")
@@ -31,8 +30,7 @@ def with_angle(name: str, angle_deg: float | None) -> LoadedDesign:
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_only_the_terminal_with_an_angle_moves(name: str) -> None:
     free, asked = with_angle(name, None), with_angle(name, ASKED_DEG[name])
-    kind = configuration_of(free.drive)
-    before, after = (kind.design_under_test(loaded.drive).terminals for loaded in (free, asked))
+    before, after = (loaded.drive.layout.terminals for loaded in (free, asked))
     first = asked.design.cables[0].name
     for old, new in zip(before, after, strict=True):
         if new.cable_name == first:
@@ -46,10 +44,9 @@ def test_only_the_terminal_with_an_angle_moves(name: str) -> None:
 def test_length_on_the_drum_follows_the_angle(name: str) -> None:
     """Of the drawn paths: the cable loses r times the angle, the others keep their length."""
     free, asked = with_angle(name, None), with_angle(name, ASKED_DEG[name])
-    kind = configuration_of(free.drive)
-    terminals = kind.design_under_test(free.drive).terminals
+    terminals = free.drive.layout.terminals
     lost = terminals[0].radius_mm * (terminals[0].anchor_rad - radians(ASKED_DEG[name]))
-    before, after = (sum(p.length_mm for p in kind.layout(x.drive).cable_paths(0.0)) for x in (free, asked))
+    before, after = (sum(p.length_mm for p in x.drive.layout.cable_paths(0.0)) for x in (free, asked))
     assert lost > 3.0
     # A winding's slope on the input may change a little with its length.
     assert before - after == pytest.approx(lost, abs=0.02)
@@ -58,8 +55,7 @@ def test_length_on_the_drum_follows_the_angle(name: str) -> None:
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_an_angle_outside_the_sector_fails_with_the_limit(name: str) -> None:
     asked = with_angle(name, 200.0)
-    kind = configuration_of(asked.drive)
-    test = kind.design_under_test(asked.drive)
+    test = asked.drive.layout
     check = next(c for c in checks_of(asked.drive) if c.id == "terminal_angles")
     result = run_check(check, test)
     assert result.status == "fail"
@@ -78,13 +74,12 @@ def test_the_sector_grows_for_a_stated_angle(name: str) -> None:
         "transmission": {"ratio" if name == "miso_bevel" else "input_to_drum": 4.0, "drum_radius_mm": 80.0},
         "loads": {"peak_torque_Nm": 1.0},
     }
-    kind = configuration(name)
     free = load_text(yaml.safe_dump(data))
-    furthest = degrees(kind.design_under_test(free.drive).terminals[0].furthest_rad)
+    furthest = degrees(free.drive.layout.terminals[0].furthest_rad)
     cables = [c.model_dump(exclude_none=True) for c in free.design.cables]
     cables[0]["terminal_angle_deg"] = round(furthest + 12.0, 1)
     asked = load_text(yaml.safe_dump({**data, "cables": cables}))
-    terminal = kind.design_under_test(asked.drive).terminals[0]
+    terminal = asked.drive.layout.terminals[0]
     assert degrees(terminal.anchor_rad) == pytest.approx(cables[0]["terminal_angle_deg"])
     assert asked.design.drum.sector_half_angle_deg > free.design.drum.sector_half_angle_deg
     assert [r.id for r in run_checks(asked) if r.status == "fail"] == []

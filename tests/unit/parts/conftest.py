@@ -10,7 +10,7 @@ import pytest
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import Bill
 from mbcdm_cad.parts.make import make
 
@@ -24,13 +24,13 @@ def drive() -> Drive:
 
 
 @pytest.fixture(scope="session")
-def dims(drive: Drive) -> Layout:
+def dims(drive: Drive) -> BevelLayout:
     """Its layout."""
-    return layout(drive)
+    return BevelLayout(drive)
 
 
 @pytest.fixture(scope="session")
-def centred(dims: Layout) -> Bill:
+def centred(dims: BevelLayout) -> Bill:
     """Its bill with the drum centred."""
     return bill(dims)
 

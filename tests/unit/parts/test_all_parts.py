@@ -11,7 +11,7 @@ import trimesh
 
 from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.validate import validate_faces, validate_solid
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, Bill
 
 from .golden import golden_volumes
@@ -52,7 +52,7 @@ def test_mesh_is_watertight_and_of_nearly_the_same_volume(solids: dict[str, cq.S
     assert abs(error) < 0.02, f"{name}: mesh volume off by {error:+.2%}"
 
 
-def boxes(dims: Layout) -> dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]]:
+def boxes(dims: BevelLayout) -> dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]]:
     """Low and high corners by the drawing, part's own frame."""
     v, drive, d, f = dims.levels, dims.drive, dims.drum, dims.frame
     side, gear, nut = v.side_outer_x, drive.gearhead, drive.tensioner
@@ -100,10 +100,10 @@ def boxes(dims: Layout) -> dict[str, tuple[tuple[float, float, float], tuple[flo
     }
 
 
-Boxes = Callable[[Layout], dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]]]
+Boxes = Callable[[BevelLayout], dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]]]
 
 
-def test_boxes_are_those_of_the_drawing(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_boxes_are_those_of_the_drawing(dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     for name, (low, high) in boxes(dims).items():
         found = bounding_box(solids[name])
         assert np.abs(np.subtract(found, (low, high))).max() < 1e-4, f"{name}: {found}, drawn {low} to {high}"

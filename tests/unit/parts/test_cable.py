@@ -10,13 +10,13 @@ import pytest
 
 from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.cable import create_cable
 from mbcdm_cad.routes.curves import Arc, Coil, Line
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])
-def test_volume_is_section_times_length(dims: Layout, angle_deg: float) -> None:
+def test_volume_is_section_times_length(dims: BevelLayout, angle_deg: float) -> None:
     radius = dims.drive.cable.diameter_mm / 2
     for path in dims.cable_paths(radians(angle_deg)):
         rod = create_cable(path.line, radius)
@@ -25,7 +25,7 @@ def test_volume_is_section_times_length(dims: Layout, angle_deg: float) -> None:
         assert abs(error) < 1e-5, f"{path.cable.name} at {angle_deg:+g} deg: {error:+.2e}"
 
 
-def test_rod_lies_round_its_centre_line(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_rod_lies_round_its_centre_line(dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     radius = dims.drive.cable.diameter_mm / 2
     for path in dims.cable_paths(0.0):
         points = path.sample(0.05)
@@ -34,7 +34,7 @@ def test_rod_lies_round_its_centre_line(dims: Layout, solids: dict[str, cq.Solid
         assert np.all(np.array(high) < points.max(axis=0) + radius + 1e-3), path.cable.name
 
 
-def test_ends_are_flat_discs_in_stop_and_terminal(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_ends_are_flat_discs_in_stop_and_terminal(dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     radius = dims.drive.cable.diameter_mm / 2
     for path in dims.cable_paths(0.0):
         ends = [path.pieces[0][1].points(np.array([0.0]))[0], path.pieces[-1][1].points(np.array([1.0]))[0]]

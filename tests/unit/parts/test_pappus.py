@@ -9,7 +9,7 @@ import cadquery as cq
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.top_plate import create_top_plate
 from mbcdm_cad.parts.drum_sector.draw import create_drum
 from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
@@ -34,7 +34,7 @@ def close(solid: cq.Solid, expected: float, name: str) -> None:
     assert abs(error) < TOLERANCE, f"{name}: {solid.Volume():.9f} mm^3, closed form {expected:.9f} ({error:+.1e})"
 
 
-def test_guide(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_guide(dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     g = dims.guide
     z = [g.bottom_z, *g.walls_z, g.top_z]
     steps = sum(ring(r, 0.0, b - a) for r, a, b in zip(g.surface_radii, z[:-1], z[1:], strict=True))
@@ -43,7 +43,7 @@ def test_guide(dims: Layout, solids: dict[str, cq.Solid]) -> None:
     close(solids["guide"], steps - hollow, "guide")
 
 
-def test_guide_axle_and_spacer(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_guide_axle_and_spacer(dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     a = dims.axle
     collar = ring(a.collar_radius, a.radius, a.collar_top_z - a.collar_bottom_z)
     c = 0.3
@@ -52,7 +52,7 @@ def test_guide_axle_and_spacer(dims: Layout, solids: dict[str, cq.Solid]) -> Non
     close(solids["guide_spacer"], ring(a.collar_radius, a.radius, a.spacer_top_z - a.spacer_bottom_z), "spacer")
 
 
-def test_drum_shaft(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_drum_shaft(dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     s, c = dims.drum_shaft, 0.3
     body = ring(s.radius, 0.0, s.y_end - s.y_start - 2 * c) + 2 * cone(s.radius, s.radius - c, c)
     flange = ring(s.flange_radius, s.radius, s.flange_end_y - s.flange_start_y)
@@ -64,7 +64,7 @@ def test_drum_shaft(dims: Layout, solids: dict[str, cq.Solid]) -> None:
     close(solids["wave_spring"], ring(spring.outer_radius, spring.inner_radius, spring.height), "wave spring")
 
 
-def test_terminal_stop_and_pins(drive: Drive, dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_terminal_stop_and_pins(drive: Drive, dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     t, spec, c = dims.drum.tensioners[0], drive.tensioner, 0.2
     swage, stud, bore = spec.swage_diameter_mm / 2, spec.thread_mm / 2, drive.cable.diameter_mm / 2
     body = cone(swage - c, swage, c) + ring(swage, 0.0, t.swage_end - t.swage_start - c)
@@ -136,7 +136,7 @@ def slit_area(outer: float, inner: float, width: float) -> float:
     return strip(outer) - strip(inner)
 
 
-def test_input_pulley_without_its_slots(dims: Layout) -> None:
+def test_input_pulley_without_its_slots(dims: BevelLayout) -> None:
     """Journals, necks, two steps; the gearhead's bore and the slit across it."""
     c = 0.2
     for p in dims.inputs:
@@ -159,7 +159,7 @@ def test_input_pulley_without_its_slots(dims: Layout) -> None:
         close(create_input_pulley(replace(p, slots=())), body - bore - slit, f"input pulley {p.name}")
 
 
-def test_slots_take_no_more_than_their_room(dims: Layout, solids: dict[str, cq.Solid]) -> None:
+def test_slots_take_no_more_than_their_room(dims: BevelLayout, solids: dict[str, cq.Solid]) -> None:
     """Each slot is a bent channel and a pocket: between one and three times channel and pocket as straight prisms."""
     for p in dims.inputs:
         whole = create_input_pulley(replace(p, slots=())).Volume()
@@ -171,7 +171,7 @@ def test_slots_take_no_more_than_their_room(dims: Layout, solids: dict[str, cq.S
         assert straight / 2 < taken < 3 * straight, f"{p.name}: slots take {taken:.2f} mm^3, estimate {straight:.2f}"
 
 
-def test_top_plate(drive: Drive, dims: Layout) -> None:
+def test_top_plate(drive: Drive, dims: BevelLayout) -> None:
     """A rounded plate less its holes; wide enough here that no head's pocket breaks out of its edge."""
     levels = replace(dims.levels, side_outer_x=dims.levels.side_outer_x + 3.0)
     t = replace(dims.top_plate, levels=levels)
@@ -196,7 +196,7 @@ def radial_hole(radius: float, inner: float, outer: float) -> float:
     return float(np.sum(w * radius * chord * (np.sqrt(outer**2 - x**2) - np.sqrt(inner**2 - x**2))))
 
 
-def test_drum_without_terminals_and_windows(dims: Layout) -> None:
+def test_drum_without_terminals_and_windows(dims: BevelLayout) -> None:
     """Sector of stepped rings, web, hub with spigot; the stop's slot, the payload's and the set screws' holes."""
     d = replace(dims.drum, tensioners=(), windows=())
     share, c, thread = 2 * d.half_angle_deg / 360, 0.3, 3.0

@@ -11,9 +11,8 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.layouts.siso_bevel.support.volume import VOLUMES as SISO_VOLUMES
 from mbcdm_cad.layouts.siso_spur.support.volume import VOLUMES as SPUR_VOLUMES
 from mbcdm_cad.parts import volume
@@ -47,7 +46,7 @@ def test_every_made_part_has_a_closed_form(centred: Bill) -> None:
 
 def drawn_mass_g(drive: BevelDrive) -> float:
     """Mass of all items from the solids' volumes."""
-    found = bill(layout(drive))
+    found = bill(BevelLayout(drive))
     made = {item.part for item in found.items if item.mass_g is None}
     volumes = {name: make(found.parts[name].maker, found.parts[name].args).Volume() for name in made}
     return sum(
@@ -57,7 +56,7 @@ def drawn_mass_g(drive: BevelDrive) -> float:
 
 
 def _close(drive: BevelDrive, what: str) -> None:
-    drawn, estimated = drawn_mass_g(drive), estimated_mass_g(bill(layout(drive)), VOLUMES)
+    drawn, estimated = drawn_mass_g(drive), estimated_mass_g(bill(BevelLayout(drive)), VOLUMES)
     assert estimated == pytest.approx(drawn, rel=MASS_SHARE), f"{what}: {estimated:.1f} g, drawn {drawn:.1f} g"
 
 
@@ -83,8 +82,7 @@ def test_mass_with_grooves_setback_and_four_screws(drive: Drive) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("layout", "own"), [("siso_bevel", SISO_VOLUMES), ("siso_spur", SPUR_VOLUMES)])
 def test_parts_of_drives_with_one_input_within_a_hundredth(layout: str, own: dict[str, Volume]) -> None:
-    kind = configuration(layout)
-    bill = kind.bill(kind.layout(load_text(new_design_text("single", layout)).drive))
+    bill = load_text(new_design_text("single", layout)).drive.layout.bill()
     for name in ("frame", "motor_head", "drum", "input_pulley_main"):
         spec = bill.parts[name]
         drawn = make(spec.maker, spec.args).Volume()

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.report.page import content
 from mbcdm_cad.report.page.page import LICENCE, THREE, THREE_SHA256
 from mbcdm_cad.report.page.scene import CHORD_ERROR_MM, POSE_ERROR_MM, _Binary, cable_lines
@@ -92,7 +91,7 @@ class TestCableLines:
     @pytest.fixture(scope="class")
     @classmethod
     def paths_at(cls) -> Any:
-        return configuration(DRIVE.configuration).layout(DRIVE).cable_paths
+        return DRIVE.layout.cable_paths
 
     def test_points_lie_on_the_route_and_chords_near_it(self, paths_at: Any) -> None:
         lines, angles = cable_lines(paths_at, DRIVE.half_travel_deg)

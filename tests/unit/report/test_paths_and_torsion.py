@@ -10,7 +10,7 @@ import pytest
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.loader import load_text, new_design_text
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model import to_si
 from mbcdm_cad.model.equilibrium import solve_equilibrium
 from mbcdm_cad.report.analysis_report import analyse_design
@@ -43,7 +43,7 @@ def test_a_design_without_a_layout_still_has_its_figures(drive: Drive) -> None:
 
 def test_no_helix_no_error_of_the_path(drive: Drive) -> None:
     """A helix of (nearly) no lead runs as the pitch circles do."""
-    steep, flat = (path_data(layout(replace(drive, helix_lead_mm=lead))) for lead in (0.87, 1e-6))
+    steep, flat = (path_data(BevelLayout(replace(drive, helix_lead_mm=lead))) for lead in (0.87, 1e-6))
     worst = [max(map(abs, data["drum_turn_urad"])) for data in (steep, flat)]
     assert worst[0] > 100 and worst[1] < 1e-3, f"{worst} urad"
 
@@ -51,7 +51,7 @@ def test_no_helix_no_error_of_the_path(drive: Drive) -> None:
 def test_real_wraps_turn_the_drum_no_further_than_endless_ones(drive: Drive) -> None:
     d = to_si(drive)
     endless = abs(float(solve_equilibrium(d, 0.91).drum_angle_rad)) * 1e3
-    with_wraps = path_data(layout(drive))["test_turn_mrad"]
+    with_wraps = path_data(BevelLayout(drive))["test_turn_mrad"]
     for way in ("positive", "negative"):
         assert len(with_wraps[way]) == 9
         for turn in with_wraps[way]:

@@ -11,7 +11,6 @@ import pytest
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.model import analyse
 from mbcdm_cad.report.masses import inertias, masses_by_item
 from mbcdm_cad.robot import mechanism as mechanism_module
@@ -41,9 +40,8 @@ def robot(loaded: Any, parts: Any) -> Mechanism:
 @pytest.fixture(scope="module")
 def masses(loaded: Any, parts: Any) -> dict[str, Any]:
     """The report's own sums: mass of the whole (g), inertia at the drum with and without rotors (g mm^2)."""
-    kind = configuration(loaded.drive.configuration)
-    dims = kind.layout(loaded.drive)
-    centred = kind.bill(dims)
+    dims = loaded.drive.layout
+    centred = dims.bill()
     by_item = masses_by_item(centred, parts)
     moving = inertias(dims, centred, by_item)
     return {

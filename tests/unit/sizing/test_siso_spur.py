@@ -13,7 +13,6 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text
-from mbcdm_cad.layouts.registry import configuration_of
 from mbcdm_cad.layouts.siso_spur.sizing import DERIVED, size
 
 PARAMS = Path(__file__).parents[3] / "params"
@@ -123,7 +122,7 @@ def test_lugs_of_long_terminals_are_rooted_in_the_rim() -> None:
     Without, the drum of params/gallery/capstan.yaml fell into three pieces.
     """
     drive: Any = load_design(PARAMS / "gallery" / "capstan.yaml").drive
-    drum = configuration_of(drive).layout(drive).drum  # type: ignore[attr-defined]
+    drum = drive.layout.drum  # type: ignore[attr-defined]
     for t in drum.tensioners:
         foot = hypot(t.radius_mm - drum.lug_root(t), t.lug_end)
         surface = drum.lands[-1].surface_radius_mm

@@ -26,13 +26,13 @@ from mbcdm_cad.checks.bearings import (
     safety,
 )
 from mbcdm_cad.checks.comparison import Check, Comparison, worst
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 
 
-def guide_forces_N(s: BevelUnderTest) -> list[NDArray[np.float64]]:
+def guide_forces_N(s: BevelLayout) -> list[NDArray[np.float64]]:
     """Forces on the axle at the guide's (lower, upper) bearing, shape (2, 3), in each state of the loads."""
-    g = s.layout.guide
+    g = s.guide
     apart = (g.top_z - g.bottom_z - g.seat_depth) * 1e-3
     middle = 0.5 * (s.steps[0].drum_radius_mm + s.steps[-1].drum_radius_mm)
     shift = (0.5 * (g.top_z + g.bottom_z) - middle) * 1e-3
@@ -46,21 +46,21 @@ def guide_forces_N(s: BevelUnderTest) -> list[NDArray[np.float64]]:
     return found
 
 
-def guide_reaction_N(s: BevelUnderTest) -> float:
+def guide_reaction_N(s: BevelLayout) -> float:
     """Largest radial load on one of the guide's bearings."""
     return max(float(np.linalg.norm(pair, axis=1).max()) for pair in s.once("guide_forces", guide_forces_N))
 
 
-def guide_safety(s: BevelUnderTest, limit: float) -> list[Comparison]:
+def guide_safety(s: BevelLayout, limit: float) -> list[Comparison]:
     return [safety(s.drive.bearings.guide, "guide", guide_reaction_N(s), limit)]
 
 
-def guide_bearings(s: BevelUnderTest) -> Comparison:
+def guide_bearings(s: BevelLayout) -> Comparison:
     """Static safety of the bearings in the guide, from the resulting pull and its moment."""
     return worst(guide_safety(s, STATIC_SAFETY))
 
 
-def quiet_running(s: BevelUnderTest) -> Comparison:
+def quiet_running(s: BevelLayout) -> Comparison:
     """Static safety of all bearings against the value for quiet running."""
     return worst([*input_safety(s, QUIET_SAFETY), *guide_safety(s, QUIET_SAFETY), *drum_safety(s, QUIET_SAFETY)])
 

@@ -10,15 +10,15 @@ from mbcdm_cad.checks.drum_outline import rim_points, wrap_points
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.miso_bevel.bill import bill
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
-def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
+def box_mm(s: BevelLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
-    lay, v, drive = s.layout, s.levels, s.drive
-    d, f, pitch = lay.drum, lay.frame, drive.input_x_mm
+    v, drive = s.levels, s.drive
+    d, f, pitch = s.drum, s.frame, drive.input_x_mm
     points = [rim_points(d), wrap_points(d, s.flank_mm)]
     # The cable on the largest step of an input pulley may extend beyond frame and drum on both sides.
     on_input = max(step.input_radius_mm for step in s.steps) + s.flank_mm
@@ -33,7 +33,7 @@ def box_mm(s: BevelUnderTest) -> tuple[float, float, float]:
         drive.input_y_mm + on_input,
         drive.input_y_mm - on_input,
     ]
-    box = lay.top_plate.box
+    box = s.top_plate.box
     if box is not None:
         ys += [drive.input_y_mm + box.front_y, drive.input_y_mm + box.back_y]
     for t in d.tensioners:

@@ -9,15 +9,15 @@ import numpy as np
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.layouts.miso_bevel.checks.bearings import guide_forces_N
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 # Yield over bending stress (usual for steady loads on ductile metal).
 STRESS_SAFETY = 1.5
 
 
-def guide_wall(s: BevelUnderTest) -> Comparison:
+def guide_wall(s: BevelLayout) -> Comparison:
     """Wall round the bearings in both ends of the guide."""
-    g = s.layout.guide
+    g = s.guide
     limit = s.drive.guide.material.min_wall_mm
     starts, ends = [g.bottom_z, *g.walls_z], [*g.walls_z, g.top_z]
     seats = (("lower", g.bottom_z, g.bottom_z + g.seat_depth), ("upper", g.top_z - g.seat_depth, g.top_z))
@@ -29,9 +29,9 @@ def guide_wall(s: BevelUnderTest) -> Comparison:
     )
 
 
-def guide_length(s: BevelUnderTest) -> Comparison:
+def guide_length(s: BevelLayout) -> Comparison:
     """Length of the guide that is left between its two bearings for the shoulders."""
-    g = s.layout.guide
+    g = s.guide
     return at_least(
         "shoulder between the guide's bearings",
         g.top_z - g.bottom_z - 2 * g.seat_depth,
@@ -40,9 +40,9 @@ def guide_length(s: BevelUnderTest) -> Comparison:
     )
 
 
-def axle_stress(s: BevelUnderTest) -> Comparison:
+def axle_stress(s: BevelLayout) -> Comparison:
     """Bending stress of the axle under the guide's two bearings, as a beam on shelf and top plate."""
-    g, v = s.layout.guide, s.levels
+    g, v = s.guide, s.levels
     span = v.top_plate_bottom_z - v.bearing_shelf_top_z
     below = g.bottom_z + g.seat_depth / 2 - v.bearing_shelf_top_z
     above = v.top_plate_bottom_z - (g.top_z - g.seat_depth / 2)
@@ -52,7 +52,7 @@ def axle_stress(s: BevelUnderTest) -> Comparison:
         on_shelf = lower + upper - on_plate
         moments = float(np.linalg.norm(on_shelf)) * below, float(np.linalg.norm(on_plate)) * above
         bending = max(bending, *moments)
-    stress = bending / (pi * s.layout.axle.radius**3 / 4)
+    stress = bending / (pi * s.axle.radius**3 / 4)
     strength = s.drive.guide.axle_material.yield_MPa
     return at_least(
         f"yield {strength:g} MPa over the axle's bending stress {stress:.4g} MPa",

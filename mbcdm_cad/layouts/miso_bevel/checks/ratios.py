@@ -11,28 +11,28 @@ import numpy as np
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
 from mbcdm_cad.checks.ratios import RATIO_TOLERANCE, pair_mismatch, spread
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 EQ1 = "paper Eq. (1)"
 
 
-def guide_to_drum(s: BevelUnderTest) -> Comparison:
+def guide_to_drum(s: BevelLayout) -> Comparison:
     """Row 1: r_g/r_o is the same for all four steps."""
     return spread("r_g/r_o", [c.guide_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
 
 
-def _own(s: BevelUnderTest, index: int) -> list[BevelRun]:
+def _own(s: BevelLayout, index: int) -> list[BevelRun]:
     return [c for c in s.steps if c.input_name == s.drive.input_names[index]]
 
 
-def first_input(s: BevelUnderTest) -> Comparison:
+def first_input(s: BevelLayout) -> Comparison:
     """Row 2: r_m/r_g is the same for both cables of the first input."""
     own = _own(s, 0)
     return spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own)
 
 
-def second_input(s: BevelUnderTest) -> Comparison:
+def second_input(s: BevelLayout) -> Comparison:
     """Row 3, corrected: r_m/r_g is the same for both cables of the second input, with the guide steps of that input."""
     own = _own(s, 1)
     steps = " and ".join(f"r_g{c.step}" for c in own)
@@ -40,7 +40,7 @@ def second_input(s: BevelUnderTest) -> Comparison:
     return spread(f"{own[0].input_name} r_m/r_g", [c.input_radius_mm / c.guide_radius_mm for c in own], own, note)
 
 
-def equal_total_ratio(s: BevelUnderTest) -> Comparison:
+def equal_total_ratio(s: BevelLayout) -> Comparison:
     """i_c = r_o/r_m is the same for both inputs; otherwise the inputs work against each other through the drum."""
     mean = [float(np.mean([c.drum_radius_mm / c.input_radius_mm for c in _own(s, i)])) for i in (0, 1)]
     names = s.drive.input_names
@@ -52,7 +52,7 @@ def equal_total_ratio(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _surface_hint(s: BevelUnderTest) -> str:
+def _surface_hint(s: BevelLayout) -> str:
     """Whether the radii would satisfy Eq. (1) with half a cable added: then surface radii were entered."""
     half = s.flank_mm
     pitch = [(c.drum_radius_mm + half, c.guide_radius_mm + half, c.input_radius_mm + half) for c in s.steps]
@@ -69,7 +69,7 @@ def _surface_hint(s: BevelUnderTest) -> str:
     return f"with step 1 kept, guide_radii_mm: [{guide}] and input_radii_mm: [{pulley}] satisfy Eq. (1)"
 
 
-def path_length(s: BevelUnderTest) -> Comparison:
+def path_length(s: BevelLayout) -> Comparison:
     """Length that helix and fleet angle add to a cable at the ends of travel; no choice of radii removes it."""
     (_, back), (_, centred), (_, forward) = s.extreme_paths
     drift = [[end[k].length_mm - centred[k].length_mm for end in (back, forward)] for k in range(len(centred))]

@@ -16,8 +16,8 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import (
     guide_landing_walk_mm,
     winding,
 )
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.pulleys import smallest_lead_mm
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
 from mbcdm_cad.sizing.arithmetic import cos, hypot, radians, sin, sqrt, tan
@@ -28,7 +28,7 @@ GROOVE_CREST = 0.05
 _NEWTON_STEPS = 6
 
 
-def centre_distance(s: BevelUnderTest) -> Comparison:
+def centre_distance(s: BevelLayout) -> Comparison:
     """L is larger than r_g + r_m, so that a straight span exists, with room for the curved transitions at both ends."""
     blends = 2 * BLEND_DIAMETERS * s.drive.cable.diameter_mm
 
@@ -47,7 +47,7 @@ def centre_distance(s: BevelUnderTest) -> Comparison:
     )
 
 
-def pulley_gap(s: BevelUnderTest) -> Comparison:
+def pulley_gap(s: BevelLayout) -> Comparison:
     """Gap between guide and input pulleys with their cables, at any height."""
     d = s.drive.cable.diameter_mm
     guide, pulley = max(c.guide_radius_mm for c in s.steps), max(c.input_radius_mm for c in s.steps)
@@ -59,14 +59,14 @@ def pulley_gap(s: BevelUnderTest) -> Comparison:
     )
 
 
-def fleet_angle(s: BevelUnderTest) -> Comparison:
+def fleet_angle(s: BevelLayout) -> Comparison:
     """Largest fleet angle at both ends of the travel."""
     s.levels  # noqa: B018 - without levels there is no winding
     limit = s.drive.fleet_angle_max_deg
     return worst(at_most(f"fleet angle of {c.name}", fleet_angle_deg(s.drive, c), limit, "deg") for c in s.steps)
 
 
-def helix_lead(s: BevelUnderTest) -> Comparison:
+def helix_lead(s: BevelLayout) -> Comparison:
     """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
     return at_least("lead of the helix on the input pulleys", s.drive.helix_lead_mm, smallest_lead_mm(s.drive), "mm")
 
@@ -107,7 +107,7 @@ def _slant(fall_mm: float, slope: float, radius_mm: float, cosine: float) -> flo
     return fall_mm - slope * radius_mm * cosine
 
 
-def self_clearance(s: BevelUnderTest) -> Comparison:
+def self_clearance(s: BevelLayout) -> Comparison:
     """Gap between the free span and the turn that was wound just before it, with the cable fully wound on."""
     s.levels  # noqa: B018 - without levels there is no winding
     return worst(
@@ -116,7 +116,7 @@ def self_clearance(s: BevelUnderTest) -> Comparison:
     )
 
 
-def input_walk(s: BevelUnderTest) -> Comparison:
+def input_walk(s: BevelLayout) -> Comparison:
     """The two cables of an input pulley walk along it over the travel without reaching the wall between their steps."""
     s.levels  # noqa: B018 - without levels there are no bands
     found = []
@@ -134,9 +134,9 @@ def input_walk(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def guide_wall_gaps_mm(s: BevelUnderTest) -> list[tuple[BevelRun, float]]:
+def guide_wall_gaps_mm(s: BevelLayout) -> list[tuple[BevelRun, float]]:
     """Gap of each cable's flank to the nearer wall of its step of the guide, at its widest walk."""
-    walls, found = s.layout.guide.walls_z, []
+    walls, found = s.guide.walls_z, []
     for k, c in enumerate(s.steps):
         reach = guide_landing_walk_mm(s.drive, c) + s.flank_mm
         below = c.drum_radius_mm - reach - walls[k - 1] if k > 0 else np.inf
@@ -145,7 +145,7 @@ def guide_wall_gaps_mm(s: BevelUnderTest) -> list[tuple[BevelRun, float]]:
     return found
 
 
-def guide_walk(s: BevelUnderTest) -> Comparison:
+def guide_walk(s: BevelLayout) -> Comparison:
     """The landing point on the guide moves with the walk on the input and does not reach the walls of its step."""
     return worst(
         at_least(f"{c.name} on the guide from its walls", gap, CABLE_GAP_MM, "mm")
@@ -153,7 +153,7 @@ def guide_walk(s: BevelUnderTest) -> Comparison:
     )
 
 
-def landing_angle(s: BevelUnderTest) -> Comparison:
+def landing_angle(s: BevelLayout) -> Comparison:
     """Every cable lands on the guide before the transfer point, and less than a turn before it."""
     s.levels  # noqa: B018 - without levels there is no winding
     return worst(
@@ -162,9 +162,9 @@ def landing_angle(s: BevelUnderTest) -> Comparison:
     )
 
 
-def groove_walls(s: BevelUnderTest) -> Comparison:
+def groove_walls(s: BevelLayout) -> Comparison:
     """Width of the crest between neighbouring grooves of an input pulley, and from the last groove to the next step."""
-    grooved = [(p, groove) for p in s.layout.inputs for groove in p.grooves]
+    grooved = [(p, groove) for p in s.inputs for groove in p.grooves]
     if not grooved:
         return noted("no grooves: crest", 0.0, "mm")
     limit = GROOVE_CREST * s.drive.cable.diameter_mm
@@ -178,7 +178,7 @@ def groove_walls(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def _grooves(s: BevelUnderTest) -> str:
+def _grooves(s: BevelLayout) -> str:
     """Advice to use grooved pulleys, if they alone are enough."""
     if s.drive.input_pulleys.grooved:
         return ""

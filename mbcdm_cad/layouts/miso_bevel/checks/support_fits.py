@@ -8,7 +8,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import down, up
 from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import key_gap_mm, plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import (
@@ -28,21 +28,21 @@ SCREWS_DRAWN = 2
 MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 
 
-def engagement(s: BevelUnderTest) -> Comparison:
+def engagement(s: BevelLayout) -> Comparison:
     """Engaged thread of every screw minus its diameter."""
-    drive, lay, support = s.drive, s.layout, s.drive.support
+    drive, support = s.drive, s.drive.support
     gear, encoder, ring = (drive.screw(item.screw) for item in (drive.gearhead, drive.encoder, drive.drum_encoder))
     plate = plate_screw_of(drive)
-    axle, hub, collar = (drive.screw(n) for n in (AXLE_SCREW, lay.drum.set_screw, lay.collar.screw))
-    c, v, insert = lay.collar, s.levels, lay.frame.plate_insert
+    axle, hub, collar = (drive.screw(n) for n in (AXLE_SCREW, s.drum.set_screw, s.collar.screw))
+    c, v, insert = s.collar, s.levels, s.frame.plate_insert
     in_frame = plate.length_mm - (support.top_plate_mm - plate.head_height_mm)
     engaged = (
         (f"{drive.mounted} screw", gear, gear.length_mm - support.motor_shelf_mm),
         ("encoder screw", encoder, encoder.length_mm - (drive.encoder_plate_mm - encoder.head_height_mm - 0.2)),
-        ("drum encoder's screw", ring, lay.frame.encoder_screw_depth - 0.5),
+        ("drum encoder's screw", ring, s.frame.encoder_screw_depth - 0.5),
         ("top plate's screw", plate, min(in_frame, insert.length_mm) if insert else in_frame),
-        ("axle's set screw", axle, min(axle.length_mm, v.front_y - lay.frame.axle_radius)),
-        ("hub's set screw", hub, min(hub.length_mm, lay.drum.hub_radius - lay.drum.set_screw_radius)),
+        ("axle's set screw", axle, min(axle.length_mm, v.front_y - s.frame.axle_radius)),
+        ("hub's set screw", hub, min(hub.length_mm, s.drum.hub_radius - s.drum.set_screw_radius)),
         ("collar's screw", collar, collar.length_mm - c.head_seat - c.slit_width / 2),
     )
     return worst(
@@ -51,17 +51,17 @@ def engagement(s: BevelUnderTest) -> Comparison:
     )
 
 
-def dowel_engagement(s: BevelUnderTest) -> Comparison:
+def dowel_engagement(s: BevelLayout) -> Comparison:
     """Depth of the dowels in the frame: at least one diameter."""
     return at_least(
         "dowel in the frame",
         dowel_length_mm(s.drive) - s.drive.support.top_plate_mm,
-        2 * s.layout.frame.dowel_radius,
+        2 * s.frame.dowel_radius,
         "mm",
     )
 
 
-def screw_counts(s: BevelUnderTest) -> Comparison:
+def screw_counts(s: BevelLayout) -> Comparison:
     """The numbers of screws of gearhead and encoders are ones for which frame and plate can be drilled."""
     drive = s.drive
     return worst(
@@ -78,18 +78,18 @@ def screw_counts(s: BevelUnderTest) -> Comparison:
     )
 
 
-def key_access(s: BevelUnderTest) -> Comparison:
+def key_access(s: BevelLayout) -> Comparison:
     """The holes for the key of the gearhead's screws lie completely inside the bearing's seat, or outside it."""
-    f = s.layout.top_plate.box or s.layout.frame
+    f = s.top_plate.box or s.frame
     inside = f.seat_radius - f.gear_bolt_circle - f.key_hole_radius
     outside = f.gear_bolt_circle - f.key_hole_radius - f.seat_radius - HOLE_WEB_MM
     seat = at_least("gearhead screws' key holes from the wall of the bearing's seat", max(inside, outside), 0.0, "mm")
     return worst((seat, *_keys_in_pocket(s)))
 
 
-def _keys_in_pocket(s: BevelUnderTest) -> tuple[Comparison, ...]:
+def _keys_in_pocket(s: BevelLayout) -> tuple[Comparison, ...]:
     """Gap of the keys to the upper pocket's walls; screws that are not turned are beside or before the axis."""
-    f, v = s.layout.frame, s.levels
+    f, v = s.frame, s.levels
     if f.gear_turn_deg == 0.0 or not f.carries_drives:
         return ()
     beside = v.side_inner_x - max(abs(x) for x, _ in f.gear_screws)
@@ -98,9 +98,9 @@ def _keys_in_pocket(s: BevelUnderTest) -> tuple[Comparison, ...]:
     return (at_least(what, min(beside, behind) - f.key_hole_radius, 0.0, "mm"),)
 
 
-def head_seats(s: BevelUnderTest) -> Comparison:
+def head_seats(s: BevelLayout) -> Comparison:
     """The heads of the gearhead's screws rest on the flat floor of the pocket, not on its rounded corner."""
-    v, f, box = s.levels, s.layout.frame, s.layout.top_plate.box
+    v, f, box = s.levels, s.frame, s.top_plate.box
     head = s.drive.screw(s.drive.gearhead.screw).head_diameter_mm / 2
     if box is not None:
         return at_least("gearhead screw's head from the pocket's corner", _on_box_mm(box) - head, -HEAD_EDGE_MM, "mm")
@@ -125,11 +125,11 @@ def _on_box_mm(box: CouplingBox) -> float:
     return min(beside, *(y + box.inner_x for _, y in box.gear_screws), *(box.front_y - y for _, y in box.gear_screws))
 
 
-def pulley_corner(s: BevelUnderTest) -> Comparison:
+def pulley_corner(s: BevelLayout) -> Comparison:
     """Gap between the input pulleys with their cables and the rounded corner between bearing shelf and side wall."""
-    v, f = s.levels, s.layout.frame
+    v, f = s.levels, s.frame
     found = []
-    for p in s.layout.inputs:
+    for p in s.inputs:
         low, high = (c for c in s.steps if c.input_name == p.name)
         lowest = (p.lower_land_radius, p.land_bottom_z)
         if s.drive.motors_above:
@@ -148,10 +148,10 @@ def pulley_corner(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def pocket_depth(s: BevelUnderTest) -> Comparison:
+def pocket_depth(s: BevelLayout) -> Comparison:
     """Gap between the input pulleys with their cables and the back plate."""
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
-    back = s.layout.frame.upper_floor_y
+    back = s.frame.upper_floor_y
     return at_least(
         "input pulleys, cables on, from the back plate",
         s.drive.input_y_mm - back - reach,
@@ -160,9 +160,9 @@ def pocket_depth(s: BevelUnderTest) -> Comparison:
     )
 
 
-def mounts(s: BevelUnderTest) -> Comparison:
+def mounts(s: BevelLayout) -> Comparison:
     """The mounting screws' heads have flat floor in the lower pockets and, for a screw in the column, there too."""
-    v, f = s.levels, s.layout.frame
+    v, f = s.levels, s.frame
     head, pockets = f.mount_head_radius, "lower" if s.drive.motors_above else "coupling"
     _, (x, _), _, (inner_x, _), *in_column = f.mounts
     height = v.bearing_shelf_bottom_z - v.shelf_top_z
@@ -175,9 +175,9 @@ def mounts(s: BevelUnderTest) -> Comparison:
     return worst(at_least(f"mounting screw's head: {name}", room, HEAD_ROOM_MM, "mm") for name, room in rooms)
 
 
-def drives_apart(s: BevelUnderTest) -> Comparison:
+def drives_apart(s: BevelLayout) -> Comparison:
     """Gaps between gearheads, motors and encoders, and from these to column, boss and drum encoder, or guide axle."""
-    drive, f, box = s.drive, s.layout.frame, s.layout.top_plate.box
+    drive, f, box = s.drive, s.frame, s.top_plate.box
     body = max(drive.gearhead.diameter_mm, drive.motor.diameter_mm) / 2
     centre = max(f.boss_radius, f.ear_reach, drive.drum_encoder.diameter_mm / 2)
     gap = drive.clearances.running_mm
@@ -202,9 +202,9 @@ def drives_apart(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def _encoders_in_frame(s: BevelUnderTest) -> tuple[Comparison, ...]:
+def _encoders_in_frame(s: BevelLayout) -> tuple[Comparison, ...]:
     """Gaps of encoders in the frame's lower pockets to walls, heads, corners and the lowest shelf."""
-    v, f, drive = s.levels, s.layout.frame, s.drive
+    v, f, drive = s.levels, s.frame, s.drive
     reach, x = drive.encoder.diameter_mm / 2, drive.input_x_mm
     height = v.bearing_shelf_bottom_z - v.shelf_top_z
     corner = pocket_corner_mm(f.corner_radius, v.side_inner_x - f.web_half_width, height)
@@ -218,9 +218,9 @@ def _encoders_in_frame(s: BevelUnderTest) -> tuple[Comparison, ...]:
     )
 
 
-def in_pocket(s: BevelUnderTest, name: str, reach: float) -> tuple[Comparison, ...]:
+def in_pocket(s: BevelLayout, name: str, reach: float) -> tuple[Comparison, ...]:
     """Gaps from a round part in one of the frame's lower pockets to what bounds the pocket."""
-    v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
+    v, f, running = s.levels, s.frame, s.drive.clearances.running_mm
     x = s.drive.input_x_mm
     return (
         at_least(f"{name} from the web between the drives", x - reach - f.web_half_width, running, "mm"),
@@ -234,9 +234,9 @@ def in_pocket(s: BevelUnderTest, name: str, reach: float) -> tuple[Comparison, .
     )
 
 
-def screwdriver(s: BevelUnderTest) -> Comparison:
+def screwdriver(s: BevelLayout) -> Comparison:
     """Gap between the screwdriver on the plate screws and the encoders or motors on top of the plate."""
-    p, drive, running = s.layout.top_plate, s.drive, s.drive.clearances.running_mm
+    p, drive, running = s.top_plate, s.drive, s.drive.clearances.running_mm
     if p.box is None:
         reach = drive.encoder.diameter_mm / 2 + plate_screw_of(drive).key_mm / 3**0.5
         return worst(

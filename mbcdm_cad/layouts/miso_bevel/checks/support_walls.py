@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import inside_rounded_rectangle, web_between
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import (
     AXLE_SCREW,
@@ -18,13 +18,13 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import (
 HOLE_WEB_MM = 0.5
 
 
-def walls(s: BevelUnderTest) -> Comparison:
+def walls(s: BevelLayout) -> Comparison:
     """The thinnest wall of frame and top plate, against the minimum of the material."""
     support = s.drive.support
     names = ("back_plate_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "top_plate_mm", "rib_mm")
     limit = support.material.min_wall_mm
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
-    frame = s.layout.frame
+    frame = s.frame
     found.append(at_least("back plate behind the guide", frame.upper_floor_y - s.levels.back_y, limit, "mm"))
     found.append(
         at_least(
@@ -37,10 +37,10 @@ def walls(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def bearing_shelf(s: BevelUnderTest) -> Comparison:
+def bearing_shelf(s: BevelLayout) -> Comparison:
     """The shelf has room for its bearings, a shoulder below them, and the axle's set screw with its walls."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
-    holes, shelf = s.layout.frame.encoder_holes, drive.support.bearing_shelf_mm
+    holes, shelf = s.frame.encoder_holes, drive.support.bearing_shelf_mm
     under_heads = (
         ()
         if holes is None
@@ -61,7 +61,7 @@ def bearing_shelf(s: BevelUnderTest) -> Comparison:
     )
 
 
-def top_plate(s: BevelUnderTest) -> Comparison:
+def top_plate(s: BevelLayout) -> Comparison:
     """The plate has room for its bearings and encoder screws from below, and for its own screws from above."""
     drive, limit = s.drive, s.drive.support.material.min_wall_mm
     plate = drive.support.top_plate_mm
@@ -79,15 +79,15 @@ def top_plate(s: BevelUnderTest) -> Comparison:
     )
 
 
-def front_wall(s: BevelUnderTest) -> Comparison:
+def front_wall(s: BevelLayout) -> Comparison:
     """Wall between the bearing seats and the front of shelf and plate, or of the coupling boxes' motor shelf."""
-    lay, drive = s.layout, s.drive
-    box, front = lay.top_plate.box, s.levels.front_y - drive.input_y_mm
+    drive = s.drive
+    box, front = s.top_plate.box, s.levels.front_y - drive.input_y_mm
     head = drive.screw(drive.encoder.screw).head_diameter_mm / 2 + ENCODER_HEAD_PLAY_MM
     in_shelf, in_plate = ("upper", "lower") if drive.motors_above else ("lower", "upper")
     # Screws stand around the face's axis; in the shelf of a box they are seen from its other side.
     screws, holes, shelf = (
-        ([y - drive.input_y_mm for _, y in lay.frame.gear_screws], lay.frame, front)
+        ([y - drive.input_y_mm for _, y in s.frame.gear_screws], s.frame, front)
         if box is None
         else ([y for _, y in box.gear_screws], box, box.front_y)
     )
@@ -96,8 +96,8 @@ def front_wall(s: BevelUnderTest) -> Comparison:
     return worst(
         at_least(f"front wall beside the {name}", edge - radius, limit, "mm")
         for name, edge, radius in (
-            (f"{in_shelf} bearings", front, lay.frame.seat_radius),
-            (f"{in_plate} bearings", front, lay.top_plate.seat_radius),
+            (f"{in_shelf} bearings", front, s.frame.seat_radius),
+            (f"{in_plate} bearings", front, s.top_plate.seat_radius),
             ("gearheads' pilots", shelf, holes.pilot_radius),
             ("encoders' screw heads", front, head),
             ("gearheads' screws", shelf, forward + holes.gear_screw_clearance),
@@ -106,9 +106,9 @@ def front_wall(s: BevelUnderTest) -> Comparison:
     )
 
 
-def side_wall(s: BevelUnderTest) -> Comparison:
+def side_wall(s: BevelLayout) -> Comparison:
     """Wall of the top plate on both sides of the counterbores for its screws, above the side walls."""
-    sunk = 2 * s.layout.top_plate.screw_head_radius
+    sunk = 2 * s.top_plate.screw_head_radius
     wall = s.drive.support.material.min_wall_mm
     width = s.drive.support.side_wall_mm
     return at_least(
@@ -119,7 +119,7 @@ def side_wall(s: BevelUnderTest) -> Comparison:
 _Hole = tuple[str, float, float, float, float, float]
 
 
-def _encoder_screws(s: BevelUnderTest, x: float, z: tuple[float, float], face_z: float) -> list[_Hole]:
+def _encoder_screws(s: BevelLayout, x: float, z: tuple[float, float], face_z: float) -> list[_Hole]:
     """Holes of an input's encoder through a plate between two heights, heads sunk in the face at ``face_z``."""
     drive, y = s.drive, s.drive.input_y_mm
     screw, found = drive.screw(drive.encoder.screw), list[_Hole]()
@@ -132,9 +132,9 @@ def _encoder_screws(s: BevelUnderTest, x: float, z: tuple[float, float], face_z:
     return found
 
 
-def _shelf_holes(s: BevelUnderTest) -> tuple[str, list[_Hole]]:
+def _shelf_holes(s: BevelLayout) -> tuple[str, list[_Hole]]:
     """The shelf of the frame that is drilled most, and its holes: for gearheads, or for bearings and encoders."""
-    f, v = s.layout.frame, s.levels
+    f, v = s.frame, s.levels
     if f.carries_drives:
         through = (v.motor_shelf_bottom_z, v.motor_shelf_top_z)
         pilots: list[_Hole] = [("pilot", x, f.input_y, f.pilot_radius, *through) for x in f.input_x]
@@ -149,9 +149,9 @@ def _shelf_holes(s: BevelUnderTest) -> tuple[str, list[_Hole]]:
     return "bearing shelf", holes
 
 
-def _box_webs(s: BevelUnderTest) -> list[Comparison]:
+def _box_webs(s: BevelLayout) -> list[Comparison]:
     """Webs in the motor shelf of a coupling box, and from its screws to its sides."""
-    box = s.layout.top_plate.box
+    box = s.top_plate.box
     if box is None:
         return []
     holes: list[_Hole] = [("pilot", 0.0, 0.0, box.pilot_radius, 0.0, 1.0)]
@@ -166,10 +166,10 @@ def _box_webs(s: BevelUnderTest) -> list[Comparison]:
     ]
 
 
-def hole_webs(s: BevelUnderTest) -> Comparison:
+def hole_webs(s: BevelLayout) -> Comparison:
     """Wall between neighbouring holes of top plate and shelf, and from the holes to the plate's edge."""
-    lay, v = s.layout, s.levels
-    p, box = lay.top_plate, lay.top_plate.box
+    v = s.levels
+    p, box = s.top_plate, s.top_plate.box
     low, high = v.top_plate_bottom_z, v.top_plate_top_z
     plate: list[_Hole] = [("axle", 0.0, 0.0, p.axle_radius, low, high)]
     bearing = "lower" if s.drive.motors_above else "upper"
@@ -193,9 +193,9 @@ def hole_webs(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def wall_holes(s: BevelUnderTest) -> Comparison:
+def wall_holes(s: BevelLayout) -> Comparison:
     """Wall round the threads and dowels in the side walls, and between them."""
-    f, wall = s.layout.frame, s.drive.support.side_wall_mm
+    f, wall = s.frame, s.drive.support.side_wall_mm
     limit = s.drive.support.material.min_wall_mm
     (_, front), _, (_, back), _ = f.plate_screws
     dowel_y = f.dowels[0][1]
@@ -215,9 +215,9 @@ def wall_holes(s: BevelUnderTest) -> Comparison:
     )
 
 
-def boss(s: BevelUnderTest) -> Comparison:
+def boss(s: BevelLayout) -> Comparison:
     """The boss has room for both drum bearings with a shoulder between them; ears and column lie behind its front."""
-    v, f = s.levels, s.layout.frame
+    v, f = s.levels, s.frame
     limit = s.drive.support.material.min_wall_mm
     lowest = "motor" if f.carries_drives else "lowest"
     return worst(
@@ -230,9 +230,9 @@ def boss(s: BevelUnderTest) -> Comparison:
     )
 
 
-def encoder_screws(s: BevelUnderTest) -> Comparison:
+def encoder_screws(s: BevelLayout) -> Comparison:
     """The drum encoder's screws lie outside the seat of the rear bearing and inside the encoder."""
-    f, encoder = s.layout.frame, s.drive.drum_encoder
+    f, encoder = s.frame, s.drive.drum_encoder
     return worst(
         (
             at_least(
@@ -257,9 +257,9 @@ def encoder_screws(s: BevelUnderTest) -> Comparison:
     )
 
 
-def corner_radii(s: BevelUnderTest) -> Comparison:
+def corner_radii(s: BevelLayout) -> Comparison:
     """Frame and plate are larger than the rounded corners that the milling cutter leaves in their pockets."""
-    v, f = s.levels, s.layout.frame
+    v, f = s.levels, s.frame
     return worst(
         (
             at_least("frame's depth over two corner radii", v.front_y - v.back_y - 2 * f.corner_radius, 0.1, "mm"),

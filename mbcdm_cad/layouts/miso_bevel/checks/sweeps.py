@@ -19,7 +19,7 @@ from mbcdm_cad.checks.drum_outline import Ring, drum_zones
 from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.layouts.miso_bevel.cable_path import FREE
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import in_pocket
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.collar.dims import collar_sweep_mm
 from mbcdm_cad.parts.corners import pocket_corner_mm
 
@@ -39,31 +39,31 @@ class Upright(NamedTuple):
     moves: bool = False
 
 
-def _collar_reach_mm(s: BevelUnderTest) -> float:
+def _collar_reach_mm(s: BevelLayout) -> float:
     return collar_sweep_mm(s.drive, *s.drive.collar_seat)
 
 
-def uprights(s: BevelUnderTest) -> list[Upright]:
+def uprights(s: BevelLayout) -> list[Upright]:
     """Drives and pulleys, one of each symmetric pair."""
-    drive, v, lay = s.drive, s.levels, s.layout
-    x, y, box = drive.input_x_mm, drive.input_y_mm, lay.top_plate.box
+    drive, v = s.drive, s.levels
+    x, y, box = drive.input_x_mm, drive.input_y_mm, s.top_plate.box
     bodies = [
         Upright("gearheads", x, y, drive.gearhead.diameter_mm / 2, v.gearhead_bottom_z, v.gearhead_top_z),
         Upright("motors", x, y, drive.motor.diameter_mm / 2, v.motor_bottom_z, v.motor_top_z),
         Upright("encoders", x, y, drive.encoder.diameter_mm / 2, v.encoder_bottom_z, v.encoder_top_z),
-        Upright("clamp collars", x, y, _collar_reach_mm(s), *_heights(s, lay.collar.bottom_z, lay.collar.top_z), True),
+        Upright("clamp collars", x, y, _collar_reach_mm(s), *_heights(s, s.collar.bottom_z, s.collar.top_z), True),
     ]
     if box is not None:
         reach = hypot(box.outer_x, max(box.front_y, -box.back_y))
         bodies.append(Upright("coupling boxes", x, y, reach, v.top_plate_top_z, v.motor_shelf_top_z))
-    for p in lay.inputs:
+    for p in s.inputs:
         radius = max(c.input_radius_mm for c in s.steps if c.input_name == p.name) + s.flank_mm
         heights = _heights(s, p.land_bottom_z, p.land_top_z)
         bodies.append(Upright(f"{p.name} input pulley", x, y, radius, *heights, True))
     return bodies
 
 
-def _heights(s: BevelUnderTest, low: float, high: float) -> tuple[float, float]:
+def _heights(s: BevelLayout, low: float, high: float) -> tuple[float, float]:
     """Heights in the assembly of what lies between two heights from the gearhead."""
     return (-high, -low) if s.drive.motors_above else (low, high)
 
@@ -81,7 +81,7 @@ def ring_gap(ring: Ring, body: Upright, want: float) -> float:
     return max(along_y, ring.inner - furthest, hypot(near_x, near_z) - ring.outer)
 
 
-def drum_sweep(s: BevelUnderTest) -> Comparison:
+def drum_sweep(s: BevelLayout) -> Comparison:
     """Gap from drum, terminals and wound cables to drives and pulleys over the whole travel."""
     running = s.drive.clearances.running_mm
     found = []
@@ -92,23 +92,23 @@ def drum_sweep(s: BevelUnderTest) -> Comparison:
     return worst(found)
 
 
-def frame_front(s: BevelUnderTest) -> Comparison:
+def frame_front(s: BevelLayout) -> Comparison:
     """Gap from all parts that turn with the drum to shelves, plate and boss behind them."""
     v, running = s.levels, s.drive.clearances.running_mm
     found = []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the frame", ring.y - v.front_y, running, "mm"))
-        if ring.inner < s.layout.frame.boss_radius and ring.name != "drum's hub":
+        if ring.inner < s.frame.boss_radius and ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
-    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
     return worst(found)
 
 
-def collar_space(s: BevelUnderTest) -> Comparison:
+def collar_space(s: BevelLayout) -> Comparison:
     """Gap from the clamp collars to web, side walls, back plate and the mounting screws' heads, or to their boxes."""
     v, running = s.levels, s.drive.clearances.running_mm
-    reach, box, c = _collar_reach_mm(s), s.layout.top_plate.box, s.layout.collar
+    reach, box, c = _collar_reach_mm(s), s.top_plate.box, s.collar
     if box is None:
         return worst(in_pocket(s, "clamp collar", reach))
     low, high = v.from_gearhead.motor_shelf_top_z, v.from_gearhead.bearing_shelf_bottom_z
@@ -124,7 +124,7 @@ def collar_space(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _free(s: BevelUnderTest) -> list[tuple[float, np.ndarray]]:
+def _free(s: BevelLayout) -> list[tuple[float, np.ndarray]]:
     """(drum angle in deg, points of all free stretches) at centre and both ends of travel."""
     step = step_mm(s)
     return [
@@ -133,9 +133,9 @@ def _free(s: BevelUnderTest) -> list[tuple[float, np.ndarray]]:
     ]
 
 
-def spans_clear(s: BevelUnderTest) -> Comparison:
+def spans_clear(s: BevelLayout) -> Comparison:
     """Gap from free spans and cables on the guide to the terminals, drum centred and at both ends of travel."""
-    d, step, found = s.layout.drum, step_mm(s), []
+    d, step, found = s.drum, step_mm(s), []
     keep = hypot(d.lug_half_width, max(d.nut_pocket, d.lug_half_width)) + s.flank_mm
     for angle, free in _free(s):
         cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))

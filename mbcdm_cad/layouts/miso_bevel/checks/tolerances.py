@@ -13,26 +13,26 @@ from mbcdm_cad.checks.ratios import MISMATCH_SHARE
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
 from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.checks.spans import guide_wall_gaps_mm
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.stack_up import StackUp, tightest
 from mbcdm_cad.parts.making import model_tolerances
 
-Stacks = Callable[[BevelUnderTest], list[StackUp]]
+Stacks = Callable[[BevelLayout], list[StackUp]]
 # Standard deviations on either side that hold 95 % of all drives.
 MOST_DRIVES = 1.96
 # Least gain of the self-clearance for a longer lead: the span also leaves more steeply (derived, rounded down).
 LEAD_GAIN = 0.85
 
 
-def self_clearance(s: BevelUnderTest) -> list[StackUp]:
+def self_clearance(s: BevelLayout) -> list[StackUp]:
     """Leaving span over its own last turn."""
     s.levels  # noqa: B018 - without levels there is no winding
     return [StackUp(f"{c.name} from its own last turn, mm", *gaps.self_clearance(s.drive, c)) for c in s.steps]
 
 
-def transfer_gap(s: BevelUnderTest) -> list[StackUp]:
+def transfer_gap(s: BevelLayout) -> list[StackUp]:
     """Half a cable over the gap at each transfer point."""
-    lands, guide = s.layout.drum.lands, s.layout.guide
+    lands, guide = s.drum.lands, s.guide
     return [
         StackUp(
             f"half a cable over the gap at the transfer of step {c.step}, mm",
@@ -43,7 +43,7 @@ def transfer_gap(s: BevelUnderTest) -> list[StackUp]:
     ]
 
 
-def bodies_clear(s: BevelUnderTest) -> list[StackUp]:
+def bodies_clear(s: BevelLayout) -> list[StackUp]:
     """Guide and drum before they touch."""
     return [
         StackUp(f"{what}, mm", gap, gaps.bodies_contributions(s.drive, s.steps[step]))
@@ -51,7 +51,7 @@ def bodies_clear(s: BevelUnderTest) -> list[StackUp]:
     ]
 
 
-def land_edge(s: BevelUnderTest) -> list[StackUp]:
+def land_edge(s: BevelLayout) -> list[StackUp]:
     """Contact lines from the broken edges of their lands."""
     return [
         StackUp(
@@ -59,13 +59,13 @@ def land_edge(s: BevelUnderTest) -> list[StackUp]:
             c.guide_radius_mm - land.y_start - EDGE_BREAK_MM,
             gaps.land_edge_contributions(s.drive, c),
         )
-        for c, land in zip(s.steps, s.layout.drum.lands, strict=True)
+        for c, land in zip(s.steps, s.drum.lands, strict=True)
     ]
 
 
-def flank_gap(s: BevelUnderTest) -> list[StackUp]:
+def flank_gap(s: BevelLayout) -> list[StackUp]:
     """Flanks on the drum from the wall of the next land."""
-    lands = s.layout.drum.lands
+    lands = s.drum.lands
     return [
         StackUp(
             f"flank of {c.name} on the drum from the next land's wall, mm",
@@ -76,7 +76,7 @@ def flank_gap(s: BevelUnderTest) -> list[StackUp]:
     ]
 
 
-def guide_gap(s: BevelUnderTest) -> list[StackUp]:
+def guide_gap(s: BevelLayout) -> list[StackUp]:
     """Cables on the guide from the walls of their steps."""
     return [
         StackUp(f"{c.name} on the guide from its walls, mm", gap, gaps.guide_wall_contributions(s.drive, c))
@@ -87,7 +87,7 @@ def guide_gap(s: BevelUnderTest) -> list[StackUp]:
 _STACKS: tuple[Stacks, ...] = (self_clearance, transfer_gap, bodies_clear, land_edge, flank_gap, guide_gap)
 
 
-def stacks(s: BevelUnderTest) -> Iterator[StackUp]:
+def stacks(s: BevelLayout) -> Iterator[StackUp]:
     """The tightest stack of each gap, and that of each ratio, whose margin is the mismatch that a pair may have."""
     for of in _STACKS:
         yield tightest(of(s))
@@ -96,7 +96,7 @@ def stacks(s: BevelUnderTest) -> Iterator[StackUp]:
     )
 
 
-def _against_stack(of: Stacks, s: BevelUnderTest) -> Comparison:
+def _against_stack(of: Stacks, s: BevelLayout) -> Comparison:
     """The smallest gap is compared with the root sum of squares of the tolerances that change it."""
     stack = tightest(of(s))
     figure = stack.figure.removesuffix(", mm")
@@ -104,7 +104,7 @@ def _against_stack(of: Stacks, s: BevelUnderTest) -> Comparison:
     return at_least(figure, stack.margin, stack.rss, "mm", note)
 
 
-def pair_mismatch(s: BevelUnderTest) -> Comparison:
+def pair_mismatch(s: BevelLayout) -> Comparison:
     """Tension that radii within their tolerances may cause in a pair of cables over the travel, from the model."""
     from mbcdm_cad.model.equilibrium import solve_equilibrium
 
@@ -133,7 +133,7 @@ def pair_mismatch(s: BevelUnderTest) -> Comparison:
     )
 
 
-def transmission_error(s: BevelUnderTest) -> Comparison:
+def transmission_error(s: BevelLayout) -> Comparison:
     """Largest error of the drum's angle over the travel that the tolerances cause: linear theory, two sigma."""
     from mbcdm_cad.model.tolerance import linear_error
 
@@ -149,7 +149,7 @@ def transmission_error(s: BevelUnderTest) -> Comparison:
     )
 
 
-def _wider_or_closer(of: Stacks, widen: str, gain: float, s: BevelUnderTest) -> str:
+def _wider_or_closer(of: Stacks, widen: str, gain: float, s: BevelLayout) -> str:
     """Advice: the increase of the gap, or the closer tolerance of the costliest part; no search, as all is linear."""
     stack = tightest(of(s))
     most = stack.costliest

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from math import asin, atan2, degrees, hypot
 
 from mbcdm_cad.checks.comparison import Comparison
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.drum_sector import (
     HUB_DIAMETERS,
     RIM_WALLS,
@@ -15,9 +14,10 @@ from mbcdm_cad.checks.drum_sector import (
 from mbcdm_cad.checks.drum_wraps import LEAST_WRAP_DEG, wrap_left
 from mbcdm_cad.checks.terminals import LUG_SAFETY, terminal_angles
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.wraps import terminal_clears_guide
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.layouts.miso_bevel.drum import STOP_PIN_WALL_MM
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import take_up_mm
 from mbcdm_cad.parts.drum_sector.dims import lug_root_mm
@@ -198,10 +198,10 @@ def _sector(given: BevelKnown) -> Found:
     return Found(angle, driver, "up to 0.5")
 
 
-def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelUnderTest], Comparison]) -> bool:
+def _holds(given: BevelKnown, angle_deg: float, *checks: Callable[[BevelLayout], Comparison]) -> bool:
     """Whether these checks hold with a sector of this half angle, or have no figure there."""
     try:
-        trial = BevelUnderTest(given.trial(**{**LATER, "drum__sector_half_angle_deg": angle_deg}))
+        trial = BevelLayout(given.trial(**{**LATER, "drum__sector_half_angle_deg": angle_deg}))
         return all(check(trial).holds for check in checks)
     except NoFigureError:
         return True

@@ -5,11 +5,11 @@ from __future__ import annotations
 from contextlib import suppress
 from math import sqrt
 
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.fixings import stop_pin
 from mbcdm_cad.checks.input_pulley import GRIP_DIAMETERS, PASSAGE_MM
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import MOUNT_SCREW_HEAD_HEIGHT_MM
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import PLATE_SCREWS
 from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm, side_wall
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
@@ -111,7 +111,7 @@ def _stop_pin(given: BevelKnown) -> Found:
             continue
         with suppress(NoFigureError):
             trial = given.trial(**LATER, drum__stop_pin_mm=size)
-            found = stop_pin(BevelUnderTest(trial))
+            found = stop_pin(BevelLayout(trial))
             if found.margin >= 0.0:
                 return Found(size, "stop_pin", "to a usual size")
             # Stress falls with the cube of the diameter; a thicker pin also moves outwards a little.

@@ -7,7 +7,6 @@ from math import pi, sqrt
 
 from pydantic import ValidationError
 
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.design.bought import (
     Gearhead,
     InsertSpec,
@@ -18,6 +17,7 @@ from mbcdm_cad.design.bought import (
 from mbcdm_cad.design.lookup import Catalogue
 from mbcdm_cad.design.rules import every_broken_rule
 from mbcdm_cad.design.sized import SizingError
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_distance_mm
 from mbcdm_cad.layouts.miso_bevel.design_file.resolve import drive
 from mbcdm_cad.layouts.miso_bevel.design_file.rules import broken_rules, named_entries

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.terminals import TERMINAL_GAP_MM
 from mbcdm_cad.design.rules import Broken
 from mbcdm_cad.design.sized import SizingError
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.cable_path import BLEND_DIAMETERS
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import HOLE_WEB_MM
 from mbcdm_cad.layouts.miso_bevel.checks.sweeps import MOVING_GAP_MM, drum_sweep
 from mbcdm_cad.layouts.miso_bevel.design_file.rules import MOST_SETBACK
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.boxes import box_mm
 from mbcdm_cad.layouts.miso_bevel.sizing.known import (
     LATER,
@@ -298,7 +298,7 @@ def _passing_needs_mm(given: BevelKnown) -> dict[str, float]:
 def _drum_passes(given: BevelKnown) -> bool:
     """Whether drum, terminals and cables pass drives and pulleys that are not set back."""
     try:
-        return drum_sweep(BevelUnderTest(given.trial(**LATER))).holds
+        return drum_sweep(BevelLayout(given.trial(**LATER))).holds
     except NoFigureError:
         return True
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from mbcdm_cad.checks.design_under_test import NoFigureError
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import head_seats, key_access
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import front_wall
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.sizing.known import LATER, BevelKnown
 from mbcdm_cad.sizing.rule import Found, Rule
 
@@ -16,7 +16,7 @@ FIELD = "drive.gearhead_angle_deg"
 def _failing(given: BevelKnown, turn_deg: float) -> str:
     """The check of the gearheads' screws that fails with gearheads turned by this angle; empty if none does."""
     try:
-        design = BevelUnderTest(given.trial(**LATER, drive__gearhead_angle_deg=turn_deg))
+        design = BevelLayout(given.trial(**LATER, drive__gearhead_angle_deg=turn_deg))
         found = {check.__name__: check(design) for check in (head_seats, key_access, front_wall)}
     except NoFigureError:
         return ""

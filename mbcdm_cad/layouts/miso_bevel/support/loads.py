@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N
 from mbcdm_cad.model.si import MM, DriveSI, to_si
@@ -41,7 +41,7 @@ def unit_tensions_N(d: DriveSI) -> Floats:
     return np.asarray(d.sigma * stiffness * d.drum_radius_m / (stiffness * d.drum_radius_m**2).sum())
 
 
-def seat_points_mm(layout: Layout) -> dict[str, tuple[float, float, float]]:
+def seat_points_mm(layout: BevelLayout) -> dict[str, tuple[float, float, float]]:
     """Where drum bearings, guide axle and input bearings press on frame and top plate: the middles of the seats."""
     v, frame, plate, shaft = layout.levels, layout.frame, layout.top_plate, layout.drum_shaft
     half = layout.drive.bearings.drum.width_mm / 2
@@ -57,7 +57,7 @@ def seat_points_mm(layout: Layout) -> dict[str, tuple[float, float, float]]:
     return points
 
 
-def seat_loads(layout: Layout, tension_N: Floats) -> SeatLoads:
+def seat_loads(layout: BevelLayout, tension_N: Floats) -> SeatLoads:
     """Forces of the given tensions (n_cables,), which may be differences and negative, on the support's seats."""
     d = to_si(layout.drive)
     loads = bearing_loads(d, tension_N)

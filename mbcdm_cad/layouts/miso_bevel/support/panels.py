@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from math import pi
 
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
 from mbcdm_cad.model.plate_mesh import Hole, Mounts, PlateMesh, Wall, X, Y, Z, plate_mesh
 
 
-def panels(layout: Layout) -> list[Wall]:
+def panels(layout: BevelLayout) -> list[Wall]:
     """The walls of the half x >= 0."""
     v, f, t = layout.levels, layout.frame, layout.top_plate
     x_wall, x_rib = (v.side_inner_x + v.side_outer_x) / 2, f.boss_radius - f.rib_thickness / 2
@@ -55,13 +55,13 @@ def panels(layout: Layout) -> list[Wall]:
     ]
 
 
-def mounts(layout: Layout) -> Mounts:
+def mounts(layout: BevelLayout) -> Mounts:
     """The mounting screws."""
     f, v = layout.frame, layout.levels
     return Mounts(f.mounts, MOUNT_SCREW_HEAD_MM / 2, f.mount_radius, v.pocket_floor_y - v.back_y)
 
 
-def support_mesh(layout: Layout) -> PlateMesh:
+def support_mesh(layout: BevelLayout) -> PlateMesh:
     """Panels cut into elements along one common grid. Panels without extent in this design are left out.
 
     Raises ``ValueError`` if a wall has no thickness, or a mounting screw no back plate.

@@ -24,8 +24,8 @@ from math import pi
 import numpy as np
 
 from mbcdm_cad.design.bought import Material
-from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.loads import SeatLoads, seat_loads, unit_tensions_N
 from mbcdm_cad.layouts.miso_bevel.support.panels import mounts, support_mesh
 from mbcdm_cad.model.folded_plates import Ints
@@ -36,7 +36,7 @@ from mbcdm_cad.routes import Floats
 _SHEAR_FACTOR = 5.0 / 6.0
 
 
-def _half_load(layout: Layout, mesh: PlateMesh, loads: SeatLoads) -> Floats:
+def _half_load(layout: BevelLayout, mesh: PlateMesh, loads: SeatLoads) -> Floats:
     """Nodal loads (6 m,) of the half x >= 0: the part of ``loads`` that changes sign in the mirror."""
     node = mesh.plates.node_mm
     total = np.zeros((len(node), 6))
@@ -71,7 +71,7 @@ def _half_load(layout: Layout, mesh: PlateMesh, loads: SeatLoads) -> Floats:
     return total.ravel()
 
 
-def _seat_of_gearheads(layout: Layout) -> tuple[str, float, float]:
+def _seat_of_gearheads(layout: BevelLayout) -> tuple[str, float, float]:
     """The panel that takes the couple of a gearhead, the height of its face there, and the reach of its seat; mm."""
     v, box = layout.levels, layout.top_plate.box
     if box is None:
@@ -79,7 +79,7 @@ def _seat_of_gearheads(layout: Layout) -> tuple[str, float, float]:
     return "top plate", v.top_plate_top_z, box.outer_x
 
 
-def ring_compliance_mm_N(layout: Layout, material: Material) -> float:
+def ring_compliance_mm_N(layout: BevelLayout, material: Material) -> float:
     """Lateral compliance of the drum bearing's ring against the block above it, for 1 N per mm of depth along Y.
 
     The right half is a curved beam from the lowest point, where by antisymmetry only a shear force passes, up into the
@@ -117,7 +117,7 @@ def ring_compliance_mm_N(layout: Layout, material: Material) -> float:
     return 2.0 * (work(0, 0) - work(0, 1) ** 2 / work(1, 1))
 
 
-def _ring_work(layout: Layout, loads: SeatLoads) -> float:
+def _ring_work(layout: BevelLayout, loads: SeatLoads) -> float:
     """f . u of the rings round both drum bearings, which move sideways and shear along the boss, N mm.
 
     Slices of the ring cannot bend independently: the lower arc connects them and must shear if they move unequally.
@@ -134,7 +134,7 @@ def _ring_work(layout: Layout, loads: SeatLoads) -> float:
     return float(shift + (force @ at) ** 2 / (length**3 / (12.0 * slice_mm_N) + arc_N * length))
 
 
-def frame_compliance(layout: Layout) -> FrameCompliance:
+def frame_compliance(layout: BevelLayout) -> FrameCompliance:
     """Windup of the drum by the support per N m of external torque, with the share of each part.
 
     Raises ``ValueError`` if the dimensions leave no frame to compute.
@@ -148,7 +148,7 @@ def frame_compliance(layout: Layout) -> FrameCompliance:
     return FrameCompliance(sum(shares.values()), shares)
 
 
-def frame_study(layout: Layout) -> FrameStudy:
+def frame_study(layout: BevelLayout) -> FrameStudy:
     """The compliance as a study for the cache; infinite if the frame has no metal that carries the load."""
 
     def compliance() -> FrameCompliance:

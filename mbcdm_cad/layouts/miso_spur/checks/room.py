@@ -7,16 +7,16 @@ import numpy as np
 from mbcdm_cad.checks.box import box_checks
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.layouts.miso_spur.bill import bill
-from mbcdm_cad.layouts.miso_spur.design_under_test import RoundDrumUnderTest
+from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.volume import VOLUMES
 from mbcdm_cad.layouts.siso_spur.checks.room import BOX_ADJUSTMENTS, ROOM, outline
 
 
-def box_mm(s: RoundDrumUnderTest) -> tuple[float, float, float]:
+def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
-    lay, drive = s.layout, s.drive
+    drive = s.drive
     # All sectors have the terminals of the first, except for their take-up.
-    own = outline(s, lay.frame, lay.drum)
+    own = outline(s, s.frame, s.drum)
     cloud = np.concatenate(
         [
             np.stack(
@@ -26,7 +26,7 @@ def box_mm(s: RoundDrumUnderTest) -> tuple[float, float, float]:
         ]
     )
     wide, high = cloud.max(axis=0) - cloud.min(axis=0)
-    v, levels = lay.levels, drive.levels_mm
+    v, levels = s.levels, drive.levels_mm
     front = max(v.hub_face_y + levels[-1], v.encoder_top_z + levels[-1])
     return float(wide), float(high), front - min(v.motor_bottom_z, v.back_y)
 

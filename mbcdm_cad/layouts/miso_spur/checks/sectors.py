@@ -11,7 +11,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.fixings import STRESS_SAFETY
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM
 from mbcdm_cad.checks.strength import rated_input_Nm
-from mbcdm_cad.layouts.miso_spur.design_under_test import RoundDrumUnderTest
+from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 
 # Shear strength over yield (von Mises).
@@ -28,25 +28,25 @@ class Zone(NamedTuple):
     half_width: float
 
 
-def sectors_apart(s: RoundDrumUnderTest) -> Comparison:
+def sectors_apart(s: RoundDrumLayout) -> Comparison:
     """Rims, terminals and the stop pin of a sector stay behind the rim of the next."""
-    d, pitch = s.layout.drum, s.drive.pitch_mm
+    d, pitch = s.drum, s.drive.pitch_mm
     nut, lug = nut_corner_radius_mm(s.drive), d.lug_half_width
     next_rear = pitch + min(d.lands[0].y_start, d.web_start_y, *(t.y_mm - max(nut, lug) for t in d.tensioners))
     front = max(d.lands[-1].y_end, d.web_end_y + 0.5, *(t.y_mm + nut for t in d.tensioners))
     return at_least("a sector from the next on the shaft", next_rear - front, s.drive.clearances.running_mm, "mm")
 
 
-def _shelf(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
+def _shelf(s: RoundDrumLayout, index: int) -> Iterator[Zone]:
     """The encoder shelf at an input, which begins just outside the rim for any centre distance."""
-    f, v = s.layout.units[index].frame, s.levels_of(index)
+    f, v = s.units[index].frame, s.levels_of(index)
     name = f"encoder shelf of {s.drive.input_names[index]}"
     yield Zone(name, v.top_plate_bottom_z, v.top_plate_top_z, f.shelf_bottom_z, f.shelf_half_width)
 
 
-def _on_axis(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
+def _on_axis(s: RoundDrumLayout, index: int) -> Iterator[Zone]:
     """Parts round the axis of an input."""
-    unit, v, drive = s.layout.units[index], s.levels_of(index), s.drive
+    unit, v, drive = s.units[index], s.levels_of(index), s.drive
     pulley, f = unit.inputs[0], unit.frame
     axis, encoder = f.axis_z, drive.encoder.diameter_mm / 2
     land = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
@@ -56,9 +56,9 @@ def _on_axis(s: RoundDrumUnderTest, index: int) -> Iterator[Zone]:
     yield Zone(f"encoder of {name}", v.top_plate_top_z, v.encoder_top_z, axis - encoder, encoder)
 
 
-def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -> list[tuple[str, float, float, float]]:
+def _passes(s: RoundDrumLayout, sector: int, index: int, half_width: float) -> list[tuple[str, float, float, float]]:
     """(name, lowest y, highest y, outermost radius) of the parts of a sector that pass an input over the travel."""
-    drive, d = s.drive, s.layout.drum
+    drive, d = s.drive, s.drum
     level, flank = drive.levels_mm[sector], s.flank_mm
     found = [
         (
@@ -70,7 +70,7 @@ def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -
     ]
     nut = nut_corner_radius_mm(drive)
     between = (drive.angles_rad[index] - drive.angles_rad[sector]) % (2 * pi)
-    for t in s.layout.units[sector].drum.tensioners:
+    for t in s.units[sector].drum.tensioners:
         # Angle from the sector's own line of centres to the other input, on the side of this terminal.
         away = between if t.side > 0 else 2 * pi - between
         margin = s.half_travel_rad + half_width / drive.centre_distance_mm
@@ -80,7 +80,7 @@ def _passes(s: RoundDrumUnderTest, sector: int, index: int, half_width: float) -
     return found
 
 
-def _gaps(s: RoundDrumUnderTest, zones: Callable[[RoundDrumUnderTest, int], Iterator[Zone]]) -> Comparison:
+def _gaps(s: RoundDrumLayout, zones: Callable[[RoundDrumLayout, int], Iterator[Zone]]) -> Comparison:
     """Gaps between each sector and zones at the other inputs."""
     running, found = s.drive.clearances.running_mm, []
     for index in range(s.drive.n_inputs):
@@ -94,20 +94,20 @@ def _gaps(s: RoundDrumUnderTest, zones: Callable[[RoundDrumUnderTest, int], Iter
     return worst(found)
 
 
-def sectors_clear_inputs(s: RoundDrumUnderTest) -> Comparison:
+def sectors_clear_inputs(s: RoundDrumLayout) -> Comparison:
     """Gap between each sector and the pulleys and encoders of the other inputs."""
     return _gaps(s, _on_axis)
 
 
-def sectors_clear_shelves(s: RoundDrumUnderTest) -> Comparison:
+def sectors_clear_shelves(s: RoundDrumLayout) -> Comparison:
     """Gap between each sector and the encoder shelves of the other inputs."""
     return _gaps(s, _shelf)
 
 
-def heads_apart(s: RoundDrumUnderTest) -> Comparison:
+def heads_apart(s: RoundDrumLayout) -> Comparison:
     """Gaps between motor heads of neighbouring inputs, and between the mounting threads near the frame's middle."""
-    f, half = s.layout.frame, pi / s.drive.n_inputs
-    flange_low = f.axis_z + s.layout.head.flange.back_y
+    f, half = s.frame, pi / s.drive.n_inputs
+    flange_low = f.axis_z + s.head.flange.back_y
     # Two opposite heads have the drum's axis between them.
     heads = flange_low if half >= pi / 2 else flange_low * tan(half) - f.half_width
     found = [at_least("motor heads of neighbours, half the way between them", heads, 0.0, "mm")]
@@ -121,9 +121,9 @@ def heads_apart(s: RoundDrumUnderTest) -> Comparison:
     return worst(found)
 
 
-def hub_dowels(s: RoundDrumUnderTest) -> Comparison:
+def hub_dowels(s: RoundDrumLayout) -> Comparison:
     """The dowels between the last two hubs transmit the torque of all other sectors, motors stalled."""
-    drive, pins, metal = s.drive, s.layout.dowels, s.drive.drum.material
+    drive, pins, metal = s.drive, s.dowels, s.drive.drum.material
     share = (drive.n_inputs - 1) / drive.n_inputs
     torque = max(drive.loads.peak_torque_Nm, drive.n_inputs * rated_input_Nm(s) * drive.total_ratio) * share
     force = torque * 1e3 / pins.circle_radius / len(pins.face_angles_deg)
@@ -148,12 +148,12 @@ def hub_dowels(s: RoundDrumUnderTest) -> Comparison:
     )
 
 
-def dowel_holes(s: RoundDrumUnderTest) -> Comparison:
+def dowel_holes(s: RoundDrumLayout) -> Comparison:
     """Walls from the dowels' holes to bore, rim of the hub, payload's threads and set screws.
 
     In the face the holes are opposite the set screws.
     """
-    d, pins = s.layout.drum, s.layout.dowels
+    d, pins = s.drum, s.dowels
     near = pins.circle_radius - pins.radius
     screw = s.drive.screw(d.set_screw).thread_mm / 2
     # The nearest payload hole, an eighth of a turn away.

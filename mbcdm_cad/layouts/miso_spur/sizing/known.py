@@ -10,7 +10,7 @@ from mbcdm_cad.layouts.miso_spur.checks import FAMILIES
 from mbcdm_cad.layouts.miso_spur.design_file.resolve import drive
 from mbcdm_cad.layouts.miso_spur.design_file.rules import broken_rules
 from mbcdm_cad.layouts.miso_spur.design_file.schema import RoundDrumDesign
-from mbcdm_cad.layouts.miso_spur.design_under_test import RoundDrumUnderTest
+from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.design_file.rules import named_entries
 from mbcdm_cad.layouts.siso_spur.sizing.known import SpurKnown
 from mbcdm_cad.layouts.trial_sizing import sound
@@ -34,6 +34,6 @@ class RoundDrumKnown(SpurKnown):
         """See the base class."""
         return CHECKS
 
-    def of_design(self, design: Any) -> RoundDrumUnderTest:
+    def of_design(self, design: Any) -> RoundDrumLayout:
         """See the base class."""
-        return RoundDrumUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))
+        return RoundDrumLayout(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))

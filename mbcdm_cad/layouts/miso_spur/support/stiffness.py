@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
+from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import Arm, arms_compliance, frame_study_of
 

@@ -13,8 +13,8 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, wo
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.remedies import floored
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_bend
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 
 TURN_DEG = 360.0
 # Wrap left before the stop's bend on the unwound pulley, so that the cable never pulls at the bend (estimate).
@@ -23,9 +23,9 @@ LEAST_RESERVE_DEG = 15.0
 _ROUNDS = 30
 
 
-def one_turn(s: DirectUnderTest) -> Comparison:
+def one_turn(s: DirectLayout) -> Comparison:
     """Sum of ratio x full travel, reserve and the angle of the stop's slot, compared with one turn of the input."""
-    s.layout  # noqa: B018 - without a layout there is no slot
+    s.require_geometry()  # without a layout there is no slot
     found = []
     for c in s.steps:
         ratio, taken = c.drum_radius_mm / c.input_radius_mm, degrees(stop_bend(s.drive, c).taken_rad)
@@ -36,7 +36,7 @@ def one_turn(s: DirectUnderTest) -> Comparison:
     return worst(found)
 
 
-def reserve(s: DirectUnderTest) -> Comparison:
+def reserve(s: DirectLayout) -> Comparison:
     """Wrap that stays on the input at the unwound end."""
     return at_least("wrap left on the input, all unwound", s.drive.reserve_deg, LEAST_RESERVE_DEG, "deg")
 
@@ -59,7 +59,7 @@ def highest_ratio(drive: DirectDrive) -> float:
     return ratio
 
 
-def _ratio_that_fits(s: DirectUnderTest) -> str:
+def _ratio_that_fits(s: DirectLayout) -> str:
     """Remedy: the highest ratio for this travel, which the paper calls restricted within the available work space."""
     try:
         ratio = highest_ratio(s.drive)

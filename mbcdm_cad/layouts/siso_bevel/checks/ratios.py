@@ -10,22 +10,21 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.ratios import pair_mismatch, spread
 from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
 from mbcdm_cad.layouts.siso_bevel.cable_path import stop_bend
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 
 
-def one_ratio(s: DirectUnderTest) -> Comparison:
+def one_ratio(s: DirectLayout) -> Comparison:
     """r_m/r_o is the same for both steps."""
     return spread("r_m/r_o", [c.input_radius_mm / c.drum_radius_mm for c in s.steps], s.steps)
 
 
-def cut_at_pitch(s: DirectUnderTest) -> Comparison:
+def cut_at_pitch(s: DirectLayout) -> Comparison:
     """The layout cuts every surface at the pitch radius less d/2, so that both cables keep one ratio."""
-    lay = s.layout
-    pulley = lay.inputs[0]
+    pulley = s.inputs[0]
     on_input = (pulley.upper_surface_radius, pulley.lower_surface_radius)
     cut = [
         pair
-        for c, land, surface in zip(s.steps, lay.drum.lands, on_input, strict=True)
+        for c, land, surface in zip(s.steps, s.drum.lands, on_input, strict=True)
         for pair in (
             (f"drum, {c.name}", land.surface_radius_mm - c.drum_radius_mm),
             (f"input pulley, {c.name}", surface - c.input_radius_mm),
@@ -37,13 +36,13 @@ def cut_at_pitch(s: DirectUnderTest) -> Comparison:
     )
 
 
-def _stop_bends_mm(s: DirectUnderTest) -> Iterator[tuple[str, float]]:
-    s.layout  # noqa: B018 - without a layout there is no room for a stop
+def _stop_bends_mm(s: DirectLayout) -> Iterator[tuple[str, float]]:
+    s.require_geometry()  # without a layout there is no room for a stop
     for c in s.steps:
         yield c.name, stop_bend(s.drive, c).bend_radius_mm
 
 
-def _radii_that_agree(s: DirectUnderTest) -> str:
+def _radii_that_agree(s: DirectLayout) -> str:
     first = s.steps[0]
     radii = ", ".join(f"{c.drum_radius_mm * first.input_radius_mm / first.drum_radius_mm:.5g}" for c in s.steps)
     return f"with step 1 kept, input_radii_mm: [{radii}] gives both steps one ratio"

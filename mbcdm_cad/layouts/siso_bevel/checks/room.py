@@ -14,29 +14,29 @@ from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_bevel.bill import bill
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
-def frame_front(s: DirectUnderTest) -> Comparison:
+def frame_front(s: DirectLayout) -> Comparison:
     """Gap from all parts that turn with the drum to frame, motor head and boss behind them."""
     v, running, found = s.levels, s.drive.clearances.running_mm, []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the frame", ring.y - v.front_y, running, "mm"))
-        if ring.inner < s.layout.frame.boss.radius and ring.name != "drum's hub":
+        if ring.inner < s.frame.boss.radius and ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
-    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
     return worst(found)
 
 
-def bought_parts_clear(s: DirectUnderTest) -> Comparison:
+def bought_parts_clear(s: DirectLayout) -> Comparison:
     """Gap of drum and terminals to encoder, motor head, gearhead and motor behind them, where they reach their height.
 
     The encoder is a cylinder about z below the pulley; the others are above it.
     """
-    drive, v, head, found = s.drive, s.levels, s.layout.head, []
+    drive, v, head, found = s.drive, s.levels, s.head, []
     radius, shelf_z = drive.encoder.diameter_mm / 2, -v.top_plate_top_z
     above = (
         ("motor head", -v.bearing_shelf_bottom_z, head.front_y),
@@ -52,10 +52,10 @@ def bought_parts_clear(s: DirectUnderTest) -> Comparison:
     return worst(at_least(name, gap, drive.clearances.running_mm, "mm") for name, gap in found)
 
 
-def box_mm(s: DirectUnderTest) -> tuple[float, float, float]:
+def box_mm(s: DirectLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
-    lay, v, drive = s.layout, s.levels, s.drive
-    d, f = lay.drum, lay.frame
+    v, drive = s.levels, s.drive
+    d, f = s.drum, s.frame
     points = [rim_points(d), wrap_points(d, s.flank_mm)]
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
     ys = [v.back_y, v.hub_face_y, d.lands[-1].y_end, d.web_end_y + 0.5, reach]

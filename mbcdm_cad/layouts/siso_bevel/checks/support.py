@@ -8,7 +8,7 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import corner_gap
 from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_HEAD_ROOM_MM, MOUNT_SCREW_HEAD_MM, POCKET_FLAT_MM
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
@@ -16,9 +16,9 @@ from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 MOUNT_SCREW_HEAD_HEIGHT_MM = 3.0
 
 
-def walls(s: DirectUnderTest) -> Comparison:
+def walls(s: DirectLayout) -> Comparison:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
-    support, f = s.drive.support, s.layout.frame
+    support, f = s.drive.support, s.frame
     names = (
         "back_plate_mm",
         "side_wall_mm",
@@ -31,13 +31,13 @@ def walls(s: DirectUnderTest) -> Comparison:
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
     pin = (f.stop_shelf_top_z - f.stop_shelf_bottom_z) / 2 - f.stop_pin_radius
     found.append(at_least("stop shelf over and under its pin", pin, limit, "mm"))
-    found.append(at_least("wall of the motor head", s.layout.head.outer_x - s.layout.head.inner_x, limit, "mm"))
+    found.append(at_least("wall of the motor head", s.head.outer_x - s.head.inner_x, limit, "mm"))
     return worst(found)
 
 
-def pockets(s: DirectUnderTest) -> Comparison:
+def pockets(s: DirectLayout) -> Comparison:
     """Frame and pockets are larger than the rounded corners that the milling cutter leaves."""
-    v, f = s.levels, s.layout.frame
+    v, f = s.levels, s.frame
     sizes = (
         ("frame's depth", v.front_y - v.back_y),
         ("width of the pulley's box", 2 * v.side_inner_x),
@@ -50,7 +50,7 @@ def pockets(s: DirectUnderTest) -> Comparison:
     )
 
 
-def bearing_seats(s: DirectUnderTest) -> Comparison:
+def bearing_seats(s: DirectLayout) -> Comparison:
     """Shoulders of the shelves behind their bearings, and walls in front of the seats."""
     drive, v, limit = s.drive, s.levels, s.drive.support.material.min_wall_mm
     return worst(
@@ -67,20 +67,16 @@ def bearing_seats(s: DirectUnderTest) -> Comparison:
                 limit,
                 "mm",
             ),
-            at_least(
-                "front wall beside the bearing next to the gearhead", v.front_y - s.layout.head.seat_radius, limit, "mm"
-            ),
-            at_least(
-                "front wall beside the bearing next to the encoder", v.front_y - s.layout.frame.seat_radius, limit, "mm"
-            ),
+            at_least("front wall beside the bearing next to the gearhead", v.front_y - s.head.seat_radius, limit, "mm"),
+            at_least("front wall beside the bearing next to the encoder", v.front_y - s.frame.seat_radius, limit, "mm"),
         )
     )
 
 
-def pulley_room(s: DirectUnderTest) -> Comparison:
+def pulley_room(s: DirectLayout) -> Comparison:
     """Gap of pulley and cables to back plate and side walls, whose corners are rounded."""
-    v, f, running = s.levels, s.layout.frame, s.drive.clearances.running_mm
-    p, found = s.layout.inputs[0], []
+    v, f, running = s.levels, s.frame, s.drive.clearances.running_mm
+    p, found = s.inputs[0], []
     reach = max(c.input_radius_mm for c in s.steps) + s.flank_mm
     found.append(at_least("input pulley, cables on, from the back plate", -v.pocket_floor_y - reach, running, "mm"))
     edges = [(p.upper_surface_radius, -p.land_top_z)]
@@ -91,9 +87,9 @@ def pulley_room(s: DirectUnderTest) -> Comparison:
     return worst(found)
 
 
-def encoder_room(s: DirectUnderTest) -> Comparison:
+def encoder_room(s: DirectLayout) -> Comparison:
     """Gap of the encoder to the corners of the column's pocket, the back plate and the heads of the mounting screws."""
-    v, f, encoder = s.levels, s.layout.frame, s.drive.encoder
+    v, f, encoder = s.levels, s.frame, s.drive.encoder
     radius = encoder.diameter_mm / 2
     heads = v.pocket_floor_y + MOUNT_SCREW_HEAD_HEIGHT_MM
     return worst(
@@ -106,9 +102,9 @@ def encoder_room(s: DirectUnderTest) -> Comparison:
     )
 
 
-def mounts(s: DirectUnderTest) -> Comparison:
+def mounts(s: DirectLayout) -> Comparison:
     """The heads of the mounting screws fit on the flat floor of both pockets of the column."""
-    f, head = s.layout.frame, MOUNT_SCREW_HEAD_MM / 2
+    f, head = s.frame, MOUNT_SCREW_HEAD_MM / 2
     _, (x, high), _, (_, low) = f.mounts
     rooms = (
         ("side of the pocket", f.pocket_half_width - x - head),
@@ -119,14 +115,14 @@ def mounts(s: DirectUnderTest) -> Comparison:
     return worst(at_least(f"mounting screw's head: {name}", room, MOUNT_HEAD_ROOM_MM, "mm") for name, room in rooms)
 
 
-def flange(s: DirectUnderTest) -> Comparison:
+def flange(s: DirectLayout) -> Comparison:
     """Screws and dowels of the motor head are inside the side walls, engage by their diameter, and are apart."""
-    f, drive = s.layout.frame, s.drive
+    f, drive = s.frame, s.drive
     limit, wall = drive.support.material.min_wall_mm, drive.support.side_wall_mm
     screw, shelf = flange_screw(drive), drive.support.bearing_shelf_mm
     (x, front), _, (_, back), _ = f.flange_screws
     dowel_y, gap = f.dowels[0][1], f.flange_screw_radius + f.dowel_radius
-    heads = abs(x) - screw.head_diameter_mm / 2 - s.layout.head.outer_x
+    heads = abs(x) - screw.head_diameter_mm / 2 - s.head.outer_x
     return worst(
         (
             at_least(
@@ -154,9 +150,9 @@ def flange(s: DirectUnderTest) -> Comparison:
     )
 
 
-def boss(s: DirectUnderTest) -> Comparison:
+def boss(s: DirectLayout) -> Comparison:
     """Walls of the boss round both drum bearings and their shoulder, and of its ears round the encoder's screws."""
-    f, limit = s.layout.frame, s.drive.support.material.min_wall_mm
+    f, limit = s.frame, s.drive.support.material.min_wall_mm
     above = at_least("lower pocket above the boss", f.low_pocket_bottom_z - f.boss.radius, limit, "mm")
     return worst((above, *boss_walls(s)))
 

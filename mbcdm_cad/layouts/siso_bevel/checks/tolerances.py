@@ -8,8 +8,8 @@ import numpy as np
 
 from mbcdm_cad.checks.stacks import TRANSMISSION_ERROR, stack_check
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, body_gaps_mm
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
 from mbcdm_cad.parts.making import land_band_mm, rope_band_mm
 
@@ -32,7 +32,7 @@ def _with_rope(drive: DirectDrive, cable: DirectRun, per_rope: float) -> tuple[C
     return (*_input_to_drum(drive, cable), Contribution("rope's diameter", rope_band_mm(drive), per_rope))
 
 
-def transfer_gap(s: DirectUnderTest) -> list[StackUp]:
+def transfer_gap(s: DirectLayout) -> list[StackUp]:
     """Half a cable minus the gap at each transfer point."""
     return [
         StackUp(
@@ -40,16 +40,16 @@ def transfer_gap(s: DirectUnderTest) -> list[StackUp]:
             s.flank_mm - (land.y_start - surface),
             _with_rope(s.drive, c, 0.5),
         )
-        for c, land, (surface, _) in zip(s.steps, s.layout.drum.lands, s.steps_before_drum, strict=True)
+        for c, land, (surface, _) in zip(s.steps, s.drum.lands, s.steps_before_drum, strict=True)
     ]
 
 
-def bodies_clear(s: DirectUnderTest) -> list[StackUp]:
+def bodies_clear(s: DirectLayout) -> list[StackUp]:
     """Gap between input and drum."""
     return [StackUp(f"{what}, mm", gap, _input_to_drum(s.drive, s.steps[step])) for what, step, gap in body_gaps_mm(s)]
 
 
-def land_edge(s: DirectUnderTest) -> list[StackUp]:
+def land_edge(s: DirectLayout) -> list[StackUp]:
     """Distance of the contact lines from the broken edges of their lands."""
     return [
         StackUp(
@@ -57,11 +57,11 @@ def land_edge(s: DirectUnderTest) -> list[StackUp]:
             c.land_y_mm - land.y_start - EDGE_BREAK_MM,
             _with_rope(s.drive, c, 0.5),
         )
-        for c, land in zip(s.steps, s.layout.drum.lands, strict=True)
+        for c, land in zip(s.steps, s.drum.lands, strict=True)
     ]
 
 
-def stacks(s: DirectUnderTest) -> Iterator[StackUp]:
+def stacks(s: DirectLayout) -> Iterator[StackUp]:
     """The stack of each gap and of each ratio; of several, the one with the least reserve."""
     for of in (transfer_gap, bodies_clear, land_edge):
         yield tightest(of(s))

@@ -8,20 +8,20 @@ from __future__ import annotations
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.path_figures import terminal_to_input_mm
 
 
-def terminal_clears_input(s: DirectUnderTest) -> Comparison:
+def terminal_clears_input(s: DirectLayout) -> Comparison:
     """Gap between terminals and input at the end of travel where they are nearest."""
     return worst(
         at_least(
             f"terminal of {t.cable_name} from the input and its cables at the end of travel",
-            terminal_to_input_mm(s.layout, t, t.anchor_rad - s.half_travel_rad),
+            terminal_to_input_mm(s, t, t.anchor_rad - s.half_travel_rad),
             s.drive.clearances.running_mm,
             "mm",
         )
-        for t in s.layout.drum.tensioners
+        for t in s.drum.tensioners
     )
 
 

@@ -9,8 +9,8 @@ from mbcdm_cad.layouts.siso_bevel.checks import FAMILIES
 from mbcdm_cad.layouts.siso_bevel.design_file.resolve import drive
 from mbcdm_cad.layouts.siso_bevel.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.layouts.siso_bevel.design_file.schema import DirectDesign
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown, sound
 
 CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
@@ -49,9 +49,9 @@ class DirectKnown(TrialKnown):
         """See the base class."""
         return CHECKS
 
-    def of_design(self, design: DirectDesign) -> DirectUnderTest:
+    def of_design(self, design: DirectDesign) -> DirectLayout:
         """See the base class."""
-        return DirectUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))
+        return DirectLayout(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))
 
     def trial_drive(self, field: str, value: float) -> DirectDrive:
         """The drive of a trial. Raises as :meth:`trial` does."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from contextlib import suppress
 from math import ceil
 
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.transfer import EDGE_BREAK_MM, RUN_OUT_MM
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.common_rules import SCHEMA_VERSION, TRANSFER_GAP
 from mbcdm_cad.layouts.head_basis import rope, taut_preload, taut_rope
 from mbcdm_cad.layouts.head_dims import (

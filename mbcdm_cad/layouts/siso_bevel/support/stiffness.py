@@ -13,7 +13,7 @@ from math import pi
 
 import numpy as np
 
-from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
+from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.support.dims import MOUNT_SCREW_HEAD_MM
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N

@@ -9,22 +9,22 @@ from mbcdm_cad.checks.comparison import Check, Comparison, at_most, worst
 from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.surfaces import SURFACE_RADIUS, SURFACE_TOLERANCE_MM
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 
 
-def cut_at_pitch(s: SpurUnderTest) -> Comparison:
+def cut_at_pitch(s: SpurLayout) -> Comparison:
     """The layout cuts every surface at the pitch radius less d/2."""
-    lay, drive = s.layout, s.drive
-    cut = [("input pulley", lay.inputs[0].lower_surface_radius - drive.input_radius_mm)]
-    cut += [(f"drum, {land.step}", land.surface_radius_mm - drive.drum_radius_mm) for land in lay.drum.lands]
+    drive = s.drive
+    cut = [("input pulley", s.inputs[0].lower_surface_radius - drive.input_radius_mm)]
+    cut += [(f"drum, {land.step}", land.surface_radius_mm - drive.drum_radius_mm) for land in s.drum.lands]
     return worst(
         at_most(f"surface of {name} from pitch radius less d/2", abs(off + s.flank_mm), SURFACE_TOLERANCE_MM, "mm")
         for name, off in cut
     )
 
 
-def _stop_bends_mm(s: SpurUnderTest) -> Iterator[tuple[str, float]]:
+def _stop_bends_mm(s: SpurLayout) -> Iterator[tuple[str, float]]:
     for c in s.steps:
         yield c.name, stop_of(s.drive, c).bend_radius_mm
 

@@ -12,7 +12,7 @@ from mbcdm_cad.checks.drum_outline import drum_zones, rim_points, wrap_points
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_spur.bill import bill
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
 from mbcdm_cad.layouts.siso_spur.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
@@ -23,21 +23,21 @@ from mbcdm_cad.parts.motor_head.dims import body_radius_mm
 _CORNERS = 72
 
 
-def frame_front(s: SpurUnderTest) -> Comparison:
+def frame_front(s: SpurLayout) -> Comparison:
     """Gap from all parts that turn with the drum to plate and boss behind them."""
     v, running, found = s.levels, s.drive.clearances.running_mm, []
     for ring in drum_zones(s):
         if ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the plate", ring.y - v.front_y, running, "mm"))
-        if ring.inner < s.layout.frame.boss.radius and ring.name != "drum's hub":
+        if ring.inner < s.frame.boss.radius and ring.name != "drum's hub":
             found.append(at_least(f"{ring.name} from the front of the boss", ring.y - v.boss_front_y, running, "mm"))
-    found.append(at_least("hub from the front of the boss", s.layout.drum.hub_start_y - v.boss_front_y, running, "mm"))
+    found.append(at_least("hub from the front of the boss", s.drum.hub_start_y - v.boss_front_y, running, "mm"))
     return worst(found)
 
 
-def drum_and_input(s: SpurUnderTest) -> Comparison:
+def drum_and_input(s: SpurLayout) -> Comparison:
     """Gap between rim and pulley with their cables."""
-    drive, pulley = s.drive, s.layout.inputs[0]
+    drive, pulley = s.drive, s.inputs[0]
     rim = drive.drum_radius_mm + s.flank_mm
     own = max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
     return at_least(
@@ -48,9 +48,9 @@ def drum_and_input(s: SpurUnderTest) -> Comparison:
     )
 
 
-def bodies_behind(s: SpurUnderTest) -> Comparison:
+def bodies_behind(s: SpurLayout) -> Comparison:
     """Gap between motor or gearhead and the parts of the drum behind the plate: boss and encoder."""
-    drive, boss = s.drive, s.layout.frame.boss
+    drive, boss = s.drive, s.frame.boss
     beside = max(boss.radius, boss.ear_reach, drive.drum_encoder.diameter_mm / 2)
     gap = drive.centre_distance_mm - body_radius_mm(drive) - beside
     behind = s.levels.back_y - s.levels.motor_shelf_bottom_z
@@ -62,9 +62,9 @@ def bodies_behind(s: SpurUnderTest) -> Comparison:
     )
 
 
-def outline(s: SpurUnderTest, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
+def outline(s: SpurLayout, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     """Points (n, 2) in x and z that bound the box of one input with its sector, the input above the drum; mm."""
-    drive, head = s.drive, s.layout.head
+    drive, head = s.drive, s.head
     sector = [
         rim_points(d),
         wrap_points(d, s.flank_mm),
@@ -83,10 +83,10 @@ def outline(s: SpurUnderTest, f: YokeDims, d: DrumDims) -> NDArray[np.float64]:
     return np.concatenate([*sector, np.array(reach), corner, corner * np.array([-1.0, 1.0]), round_bodies])
 
 
-def box_mm(s: SpurUnderTest) -> tuple[float, float, float]:
+def box_mm(s: SpurLayout) -> tuple[float, float, float]:
     """Box (X, Z, Y) of all parts with the drum centred, computed from the layout; mm."""
     v = s.levels
-    cloud = outline(s, s.layout.frame, s.layout.drum)
+    cloud = outline(s, s.frame, s.drum)
     wide, high = cloud.max(axis=0) - cloud.min(axis=0)
     return float(wide), float(high), max(v.hub_face_y, v.encoder_top_z) - min(v.motor_bottom_z, v.back_y)
 

@@ -7,7 +7,7 @@ from mbcdm_cad.checks.design_variables import Adjustment, down, up
 from mbcdm_cad.checks.geometry import HOLE_WEB_MM, web_between
 from mbcdm_cad.checks.motor_head import ENCODER_SHELF, boss_walls
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.parts.motor_head.dims import dowel_length_mm, flange_screw
 
 # Space above the pulley that is needed to lead the cable round it (estimate).
@@ -16,9 +16,9 @@ WINDING_ROOM_MM = 2.0
 MOUNT_DIAMETERS = 1.0
 
 
-def walls(s: SpurUnderTest) -> Comparison:
+def walls(s: SpurLayout) -> Comparison:
     """The thinnest wall of frame and motor head, against the minimum of the material."""
-    support, f, head = s.drive.support, s.layout.frame, s.layout.head
+    support, f, head = s.drive.support, s.frame, s.head
     limit = support.material.min_wall_mm
     names = ("plate_mm", "bridge_mm", "side_wall_mm", "motor_shelf_mm", "bearing_shelf_mm", "encoder_shelf_mm")
     found = [at_least(f"support.{name}", getattr(support, name), limit, "mm") for name in names]
@@ -30,7 +30,7 @@ def walls(s: SpurUnderTest) -> Comparison:
     return worst(found)
 
 
-def bearing_seats(s: SpurUnderTest) -> Comparison:
+def bearing_seats(s: SpurLayout) -> Comparison:
     """Shoulders of the shelves behind their bearings."""
     support, bearings, limit = s.drive.support, s.drive.bearings, s.drive.support.material.min_wall_mm
     return worst(
@@ -42,10 +42,10 @@ def bearing_seats(s: SpurUnderTest) -> Comparison:
     )
 
 
-def input_room(s: SpurUnderTest) -> Comparison:
+def input_room(s: SpurLayout) -> Comparison:
     """Pulley and front bearing fit through the plate, the drum clears the shelf, fingers reach round the pulley."""
-    drive, f = s.drive, s.layout.frame
-    pulley, running = s.layout.inputs[0], drive.clearances.running_mm
+    drive, f = s.drive, s.frame
+    pulley, running = s.inputs[0], drive.clearances.running_mm
     rim = drive.drum_radius_mm + s.flank_mm
     over = f.bridge_bottom_z - f.axis_z - max(pulley.lower_land_radius, drive.input_radius_mm + s.flank_mm)
     return worst(
@@ -68,9 +68,9 @@ def _wall(insert: InsertSpec | None) -> float:
     return insert.wall_mm if insert else HOLE_WEB_MM
 
 
-def flange(s: SpurUnderTest) -> Comparison:
+def flange(s: SpurLayout) -> Comparison:
     """Screws and dowels of the motor head engage by their diameter in the plate, with enough metal round them."""
-    f, drive, head = s.layout.frame, s.drive, s.layout.head
+    f, drive, head = s.frame, s.drive, s.head
     screw, shelf, plate = flange_screw(drive), drive.support.bearing_shelf_mm, drive.support.plate_mm
     v = s.levels
     holes: list[tuple[str, float, float, float, float, float]] = [
@@ -103,10 +103,10 @@ def flange(s: SpurUnderTest) -> Comparison:
     return worst(found)
 
 
-def mounts(s: SpurUnderTest) -> Comparison:
+def mounts(s: SpurLayout) -> Comparison:
     """Mounting threads are deep enough and clear of boss, motor head, stop pin and the edge of the plate."""
-    f, plate = s.layout.frame, s.drive.support.plate_mm
-    flange_low = f.axis_z + s.layout.head.flange.back_y
+    f, plate = s.frame, s.drive.support.plate_mm
+    flange_low = f.axis_z + s.head.flange.back_y
     rooms = [("depth over the diameter", plate - MOUNT_DIAMETERS * 2 * f.mount_radius, 0.0)]
     for x, z in f.mounts:
         rooms.append(("plate beside the thread", f.half_width - abs(x) - f.mount_radius, _wall(f.mount_insert)))
@@ -117,9 +117,9 @@ def mounts(s: SpurUnderTest) -> Comparison:
     return worst(at_least(f"mounting thread: {name}", room, limit, "mm") for name, room, limit in rooms)
 
 
-def boss(s: SpurUnderTest) -> Comparison:
+def boss(s: SpurLayout) -> Comparison:
     """Boss of the drum's bearings: the metal of the plate round it, its walls, its ears."""
-    f, limit = s.layout.frame, s.drive.support.material.min_wall_mm
+    f, limit = s.frame, s.drive.support.material.min_wall_mm
     around = at_least("plate round the boss", f.half_width - f.boss.seat_radius, limit, "mm")
     behind = at_least(
         "plate before the end of the boss", s.levels.plate_back_y - f.boss.encoder_pocket_floor_y, 0.0, "mm"

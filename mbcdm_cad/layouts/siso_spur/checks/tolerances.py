@@ -7,12 +7,12 @@ from math import inf
 
 from mbcdm_cad.checks.stacks import TRANSMISSION_ERROR, stack_check
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.stack_up import Contribution, StackUp, tightest
 from mbcdm_cad.parts.making import axial_play_mm, land_band_mm, rope_band_mm
 
 
-def turn_gap(s: SpurUnderTest) -> list[StackUp]:
+def turn_gap(s: SpurLayout) -> list[StackUp]:
     """A span and the turn beside it on the input."""
     drive = s.drive
     gap = turn_distance_mm(drive.input_radius_mm, drive.helix_lead_mm) - drive.cable.diameter_mm
@@ -29,10 +29,10 @@ def turn_gap(s: SpurUnderTest) -> list[StackUp]:
     ]
 
 
-def rim_edge(s: SpurUnderTest) -> list[StackUp]:
+def rim_edge(s: SpurLayout) -> list[StackUp]:
     """The cable on the drum and the nearer face of its rim."""
     drive, making = s.drive, s.drive.making
-    plane, (low, *_, high) = drive.on_drum_mm + s.flank_mm, s.layout.drum.lands
+    plane, (low, *_, high) = drive.on_drum_mm + s.flank_mm, s.drum.lands
     return [
         StackUp(
             "flank of the cable from the rim's face, mm",
@@ -48,7 +48,7 @@ def rim_edge(s: SpurUnderTest) -> list[StackUp]:
     ]
 
 
-def stacks(s: SpurUnderTest) -> Iterator[StackUp]:
+def stacks(s: SpurLayout) -> Iterator[StackUp]:
     """The stack of each gap and of the ratio; of several, the one with the least reserve."""
     for of in (turn_gap, rim_edge):
         yield tightest(of(s))

@@ -15,11 +15,11 @@ import numpy as np
 
 from mbcdm_cad.checks.cable_gaps import CABLE_GAP_MM, cables_apart
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, at_most, noted, worst
-from mbcdm_cad.checks.design_under_test import NoFigureError
 from mbcdm_cad.checks.design_variables import down, up
+from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.siso_spur.cable_path import ON_INPUT
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.layouts.siso_spur.drive import is_anchored, is_continuous
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.model.capability import torque_at_slip_of_Nm
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.parts.input_pulley.dims import GROOVE_LEAD, GROOVE_RADIUS
@@ -34,14 +34,14 @@ LAND_EDGE_MM = 0.3
 _BOTH_WAYS = np.array([1, 1, -1, -1])
 
 
-def free_span(s: SpurUnderTest) -> Comparison:
+def free_span(s: SpurLayout) -> Comparison:
     """Centre distance compared with the sum of the pitch radii."""
     drive = s.drive
     reach = drive.drum_radius_mm + drive.input_radius_mm
     return at_least("centre distance over r_o + r_i", drive.centre_distance_mm - reach, CABLE_GAP_MM, "mm")
 
 
-def slip(s: SpurUnderTest) -> Comparison:
+def slip(s: SpurLayout) -> Comparison:
     """Drum torque at which the cable slips on the input over the peak torque: lowest of all directions and ends.
 
     It depends on the wraps of the pose: a short wrap on the drum stretches less, so that the slackened side loses more
@@ -64,7 +64,7 @@ def slip(s: SpurUnderTest) -> Comparison:
     return at_least(what, holds / peak, drive.limits.slip_margin_min, "times", note)
 
 
-def _slip_angles_deg(s: SpurUnderTest) -> float:
+def _slip_angles_deg(s: SpurLayout) -> float:
     """Sum of the slip angles at both ends of a wrap at peak torque, for the worst direction and input."""
     preload, most = np.array([c.preload_N for c in s.drive.cables]), 0.0
     for tension in (s.loads.peak_forward, s.loads.peak_back):
@@ -74,7 +74,7 @@ def _slip_angles_deg(s: SpurUnderTest) -> float:
     return degrees(most)
 
 
-def stays_on(s: SpurUnderTest) -> Comparison:
+def stays_on(s: SpurLayout) -> Comparison:
     """Part of the wrap that neither creeps at peak torque nor leaves the input over the travel."""
     drive, creeping = s.drive, _slip_angles_deg(s)
     wrap, travel = degrees(drive.wrap_rad), degrees(drive.input_travel_rad)
@@ -82,7 +82,7 @@ def stays_on(s: SpurUnderTest) -> Comparison:
     return at_least("wrap that sticks on the input over the whole travel", wrap - travel - creeping, 0.0, "deg", note)
 
 
-def _turns_that_hold(s: SpurUnderTest) -> str:
+def _turns_that_hold(s: SpurLayout) -> str:
     """Remedy: the number of turns with which both checks of the wrap pass."""
     try:
         short = max(0.0, -stays_on(s).margin)
@@ -98,16 +98,16 @@ def _turns_that_hold(s: SpurUnderTest) -> str:
     return f"raise transmission.turns to {s.drive.turns + max(1, ceil(more))}"
 
 
-def lead(s: SpurUnderTest) -> Comparison:
+def lead(s: SpurLayout) -> Comparison:
     """The lead is larger than the cable's diameter, or than 2.065 groove radii if the turns lie in a groove."""
     d = s.drive.cable.diameter_mm
     least = GROOVE_LEAD * GROOVE_RADIUS * d if s.drive.input_pulleys.grooved else d
     return at_least("lead of the helix on the input", s.drive.helix_lead_mm, least, "mm")
 
 
-def crest(s: SpurUnderTest) -> Comparison:
+def crest(s: SpurLayout) -> Comparison:
     """Crest between neighbouring turns of a groove, and between the grooves of two cables."""
-    grooves = s.layout.inputs[0].grooves
+    grooves = s.inputs[0].grooves
     if not grooves:
         return noted("no groove: crest", 0.0, "mm")
     limit = GROOVE_CREST * s.drive.cable.diameter_mm
@@ -118,24 +118,24 @@ def crest(s: SpurUnderTest) -> Comparison:
     return worst(found)
 
 
-def on_land(s: SpurUnderTest) -> Comparison:
+def on_land(s: SpurLayout) -> Comparison:
     """The walk of both spans stays on the input's land."""
-    pulley, drive = s.layout.inputs[0], s.drive
+    pulley, drive = s.inputs[0], s.drive
     reach = (drive.dead_end_mm if drive.anchored else drive.leave_mm + drive.walk_mm / 2) + s.flank_mm
     room = min(pulley.land_top_z, -pulley.land_bottom_z) - reach
     note = f"{drive.helix_lead_mm:g} x {drive.total_ratio:.4g} x travel / 360 deg = {drive.walk_mm:.3g} mm of walk"
     return at_least("land of the input beyond the cable at the ends of its walk", room, LAND_EDGE_MM, "mm", note)
 
 
-def land_spacing(s: SpurUnderTest) -> Comparison:
+def land_spacing(s: SpurLayout) -> Comparison:
     """Gap along y between the parts of the drum that both sides use over the travel."""
     gap = 2 * (s.drive.land_mm - s.drive.walk_mm / 2) - s.drive.cable.diameter_mm
     return at_least("gap of the two sides on the drum, walk included", gap, CABLE_GAP_MM, "mm")
 
 
-def on_rim(s: SpurUnderTest) -> Comparison:
+def on_rim(s: SpurLayout) -> Comparison:
     """The cable's outermost planes lie inside the rim's faces."""
-    lands, edge = s.layout.drum.lands, s.drive.clearances.land_edge_mm
+    lands, edge = s.drum.lands, s.drive.clearances.land_edge_mm
     plane = s.drive.on_drum_mm + s.flank_mm
     return worst(
         (
@@ -145,7 +145,7 @@ def on_rim(s: SpurUnderTest) -> Comparison:
     )
 
 
-def fleet_angle(s: SpurUnderTest) -> Comparison:
+def fleet_angle(s: SpurLayout) -> Comparison:
     """Span against the turns on the input, over the travel: measured on the cable's path."""
     found = []
     for angle, path in ((angle, path) for angle, paths in s.extreme_paths for path in paths):
@@ -175,7 +175,7 @@ def turn_distance_mm(radius_mm: float, lead_mm: float) -> float:
     return float(np.sqrt(x**2 + (along - y) ** 2 + (slope * along - z) ** 2).min())
 
 
-def self_clearance(s: SpurUnderTest) -> Comparison:
+def self_clearance(s: SpurLayout) -> Comparison:
     """Gap between each span and the turn beside it on the input."""
     gap = turn_distance_mm(s.drive.input_radius_mm, s.drive.helix_lead_mm) - s.drive.cable.diameter_mm
     return at_least("span from the turn beside it", gap, 0.0, "mm")

@@ -11,15 +11,15 @@ from math import cos, hypot, sin
 from mbcdm_cad.checks.comparison import Check, Comparison, at_least, worst
 from mbcdm_cad.checks.drum_wraps import MORE_WRAP, SLIPS, WRAPS
 from mbcdm_cad.checks.terminals import bodies_of
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 
 
-def terminal_clears_input(s: SpurUnderTest) -> Comparison:
+def terminal_clears_input(s: SpurLayout) -> Comparison:
     """Gap of the terminals to the input and its yoke at the end of travel where they come nearest."""
-    drive, f = s.drive, s.layout.frame
-    reach = max(s.layout.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
+    drive, f = s.drive, s.frame
+    reach = max(s.inputs[0].lower_land_radius, drive.input_radius_mm + s.flank_mm)
     found = []
-    for t in s.layout.drum.tensioners:
+    for t in s.drum.tensioners:
         turn = -t.side * s.half_travel_rad
         c, sine = cos(turn), sin(turn)
         for name, outline, _, _ in bodies_of(s, t):

@@ -11,7 +11,7 @@ from mbcdm_cad.layouts.siso_spur.checks import FAMILIES
 from mbcdm_cad.layouts.siso_spur.design_file.resolve import drive
 from mbcdm_cad.layouts.siso_spur.design_file.rules import broken_rules, named_entries
 from mbcdm_cad.layouts.siso_spur.design_file.schema import SpurDesign
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.trial_sizing import TrialKnown, sound
 
 CHECKS: Mapping[str, Check] = {check.id: check for family in FAMILIES for check in family.CHECKS}
@@ -69,6 +69,6 @@ class SpurKnown(TrialKnown):
         """See the base class."""
         return CHECKS
 
-    def of_design(self, design: Any) -> SpurUnderTest:
+    def of_design(self, design: Any) -> SpurLayout:
         """See the base class."""
-        return SpurUnderTest(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))
+        return SpurLayout(drive(design, sound(design, broken_rules(design), named_entries(design)), {}))

@@ -17,7 +17,7 @@ from math import pi
 
 import numpy as np
 
-from mbcdm_cad.layouts.interface import FrameCompliance, FrameStudy
+from mbcdm_cad.layouts.base import FrameCompliance, FrameStudy
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW
 from mbcdm_cad.model.equilibrium import bearing_loads, two_bearing_reactions_N

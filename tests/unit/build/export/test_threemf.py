@@ -14,13 +14,11 @@ import trimesh
 from mbcdm_cad.build.export.threemf import lying, threemf_bytes
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.layouts.registry import configuration
 from mbcdm_cad.parts.make import make
 
 ROOT = Path(__file__).parents[4]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
-_OF = configuration(_DRIVE.configuration)
-_BILL = _OF.bill(_OF.layout(_DRIVE))
+_BILL = _DRIVE.layout.bill()
 MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "made"))
 
 

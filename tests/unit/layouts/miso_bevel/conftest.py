@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
 from .designs import reference
 
@@ -17,6 +17,6 @@ def drive() -> BevelDrive:
 
 
 @pytest.fixture(scope="session")
-def dims(drive: BevelDrive) -> Layout:
+def dims(drive: BevelDrive) -> BevelLayout:
     """The reference design's layout."""
-    return layout(drive)
+    return BevelLayout(drive)

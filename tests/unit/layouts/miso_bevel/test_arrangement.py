@@ -13,7 +13,7 @@ from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.input_pulley.sheet import input_pulley_sheet
@@ -55,7 +55,7 @@ def test_routes_and_drawn_paths_agree_with_a_setback(reference: BevelDrive, setb
     """Two derivations: the model's by formula, the drawing's from tangent points."""
     drive = set_back(reference, setback_mm)
     model = routed(drive)
-    routes, dims = model.routes, layout(drive)
+    routes, dims = model.routes, BevelLayout(drive)
     for route, path, run in zip(routes.cables, dims.cable_paths(0.0), drive.cables, strict=True):
         guide, span = path.piece("guide"), path.piece("span")
         assert isinstance(guide, Arc) and isinstance(span, Line)
@@ -102,7 +102,7 @@ def test_screws_of_a_flange_mirror_in_its_middle_plane(count: int) -> None:
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
 def test_every_gearhead_screw_is_in_the_bill_and_counted(reference: BevelDrive, count: int) -> None:
     drive = replace(reference, gearhead=replace(reference.gearhead, screw_count=count))
-    items = [item.name for item in bill(layout(drive)).items if item.name.startswith("gearhead_screw_left")]
+    items = [item.name for item in bill(BevelLayout(drive)).items if item.name.startswith("gearhead_screw_left")]
     assert items == [f"gearhead_screw_left_{n}" for n in range(1, count + 1)]
     assert statuses(drive)["screw_counts"] == ("pass" if count in (2, 3, 4) else "fail")
 
@@ -126,7 +126,7 @@ def test_grooves_allow_the_fleet_angle_that_smooth_pulleys_do_not(reference: Bev
 def test_the_cable_lies_along_the_middle_of_its_groove(reference: BevelDrive, angle_deg: float) -> None:
     """At every drum angle the wound rope, seen on the turned pulley, follows the groove, which goes on at both ends."""
     drive = grooved(reference)
-    dims = layout(drive)
+    dims = BevelLayout(drive)
     motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
     paths = {path.cable.name: path for path in dims.cable_paths(np.radians(angle_deg))}
     for pulley in dims.inputs:
@@ -153,7 +153,7 @@ def test_grooved_pulleys_are_sound_and_clear_their_cables(reference: BevelDrive)
     from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 
     drive = grooved(reference)
-    dims, d = layout(drive), drive.cable.diameter_mm
+    dims, d = BevelLayout(drive), drive.cable.diameter_mm
     pulley = dims.inputs[0]
     solid = create_input_pulley(pulley)
     validate_solid("input_pulley", solid)
@@ -185,7 +185,7 @@ def test_terminals_of_a_wide_sector_stand_at_its_ends(reference: BevelDrive) -> 
 
     def anchors(sector_deg: float) -> np.ndarray:
         drive = replace(reference, drum=replace(reference.drum, sector_half_angle_deg=sector_deg))
-        return np.degrees([t.anchor_rad for t in layout(drive).drum.tensioners])
+        return np.degrees([t.anchor_rad for t in BevelLayout(drive).drum.tensioners])
 
     assert anchors(120.0) - anchors(100.0) == pytest.approx(20.0, abs=0.2)
     wide = replace(reference, half_travel_deg=60.0, drum=replace(reference.drum, sector_half_angle_deg=105.0))
@@ -194,7 +194,7 @@ def test_terminals_of_a_wide_sector_stand_at_its_ends(reference: BevelDrive) -> 
 
 
 def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table_and_draws_none(reference: BevelDrive) -> None:
-    plain, cut = (layout(drive).inputs[0] for drive in (reference, grooved(reference)))
+    plain, cut = (BevelLayout(drive).inputs[0] for drive in (reference, grooved(reference)))
     assert input_pulley_sheet("p", plain).simplified is None
     sheet = input_pulley_sheet("p", cut)
     assert sheet.simplified is not None and sheet.simplified[0].grooves == ()

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import cable_item
 from mbcdm_cad.parts.item import Item, sorted_items
 
 
-def test_counts_of_what_comes_more_than_once(dims: Layout) -> None:
+def test_counts_of_what_comes_more_than_once(dims: BevelLayout) -> None:
     count = Counter(item.part for item in bill(dims).items)
     drive = dims.drive
     assert count["terminal"] == count["stop"] == 4 and count["nut"] == 8
@@ -33,13 +33,13 @@ def test_counts_of_what_comes_more_than_once(dims: Layout) -> None:
     assert screws == expected
 
 
-def test_names_are_unique_and_every_part_is_used(dims: Layout) -> None:
+def test_names_are_unique_and_every_part_is_used(dims: BevelLayout) -> None:
     b = bill(dims)
     assert sorted_items(b.items, b.parts)
     assert {item.part for item in b.items} == set(b.parts)
 
 
-def test_bought_items_carry_catalogue_masses_and_made_ones_none(dims: Layout) -> None:
+def test_bought_items_carry_catalogue_masses_and_made_ones_none(dims: BevelLayout) -> None:
     b = bill(dims)
     for item in b.items:
         assert (item.mass_g is None) == (item.kind == "made"), item.name
@@ -53,7 +53,7 @@ def point(item: Item) -> np.ndarray:
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, 10.0, 35.0])
-def test_groups_turn_as_the_cables_make_them(dims: Layout, angle_deg: float) -> None:
+def test_groups_turn_as_the_cables_make_them(dims: BevelLayout, angle_deg: float) -> None:
     """theta_g = -6 theta_o, theta_m = +9 theta_o: a mark on each rim moves as far as the cable on it."""
     motions = {body.name: body.motion(angle_deg) for body in moving_bodies(dims)}
     theta = radians(angle_deg)
@@ -72,7 +72,7 @@ def test_groups_turn_as_the_cables_make_them(dims: Layout, angle_deg: float) -> 
             ) == pytest.approx(2 * np.pi, abs=1e-9), f"{cable.name} on {group}"
 
 
-def test_only_what_moves_moves(dims: Layout) -> None:
+def test_only_what_moves_moves(dims: BevelLayout) -> None:
     rest, turned = bill(dims, 0.0), bill(dims, 20.0)
     for a, b in zip(rest.items, turned.items, strict=True):
         assert a.name == b.name and a.group == b.group
@@ -82,7 +82,7 @@ def test_only_what_moves_moves(dims: Layout) -> None:
             assert np.linalg.norm(point(a) - point(b)) > 0.1, f"{a.name} stays behind"
 
 
-def test_cables_end_where_stop_and_terminal_stand(dims: Layout) -> None:
+def test_cables_end_where_stop_and_terminal_stand(dims: BevelLayout) -> None:
     for angle in (-30.0, 0.0, 30.0):
         items = {item.name: item for item in bill(dims, angle).items}
         for path in dims.cable_paths(radians(angle)):
@@ -103,13 +103,13 @@ def test_cables_end_where_stop_and_terminal_stand(dims: Layout) -> None:
             assert np.linalg.norm(end - start) < 0.05, f"{name}: cable ends {np.linalg.norm(end - start):.3f} mm off"
 
 
-def test_a_cable_may_have_the_name_of_any_other_part(dims: Layout) -> None:
+def test_a_cable_may_have_the_name_of_any_other_part(dims: BevelLayout) -> None:
     """Its item is called cable_NAME all the same."""
     names = ("frame", "drum", "cable_x", "1")
     cables = tuple(replace(c, name=n) for c, n in zip(dims.drive.cables, names, strict=True))
-    from mbcdm_cad.layouts.miso_bevel.layout import layout
+    from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 
-    b = bill(layout(replace(dims.drive, cables=cables)))
+    b = bill(BevelLayout(replace(dims.drive, cables=cables)))
     sorted_items(b.items, b.parts)
     assert [cable_item(n) for n in names] == ["cable_frame", "cable_drum", "cable_x", "cable_1"]
     assert len(b.items) == len(bill(dims).items)

@@ -20,7 +20,7 @@ from mbcdm_cad.layouts.miso_bevel.cable_path import (
     winding,
 )
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.stack import band, outward_of
 from mbcdm_cad.routes.curves import Arc, Helix, Line
 
@@ -66,7 +66,7 @@ def crossing_tangent(drive: BevelDrive, cable: BevelRun) -> tuple[NDArray[np.flo
     return best
 
 
-def test_tangent_points_by_the_centre_of_similitude(drive: BevelDrive, dims: Layout) -> None:
+def test_tangent_points_by_the_centre_of_similitude(drive: BevelDrive, dims: BevelLayout) -> None:
     for path in dims.cable_paths(0.0):
         on_pulley, on_guide = crossing_tangent(drive, path.cable)
         contact = path.piece("helix").points(np.array([1.0]))[0][:2]
@@ -75,7 +75,7 @@ def test_tangent_points_by_the_centre_of_similitude(drive: BevelDrive, dims: Lay
         assert np.abs(landing - on_guide).max() < 1e-12, f"{path.cable.name}: {landing} against {on_guide}"
 
 
-def test_transfer_points_lie_on_one_line_through_the_apex(drive: BevelDrive, dims: Layout) -> None:
+def test_transfer_points_lie_on_one_line_through_the_apex(drive: BevelDrive, dims: BevelLayout) -> None:
     """(0, r_g, r_o), reached and left along x."""
     for path in dims.cable_paths(0.3):
         guide, drum = path.piece("guide"), path.piece("drum")
@@ -89,7 +89,7 @@ def test_transfer_points_lie_on_one_line_through_the_apex(drive: BevelDrive, dim
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, -12.5, 0.0, 20.0, 35.0])
-def test_no_gap_and_no_kink_at_any_joint(dims: Layout, angle_deg: float) -> None:
+def test_no_gap_and_no_kink_at_any_joint(dims: BevelLayout, angle_deg: float) -> None:
     for path in dims.cable_paths(radians(angle_deg)):
         for (before, a), (after, b) in pairwise(path.pieces):
             gap = np.abs(a.points(np.array([1.0]))[0] - b.points(np.array([0.0]))[0]).max()
@@ -98,7 +98,7 @@ def test_no_gap_and_no_kink_at_any_joint(dims: Layout, angle_deg: float) -> None
             assert kink < 1e-9, f"{path.cable.name}, {before} to {after}: kink {kink:.3g} rad"
 
 
-def test_tension_turns_the_drum_by_sigma(dims: Layout) -> None:
+def test_tension_turns_the_drum_by_sigma(dims: BevelLayout) -> None:
     """Moment about Y of a pull along the cable, from the drum back to the guide, at the transfer."""
     for path in dims.cable_paths(0.0):
         drum = path.piece("drum")
@@ -107,7 +107,7 @@ def test_tension_turns_the_drum_by_sigma(dims: Layout) -> None:
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, -17.0, 0.0, 35.0])
-def test_piece_ends_follow_the_drum_and_the_pulley(drive: BevelDrive, dims: Layout, angle_deg: float) -> None:
+def test_piece_ends_follow_the_drum_and_the_pulley(drive: BevelDrive, dims: BevelLayout, angle_deg: float) -> None:
     """In the pulley's own frame the winding is one fixed helix; the drum's wrap ends at the moving anchor."""
     theta = radians(angle_deg)
     centred = {p.cable.name: p for p in dims.cable_paths(0.0)}
@@ -125,7 +125,7 @@ def test_piece_ends_follow_the_drum_and_the_pulley(drive: BevelDrive, dims: Layo
         assert drum.angle_end == pytest.approx(anchors[c.name].anchor_rad + c.drum_side * theta, abs=1e-14)
 
 
-def test_dead_turns_are_left_at_the_unwound_end(drive: BevelDrive, dims: Layout) -> None:
+def test_dead_turns_are_left_at_the_unwound_end(drive: BevelDrive, dims: BevelLayout) -> None:
     half = radians(drive.half_travel_deg)
     for side in (-half, half):
         for path in dims.cable_paths(side):
@@ -143,7 +143,7 @@ def chords(path_points: NDArray[np.float64]) -> float:
 
 
 @pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 35.0])
-def test_length_is_that_of_fine_chords(dims: Layout, angle_deg: float) -> None:
+def test_length_is_that_of_fine_chords(dims: BevelLayout, angle_deg: float) -> None:
     for path in dims.cable_paths(radians(angle_deg)):
         fine, coarse = chords(path.sample(0.002)), chords(path.sample(0.004))
         limit = fine + (fine - coarse) / 3
@@ -162,7 +162,7 @@ def span_length(span: float, helix_slope: float, rise: float, blend: float) -> f
     return parabola(helix_slope, slope) + (span - 2 * blend) * hypot(1.0, slope) + parabola(slope, 0.0)
 
 
-def test_a_cable_keeps_its_length_but_for_the_helix_and_the_fleet_angle(drive: BevelDrive, dims: Layout) -> None:
+def test_a_cable_keeps_its_length_but_for_the_helix_and_the_fleet_angle(drive: BevelDrive, dims: BevelLayout) -> None:
     """What the drum takes up the pulley gives, r_o theta; a helix takes a hair more, and so does the span's slope."""
     centred = {p.cable.name: p.length_mm for p in dims.cable_paths(0.0)}
     lead, worst = drive.helix_lead_mm, 0.0

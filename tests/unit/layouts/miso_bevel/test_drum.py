@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.layouts.miso_bevel.layout import Layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.stack import stack
 from mbcdm_cad.layouts.miso_bevel.tensioning import terminal_way
 from mbcdm_cad.parts.drum_sector.sizes import half_width_mm, lands, tensioners
@@ -20,14 +20,14 @@ from mbcdm_cad.parts.terminal.dims import Tensioner
 from .designs import drives, reference
 
 
-def test_lands_are_cut_at_half_a_cable_under_the_pitch_radius(drive: BevelDrive, dims: Layout) -> None:
+def test_lands_are_cut_at_half_a_cable_under_the_pitch_radius(drive: BevelDrive, dims: BevelLayout) -> None:
     surfaces = [land.surface_radius_mm for land in dims.drum.lands]
     assert surfaces == pytest.approx([53.595, 57.195, 60.795, 64.395], abs=1e-12)
     for before, after in zip(dims.drum.lands[:-1], dims.drum.lands[1:], strict=True):
         assert before.y_end == after.y_start
 
 
-def test_contact_lines_lie_on_their_lands(drive: BevelDrive, dims: Layout) -> None:
+def test_contact_lines_lie_on_their_lands(drive: BevelDrive, dims: BevelLayout) -> None:
     """Edge 0.15 mm behind the contact line, flank 0.045 mm clear of the next wall: 0.6 - 0.405 in all."""
     for cable, land in zip(drive.cables, dims.drum.lands, strict=True):
         assert cable.guide_radius_mm - land.y_start >= 0.15 - 1e-12
@@ -50,7 +50,7 @@ def angle_of(t: Tensioner, s: float, n: float) -> float:
     return atan2(t.side * x, z)
 
 
-def test_terminals_stay_inside_the_sector_and_its_width(drive: BevelDrive, dims: Layout) -> None:
+def test_terminals_stay_inside_the_sector_and_its_width(drive: BevelDrive, dims: BevelLayout) -> None:
     half = radians(drive.drum.sector_half_angle_deg)
     nut = drive.tensioner.nut_across_flats_mm / 3**0.5
     width = half_width_mm(drive)
@@ -64,7 +64,7 @@ def test_terminals_stay_inside_the_sector_and_its_width(drive: BevelDrive, dims:
             assert abs(x) <= width, f"{t.cable_name}: nut at |x| = {abs(x):.3f} mm, sector ends at {width:.3f}"
 
 
-def test_terminal_lies_on_the_tangent_at_the_anchor(dims: Layout) -> None:
+def test_terminal_lies_on_the_tangent_at_the_anchor(dims: BevelLayout) -> None:
     for t in dims.drum.tensioners:
         for s in (0.0, t.swage_start, t.tip):
             x, z = t.at(s)
@@ -75,7 +75,7 @@ def test_terminal_lies_on_the_tangent_at_the_anchor(dims: Layout) -> None:
         )
 
 
-def test_terminal_is_swage_gap_lug_two_nuts_and_a_stud_that_passes_them(drive: BevelDrive, dims: Layout) -> None:
+def test_terminal_is_swage_gap_lug_two_nuts_and_a_stud_that_passes_them(drive: BevelDrive, dims: BevelLayout) -> None:
     spec = drive.tensioner
     for t in dims.drum.tensioners:
         assert t.swage_end - t.swage_start == pytest.approx(spec.swage_length_mm)
@@ -85,7 +85,7 @@ def test_terminal_is_swage_gap_lug_two_nuts_and_a_stud_that_passes_them(drive: B
         assert t.nuts_end < t.tip - t.drawn_in < t.tip < t.last_tip
 
 
-def test_cable_is_still_on_the_drum_at_both_ends_of_travel(drive: BevelDrive, dims: Layout) -> None:
+def test_cable_is_still_on_the_drum_at_both_ends_of_travel(drive: BevelDrive, dims: BevelLayout) -> None:
     for t in dims.drum.tensioners:
         left = degrees(t.anchor_rad) - drive.half_travel_deg
         assert left > 18.0, f"{t.cable_name}: {left:.1f} deg of wrap at the end of travel"
@@ -97,7 +97,7 @@ def polar_box(t: Tensioner, s0: float, s1: float, n0: float, n1: float) -> tuple
     return min(angles), max(angles), min(radii), max(radii)
 
 
-def test_neighbours_on_one_side_do_not_share_a_place(drive: BevelDrive, dims: Layout) -> None:
+def test_neighbours_on_one_side_do_not_share_a_place(drive: BevelDrive, dims: BevelLayout) -> None:
     """Each terminal's hardware against the other's lug, and no pocket under a cable's land before it ends."""
     nut, d = drive.tensioner.nut_across_flats_mm / 3**0.5, dims.drum
     for a, b in combinations(d.tensioners, 2):
@@ -133,7 +133,7 @@ def test_no_thin_wall_before_a_land_further_out(step: float, sector: float, radi
                 assert opened or thick >= 1.0 - 1e-9, f"{t.cable_name}: wall of {thick:.3f} mm under {surface:.3f}"
 
 
-def test_stops_engage_between_the_travel_and_half_a_degree_more(drive: BevelDrive, dims: Layout) -> None:
+def test_stops_engage_between_the_travel_and_half_a_degree_more(drive: BevelDrive, dims: BevelLayout) -> None:
     """The pin touches the slot's end when their centres are apart by the difference of their radii."""
     d, pin = dims.drum, dims.frame.stop_pin_radius
     play = degrees((d.stop_slot_width / 2 - pin) / d.stop_radius)
@@ -143,7 +143,7 @@ def test_stops_engage_between_the_travel_and_half_a_degree_more(drive: BevelDriv
     assert d.stop_radius == dims.frame.stop_pin_z
 
 
-def test_windows_leave_spokes_round_the_slot_and_a_rim(drive: BevelDrive, dims: Layout) -> None:
+def test_windows_leave_spokes_round_the_slot_and_a_rim(drive: BevelDrive, dims: BevelLayout) -> None:
     d, half_slot = dims.drum, dims.drum.stop_slot_width / 2
     assert len(d.windows) == 6
     for w in d.windows:
@@ -155,7 +155,7 @@ def test_windows_leave_spokes_round_the_slot_and_a_rim(drive: BevelDrive, dims: 
         assert a.end_deg <= b.start_deg or b.end_deg <= a.start_deg or a.r_outer < b.r_inner or b.r_outer < a.r_inner
 
 
-def test_shaft_stack_fills_the_boss(drive: BevelDrive, dims: Layout) -> None:
+def test_shaft_stack_fills_the_boss(drive: BevelDrive, dims: BevelLayout) -> None:
     s, f, width = dims.drum_shaft, dims.frame, drive.bearings.drum.width_mm
     spring = dims.preload_spring.height
     assert s.rear_bearing_y == s.flange_end_y and f.rear_seat_end_y == pytest.approx(s.rear_bearing_y + width + spring)

@@ -13,8 +13,8 @@ from mbcdm_cad.layouts.miso_bevel import gap_tolerances as gaps
 from mbcdm_cad.layouts.miso_bevel.cable_path import fleet_angle_deg
 from mbcdm_cad.layouts.miso_bevel.checks.spans import straight_span_clearance_mm
 from mbcdm_cad.layouts.miso_bevel.checks.tolerances import stacks
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.kinematics import pair_mismatch_m
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stack_up import Contribution
@@ -119,7 +119,7 @@ def test_play_and_run_out_shrink_the_transfer_gap_as_a_displaced_guide_does() ->
 
 
 def test_stacks_stand_in_the_order_of_the_gaps_and_name_what_costs_most() -> None:
-    found = list(stacks(BevelUnderTest(reference())))
+    found = list(stacks(BevelLayout(reference())))
     assert len(found) == 7
     clearance, flank = found[0], found[4]
     assert clearance.costliest.name == "rope's diameter", clearance

@@ -21,9 +21,8 @@ from mbcdm_cad.layouts.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.layouts.miso_bevel.checks.support_fits import drives_apart, head_seats, key_access, screwdriver
 from mbcdm_cad.layouts.miso_bevel.checks.support_walls import bearing_shelf, front_wall, hole_webs, top_plate
 from mbcdm_cad.layouts.miso_bevel.checks.sweeps import collar_space, drum_sweep
-from mbcdm_cad.layouts.miso_bevel.design_under_test import BevelUnderTest
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.loads import seat_loads
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
@@ -58,11 +57,11 @@ def drive() -> BevelDrive:
 
 
 @pytest.fixture(scope="module")
-def dims(drive: BevelDrive) -> Layout:
-    return layout(drive)
+def dims(drive: BevelDrive) -> BevelLayout:
+    return BevelLayout(drive)
 
 
-def test_from_the_lowest_shelf_to_the_motors(dims: Layout) -> None:
+def test_from_the_lowest_shelf_to_the_motors(dims: BevelLayout) -> None:
     v, d = dims.levels, dims.drive
     order = (
         v.shelf_bottom_z,
@@ -84,15 +83,15 @@ def test_from_the_lowest_shelf_to_the_motors(dims: Layout) -> None:
     assert v.motor_top_z - v.gearhead_bottom_z == pytest.approx(d.gearhead.length_mm + d.motor.length_mm)
 
 
-def test_levels_from_the_gearhead_are_those_of_the_assembly_reversed(dims: Layout) -> None:
+def test_levels_from_the_gearhead_are_those_of_the_assembly_reversed(dims: BevelLayout) -> None:
     v, line = dims.levels, dims.levels.from_gearhead
     assert (line.bearing_shelf_top_z, line.top_plate_bottom_z) == (-v.top_plate_bottom_z, -v.bearing_shelf_top_z)
     assert line.motor_top_z < line.motor_shelf_top_z < line.top_plate_bottom_z < line.encoder_top_z
-    below = layout(drive_of(motor_side="below")).levels
+    below = BevelLayout(drive_of(motor_side="below")).levels
     assert below.from_gearhead is below
 
 
-def test_the_shaft_ends_in_the_pulley_and_the_pulley_in_the_encoder(dims: Layout) -> None:
+def test_the_shaft_ends_in_the_pulley_and_the_pulley_in_the_encoder(dims: BevelLayout) -> None:
     line, gear = dims.levels.from_gearhead, dims.drive.gearhead
     for p in dims.inputs:
         assert p.journal_bottom_z < line.motor_shelf_bottom_z + gear.shaft_length_mm < p.bore_top_z
@@ -104,7 +103,7 @@ def test_the_shaft_ends_in_the_pulley_and_the_pulley_in_the_encoder(dims: Layout
 @pytest.mark.parametrize("side", SIDES)
 def test_stops_are_where_their_cables_end(side: str) -> None:
     """Two ways to one place: the bill turns the pulley with its stops, the path is computed in the assembly."""
-    raised = layout(drive_of(motor_side=side))
+    raised = BevelLayout(drive_of(motor_side=side))
     items = {item.name: item for item in bill(raised, 12.0).items}
     for path in raised.cable_paths(np.radians(12.0)):
         end, bend = path.only(("chord",)).sample(0.05)[[0, -1]]
@@ -120,9 +119,9 @@ def test_stops_are_where_their_cables_end(side: str) -> None:
 @pytest.mark.parametrize("side", SIDES)
 def test_bearing_loads_by_two_ways(side: str) -> None:
     """The checks take moments along the input from its gearhead, the frame's load in the assembly's coordinates."""
-    s = BevelUnderTest(drive_of(motor_side=side))
+    s = BevelLayout(drive_of(motor_side=side))
     tension = s.loads.idle
-    seats = seat_loads(s.layout, np.asarray(tension))
+    seats = seat_loads(s, np.asarray(tension))
     ends = ("upper", "lower") if side == "above" else ("lower", "upper")
     s.loads.__dict__["on_bodies"] = [s.loads.on_bodies[0]]
     for name, low, high in input_reactions(s):
@@ -135,16 +134,16 @@ def test_every_check_passes_as_with_motors_below() -> None:
         assert [c.id for c in run_checks(design({"drive": {"motor_side": side}})) if c.status == "fail"] == []
 
 
-def test_box_reaches_from_the_hub_to_the_motors(drive: BevelDrive, dims: Layout) -> None:
-    x, z, _ = box_mm(BevelUnderTest(drive))
+def test_box_reaches_from_the_hub_to_the_motors(drive: BevelDrive, dims: BevelLayout) -> None:
+    x, z, _ = box_mm(BevelLayout(drive))
     low = max(dims.frame.boss_radius, dims.drum.hub_radius)
     assert z >= dims.levels.motor_top_z + low - 1e-9
-    below = box_mm(BevelUnderTest(drive_of(motor_side="below")))
+    below = box_mm(BevelLayout(drive_of(motor_side="below")))
     assert below[1] < z and x >= 2 * dims.levels.side_outer_x
 
 
-def test_boxes_mirror_each_other(dims: Layout) -> None:
-    turned = layout(drive_of(gearhead_angle_deg=20.0))
+def test_boxes_mirror_each_other(dims: BevelLayout) -> None:
+    turned = BevelLayout(drive_of(gearhead_angle_deg=20.0))
     (left, at_left), (right, at_right) = turned.top_plate.boxes
     assert left == -right
     assert sorted((-x, y) for x, y in at_left.gear_screws) == sorted(at_right.gear_screws)
@@ -154,7 +153,7 @@ def test_boxes_mirror_each_other(dims: Layout) -> None:
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("turn", [0.0, 25.0, -60.0])
 def test_threads_of_the_gearheads_are_behind_the_holes_for_their_screws(side: str, turn: float) -> None:
-    raised = layout(drive_of(motor_side=side, gearhead_angle_deg=turn))
+    raised = BevelLayout(drive_of(motor_side=side, gearhead_angle_deg=turn))
     gear = raised.drive.gearhead
     items = {item.name: item for item in bill(raised).items}
     holes = list(raised.frame.gear_screws) or [
@@ -171,7 +170,7 @@ def test_threads_of_the_gearheads_are_behind_the_holes_for_their_screws(side: st
 
 def test_the_motor_turns_with_its_gearhead() -> None:
     first, other = (
-        {item.name: item.location for item in bill(layout(drive_of(gearhead_angle_deg=turn))).items}
+        {item.name: item.location for item in bill(BevelLayout(drive_of(gearhead_angle_deg=turn))).items}
         for turn in (0.0, 30.0)
     )
     for name in ("motor_left", "motor_right"):
@@ -181,7 +180,7 @@ def test_the_motor_turns_with_its_gearhead() -> None:
 
 
 def margins(drive: BevelDrive) -> dict[str, Comparison]:
-    s = BevelUnderTest(drive)
+    s = BevelLayout(drive)
     checks = (
         *(drives_apart, head_seats, key_access, screwdriver, bearing_shelf, front_wall),
         *(hole_webs, top_plate, collar_space, drum_sweep),
@@ -288,7 +287,7 @@ def test_the_rule_turns_gearheads_whose_screws_have_no_room() -> None:
     assert [c.id for c in run_checks(usual) if c.status == "fail"] == ["head_seats"]
 
 
-def test_order_of_assembly_reaches_the_gearheads_screws_on_the_bench(dims: Layout) -> None:
+def test_order_of_assembly_reaches_the_gearheads_screws_on_the_bench(dims: BevelLayout) -> None:
     steps = assembly_order(dims)
     at = {name: k for k, step in enumerate(steps) for name in step.items}
     assert at["encoder_left"] == at["input_bearing_upper_left"] < at["input_pulley_left"] < at["guide"]

@@ -10,12 +10,12 @@ import pytest
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import cable_path, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.path_figures import PathFigures, path_figures, terminal_to_guide_mm
 
 
 @pytest.fixture(scope="module")
-def figures(dims: Layout) -> PathFigures:
+def figures(dims: BevelLayout) -> PathFigures:
     return path_figures(dims)
 
 
@@ -75,13 +75,13 @@ def test_usable_travel_ends_at_the_nearest_limit(figures: PathFigures) -> None:
 
 def test_another_limit_takes_over_when_it_is_drawn_in(drive: BevelDrive) -> None:
     strict = replace(drive, limits=replace(drive.limits, fleet_angle_max_deg=1.0))
-    shorter = path_figures(layout(strict))
+    shorter = path_figures(BevelLayout(strict))
     assert shorter.limits_positive[0].cause == "fleet angle of cable_4 reaches 1 deg"
     ends = shorter.usable_deg
     assert ends == pytest.approx((-23.7, 23.7), abs=0.1), ends
 
 
-def test_limits_are_where_they_are_said_to_be(dims: Layout, figures: PathFigures) -> None:
+def test_limits_are_where_they_are_said_to_be(dims: BevelLayout, figures: PathFigures) -> None:
     """Each kind put to the test at its own angle."""
     drive = dims.drive
     terminals = {t.cable_name: t for t in dims.drum.tensioners}

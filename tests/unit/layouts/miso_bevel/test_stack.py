@@ -10,12 +10,12 @@ import pytest
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
-from mbcdm_cad.layouts.miso_bevel.layout import Layout, layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM, SHOULDER_MM, band, outward_of, stack
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 
 
-def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims: Layout) -> None:
+def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims: BevelLayout) -> None:
     """Motor, gearhead, motor shelf, coupling space, bearing shelf, gap, pulley, gap and play, top plate, encoder."""
     pulley = dims.inputs[0].land_top_z - dims.inputs[0].land_bottom_z
     low = min(p.land_bottom_z for p in dims.inputs)
@@ -39,12 +39,12 @@ def test_height_is_the_sum_of_what_stands_on_each_other(drive: BevelDrive, dims:
     assert dims.levels.height_mm == pytest.approx(drive.targets.envelope_mm[1], abs=drive.targets.envelope_tolerance_mm)
 
 
-def test_depth_runs_from_the_back_plate_to_the_hubs_face(drive: BevelDrive, dims: Layout) -> None:
+def test_depth_runs_from_the_back_plate_to_the_hubs_face(drive: BevelDrive, dims: BevelLayout) -> None:
     assert dims.levels.depth_mm == drive.drum.hub_face_y_mm - drive.support.back_y_mm
     assert dims.levels.depth_mm == pytest.approx(34.8, abs=1e-12)
 
 
-def test_levels_are_in_order(dims: Layout) -> None:
+def test_levels_are_in_order(dims: BevelLayout) -> None:
     v = dims.levels
     up = [
         v.motor_bottom_z,
@@ -64,7 +64,7 @@ def test_levels_are_in_order(dims: Layout) -> None:
     assert back == sorted(back)
 
 
-def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: BevelDrive, dims: Layout) -> None:
+def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: BevelDrive, dims: BevelLayout) -> None:
     for pulley in dims.inputs:
         low, high = sorted((c for c in drive.cables if c.input_name == pulley.name), key=lambda c: c.step)
         assert pulley.land_bottom_z == band(drive, low, outward_of(drive, low)).low_mm - helix_stop_land_mm(drive)
@@ -76,7 +76,7 @@ def test_input_pulley_reaches_past_its_turns_by_the_slots_wall(drive: BevelDrive
 def test_no_stop_stands_out_of_its_pulley(drive: BevelDrive, stop_radius_ratio: float) -> None:
     """A rope of 2 mm has a stop that is thicker than the slot's wall; beyond the land are shelf and top plate."""
     thick = replace(drive, termination=replace(drive.termination, stop_radius_ratio=stop_radius_ratio))
-    for pulley in layout(thick).inputs:
+    for pulley in BevelLayout(thick).inputs:
         for slot in pulley.slots:
             beyond = max(pulley.land_bottom_z - (slot.chord_z - slot.stop_radius), 0.0)
             beyond = max(slot.chord_z + slot.stop_radius - pulley.land_top_z, beyond)
@@ -93,7 +93,7 @@ def test_dead_turns_lie_on_the_outer_ends(drive: BevelDrive) -> None:
         assert (limits.dead_end_mm - cable.drum_radius_mm) * outward > 0
 
 
-def test_guide_is_longer_than_the_steps_by_walk_and_flank(drive: BevelDrive, dims: Layout) -> None:
+def test_guide_is_longer_than_the_steps_by_walk_and_flank(drive: BevelDrive, dims: BevelLayout) -> None:
     r = [c.drum_radius_mm for c in drive.cables]
     walk = max(guide_landing_walk_mm(drive, c) for c in drive.cables)
     flank = drive.cable.diameter_mm / 2
@@ -101,7 +101,7 @@ def test_guide_is_longer_than_the_steps_by_walk_and_flank(drive: BevelDrive, dim
     assert dims.levels.guide_top_z > r[-1] + flank + walk + 0.5
 
 
-def test_bodies_come_closest_at_the_transfer(drive: BevelDrive, dims: Layout) -> None:
+def test_bodies_come_closest_at_the_transfer(drive: BevelDrive, dims: BevelLayout) -> None:
     """0.155 mm from the guide's first step to the drum's inner face, 0.255 at the walls: no cable slips in."""
     gap = dims.levels.drum_inner_y - dims.guide.surface_radii[0]
     assert gap == pytest.approx(drive.clearances.transfer_gap_mm, abs=1e-12) and gap < drive.cable.diameter_mm / 2
@@ -111,7 +111,7 @@ def test_bodies_come_closest_at_the_transfer(drive: BevelDrive, dims: Layout) ->
     assert at_walls == pytest.approx([0.255] * 3, abs=1e-12)
 
 
-def test_frame_stays_clear_of_the_drum_and_of_the_tensioners(drive: BevelDrive, dims: Layout) -> None:
+def test_frame_stays_clear_of_the_drum_and_of_the_tensioners(drive: BevelDrive, dims: BevelLayout) -> None:
     v, running = dims.levels, drive.clearances.running_mm
     nut = drive.tensioner.nut_across_flats_mm / 3**0.5
     assert v.front_y + running <= min(t.y_mm for t in dims.drum.tensioners) - nut + 1e-12
@@ -119,7 +119,7 @@ def test_frame_stays_clear_of_the_drum_and_of_the_tensioners(drive: BevelDrive, 
     assert v.boss_front_y == dims.drum.spigot_y < dims.drum.hub_start_y < dims.drum.web_start_y
 
 
-def test_walls_stand_beside_the_widest_of_what_turns_and_hangs_there(drive: BevelDrive, dims: Layout) -> None:
+def test_walls_stand_beside_the_widest_of_what_turns_and_hangs_there(drive: BevelDrive, dims: BevelLayout) -> None:
     half_room = dims.levels.side_inner_x - drive.centre_distance_mm
     flank = drive.cable.diameter_mm / 2
     for what, radius in {
@@ -167,7 +167,7 @@ def test_longer_travel_makes_longer_pulleys(drive: BevelDrive) -> None:
     assert change == pytest.approx(per_rad * radians(5.0), rel=1e-9)
 
 
-def test_every_level_is_a_finite_number(dims: Layout) -> None:
+def test_every_level_is_a_finite_number(dims: BevelLayout) -> None:
     for field in fields(dims.levels):
         value = getattr(dims.levels, field.name)
         assert abs(value) < 1e3, f"{field.name} = {value}"

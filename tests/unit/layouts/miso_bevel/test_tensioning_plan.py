@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.miso_bevel.assembly_order import assembly_order
-from mbcdm_cad.layouts.miso_bevel.layout import layout
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.tensioning import plan
 from mbcdm_cad.model.tensioning import balanced_tension_N
 
@@ -20,7 +20,7 @@ def test_one_cable_at_50_N_is_set_where_the_drum_comes_to_rest(apart: int) -> No
     """The last pull leaves the tensions at which the drum balances, by an equilibrium of springs solved here."""
     drive = reference()
     cables = tuple(replace(c, preload_N=50.0 if k == apart else 70.0) for k, c in enumerate(drive.cables))
-    lay = layout(replace(drive, cables=cables))
+    lay = BevelLayout(replace(drive, cables=cables))
     found = plan(lay)
     length = np.array([path.length_mm for path in lay.cable_paths(0.0)])
     stiffness = drive.cable.axial_stiffness_N / length * 1e3

@@ -9,7 +9,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive, round_drum
-from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout, layout
+from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 
 
 @pytest.fixture(scope="session")
@@ -22,13 +22,13 @@ def drive() -> RoundDrumDrive:
 def anchored() -> RoundDrumLayout:
     """The same with two anchored cables for each input."""
     text = new_design_text("miso_spur", "miso_spur").replace("cables: continuous", "cables: two_anchored")
-    return layout(round_drum(load_text(text).drive))
+    return RoundDrumLayout(round_drum(load_text(text).drive))
 
 
 @pytest.fixture(scope="session")
 def dims(drive: RoundDrumDrive) -> RoundDrumLayout:
     """Its dimensions."""
-    return layout(drive)
+    return RoundDrumLayout(drive)
 
 
 @pytest.fixture(scope="session")

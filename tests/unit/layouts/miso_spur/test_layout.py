@@ -16,9 +16,8 @@ from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.miso_spur.bill import bill
 from mbcdm_cad.layouts.miso_spur.checks.sectors import CHECKS as SECTORS
-from mbcdm_cad.layouts.miso_spur.design_under_test import RoundDrumUnderTest
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
-from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout, layout
+from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
 from mbcdm_cad.layouts.miso_spur.support.volume import VOLUMES
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as compliance_of_one
@@ -49,7 +48,7 @@ def test_more_inputs_fail_no_check_further_out(with_inputs: Made, count: int) ->
 
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_cables_keep_their_length_and_join_without_a_kink(with_inputs: Made, count: int) -> None:
-    dims = layout(with_inputs(count))
+    dims = RoundDrumLayout(with_inputs(count))
     centred = [path.length_mm for path in dims.cable_paths(0.0)]
     for angle in np.radians([-35.0, 12.0, 35.0]):
         for path, length in zip(dims.cable_paths(float(angle)), centred, strict=True):
@@ -105,7 +104,7 @@ def test_cables_end_in_their_terminals(dims: RoundDrumLayout) -> None:
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_dowels_meet_the_holes_of_both_hubs(with_inputs: Made, count: int) -> None:
     """Holes in the back of a sector stand before those in the face of the one behind it, in the frame of the drum."""
-    dims = layout(with_inputs(count))
+    dims = RoundDrumLayout(with_inputs(count))
     pins = dims.dowels
     turn = 360.0 / count
     behind = {round((a) % 360.0, 6) for a in pins.face_angles_deg}
@@ -118,7 +117,7 @@ def test_dowels_meet_the_holes_of_both_hubs(with_inputs: Made, count: int) -> No
 def test_every_item_joins_once_in_the_order_of_assembly(
     with_inputs: Made, dims: RoundDrumLayout, anchored: RoundDrumLayout
 ) -> None:
-    for each in (dims, layout(with_inputs(4)), anchored):
+    for each in (dims, RoundDrumLayout(with_inputs(4)), anchored):
         joined = [name for step in assembly_order(each) for name in step.items]
         assert sorted(joined) == sorted(item.name for item in bill(each).items)
 
@@ -134,7 +133,7 @@ def test_every_item_joins_once_in_the_order_of_assembly(
 def test_sectors_against_their_limits(with_inputs: Made, check: str, change: dict[str, float], status: str) -> None:
     """With three inputs the terminals of each sector come round to the others'."""
     found = next(c for c in SECTORS if c.id == check)
-    result = run_check(found, RoundDrumUnderTest(replace(with_inputs(3), **change)))
+    result = run_check(found, RoundDrumLayout(replace(with_inputs(3), **change)))
     assert result.status == status, result.message
 
 
@@ -148,11 +147,11 @@ def test_sectors_against_their_limits(with_inputs: Made, check: str, change: dic
 )
 def test_drum_against_its_limits(drive: RoundDrumDrive, check: str, change: dict[str, float]) -> None:
     found = next(c for c in SECTORS if c.id == check)
-    assert run_check(found, RoundDrumUnderTest(drive)).status == "pass"
+    assert run_check(found, RoundDrumLayout(drive)).status == "pass"
     # Thrice the load shears what holds the reference's.
     loads = replace(drive.loads, peak_torque_Nm=3 * drive.loads.peak_torque_Nm)
     worse = replace(drive, loads=loads, drum=replace(drive.drum, **change))
-    result = run_check(found, RoundDrumUnderTest(worse))
+    result = run_check(found, RoundDrumLayout(worse))
     assert result.status == "fail", result.message
 
 
@@ -169,7 +168,7 @@ def test_inputs_and_sides_are_counted() -> None:
 @pytest.mark.slow
 def test_frame_and_drum_as_heavy_as_drawn(with_inputs: Made) -> None:
     """With three inputs, whose arms share metal next to the axis."""
-    parts = bill(layout(with_inputs(3))).parts
+    parts = bill(RoundDrumLayout(with_inputs(3))).parts
     for name in ("frame", "drum"):
         drawn = make(parts[name].maker, parts[name].args).Volume()
         assert estimated_mm3(parts[name], VOLUMES) == pytest.approx(drawn, rel=0.01), name
@@ -181,7 +180,7 @@ def test_arms_of_the_frame_joined_bend_less_than_alone(dims: RoundDrumLayout, wi
     alone = [compliance_of_one(unit).windup_urad_Nm for unit in dims.units]
     together = frame_compliance(dims).windup_urad_Nm
     assert 0.8 * sum(alone) / 4 < together <= 1.001 * sum(alone) / 4, f"{together} of {alone}"
-    assert np.isfinite(frame_compliance(layout(with_inputs(3))).windup_urad_Nm)
+    assert np.isfinite(frame_compliance(RoundDrumLayout(with_inputs(3))).windup_urad_Nm)
 
 
 def test_levels_are_one_pitch_apart(dims: RoundDrumLayout) -> None:

@@ -14,7 +14,6 @@ from mbcdm_cad.checks.bearings import input_reactions
 from mbcdm_cad.checks.run import run_check
 from mbcdm_cad.layouts.miso_spur.checks.sharing import CHECKS as SHARING
 from mbcdm_cad.layouts.miso_spur.checks.sharing import load_shares
-from mbcdm_cad.layouts.miso_spur.design_under_test import RoundDrumUnderTest
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.inertias import inertias_kg_m2
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
@@ -129,11 +128,11 @@ def test_shares_follow_the_stiffness_of_the_cables_alone(drive: RoundDrumDrive, 
 
 
 def test_check_of_sharing_warns_of_one_slack_cable(drive: RoundDrumDrive) -> None:
-    even = RoundDrumUnderTest(drive)
+    even = RoundDrumLayout(drive)
     assert load_shares(even) == pytest.approx(np.full((2, 2), 0.5))
     assert run_check(SHARING[0], even).status == "pass"
     cables = tuple(replace(c, preload_N=35.0 if c.input_name == "lower" else 70.0) for c in drive.cables)
-    uneven = RoundDrumUnderTest(replace(drive, cables=cables))
+    uneven = RoundDrumLayout(replace(drive, cables=cables))
     shares = load_shares(uneven)
     assert shares[0, 0] > 0.55 and shares.sum(axis=1) == pytest.approx([1.0, 1.0]), shares
     assert run_check(SHARING[0], uneven).status == "warn"
@@ -155,7 +154,7 @@ def test_drum_is_as_heavy_as_its_sectors(with_inputs: Made) -> None:
 
 def test_bearings_of_each_pulley_carry_by_their_levers(drive: RoundDrumDrive) -> None:
     """The second pulley's cable lies a pitch further from the plate, so that its far bearing carries more."""
-    s = RoundDrumUnderTest(drive)
+    s = RoundDrumLayout(drive)
     bearings, upper_shares = drive.bearings, []
     for k, (_, near, far) in enumerate(input_reactions(s)):
         v = s.levels_of(k)

@@ -6,7 +6,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, direct
-from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout, layout
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 
 
 @pytest.fixture(scope="session")
@@ -18,4 +18,4 @@ def drive() -> DirectDrive:
 @pytest.fixture(scope="session")
 def dims(drive: DirectDrive) -> DirectLayout:
     """Its dimensions."""
-    return layout(drive)
+    return DirectLayout(drive)

@@ -22,9 +22,8 @@ from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, stop_be
 from mbcdm_cad.layouts.siso_bevel.checks.input_turn import CHECKS as TURN_CHECKS
 from mbcdm_cad.layouts.siso_bevel.checks.input_turn import highest_ratio
 from mbcdm_cad.layouts.siso_bevel.checks.room import CHECKS as ROOM_CHECKS
-from mbcdm_cad.layouts.siso_bevel.design_under_test import DirectUnderTest
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
-from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout, layout
+from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
 from mbcdm_cad.layouts.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
@@ -53,7 +52,7 @@ def test_reference_design_fails_no_check(drive: DirectDrive) -> None:
 
 def test_outlines_of_the_terminals_reach_as_far_as_their_solids(drive: DirectDrive, dims: DirectLayout) -> None:
     """They bound the box that is foreseen: a stud's tip has a chamfered edge."""
-    own, design = bill(dims), DirectUnderTest(drive)
+    own, design = bill(dims), DirectLayout(drive)
     for t in dims.drum.tensioners:
         (item,) = (item for item in own.items if item.name == f"terminal_{t.cable_name}")
         spec = own.parts[item.part]
@@ -97,7 +96,7 @@ def test_one_turn_limits_the_ratio_and_the_remedy_names_it(drive: DirectDrive) -
     check, most = TURN_CHECKS[0], highest_ratio(drive)
     assert 4.5 < most < 4.6
     for ratio, status in ((most * 0.999, "pass"), (most * 1.001, "fail"), (9.0, "fail")):
-        result = run_check(check, DirectUnderTest(with_ratio(drive, ratio)))
+        result = run_check(check, DirectLayout(with_ratio(drive, ratio)))
         assert result.status == status, f"{ratio}: {result.message}"
     assert "total ratio of at most 4.5" in result.remedy, result.remedy
     assert "lower transmission.input_to_drum from 9 to at most 4.5" in result.remedy, result.remedy
@@ -110,11 +109,11 @@ def test_what_turns_passes_the_encoder_and_stays_below_the_motor(drive: DirectDr
     check = next(c for c in ROOM_CHECKS if c.id == "drum_sweep")
 
     def status(changed: DirectDrive) -> str:
-        return run_check(check, DirectUnderTest(changed)).status
+        return run_check(check, DirectLayout(changed)).status
 
     wide = replace(drive.motor, diameter_mm=90.0)
     assert status(replace(drive, motor=wide)) == "pass"
-    web_y = layout(drive).drum.lands[0].y_start
+    web_y = DirectLayout(drive).drum.lands[0].y_start
     for radius, expected in ((web_y - 0.3, "pass"), (web_y + 0.6, "fail")):
         encoder = replace(drive.encoder, diameter_mm=2 * radius)
         assert status(replace(drive, encoder=encoder)) == expected, f"encoder {radius} mm, rim at {web_y} mm"
@@ -155,7 +154,7 @@ def test_forces_of_1_Nm_leave_the_mounts_its_moment_alone(dims: DirectLayout) ->
 @pytest.mark.slow
 def test_thicker_walls_turn_less(drive: DirectDrive) -> None:
     def windup(**walls: float) -> float:
-        return frame_compliance(layout(replace(drive, support=replace(drive.support, **walls)))).windup_urad_Nm
+        return frame_compliance(DirectLayout(replace(drive, support=replace(drive.support, **walls)))).windup_urad_Nm
 
     now = windup()
     assert 20.0 < now < 45.0, f"{now} urad per N m"

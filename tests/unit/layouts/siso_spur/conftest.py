@@ -6,7 +6,7 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, spur
-from mbcdm_cad.layouts.siso_spur.layout import SpurLayout, layout
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 
 
 @pytest.fixture(scope="session")
@@ -25,4 +25,4 @@ def anchored() -> SpurDrive:
 @pytest.fixture(scope="session")
 def dims(drive: SpurDrive) -> SpurLayout:
     """Its dimensions."""
-    return layout(drive)
+    return SpurLayout(drive)

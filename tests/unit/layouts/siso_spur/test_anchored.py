@@ -15,9 +15,8 @@ from mbcdm_cad.layouts.check_design import checks_of
 from mbcdm_cad.layouts.siso_spur.assembly_order import assembly_order
 from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_paths, input_wrap_rad
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
-from mbcdm_cad.layouts.siso_spur.layout import SpurLayout, layout
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.tensioning import plan
 from mbcdm_cad.model.analysis import analyse
 from mbcdm_cad.model.equilibrium import solve_equilibrium
@@ -32,7 +31,7 @@ ANGLES_DEG = (-35.0, 0.0, 20.0, 35.0)
 
 @pytest.fixture(scope="module")
 def lay(anchored: SpurDrive) -> SpurLayout:
-    return layout(anchored)
+    return SpurLayout(anchored)
 
 
 @settings(max_examples=40, deadline=None)
@@ -178,13 +177,13 @@ def test_equilibrium_is_that_of_cables_summed_up_in_slices(anchored: SpurDrive) 
 def test_winding_against_its_limits(anchored: SpurDrive, check: str, change: dict[str, float], status: str) -> None:
     changed = laid(replace(anchored, **change))
     found = next(c for c in checks_of(changed) if c.id == check)
-    result = run_check(found, SpurUnderTest(changed))
+    result = run_check(found, SpurLayout(changed))
     assert result.status == status, result.message
 
 
 def test_too_few_turns_are_told_how_many_it_takes(anchored: SpurDrive) -> None:
     few = laid(replace(anchored, turns=2))
-    result = run_check(next(c for c in checks_of(few) if c.id == "dead_turns"), SpurUnderTest(few))
+    result = run_check(next(c for c in checks_of(few) if c.id == "dead_turns"), SpurLayout(few))
     assert "transmission.turns" in result.remedy and "3" in result.remedy, result.remedy
 
 

@@ -19,9 +19,8 @@ from mbcdm_cad.layouts.siso_spur.bill import bill
 from mbcdm_cad.layouts.siso_spur.cable_path import cable_path
 from mbcdm_cad.layouts.siso_spur.checks.winding import CHECKS as WINDING
 from mbcdm_cad.layouts.siso_spur.checks.winding import turn_distance_mm
-from mbcdm_cad.layouts.siso_spur.design_under_test import SpurUnderTest
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, laid
-from mbcdm_cad.layouts.siso_spur.layout import SpurLayout, layout
+from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
@@ -52,7 +51,7 @@ def test_the_stop_pin_stands_outside_hub_and_boss(drive: SpurDrive, hub_mm: floa
         drum=replace(drive.drum, hub_diameter_mm=hub_mm),
         bearings=replace(drive.bearings, drum=bearing),
     )
-    dims = layout(changed)
+    dims = SpurLayout(changed)
     pin, slot = dims.frame.stop_pin_radius, dims.drum.stop_slot_width / 2
     beside_hub = dims.frame.stop_pin_z - slot - hub_mm / 2
     beside_boss = dims.frame.stop_pin_z - pin - dims.frame.boss.radius
@@ -163,13 +162,13 @@ def test_turns_beside_each_other_by_brute_force(drive: SpurDrive) -> None:
 )
 def test_winding_against_its_limits(drive: SpurDrive, check: str, change: dict[str, float], status: str) -> None:
     found = next(c for c in WINDING if c.id == check)
-    result = run_check(found, SpurUnderTest(laid(replace(drive, **change))))
+    result = run_check(found, SpurLayout(laid(replace(drive, **change))))
     assert result.status == status, result.message
 
 
 def test_remedy_of_slip_names_the_turns_that_hold(drive: SpurDrive) -> None:
     found = next(c for c in WINDING if c.id == "input_slip")
-    result = run_check(found, SpurUnderTest(laid(replace(drive, turns=1))))
+    result = run_check(found, SpurLayout(laid(replace(drive, turns=1))))
     assert "raise transmission.turns to 3" in result.remedy, result.remedy
 
 
@@ -177,7 +176,7 @@ def test_smooth_input_is_refused_a_steep_helix(drive: SpurDrive) -> None:
     smooth = replace(drive, input_pulleys=replace(drive.input_pulleys, surface="smooth"))
     found = next(c for c in WINDING if c.id == "fleet_angle")
     for lead, status in ((0.9, "pass"), (1.1, "fail")):
-        result = run_check(found, SpurUnderTest(laid(replace(smooth, helix_lead_mm=lead))))
+        result = run_check(found, SpurLayout(laid(replace(smooth, helix_lead_mm=lead))))
         assert result.status == status, result.message
 
 
@@ -202,7 +201,7 @@ def test_forces_of_1_Nm_leave_the_mounts_its_moment_alone(dims: SpurLayout) -> N
 @pytest.mark.slow
 def test_thicker_walls_turn_less(drive: SpurDrive) -> None:
     def windup(**walls: float) -> float:
-        return frame_compliance(layout(replace(drive, support=replace(drive.support, **walls)))).windup_urad_Nm
+        return frame_compliance(SpurLayout(replace(drive, support=replace(drive.support, **walls)))).windup_urad_Nm
 
     now = windup()
     assert 30.0 < now < 50.0, f"{now} urad per N m"
@@ -214,6 +213,6 @@ def test_the_shelf_has_a_wall_beside_the_heads_of_the_encoder_screws(drive: Spur
     """Of a material with thick walls, such as PLA, the shelf is wider than the encoder."""
     for wall in (0.8, 1.2):
         material = replace(drive.support.material, min_wall_mm=wall)
-        f = layout(replace(drive, support=replace(drive.support, material=material))).frame
+        f = SpurLayout(replace(drive, support=replace(drive.support, material=material))).frame
         beside = f.shelf_half_width - f.encoder_circle_radius - f.encoder_head_radius
         assert beside >= wall - 1e-9, f"{beside} mm of {wall}"

@@ -1,4 +1,4 @@
-"""The design under test for drives whose cables end on a drum sector: figures that their checks share."""
+"""What layouts share whose cables end on a drum sector, and those of them that have motor heads."""
 
 from __future__ import annotations
 
@@ -7,8 +7,13 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, Protocol
 
-from mbcdm_cad.checks.design_under_test import DesignUnderTest
+from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.parts.collar.dims import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
+from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
+from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
 from mbcdm_cad.parts.terminal.dims import Tensioner
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -41,13 +46,14 @@ class InputLevels(SectorLevels, Protocol):
         """Front of shelves and plates."""
 
 
-class SectorUnderTest(DesignUnderTest):
-    """Adds the levels and the cables in the order of their steps."""
+class SectorLayout(Layout):
+    """A design with a drum sector, its terminals, and an input pulley in two bearings for each input."""
 
     drive: SectorDrive
 
-    def __init__(self, drive: SectorDrive, layout: Any = None) -> None:
-        super().__init__(drive, layout)
+    def __init__(self, drive: SectorDrive, **given: Any) -> None:
+        super().__init__(drive, **given)
+        # The cables in the order of their steps.
         self.steps: tuple[SectorRun, ...] = tuple(sorted(drive.cables, key=lambda cable: cable.step))
 
     @property
@@ -57,8 +63,33 @@ class SectorUnderTest(DesignUnderTest):
 
     @property
     @abstractmethod
-    def layout(self) -> Any:
-        """All dimensions: the given ones, else computed from the drive."""
+    def drum(self) -> DrumDims:
+        """Drum sector."""
+
+    @property
+    @abstractmethod
+    def drum_shaft(self) -> DrumShaftDims:
+        """Shaft of the drum."""
+
+    @property
+    @abstractmethod
+    def preload_spring(self) -> PreloadSpringDims:
+        """Wave spring of the drum's bearings."""
+
+    @property
+    @abstractmethod
+    def inputs(self) -> tuple[InputPulleyDims, ...]:
+        """The input pulleys, in the order of the design's inputs."""
+
+    @property
+    @abstractmethod
+    def collar(self) -> CollarDims:
+        """Clamp collar of each input pulley."""
+
+    @property
+    @abstractmethod
+    def frame(self) -> Any:
+        """The frame."""
 
     @property
     @abstractmethod
@@ -83,8 +114,7 @@ class SectorUnderTest(DesignUnderTest):
     @property
     def terminals(self) -> tuple[Tensioner, ...]:
         """Terminals of all cables, in the order of the design's cables."""
-        found: tuple[Tensioner, ...] = self.layout.drum.tensioners
-        return found
+        return self.drum.tensioners
 
     @property
     def levels_sense(self) -> int:
@@ -110,7 +140,7 @@ class SectorUnderTest(DesignUnderTest):
 
     def tensioned_lengths_mm(self) -> Sequence[float]:
         """Length in mm that each terminal tensions, drum centred, in the order of the design's cables."""
-        return [path.length_mm for path in self.layout.cable_paths(0.0)]
+        return [path.length_mm for path in self.cable_paths(0.0)]
 
     def smallest_wrap_rad(self, cable: SectorRun) -> float:
         """Wrap on the drum, rad, at the end of travel at which most of it is unwound."""
@@ -120,4 +150,25 @@ class SectorUnderTest(DesignUnderTest):
     def extreme_paths(self) -> tuple[tuple[float, tuple[CablePath, ...]], ...]:
         """Cable paths at one end of travel, centred, and at the other end, with the drum angles in rad."""
         half = self.half_travel_rad
-        return tuple((angle, self.layout.cable_paths(angle)) for angle in (-half, 0.0, half))
+        return tuple((angle, self.cable_paths(angle)) for angle in (-half, 0.0, half))
+
+
+class HeadLayout(SectorLayout):
+    """A design with a motor head for each input."""
+
+    drive: HeadedDrive
+
+    @property
+    @abstractmethod
+    def head(self) -> HeadDims:
+        """Motor head."""
+
+    @property
+    def encoder_plate_mm(self) -> float:
+        """See the base class."""
+        return self.drive.support.encoder_shelf_mm
+
+    @property
+    def motor_shelf_mm(self) -> float:
+        """See the base class."""
+        return self.drive.support.motor_shelf_mm

@@ -1,0 +1,313 @@
+"""The base class of all layouts, through which all other rooms use a design.
+
+An object of a layout is one design of one kind of drive, with all that follows from its fields: routes, dimensions of
+every part, bill, figures for the checks. Each is computed on first use, and modules are imported when they are needed,
+so that a program that only simulates does not load the code of the parts.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, wraps
+from importlib import import_module
+from importlib.resources import files
+from math import radians
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.design.drive import Drive
+
+if TYPE_CHECKING:
+    from mbcdm_cad.checks.design_variables import DesignVariable
+    from mbcdm_cad.design.design_file import DesignFile
+    from mbcdm_cad.model.cable_tensions import CableTensions
+    from mbcdm_cad.model.stack_up import StackUp
+    from mbcdm_cad.model.tensioning_plan import TensioningPlan
+    from mbcdm_cad.parts.bill import AssemblyStep, Bill, MovingBody
+    from mbcdm_cad.routes.cable_path import CablePath
+    from mbcdm_cad.routes.geometry import RoutedDrive
+
+_T = TypeVar("_T")
+# The model is not evaluated above this multiple of sum(T_pre r_o), at which cables without friction go slack.
+OVERLOAD = 4.0
+
+
+class NoFigureError(Exception):
+    """Raised for a figure that does not exist for this design; the text gives the reason and ends a sentence."""
+
+
+@dataclass(frozen=True)
+class Conventions:
+    """Texts of the report on the drawn model: its frame of reference, and how its cables are drawn."""
+
+    frame: str
+    cables: str
+
+
+@dataclass(frozen=True)
+class FrameCompliance:
+    """Rotation of the drum per N m by the support's deflection, in total and by the part whose strain causes it."""
+
+    windup_urad_Nm: float
+    shares_urad_Nm: dict[str, float]
+
+    def windup_mrad(self, torque_Nm: float) -> float:
+        """Rotation of the drum under an external torque, mrad; proportional to the torque."""
+        return self.windup_urad_Nm * torque_Nm * 1e-3
+
+
+@dataclass(frozen=True)
+class FrameStudy:
+    """The computation of the frame's compliance and all that it depends on, so that its result can be cached.
+
+    ``module`` is the one whose code computes it, ``inputs`` are plain data, complete for the cache key. ``advice`` says
+    how to make the frame stiffer.
+    """
+
+    module: str
+    inputs: Any
+    compliance: Callable[[], FrameCompliance]
+    advice: str = "thicken the walls that bend most"
+
+
+class PathFigures(Protocol):
+    """Figures of the cables' true paths: a frozen dataclass that goes into the report with all its fields.
+
+    ``cables`` has an entry for each cable, with at least ``name``, ``length_um`` (change of the length between the
+    anchors from the centred drum, at each angle) and ``input_wrap_deg``, ``drum_wrap_deg`` (at each angle).
+    """
+
+    @property
+    def drum_angle_deg(self) -> tuple[float, ...]:
+        """The drum angles over the travel."""
+
+    @property
+    def cables(self) -> tuple[Any, ...]:
+        """Figures of each cable."""
+
+    @property
+    def usable_deg(self) -> tuple[float, float]:
+        """(lowest, highest) drum angle of the usable travel, deg."""
+
+
+def dimensions(worked_out: Callable[[Any], _T]) -> cached_property[_T]:
+    """A cached property with the dimensions of a part, in mm, drum centred.
+
+    Reading it raises :class:`NoFigureError` with the reason where no geometry exists for the design.
+    """
+
+    @wraps(worked_out)
+    def of(layout: Layout) -> _T:
+        layout.require_geometry()
+        try:
+            return worked_out(layout)
+        except (ValueError, ZeroDivisionError) as error:
+            raise _no_solution(error) from None
+
+    return cached_property(of)
+
+
+def _no_solution(error: Exception) -> NoFigureError:
+    return NoFigureError(f"the dimensions have no solution: {error}")
+
+
+class Layout(ABC):
+    """One design of one kind of drive. A layout is a subclass in a package of its own, ``LAYOUT`` of its ``layout.py``.
+
+    What is long has a module of its own beside that file, found by its name: ``design_file`` (``DESIGN_FILE``),
+    ``routes`` (``routed``), ``inertias``, ``bill`` (``bill``, ``moving_bodies``), ``assembly_order``, ``path_figures``
+    (``path_figures``, ``path_lines``), ``checks`` (``FAMILIES``), ``tensioning`` (``plan``), ``support.stiffness``
+    (``frame_study``), and ``paths.md.j2``. A small layout overrides the methods below instead.
+
+    Every figure raises :class:`NoFigureError` if it does not exist for this design.
+    """
+
+    # Name in the design file (``configuration: NAME``), and a short description in one line.
+    name: ClassVar[str]
+    title: ClassVar[str]
+    conventions: ClassVar[Conventions]
+
+    def __init__(self, drive: Drive, **given: Any) -> None:
+        """``given``: dimensions by their names, in place of those that follow from ``drive``."""
+        self.drive = drive
+        self.__dict__.update(given)
+        self._kept: dict[str, Any] = {}
+        # A design whose loads are worked out already, and which may have the same.
+        self.before: Layout | None = None
+
+    # What all designs of a layout share.
+
+    @classmethod
+    def _module(cls, name: str) -> Any:
+        return import_module(f"{cls.__module__.rpartition('.')[0]}.{name}")
+
+    @classmethod
+    def design_file(cls) -> DesignFile:
+        """Schema, reference values and rules of its design files, and the function that makes a drive from one."""
+        found: DesignFile = cls._module("design_file").DESIGN_FILE
+        return found
+
+    @classmethod
+    def check_families(cls) -> tuple[ModuleType, ...]:
+        """Modules with a tuple ``CHECKS`` each, in the order in which they are run and shown."""
+        found: tuple[ModuleType, ...] = cls._module("checks").FAMILIES
+        return found
+
+    @classmethod
+    def path_lines(cls, cable: dict[str, Any]) -> Iterator[str]:
+        """One cable's path figures (as a dict) for the terminal."""
+        found: Iterator[str] = cls._module("path_figures").path_lines(cable)
+        return found
+
+    @classmethod
+    def paths_template(cls) -> str:
+        """Jinja template of the report's table of cable paths; ``r`` is the report's data."""
+        return files(cls.__module__.rpartition(".")[0]).joinpath("paths.md.j2").read_text("utf-8")
+
+    # Other designs of this layout.
+
+    def with_drive(self, drive: Drive) -> Self:
+        """The same for another drive."""
+        return type(self)(drive)
+
+    def with_dimensions(self, **given: Any) -> Self:
+        """The design with dimensions in place of its own, by their names; those that follow from them change too."""
+        return type(self)(self.drive, **given)
+
+    # The mechanism.
+
+    @cached_property
+    def routed(self) -> RoutedDrive:
+        """Routes of the cables, on which model, rig and identification work."""
+        found: RoutedDrive = self._module("routes").routed(self.drive)
+        return found
+
+    @cached_property
+    def inertias_kg_m2(self) -> Mapping[str, float]:
+        """Moment of inertia of each body of the routes about its own axis, without CAD."""
+        found: dict[str, float] = self._module("inertias").inertias_kg_m2(self.drive)
+        return found
+
+    # Its parts.
+
+    def require_geometry(self) -> None:
+        """Raise NoFigureError with the reason if no geometry exists for the design at all."""
+        try:
+            self.refuse_impossible()
+        except (ValueError, ZeroDivisionError) as error:
+            raise _no_solution(error) from None
+
+    def refuse_impossible(self) -> None:
+        """Raise ValueError, ZeroDivisionError or NoFigureError for a design without any geometry."""
+        return
+
+    @abstractmethod
+    def cable_paths(self, drum_angle_rad: float) -> tuple[CablePath, ...]:
+        """Centre lines of all cables, in the order of the design's cables."""
+
+    @cached_property
+    def moving_bodies(self) -> tuple[MovingBody, ...]:
+        """The moving bodies: the drum, the bodies that cables pass, the inputs in the order of the design's inputs."""
+        found: tuple[MovingBody, ...] = self._module("bill").moving_bodies(self)
+        return found
+
+    def bill(self, drum_angle_deg: float = 0.0) -> Bill:
+        """All parts, and all instances of them with the drum at ``drum_angle_deg``.
+
+        The group of each instance is ``"fixed"`` or the name of a moving body.
+        """
+        found: Bill = self._module("bill").bill(self, drum_angle_deg)
+        return found
+
+    @cached_property
+    def assembly_order(self) -> tuple[AssemblyStep, ...]:
+        """Steps of the assembly; every item of the bill joins in one of them."""
+        found: tuple[AssemblyStep, ...] = self._module("assembly_order").assembly_order(self)
+        return found
+
+    @cached_property
+    def frame_study(self) -> FrameStudy | None:
+        """Study of the drum's rotation by the frame's deflection; None if the frame is assumed to be rigid."""
+        found: FrameStudy | None = self._module("support.stiffness").frame_study(self)
+        return found
+
+    @cached_property
+    def path_figures(self) -> PathFigures:
+        """Figures of the cables' paths over the travel."""
+        found: PathFigures = self._module("path_figures").path_figures(self)
+        return found
+
+    @cached_property
+    def tolerance_stacks(self) -> tuple[StackUp, ...]:
+        """Tolerance stacks of each gap and ratio; may be empty."""
+        return tuple(self._module("checks.tolerances").stacks(self))
+
+    @cached_property
+    def tensioning(self) -> TensioningPlan | None:
+        """Plan for setting the preloads: cut lengths, nut turns, pitch of the spans, order; None if there is none."""
+        found: TensioningPlan | None = self._module("tensioning").plan(self)
+        return found
+
+    # What its checks read.
+
+    @property
+    @abstractmethod
+    def variables(self) -> Mapping[str, DesignVariable]:
+        """Design variables that a remedy may change, by name."""
+
+    @abstractmethod
+    def wraps_rad(self, drum_angle_rad: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(input, drum) wraps of each cable at a drum angle, never below zero, shape (n_cables,)."""
+
+    @abstractmethod
+    def bends_mm(self) -> Sequence[tuple[str, str, float]]:
+        """(cable, pulley, pitch radius in mm) of every pulley that a cable is bent on."""
+
+    def once(self, name: str, make: Callable[[Self], _T]) -> _T:
+        """``make(self)``, computed at the first call for this ``name`` and kept for the other checks that need it."""
+        if name not in self._kept:
+            self._kept[name] = make(self)
+        kept: _T = self._kept[name]
+        return kept
+
+    @cached_property
+    def loads(self) -> CableTensions:
+        """Tensions by the model."""
+        from mbcdm_cad.model.cable_tensions import CableTensions
+        from mbcdm_cad.model.si import ModelError, to_si
+
+        drive = self.drive
+        carried = sum(c.preload_N * c.drum_radius_mm for c in drive.cables) * 1e-3
+        largest = max(drive.loads.peak_torque_Nm, drive.loads.test_torque_Nm)
+        if largest > OVERLOAD * carried:
+            raise NoFigureError(
+                f"the load of {largest:.4g} N m is more than {OVERLOAD:g} times what the preload can carry "
+                f"({carried:.4g} N m): cables go slack far below it; raise rope.preload_N or lower the load"
+            )
+        try:
+            si = to_si(drive)
+            if self.before is not None and self.before.loads.are_those_of(drive, si):
+                return self.before.loads
+            return CableTensions(drive, si)
+        except ModelError as error:
+            raise NoFigureError(f"the model has no answer: {error}") from None
+
+    @property
+    def has_loads(self) -> bool:
+        """Whether they are worked out."""
+        return "loads" in self.__dict__
+
+    @property
+    def half_travel_rad(self) -> float:
+        """Travel each way."""
+        return radians(self.drive.half_travel_deg)
+
+    @property
+    def flank_mm(self) -> float:
+        """Half the cable's diameter."""
+        return self.drive.cable.diameter_mm / 2
