@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from mbcdm_cad.design.as_built import with_as_built
 from mbcdm_cad.design.blocks import Design
+from mbcdm_cad.design.derived_bounds import blame_requirements
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.fieldpath import FieldPath, dotted
@@ -62,8 +63,14 @@ def resolved(
     """
     tree, sigmas = _split(tree, str(path), file)
     sizing = _sized(tree, str(path), file, moved or {}, similar)
-    tree = tree if sizing is None else Tree(sizing.data, tree.lines)
-    design = _validated(tree, str(path), file)
+    given, tree = tree, tree if sizing is None else Tree(sizing.data, tree.lines)
+    try:
+        design = _validated(tree, str(path), file)
+    except InputError as error:
+        if sizing is None or moved is not None:
+            raise
+        problems = blame_requirements(list(error.problems), given, sizing, lambda other: _fits(other, path, file))
+        raise InputError(problems) from None
     catalogue = Catalogue(design)
     broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
     _refuse_broken_rules(broken, tree, str(path))
@@ -132,9 +139,25 @@ def _may_be_left_out(name: str, file: DesignFile) -> bool:
 
 
 def _is_wrong(item: Any) -> bool:
-    """Whether one of pydantic's findings is a real error and not only a missing field, which sizing may fill."""
-    in_a_list = any(isinstance(part, int) for part in item["loc"])
-    return item["type"] != "missing" or in_a_list or item["loc"] == ("configuration",)
+    """Whether one of pydantic's findings is a real error and not only a missing field, which sizing may fill.
+
+    Rules fill no field of an item of a list, of an entry of the catalogue, or of a rope that is written inline.
+    """
+    path = item["loc"]
+    never_filled = (
+        any(isinstance(part, int) for part in path) or path[0] == "catalogue" or path[:2] == ("rope", "inline")
+    )
+    return item["type"] != "missing" or never_filled or path == ("configuration",)
+
+
+def _fits(tree: Tree, path: Path, file: DesignFile) -> bool:
+    """Whether every value of the file, given or from a rule, is within its bounds."""
+    try:
+        sizing = _sized(tree, str(path), file, {}, None)
+        _validated(tree if sizing is None else Tree(sizing.data, tree.lines), str(path), file)
+    except (InputError, SizingError):
+        return False
+    return True
 
 
 def _validated(tree: Tree, path: str, file: DesignFile) -> Design:

@@ -37,8 +37,12 @@ def schema_problems(
     """
     items = [item for item in error.errors(include_url=False) if wanted(item) and not _follows(item)]
     # Every branch of "a name or a number" gives the same error.
-    alike = dict.fromkeys(_problem(item, tree, file, node_at) for item in items)
-    found = sorted(alike, key=lambda problem: problem.line)
+    return at_most_listed(list(dict.fromkeys(_problem(item, tree, file, node_at) for item in items)), file)
+
+
+def at_most_listed(problems: list[Problem], file: str) -> list[Problem]:
+    """The problems by line, at most ``MAX_LISTED`` with the number of further ones."""
+    found = sorted(problems, key=lambda problem: problem.line)
     if len(found) > MAX_LISTED:
         rest = len(found) - MAX_LISTED
         last = Problem(
@@ -62,6 +66,10 @@ def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
     if kind == "missing":
         shown = f"add it, for example {path[-1]}: {flow(example)}" if _simple(example) else "add it"
         return Problem(file, line, where, "missing", "", limit, f"{shown}{_meaning(node)}", missing=True)
+    if kind == "extra_forbidden" and value is None and str(path[-1]).isdigit():
+        number, block = _before_comma(tree, path), dotted(path[:-1])
+        remedy = f"the decimal sign is a point: write {number}" if number else "the decimal sign is a point"
+        return Problem(file, line, block, "a decimal comma, which ends the value", str(path[-1]), remedy=remedy)
     if kind == "extra_forbidden":
         return Problem(file, line, where, "unknown field", remedy=_unknown_remedy(path, node_at))
     if kind == "string_pattern_mismatch":
@@ -92,6 +100,18 @@ def _problem(item: Any, tree: Tree, file: str, node_at: NodeAt) -> Problem:
         limit,
         f"choose a value within the limit{_meaning(node)}",
     )
+
+
+def _before_comma(tree: Tree, path: FieldPath) -> str:
+    """The number that was meant, where the field before the stray digits has the whole part: ``{angle_deg: 40,5}``."""
+    block = tree.data
+    for part in path[:-1]:
+        block = block[part]
+    names = list(block)
+    before = names[names.index(path[-1]) - 1] if names.index(path[-1]) else ""
+    whole = block.get(before)
+    is_whole = isinstance(whole, int) and not isinstance(whole, bool)
+    return f"{before}: {whole}.{path[-1]}" if is_whole else ""
 
 
 def _unknown_remedy(path: FieldPath, node_at: NodeAt) -> str:

@@ -10,6 +10,7 @@ from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.loader import loaded, resolved
+from mbcdm_cad.design.problems import at_most_listed
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.design.template import new_text, reference_values, with_derived
 from mbcdm_cad.design.yamltree import Tree, parse
@@ -79,12 +80,14 @@ def design_file(name: str = DEFAULT) -> DesignFile:
 
 
 def design_file_of(tree: Tree, path: str) -> DesignFile:
-    """The design files of the file's ``configuration``; if it names none, of the default, whose schema reports that.
+    """The design files of the file's ``configuration``. Raises ``InputError`` if it names none that there is.
 
-    Raises ``InputError`` for a name that no layout has.
+    A file that is no block at all goes to the default, whose schema reports that.
     """
-    if not isinstance(tree.data, dict) or "configuration" not in tree.data:
+    if not isinstance(tree.data, dict):
         return design_file_named(DEFAULT)
+    if "configuration" not in tree.data:
+        raise InputError(at_most_listed(_without_configuration(tree, path), path))
     name: Any = tree.data["configuration"]
     if isinstance(name, str):
         with suppress(MbcdmError):
@@ -93,3 +96,15 @@ def design_file_of(tree: Tree, path: str) -> DesignFile:
     line, limit = tree.line_of(("configuration",)), "one of " + ", ".join(known)
     remedy = did_you_mean(str(name), known)
     raise InputError([Problem(path, line, "configuration", "not a known word", shortened(name), limit, remedy)])
+
+
+def _without_configuration(tree: Tree, path: str) -> list[Problem]:
+    """That the configuration is missing, and the blocks that no layout has; other faults depend on the layout."""
+    limit, remedy = "one of " + ", ".join(names()), f"add it, for example configuration: {DEFAULT}"
+    known = {field for name in names() for field in design_file_named(name).schema.model_fields}
+    unknown = [
+        Problem(path, tree.line_of((key,)), str(key), "unknown field", remedy=did_you_mean(str(key), sorted(known)))
+        for key in tree.data
+        if key not in known
+    ]
+    return [Problem(path, 1, "configuration", "missing", "", limit, remedy, missing=True), *unknown]
