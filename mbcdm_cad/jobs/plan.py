@@ -12,8 +12,8 @@ from mbcdm_cad.errors import InputError, MbcdmError, Problem
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.measurement.reading import load_measurement
 from mbcdm_cad.model.si import ModelError
-from mbcdm_cad.planning.bench_runs import run_of
 from mbcdm_cad.planning.best_run import BestRun, best_run
+from mbcdm_cad.planning.candidates import run_of
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
 from mbcdm_cad.rig.quasistatic.experiment import Experiment
 from mbcdm_cad.rig.reading import read_bench, read_experiment

@@ -59,7 +59,7 @@ class Effect:
 
     ``several``: there may be more than one of it in a run. ``once``: it happened once, at a time that the search, which
     may have seen only a part of the run, need not know. ``generic``: a single curve of load or speed without a name may
-    look like it, so it is tried against such curves (:mod:`mbcdm_cad.loop.search.generic`). ``after`` are names that
+    look like it, so it is tried against such curves (:mod:`mbcdm_cad.loop.search.verdict`). ``after`` are names that
     are refitted, however little they promise, before this one is accepted; ``doubtful`` checks fitted values: where no
     such part can exist it returns a sentence that says what to look for instead, otherwise an empty text. ``hangs_on``
     is the quantity on which the effect depends, other than angle, direction and load: no correction table can represent

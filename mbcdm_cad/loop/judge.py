@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbcdm_cad.errors import InputError, MbcdmError
-from mbcdm_cad.measurement.vetted import Vetted, vetted_runs, vetting_lines
+from mbcdm_cad.measurement.vet import Vetted, vetted_runs, vetting_lines
 from mbcdm_cad.model.si import ModelError
 
 if TYPE_CHECKING:

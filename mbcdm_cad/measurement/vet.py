@@ -1,20 +1,59 @@
-"""Vetting: compare a run with the design before anything is predicted, and find what the run can show."""
+"""Vetting: read runs, compare them with the design before anything is predicted, and find what they can show.
+
+A measurement file need not give the zeros of the input encoders: a counter begins anywhere. The cables are strained by
+the difference of the inputs, and wound by their angle. Where the difference of the columns would take more than a
+share of the preload from a cable, or the angle lies outside the travel, it is the counters' and not the drive's.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.measurement.run import Run, VettingNote, column_of
+from mbcdm_cad.errors import InputError
+from mbcdm_cad.measurement.file import MeasurementFile
+from mbcdm_cad.measurement.reading import read_run
+from mbcdm_cad.measurement.run import Run, VettingNote, ZerosFound, column_of, doubts
 from mbcdm_cad.measurement.vet_columns import column_findings, robust_slope
-from mbcdm_cad.measurement.vet_reach import reach_findings
-from mbcdm_cad.measurement.vet_signals import signal_findings
-from mbcdm_cad.measurement.zeros import zeroed
+from mbcdm_cad.measurement.vet_signals import reach_findings, signal_findings
 from mbcdm_cad.model.si import DriveSI, to_si
 from mbcdm_cad.routes import Floats
 from mbcdm_cad.routes.route import input_body
+
+# A difference of the inputs that changes the tension of a cable by this share of its preload is taken for one of zeros.
+STRAINED_SHARE = 0.5
+# Angles beyond this multiple of the half travel are taken for those of a counter.
+BEYOND = 1.2
+
+
+def zeroed(run: Run, d: DriveSI, half_travel_rad: float) -> Run:
+    """The run with zeros of its inputs from the data where those of the file are impossible; else the run itself.
+
+    The inputs then agree in the median over the run, since servos follow their targets on average, and the middle of
+    their range is angle zero. ``half_travel_rad``: of the drum.
+    """
+    angle = run.input_rad
+    common = angle.mean(axis=0)
+    apart = angle - common
+    typical = np.median(apart, axis=1, keepdims=True)
+    stretch = float(np.min(d.preload_N * d.free_span_m / d.input_radius_m)) / float(d.axial_stiffness_N)
+    zeros = float(np.ptp(typical)) if angle.shape[0] > 1 else 0.0
+    removed = np.zeros_like(typical)
+    unsure = 0.0
+    if zeros > 2.0 * STRAINED_SHARE * stretch:
+        removed += typical
+        unsure = float(np.quantile(np.abs(apart - typical), 0.99))
+    else:
+        zeros = 0.0
+    middle = 0.5 * float(common.min() + common.max())
+    centre = middle if np.abs(common).max() > BEYOND * half_travel_rad * float(np.mean(d.total_ratio)) else 0.0
+    if not zeros and not centre:
+        return run
+    return replace(run, input_rad=angle - removed - centre, zeros=ZerosFound(zeros, unsure, centre))
+
 
 # Samples that the comparison of columns needs; longer runs are thinned.
 MOST_SAMPLES = 20_000
@@ -175,3 +214,44 @@ def _thinned(run: Run) -> Run:
         load_Nm=every(run.load_Nm),
         temperature_C=every(run.temperature_C),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Vetted:
+    """A run that can be judged: its measurement file, the notes of its reading, the findings of its vetting."""
+
+    file: MeasurementFile
+    run: Run
+    notes: tuple[str, ...]
+    findings: tuple[VettingNote, ...]
+
+    @property
+    def doubts(self) -> list[str]:
+        """Reasons to doubt the finding."""
+        return doubts(self.notes, self.findings)
+
+
+def vetted_runs(files: Sequence[MeasurementFile], drive: Drive | None) -> list[Vetted]:
+    """All runs, read and vetted. Raises InputError with the refusals of all of them."""
+    vetted: list[Vetted] = []
+    problems = []
+    for file in files:
+        reading = read_run(file)
+        run = reading.run if drive is None else arranged(reading.run, drive)
+        findings = vet(run, drive)
+        problems += [file.problem(f.field, f.text, remedy=f.remedy) for f in refusals(findings)]
+        for one in vetted:
+            if one.run.sha256 == run.sha256:
+                what, remedy = f"the same data as {one.file.path}", "give each run once: a copy is no new evidence"
+                problems.append(file.problem(("data",), what, run.source, remedy=remedy))
+        vetted.append(Vetted(file, run, reading.notes, tuple(findings)))
+    if problems:
+        raise InputError(problems)
+    return vetted
+
+
+def vetting_lines(one: Vetted) -> list[str]:
+    """The run and what it can show, one sentence on each line, doubts first."""
+    lines = [f"{one.file.path}: {one.run.time_s.size} samples of {one.run.source}"]
+    lines += [f"  doubt: {words}" for words in one.doubts]
+    return lines + [f"  run: {finding}" for finding in one.findings if finding.level == "fact"]

@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from mbcdm_cad.design.fieldpath import FieldPath
-from mbcdm_cad.measurement.run import Run, VettingNote, column_of
-from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, smoothed
+from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, VettingNote, column_of, smoothed
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
 

@@ -9,9 +9,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mbcdm_cad.design.drive import Drive
-from mbcdm_cad.paper.experiments import PaperResult, RAMP_Nm_s
-from mbcdm_cad.paper.experiments_analysis import (
+from mbcdm_cad.paper.experiments import (
     LOWEST_ORDER,
+    PaperResult,
+    RAMP_Nm_s,
     angle_spectrum,
     given_way_index,
     transmission_error_rad,

@@ -17,11 +17,11 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.prepare.noise import Noise, noise_of
 from mbcdm_cad.loop.prepare.quiet import signal_noise
-from mbcdm_cad.loop.result import readable
+from mbcdm_cad.loop.readable import readable
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.planning.colour import coloured
-from mbcdm_cad.planning.planned import PlannedEffects, Tried, planned_fitter
+from mbcdm_cad.planning.detectable import PlannedEffects, Tried, planned_fitter
+from mbcdm_cad.planning.prediction_noise import coloured
 
 POWER = 0.9
 # A rival is listed if the effect can be confused with it up to so many times its smallest named size; worst first.

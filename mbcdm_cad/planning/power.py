@@ -17,8 +17,7 @@ from scipy.stats import norm
 
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import SECTORS, Prepared
-from mbcdm_cad.loop.search.clusters import jackknifed
-from mbcdm_cad.loop.search.evidence import ALPHA
+from mbcdm_cad.loop.search.evidence import ALPHA, jackknifed
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.routes import Floats
 

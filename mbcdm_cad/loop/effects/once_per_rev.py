@@ -14,9 +14,22 @@ import numpy as np
 from mbcdm_cad.loop.effect import Effect, Figure, length, pair, phase, wave
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator
-from mbcdm_cad.loop.spans import path_change
 from mbcdm_cad.model.si import DriveSI
 from mbcdm_cad.routes import Floats
+from mbcdm_cad.routes.displaced import path_slope
+
+
+def path_change(d: DriveSI, stage: str, x: Floats, y: Floats) -> Floats:
+    """Change of each cable's path, m, (n_cables, n), when the centre of the body ``stage`` is displaced by (x, y), m.
+
+    x is along the body's reference, y at a right angle to it about the body's axis. KeyError if the drive has no such
+    body.
+    """
+    body = d.routes.body(stage)
+    along, across = np.array(body.reference), np.cross(body.axis, body.reference)
+    slopes = np.array([path_slope(route, stage) for route in d.routes.cables])
+    return np.asarray((slopes @ along)[:, None] * x + (slopes @ across)[:, None] * y)
+
 
 NAME = "once_per_rev"
 TURN = "re-clock the encoder by 90 degrees on its shaft and run again: an encoder's phase turns with it, a pulley's not"

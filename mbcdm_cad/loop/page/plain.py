@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 
-from mbcdm_cad.loop.result import LoopResult, Named, Value, size_of, ways_apart
+from mbcdm_cad.loop.readable import size_of
+from mbcdm_cad.loop.result import LoopResult, Named, Value, ways_apart
 
 
 def finding(result: LoopResult) -> str:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.loop.page import plain
-from mbcdm_cad.loop.page.report_charts import orders_chart, time_charts
-from mbcdm_cad.loop.page.report_figures import loop_png, scatter_png
-from mbcdm_cad.loop.result import Evidence, LoopResult, Named, Traces, readable, share_text, windows_words
+from mbcdm_cad.loop.page.pictures import loop_png, orders_chart, scatter_png, time_charts
+from mbcdm_cad.loop.readable import readable, share_text
+from mbcdm_cad.loop.result import Evidence, LoopResult, Named, Traces, windows_words
 from mbcdm_cad.measurement.run import Run, VettingNote, doubts
 from mbcdm_cad.report.page.template import page_environment
 

@@ -18,7 +18,7 @@ from mbcdm_cad.loop.prepare.lines import strongest_orders
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.quiet import SignalNoise
 from mbcdm_cad.loop.prepare.setup import Setup
-from mbcdm_cad.measurement.sweeps import smoothed
+from mbcdm_cad.measurement.run import smoothed
 from mbcdm_cad.routes import Floats
 
 # Knots of the curves over angle, load and speed.

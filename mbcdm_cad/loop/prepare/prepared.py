@@ -16,7 +16,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mbcdm_cad.loop.prepare.holdout import held_sweeps, held_words
 from mbcdm_cad.loop.prepare.quiet import (
     input_step_rad,
     noise_of_signal,
@@ -24,9 +23,8 @@ from mbcdm_cad.loop.prepare.quiet import (
     slow_difference,
     speed_window,
 )
-from mbcdm_cad.loop.prepare.stretches import Cut, search_cut, whole_cut
-from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, half_sweeps, smoothed, smoothed_at
+from mbcdm_cad.loop.prepare.samples import Cut, held_sweeps, held_words, search_cut, whole_cut
+from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, half_sweeps, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
 
 COMMON_WINDOW_S = 0.05
@@ -214,7 +212,7 @@ def prepare(run: Run, ratio: float) -> tuple[Prepared, Prepared]:
     """The part of a run that the search uses, and the whole run; the same object for a short run.
 
     The first half sweep of the run and of every stretch is discarded. Some half sweeps are held back before any
-    residual is computed (see ``holdout``): the same ones in both.
+    residual is computed (see ``samples``): the same ones in both.
     """
     step, time, output = run.step_s, run.time_s, run.output_rad
     shaft = smoothed_at(run.input_rad, time, COMMON_WINDOW_S, step)

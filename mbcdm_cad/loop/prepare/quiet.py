@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 
-from mbcdm_cad.measurement.run import Run
-from mbcdm_cad.measurement.sweeps import SPEED_WINDOW_S, smoothed, smoothed_at
+from mbcdm_cad.measurement.run import SPEED_WINDOW_S, Run, smoothed, smoothed_at
 from mbcdm_cad.routes import Floats
 
 # Longest window of the load's smoothing, s; the window in use follows from the data.

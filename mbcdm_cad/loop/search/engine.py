@@ -19,8 +19,8 @@ from mbcdm_cad.loop.result import Evidence, Helpful, LoopResult, Named
 from mbcdm_cad.loop.search.account import INTERVAL, chain_orders, errors, interval, next_steps, not_testable, traces
 from mbcdm_cad.loop.search.exchange import Group
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.located import located
 from mbcdm_cad.loop.search.select import Search
+from mbcdm_cad.loop.search.trial_fits import located
 from mbcdm_cad.loop.search.verdict import Judge
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged

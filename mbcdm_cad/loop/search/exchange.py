@@ -19,14 +19,13 @@ from scipy.stats import t as t_distribution
 
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.search.account import INTERVAL
-from mbcdm_cad.loop.search.clusters import TOLD_APART, Estimate, Separation, cluster_estimate
-from mbcdm_cad.loop.search.evidence import log_odds, separation_of
+from mbcdm_cad.loop.search.evidence import TOLD_APART, Estimate, Separation, cluster_estimate, log_odds, separation_of
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.select import Search
 from mbcdm_cad.routes import Floats
 
 # Two fits are alike if their errors differ by less than this share of the floor in quadrature: so small a difference
-# may be an error of the model. They are apart if the data can separate them (see ``clusters``) and their errors differ
+# may be an error of the model. They are apart if the data can separate them (see ``evidence``) and their errors differ
 # by so many standard errors over the cells of sweep and sector; or by fewer, if the odds of the better one are those
 # of ``TOLD_APART`` and the data can separate them nearly so well.
 ALIKE_SHARE = 0.12

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbcdm_cad.design.drive import AsBuilt
-from mbcdm_cad.loop.as_built import known_effects
 from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.effects import known_effects
 from mbcdm_cad.loop.prepare.prepared import Prepared
 from mbcdm_cad.loop.prepare.setup import Setup, Simulator, declared
 from mbcdm_cad.model.si import DriveSI, ModelError

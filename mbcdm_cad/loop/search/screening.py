@@ -1,19 +1,53 @@
-"""Linear screening of candidates: the fall of the sum of squares by one linear step from each start."""
+"""Linear screening of candidates: the fall of the sum of squares by one linear step from each start, in parallel."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
+from queue import Queue
+from typing import TypeVar
 
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.search.fit import DIFFERENCE, Fit, Fitter
-from mbcdm_cad.loop.search.twins import Twins
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
+
+MOST_THREADS = 4
+Found = TypeVar("Found")
+
+
+class Twins:
+    """Twins of a fitter, one a thread."""
+
+    def __init__(self, fitter: Fitter) -> None:
+        self._twins = [fitter.twin() for _ in range(min(MOST_THREADS, os.cpu_count() or 1))]
+
+    def each(self, tasks: Sequence[Callable[[Fitter], Found]]) -> list[Found]:
+        """What the tasks return, in their order: the simulation runs outside the interpreter's lock.
+
+        A candidate that cannot be simulated at its start (a slack cable, a negative radius) is left out.
+        """
+        twins = Queue[Fitter]()
+        for twin in self._twins:
+            twins.put(twin)
+
+        def one(task: Callable[[Fitter], Found]) -> Found | None:
+            twin = twins.get()
+            try:
+                return task(twin)
+            except ModelError:
+                return None
+            finally:
+                twins.put(twin)
+
+        with ThreadPoolExecutor(len(self._twins)) as pool:
+            return [found for found in pool.map(one, tasks) if found is not None]
 
 
 @dataclass(frozen=True, eq=False)

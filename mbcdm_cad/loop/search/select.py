@@ -15,11 +15,10 @@ import numpy as np
 
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.prepare.noise import Noise
-from mbcdm_cad.loop.search.beginnings import with_both_plays
 from mbcdm_cad.loop.search.evidence import log_odds, noise_left, supported
 from mbcdm_cad.loop.search.fit import Fit, Fitter
 from mbcdm_cad.loop.search.screening import Screened
-from mbcdm_cad.loop.search.trial_fits import MOST_REFITS, TrialFits
+from mbcdm_cad.loop.search.trial_fits import MOST_REFITS, TrialFits, both_plays
 from mbcdm_cad.routes import Floats
 
 # Least fall of the held-out RMS, in quadrature, over the noise floor (trial study: closed-loop notes).
@@ -108,7 +107,7 @@ class Search(TrialFits):
         if self.too_much(now):
             now = self._in_other_forms(now)
         if self._plays_suspected(now):
-            now = with_both_plays(self, now)
+            now = self._with_both_plays(now)
         return now
 
     def _plays_suspected(self, now: Fit) -> bool:
@@ -122,6 +121,23 @@ class Search(TrialFits):
             return True
         least = PROMISED_SHARE * (LEAST_FALL * self.least_floor_rad) ** 2
         return not now.effects and any(c.effect.saturates and c.fall > least for c in self.screening.screen(now))
+
+    def _with_both_plays(self, now: Fit) -> Fit:
+        """``now``, or play at two inputs at once if that leaves clearly less, or as little with fewer effects."""
+        found = both_plays(self, self.library, self.bare)
+        if found is None or any(map(self.impossible, found.effects, found.values)):
+            return now
+        for effect in found.effects:
+            less = self.without(found, effect)
+            if not (self.enough(less, found) or self.enough_beside(less, found)):
+                return now
+            if not supported(self.fitter, less, found.with_last(effect), len(self.library)):
+                return now
+        fewer = len(found.effects) < len(now.effects) and not self.enough(found, now)
+        if not (fewer or self.enough(now, found) or self.enough_beside(now, found)):
+            return now
+        self.note("play at both inputs at once", found.effects[-1], now, found)
+        return self.taken(found)
 
     def _grown(self, now: Fit) -> Fit:
         """``now`` with all effects that can be accepted."""

@@ -4,13 +4,66 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import combinations, product
 
 import numpy as np
 
 from mbcdm_cad.loop.effect import Effect
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.located import located
 from mbcdm_cad.loop.search.screening import Screened, Screening
+
+
+def located(fitter: Fitter, fit: Fit) -> Fit | None:
+    """A fit of the same effects that starts with each event where the residual without it shows it best.
+
+    A fit moves the time of an event only a little, because the prediction hardly depends on a time that is far from it.
+    ``fitter`` may hold other samples than those of ``fit``. None if the effects cannot be simulated there.
+    """
+    values = list(fit.values)
+    for k, effect in enumerate(fit.effects):
+        if not effect.once:
+            continue
+        rest = [j for j in range(len(values)) if j != k]
+        less = fitter.fit([fit.effects[j] for j in rest], [values[j] for j in rest], fit.offsets, fresh=False)
+        guess = np.array(effect.first_guesses(fitter.base[0], less.residual[fitter.parts[0]])[0])
+        values[k] = np.where(guess != 0.0, guess, values[k])
+    return fitter.tried(fit.effects, values, fit.offsets)
+
+
+# Widths from which two plays are fitted together, over the width of one play that would cause the whole residual.
+WIDTHS = (0.15, 0.4)
+# Of fits whose mean squares differ by less than this share, the one with the smallest plays is taken: where a pulley
+# does not reach the far face of its play, any larger play fits as well.
+AS_GOOD = 0.01
+
+
+def both_plays(trials: TrialFits, library: Sequence[Effect], bare: Fit) -> Fit | None:
+    """The best fit with play at two inputs at once; None if there are no two inputs, or none can be simulated.
+
+    The search accepts one effect at a time. What two plays do depends on the motion before and does not repeat, so
+    either alone explains too little, or makes room for an effect that is not present.
+    """
+    plays = [effect for effect in library if effect.saturates]
+    begun = [
+        partial(_begun, pair, widths, bare) for pair in combinations(plays, 2) for widths in product(WIDTHS, WIDTHS)
+    ]
+    fits = trials.each(begun)
+    least = min((one.square for one in fits), default=0.0)
+    near = [one for one in fits if one.square <= (1.0 + AS_GOOD) * least]
+    if not near:
+        return None
+    best = min(near, key=lambda one: sum(float(values[0]) for values in one.values))
+    return trials.fitter.tried(best.effects, best.values, best.offsets)
+
+
+def _begun(pair: tuple[Effect, Effect], widths: tuple[float, float], bare: Fit, fitter: Fitter) -> Fit:
+    residual = bare.residual[fitter.parts[0]]
+    starts = [
+        share * np.array(effect.first_guesses(fitter.base[0], residual)[-1])
+        for effect, share in zip(pair, widths, strict=True)
+    ]
+    return fitter.fit(pair, starts, bare.offsets, settled=1e-4)
+
 
 # Candidates whose screened fall of the sum of squares is this share of the best's are refitted, up to a number.
 CLOSE_SHARE = 0.3

@@ -1,28 +1,59 @@
 """Verify the result of the search: effects that may be zero, names that an unknown error only resembles.
 
+Generic regressors are curves of load or speed without a name, one coefficient each. Several effects of the library
+together can imitate such a curve: a compliance that grows with the load looks like a soft shaft with some friction and
+a preload error. Where one regressor alone explains as much as the named effects, the names are withdrawn and the
+verdict is unknown.
+
 Each effect of the search's fit was compared with others (``exchange``). Names are withdrawn if their size may be zero,
 if they may only resemble an unknown error, or if one plain curve of load or speed explains as much.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import chi2
 from scipy.stats import t as t_distribution
 
-from mbcdm_cad.loop.effect import Effect
+from mbcdm_cad.loop.effect import Effect, Parameter
+from mbcdm_cad.loop.prepare.setup import Setup, Simulator
 from mbcdm_cad.loop.search.account import INTERVAL
 from mbcdm_cad.loop.search.evidence import chance_without_slope
 from mbcdm_cad.loop.search.exchange import Exchanges, Group
 from mbcdm_cad.loop.search.fit import Fit, Fitter
-from mbcdm_cad.loop.search.generic import regressors
 from mbcdm_cad.loop.search.select import LEAST_FALL, Search
 from mbcdm_cad.loop.search.unknown import Unknown, describe_unknown
-from mbcdm_cad.measurement.sweeps import smoothed
+from mbcdm_cad.measurement.run import smoothed
 from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
+
+
+def _regressor(form: str, unit: str, size: float, shape: Callable[[Setup], Floats]) -> Effect:
+    def apply(setup: Setup, values: Floats, _: Simulator) -> Setup:
+        return setup.with_added(values[0] * shape(setup))
+
+    return Effect("unknown", form, f"goes with the {form}", "", "", (Parameter(f"coefficient_{unit}", size),), apply)
+
+
+def regressors(loaded: bool) -> tuple[Effect, ...]:
+    """The regressors: of speed always, of load if it was measured."""
+    of_speed = (
+        _regressor("square of the speed", "rad_s2", 1e-4, lambda s: s.p.speed_rad_s**2),
+        _regressor(
+            "square of the speed with its sign", "rad_s2", 1e-4, lambda s: np.abs(s.p.speed_rad_s) * s.p.speed_rad_s
+        ),
+    )
+    if not loaded:
+        return of_speed
+    return (
+        _regressor("square of the load with its sign", "rad_Nm2", 1e-6, lambda s: s.load * np.abs(s.load)),
+        _regressor("square of the load", "rad_Nm2", 1e-6, lambda s: s.load**2),
+        *of_speed,
+    )
+
 
 # An effect is not named if the unexplained error is at least this share of the error that the effect explains.
 BLAME_SHARE = 0.25

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design, load_text
-from mbcdm_cad.loop.as_built import applied_words, as_built_text, known_effects
+from mbcdm_cad.loop.as_built import applied_words, as_built_text
+from mbcdm_cad.loop.effects import known_effects
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.prepare.setup import Simulator, declared
 from mbcdm_cad.loop.result import Errors, LoopResult, Named, Value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbcdm_cad.loop.prepare.holdout import held_sweeps, held_words
+from mbcdm_cad.loop.prepare.samples import held_sweeps, held_words
 from mbcdm_cad.routes import Floats
 
 

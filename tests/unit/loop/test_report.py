@@ -13,22 +13,11 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from mbcdm_cad.loop.page.pictures import AFTER, BEFORE, orders_chart, scatter_png, time_charts
 from mbcdm_cad.loop.page.report import report_page
-from mbcdm_cad.loop.page.report_charts import orders_chart, time_charts
-from mbcdm_cad.loop.page.report_figures import AFTER, BEFORE, scatter_png
-from mbcdm_cad.loop.result import (
-    Errors,
-    Evidence,
-    LoopResult,
-    Named,
-    Traces,
-    Value,
-    readable,
-    result_text,
-    share_text,
-)
-from mbcdm_cad.measurement.run import Run, VettingNote
-from mbcdm_cad.measurement.sweeps import half_sweeps
+from mbcdm_cad.loop.readable import readable, share_text
+from mbcdm_cad.loop.result import Errors, Evidence, LoopResult, Named, Traces, Value, result_text
+from mbcdm_cad.measurement.run import Run, VettingNote, half_sweeps
 
 TIME = np.linspace(0.0, 60.0, 3000)
 DRUM = 0.4 * np.sin(TIME)

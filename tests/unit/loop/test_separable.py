@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, norm
 
-from mbcdm_cad.loop.search.clusters import separation
+from mbcdm_cad.loop.search.evidence import separation
 
 N = 1600
 SWEEP = np.arange(N) // 80

@@ -9,10 +9,9 @@ import pytest
 
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.prepare.prepared import prepare
-from mbcdm_cad.loop.prepare.stretches import SEARCH_SAMPLES, Cut, search_cut, whole_cut
+from mbcdm_cad.loop.prepare.samples import SEARCH_SAMPLES, Cut, search_cut, whole_cut
 from mbcdm_cad.loop.search.fit import Fitter
-from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.measurement.sweeps import half_sweeps
+from mbcdm_cad.measurement.run import Run, Sensors, half_sweeps
 from mbcdm_cad.model.si import to_si
 
 D = to_si(load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive)

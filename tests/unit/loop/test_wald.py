@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from mbcdm_cad.loop.search.clusters import cell_grams, cluster_estimate, separated
+from mbcdm_cad.loop.search.evidence import cell_grams, cluster_estimate, separated
 from mbcdm_cad.routes import Floats
 
 SWEEPS, SECTORS, IN_CELL = 20, 8, 40

@@ -17,7 +17,7 @@ from sound_runs import DRIVE, SENSORS, sound_run
 
 from mbcdm_cad.cli import run as mbcdm
 from mbcdm_cad.measurement.file import load_file
-from mbcdm_cad.measurement.vetted import vetted_runs, vetting_lines
+from mbcdm_cad.measurement.vet import vetted_runs, vetting_lines
 
 DESIGN = str(Path(__file__).parents[3] / "params" / "mbcdm.yaml")
 DEG = 180.0 / np.pi

@@ -124,7 +124,7 @@ def test_an_output_that_cannot_be_is_refused_before_any_work(
     def never(*_: object) -> None:
         raise AssertionError("the data were read although an output cannot be written")
 
-    monkeypatch.setattr("mbcdm_cad.measurement.vetted.read_run", never)
+    monkeypatch.setattr("mbcdm_cad.measurement.vet.read_run", never)
     options, words = CLASHES[which]
     paths = [part if part.startswith("--") else str(folder / part) for part in options]
     assert mbcdm(["loop", str(folder / "design.yaml"), str(bare), *paths]) == 2

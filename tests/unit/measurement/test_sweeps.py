@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mbcdm_cad.measurement.sweeps import smoothed, smoothed_at
+from mbcdm_cad.measurement.run import smoothed, smoothed_at
 
 
 def test_jitter_and_gaps_of_the_logger_do_not_move_the_mean() -> None:

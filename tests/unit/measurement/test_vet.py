@@ -10,7 +10,7 @@ from sound_runs import DRIVE, sound_run
 
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.measurement.vet import arranged, refusals, vet
-from mbcdm_cad.measurement.vet_reach import load_levels, order_left
+from mbcdm_cad.measurement.vet_signals import load_levels, order_left
 from mbcdm_cad.model.si import to_si
 
 RUN = sound_run()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.paper.experiments_analysis import (
+from mbcdm_cad.paper.experiments import (
     angle_spectrum,
     first_saturated_Nm,
     given_way_Nm,

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbcdm_cad.loop.prepare.noise import Noise
-from mbcdm_cad.planning.best_plan import BLIND, alone_from, rated
+from mbcdm_cad.planning.best_run import BLIND, alone_from, rated
 from mbcdm_cad.planning.plan import Foreseen, Rival, RunPlan
 
 NOISE = Noise(0.0, 0.0, 0.0, 0.0, 0.0, "test")

@@ -11,7 +11,7 @@ from mbcdm_cad.loop.prepare.noise import Noise, noise_of
 from mbcdm_cad.loop.prepare.prepared import Prepared, prepare
 from mbcdm_cad.loop.prepare.setup import declared
 from mbcdm_cad.measurement.run import Run, Sensors
-from mbcdm_cad.planning.colour import along, coloured
+from mbcdm_cad.planning.prediction_noise import along, coloured
 from mbcdm_cad.routes import Floats
 
 RATIO, RATE_HZ = 9.0, 50.0

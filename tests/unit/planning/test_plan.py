@@ -19,9 +19,9 @@ from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.planning import planned
+from mbcdm_cad.planning import detectable
+from mbcdm_cad.planning.detectable import planned_fitter, without_offsets
 from mbcdm_cad.planning.plan import RunPlan, noise_from, plan_of
-from mbcdm_cad.planning.planned import planned_fitter, without_offsets
 from mbcdm_cad.planning.power import worst_phase
 from mbcdm_cad.routes import Floats
 
@@ -113,7 +113,7 @@ def test_each_sign_of_a_preload_has_the_size_at_which_it_shows(monkeypatch: pyte
     run = bench()
     fitter = planned_fitter(DRIVE, run)
     without = np.empty((0, int(fitter.used.sum())))
-    monkeypatch.setattr(planned, "friction_errors", lambda *_: without)
+    monkeypatch.setattr(detectable, "friction_errors", lambda *_: without)
     bare = fitter.fit()
     noise = Noise(1.5e-5, 1.5e-5, 0.0, 0.0, 4.4e-6, "as the test has it")
     label = "preload_error (all cables)"

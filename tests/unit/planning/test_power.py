@@ -11,8 +11,7 @@ import pytest
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.loop.prepare.noise import Noise
 from mbcdm_cad.loop.prepare.prepared import SECTORS, Prepared, prepare
-from mbcdm_cad.loop.search.clusters import cluster_estimate
-from mbcdm_cad.loop.search.evidence import ALPHA
+from mbcdm_cad.loop.search.evidence import ALPHA, cluster_estimate
 from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.planning.power import Draws, Shown, draws_of, shown, smallest, worst_phase

@@ -16,8 +16,7 @@ from mbcdm_cad.loop.result import Named
 from mbcdm_cad.measurement.run import Run, Sensors
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.planning.next_run import next_run
-from mbcdm_cad.planning.separating import wrong_choice
+from mbcdm_cad.planning.next_run import next_run, wrong_choice
 
 DRIVE = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
 NOISE = Noise(5e-6, 5e-6, 0.0, 0.0, 4.4e-6, "as the test has it")

@@ -12,7 +12,7 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.model.capability import torque_at_input_limit_Nm
 from mbcdm_cad.model.hysteresis import simulate
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.paper.experiments_analysis import first_saturated_Nm, given_way_Nm
+from mbcdm_cad.paper.experiments import first_saturated_Nm, given_way_Nm
 from mbcdm_cad.rig.chain import chains
 from mbcdm_cad.rig.dynamic.motion import sine, standstill
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.paper.experiments_analysis import reversal_swings_rad
+from mbcdm_cad.paper.experiments import reversal_swings_rad
 from mbcdm_cad.rig.dynamic.load import LoadSpec
 from mbcdm_cad.rig.dynamic.motion import sine, standstill
 from mbcdm_cad.rig.dynamic.rig import DynamicRig, EncoderSpec, rig_of

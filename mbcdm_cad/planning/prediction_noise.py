@@ -1,8 +1,17 @@
-"""The colour of the noise: how much of it lasts from sample to sample, and what it does along an effect.
+"""Errors of a prediction that noise causes: correlated noise of the residual, and noise that reaches the friction.
+
+The colour of the noise: how much of it lasts from sample to sample, and what it does along an effect.
 
 A slow load step sees the slow part of the noise, a ripple the white part. The floor of the loop is its RMS; the power
 of a plan depends on its spectrum. The noise is modelled as white noise and a part whose correlation falls as
 exp(-t / T).
+
+What the noise of the inputs and of the torque sensor does to the prediction, by way of the cables' friction.
+
+The friction follows the load and the difference of the inputs. Both are smoothed before they drive it; what noise the
+smoothing leaves, and what it takes of the true motion, moves the friction in another way in each run. These errors are
+found by a parametric bootstrap (B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap, 1993): noise is added to
+the smoothed signals, they are smoothed again, and the prediction is made anew.
 """
 
 from __future__ import annotations
@@ -17,11 +26,15 @@ from scipy.signal import lfilter
 from scipy.special import expit, logit
 
 from mbcdm_cad.loop.prepare.noise import FEWEST_SWEEPS, Noise, curves
+from mbcdm_cad.loop.prepare.quiet import SignalNoise, quiet_load, slow_difference
 from mbcdm_cad.loop.prepare.setup import Setup
+from mbcdm_cad.loop.search.fit import Fit, Fitter
+from mbcdm_cad.measurement.run import Run
+from mbcdm_cad.model.si import ModelError
 from mbcdm_cad.routes import Floats
 
 # Samples that the colour is found on.
-MOST_SAMPLES = 8_000
+MOST_FITTED = 8_000
 # Logits of the share of the mean square that lasts, and logarithms of its correlation time, s, between which the
 # likelihood is searched; and shares and times from the best of which the search begins.
 BOUNDS = np.array([[logit(1e-3), np.log(0.02)], [logit(0.999), np.log(5.0)]])
@@ -29,7 +42,7 @@ MEMORIES_S, SHARES = (0.05, 0.25, 1.0, 3.0), (0.05, 0.27, 0.73)
 # First corners of the search around its beginning: in the logarithms of share / (1 - share) and of the memory.
 FIRST_STEPS = np.array([[0.0, 0.0], [0.7, 0.0], [0.0, -0.5]])
 # Step of the second differences, least curvature, number of likely colours.
-CURVED, FLATTEST, LIKELY, SEED = 0.3, 0.25, 24, 2
+CURVED, FLATTEST, LIKELY, PROFILE_SEED = 0.3, 0.25, 24, 2
 # A pause between samples this many times as long as the usual step begins a new stretch.
 PAUSE = 3.0
 # Directions of the curves with a smaller share of the largest one's size are none.
@@ -46,7 +59,7 @@ def coloured(noise: Noise, setup: Setup, residual: Floats) -> Noise:
     """
     p = setup.p
     at = np.flatnonzero(p.used)
-    at = at[:: max(1, at.size // MOST_SAMPLES)]
+    at = at[:: max(1, at.size // MOST_FITTED)]
     if noise.total_rad <= noise.declared_rad or p.few or np.unique(p.sweep[at]).size < FEWEST_SWEEPS:
         return noise
     columns = curves(setup, residual, at)[0]
@@ -97,7 +110,7 @@ class _Likelihood:
                 curved[i, j] = (corners[0] - corners[1] - corners[2] + corners[3]) / (4.0 * CURVED**2)
         values, vectors = np.linalg.eigh(0.25 * (curved + curved.T))
         spread = vectors / np.sqrt(np.maximum(values, FLATTEST))
-        drawn = greatest + np.random.default_rng(SEED).standard_normal((LIKELY, 2)) @ spread.T
+        drawn = greatest + np.random.default_rng(PROFILE_SEED).standard_normal((LIKELY, 2)) @ spread.T
         return tuple(_colour(one) for one in np.clip(drawn, BOUNDS[0], BOUNDS[1]))
 
     def _badness(self, at: Floats) -> float:
@@ -142,3 +155,46 @@ def along(column: Floats, noise: Noise, step_s: float, logged_s: float | None = 
     summed = lfilter([1.0], [1.0, -np.exp(-step_s / noise.memory_s)], column)
     lasting = max(2.0 * float(column @ summed) / square - 1.0, 0.0)
     return float((white + noise.coloured_rad**2 * lasting) / noise.total_rad**2)
+
+
+# Repetitions of the run, and samples in all of them.
+MOST_REPEATED, FEWEST_REPEATED, MOST_SAMPLES = 60, 10, 1_500_000
+SEED = 3
+
+
+def friction_errors(fitter: Fitter, bare: Fit, noise: SignalNoise) -> Floats:
+    """Errors of the bare prediction of the fitter's only run in repetitions of it with such a noise, (m, n) on the used
+    samples, less their means over the training samples. They are added to the noise of the residual.
+
+    m is 0 where the run has neither a load nor two inputs; a repetition in which a cable is slack is left out.
+    """
+    p = fitter.runs[0]
+    alone = p.run.input_rad.shape[0] == 1
+    if fitter.d is None or (alone and p.run.load_Nm is None):
+        return np.empty((0, int(p.used.sum())))
+    quiet = _smooth(p.run)
+    still = fitter.predict([], [], bare.offsets)
+    rng, found = np.random.default_rng(SEED), []
+    for _ in range(int(np.clip(MOST_SAMPLES // p.run.time_s.size, FEWEST_REPEATED, MOST_REPEATED))):
+        again = Fitter(fitter.d, fitter.ratio, [p.driven_by(_noisy(quiet, noise, rng))], fitter.known)
+        try:
+            moved = still - again.predict([], [], bare.offsets)
+        except ModelError:
+            continue
+        found.append(fitter.centred(moved, fitter.train)[fitter.used])
+    return np.array(found).reshape(-1, int(p.used.sum()))
+
+
+def _smooth(run: Run) -> Run:
+    """The run with the smoothed difference of the inputs and load in the place of the measured ones."""
+    load = None if run.load_Nm is None else quiet_load(run)[0]
+    return replace(run, input_rad=run.input_rad.mean(axis=0) + slow_difference(run)[0], load_Nm=load)
+
+
+def _noisy(run: Run, noise: SignalNoise, rng: np.random.Generator) -> Run:
+    """The run with other noise. That of the differences leaves the mean of the inputs as it is."""
+    errors = rng.standard_normal(run.input_rad.shape)
+    apart = errors - errors.mean(axis=0)
+    size = np.array(noise.difference_rad)[:, None] / np.maximum(np.std(apart, axis=1, keepdims=True), 1e-30)
+    load = None if run.load_Nm is None else run.load_Nm + noise.load_Nm * rng.standard_normal(run.load_Nm.size)
+    return replace(run, input_rad=run.input_rad + size * apart, load_Nm=load)

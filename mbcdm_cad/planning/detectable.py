@@ -21,9 +21,8 @@ from mbcdm_cad.loop.search.select import LEAST_FALL
 from mbcdm_cad.measurement.run import Run
 from mbcdm_cad.measurement.vet import arranged
 from mbcdm_cad.model.si import ModelError, to_si
-from mbcdm_cad.planning.colour import along
-from mbcdm_cad.planning.friction_errors import friction_errors
 from mbcdm_cad.planning.power import Draws, Shown, draws_of, shown, smallest, worst_phase
+from mbcdm_cad.planning.prediction_noise import along, friction_errors
 from mbcdm_cad.routes import Floats
 
 # t^2 (1 - rho) from which a wrong choice between two effects is less likely than 1 %.

@@ -1,0 +1,49 @@
+"""Figures of a result as text: the unit that suits a value follows from the ending of the figure's name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+# Units by the ending of the name, longest ending first; for each the units to choose from, largest first.
+_SIZES: tuple[tuple[str, tuple[tuple[float, str], ...]], ...] = (
+    ("_rad_Nm", ((1.0, "rad/(N m)"), (1e-3, "mrad/(N m)"), (1e-6, "urad/(N m)"))),
+    ("_rad_rad2", ((1e-3, "mrad/rad^2"), (1e-6, "urad/rad^2"))),
+    ("_rad_rad3", ((1e-3, "mrad/rad^3"), (1e-6, "urad/rad^3"))),
+    ("_rad_K", ((1e-3, "mrad/K"), (1e-6, "urad/K"))),
+    ("_Nm_s", ((1.0, "N m s"), (1e-3, "mN m s"))),
+    ("_rad", ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "urad"))),
+    ("_Nm", ((1.0, "N m"), (1e-3, "mN m"))),
+    ("_m", ((1e-3, "mm"), (1e-6, "um"))),
+    ("_N", ((1.0, "N"),)),
+    ("_s", ((1.0, "s"), (1e-3, "ms"))),
+    ("share", ((1e-2, "%"),)),
+)
+# Angles that are a place or a phase, not a size.
+_PLACES = ("phase", "angle", "at_")
+
+
+def size_of(name: str, values: Sequence[float]) -> tuple[float, str]:
+    """Factor and unit that suit the largest of the values of a figure called ``name``; (1, "") where it has none."""
+    for ending, sizes in _SIZES:
+        if name.endswith(ending):
+            if ending == "_rad" and name.startswith(_PLACES):
+                sizes = ((math.pi / 180.0, "deg"),)
+            most = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+            return next((size for size in sizes if most >= size[0]), sizes[-1])
+    return 1.0, ""
+
+
+def readable(name: str, values: Sequence[float]) -> tuple[str, list[str]]:
+    """A figure's name without its unit and its values with one, all in the unit that suits the largest."""
+    factor, unit = size_of(name, values)
+    if not unit:
+        return name.replace("_", " "), ["any size" if math.isinf(v) else f"{v:.5g}" for v in values]
+    ending = next(ending for ending, _ in _SIZES if name.endswith(ending))
+    word = name if ending == "share" else name.removesuffix(ending)
+    return word.replace("_", " ").strip(), ["any size" if math.isinf(v) else f"{v / factor:.4g} {unit}" for v in values]
+
+
+def share_text(share: float) -> str:
+    """A share in per cent; a share slightly below 1 is not called 100 %."""
+    return "over 99%" if 0.99 < share < 0.9999 else f"{share:.0%}"
