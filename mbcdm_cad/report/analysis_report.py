@@ -9,9 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+from mbcdm_cad.errors import MbcdmError
+from mbcdm_cad.layouts.base import NoFigureError
+from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.model import Analysis, analyse
 from mbcdm_cad.model.figures import ShaftTurns
 from mbcdm_cad.report.paths import path_data_or_reason, path_lines
+from mbcdm_cad.report.structure import DrumStructure, drum_structure
 from mbcdm_cad.report.table import ReportTable, filled
 
 if TYPE_CHECKING:
@@ -37,16 +41,21 @@ _LIMITS = {
 
 @dataclass(frozen=True)
 class AnalysisReport:
-    """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why."""
+    """``figures`` of the analytic model; ``paths`` of the cables as plain data, None where ``no_paths`` says why.
+
+    ``structure``: the drum's own turn and stress; None for a drum that is no sector, or one without a geometry.
+    """
 
     figures: Analysis
     paths: dict[str, Any] | None
     no_paths: str
+    structure: DrumStructure | None
     layout: Layout = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON; this is what ``mbcdm analyse --json`` prints."""
-        return self.figures.to_dict() | {"paths": self.paths}
+        structure = None if self.structure is None else self.structure.to_dict()
+        return self.figures.to_dict() | {"paths": self.paths, "structure": structure}
 
     def to_pandas(self) -> pandas.DataFrame:
         """The figures of each cable at the test torque, one row a cable. ``MbcdmError`` without pandas."""
@@ -149,6 +158,9 @@ class AnalysisReport:
             *self._shares().text(width, "  "),
             f"  swing at a reversal {a.reversal_swing_mrad:.4f} mrad",
         ]
+        if self.structure is not None:
+            first, *rest = self.structure.lines(a.test[0].load_Nm)
+            yield [*filled(first, width), *(line for text in rest for line in filled(f"  {text}", width))]
         yield [
             "Torque at the drum at which a limit is reached first:",
             *self._limits().text(width, "  "),
@@ -194,7 +206,17 @@ def _turned(t: ShaftTurns, shaft: str) -> str:
 def analyse_design(drive: Drive) -> AnalysisReport:
     """Every figure of the model, and the cables' paths. ``ModelError`` where the geometry leaves no free span."""
     paths, reason = path_data_or_reason(drive)
-    return AnalysisReport(analyse(drive), paths, reason, drive.layout)
+    figures = analyse(drive)
+    return AnalysisReport(figures, paths, reason, _structure(drive.layout, figures), drive.layout)
+
+
+def _structure(layout: Layout, figures: Analysis) -> DrumStructure | None:
+    if not isinstance(layout, SectorLayout):
+        return None
+    try:
+        return drum_structure(layout, figures)
+    except (NoFigureError, MbcdmError):
+        return None
 
 
 def _model_notes(a: Analysis) -> Iterator[str]:

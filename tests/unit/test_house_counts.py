@@ -12,19 +12,19 @@ TREE = Path(__file__).parents[2]
 # Largest allowed counts; lower them when a change reaches less. Meanings: the docstrings of tests/house_counts.py.
 LIMITS = {
     "class families a layout": 6,
-    "registry calls": 3,
+    "registry calls": 2,
     "maker strings": 52,
     "fields declared twice": 185,
     "files of miso_bevel": 61,
     "files of siso_bevel": 37,
     "files of siso_spur": 37,
     "files of miso_spur": 27,
-    "files": 632,
-    "imports, share of lines in %": 8.5,
-    "circles": 5,
+    "files": 620,
+    "imports, share of lines in %": 8.1,
+    "circles": 4,
     "arrows back": 0,
     "repeating pairs": 196,
-    "lines": 69100,
+    "lines": 69700,
 }
 
 

@@ -1,0 +1,1 @@
+"""Compliance and strength of the parts between motor and payload, from plain dimensions."""

@@ -1,0 +1,205 @@
+"""A drum sector in its own plane as a grid of quadrilaterals in polar coordinates that follows rim, web and openings.
+
+Every opening is an annular sector with round corners; a slot with round ends is one whose corners are half its width.
+Lines of the grid run along all edges. Inside a round corner of radius R they lie at R (1 - cos a) from the edges, for
+equal steps of a: then the arc passes through nodes and halves the cells between them, which are triangles there.
+Angles are from +Z towards +X, lengths in mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbcdm_cad.routes import Floats
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+# Straight pieces along the quarter circle of a corner.
+CORNER_PIECES = 3
+# Lines nearer than this to a line that is already there are left out.
+MERGED_MM = 0.06
+# A node that lies less than this inside an opening, over its corner's radius, counts as one of its edge.
+ON_EDGE = 0.07
+# Samples of a cell along each direction by which a pocket's share of it is found.
+SAMPLES = 4
+
+
+@dataclass(frozen=True)
+class Opening:
+    """An opening of the web: an annular sector, its corners rounded by ``corner_mm``."""
+
+    inner_mm: float
+    outer_mm: float
+    start_rad: float
+    end_rad: float
+    corner_mm: float
+
+
+@dataclass(frozen=True)
+class RimStep:
+    """A ring of web or rim that ends at ``outer_mm``; it reaches along the axis from ``start_mm`` to ``end_mm``."""
+
+    outer_mm: float
+    start_mm: float
+    end_mm: float
+
+
+@dataclass(frozen=True)
+class Pocket:
+    """A box milled in along the axis down to ``floor_mm``, from below, on one side of the middle (+1 or -1).
+
+    It reaches along the tangent, outwards to that side, and outwards from ``radius_mm``, both at the angle ``at_rad``
+    from the middle.
+    """
+
+    side: int
+    at_rad: float
+    radius_mm: float
+    along_mm: tuple[float, float]
+    out_mm: tuple[float, float]
+    floor_mm: float
+
+
+@dataclass(frozen=True)
+class SectorShape:
+    """A sector of +-``half_angle_rad``, held at ``held_mm``; rings in the order of their radii, from there outwards."""
+
+    half_angle_rad: float
+    held_mm: float
+    rings: tuple[RimStep, ...]
+    openings: tuple[Opening, ...] = ()
+    pockets: tuple[Pocket, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class SectorMesh:
+    """Quadrilaterals in the plane: nodes (m, 2) as (x, z), corners (n, 4) anticlockwise, the first two further in.
+
+    A triangle repeats its last corner. ``line`` (m,) is the number of the node's radial line, ascending;
+    ``radius_mm``, ``angle_rad`` (m,) its polar coordinates.
+    """
+
+    node_mm: Floats
+    corner: Ints
+    thickness_mm: Floats
+    line: Ints
+    radius_mm: Floats
+    angle_rad: Floats
+
+
+def sector_mesh(shape: SectorShape, cell_mm: float) -> SectorMesh:
+    """The mesh. Its cells are at most ``cell_mm`` long at the rim, and shorter inwards, where spokes are narrow.
+
+    Raises ``ValueError`` if no web is left at the held edge.
+    """
+    radii, angles = _grid(shape, cell_mm)
+    count = len(radii)
+    r = np.tile(radii, len(angles))
+    a = np.repeat(angles, count)
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(len(angles) - 1), np.arange(count - 1), indexing="ij"))
+    low = i * count + j
+    # Anticlockwise in (x, z), since angles count from z towards x.
+    corner = np.stack([low, low + count, low + count + 1, low + 1], axis=1)
+    corner, metal = _cut(shape, r, a, corner)
+    corner, i, j = corner[metal], i[metal], j[metal]
+    middle_r, middle_a = r[corner].mean(axis=1), a[corner].mean(axis=1)
+    ring = np.searchsorted(np.array([ring.outer_mm for ring in shape.rings]), middle_r)
+    start = np.array([ring.start_mm for ring in shape.rings])[ring]
+    end = np.array([ring.end_mm for ring in shape.rings])[ring]
+    thick = end - _floor(shape.pockets, (radii, angles), (j, i), (start, end)) if shape.pockets else end - start
+    kept = thick > 1e-3
+    corner, thick, middle_a = corner[kept], thick[kept], middle_a[kept]
+    if not (r[corner] < shape.held_mm + 1e-9).any():
+        raise ValueError("drum: its windows leave no web at the hub")
+    used, number = np.unique(corner, return_inverse=True)
+    node = np.stack([r[used] * np.sin(a[used]), r[used] * np.cos(a[used])], axis=1)
+    return SectorMesh(node, number.reshape(-1, 4), thick, used // count, r[used], a[used])
+
+
+def _grid(shape: SectorShape, cell_mm: float) -> tuple[Floats, Floats]:
+    half, outer = shape.half_angle_rad, shape.rings[-1].outer_mm
+    steps = 1.0 - np.cos(np.arange(1, CORNER_PIECES + 1) * pi / 2 / CORNER_PIECES)
+    hard_r = [shape.held_mm, *(ring.outer_mm for ring in shape.rings)]
+    soft_r: list[float] = []
+    hard_a: list[float] = [-half, half]
+    soft_a: list[float] = []
+    for o in shape.openings:
+        hard_r += [o.inner_mm, o.outer_mm]
+        hard_a += [o.start_rad, o.end_rad]
+        for step in steps * o.corner_mm:
+            soft_r += [o.inner_mm + step, o.outer_mm - step]
+            for radius in (o.inner_mm, o.outer_mm):
+                # Across a corner the radius changes little; that of its middle is taken.
+                at = radius + (0.4 if radius == o.inner_mm else -0.4) * o.corner_mm
+                soft_a += [o.start_rad + step / at, o.end_rad - step / at]
+    radii = _filled(_merged([*hard_r, *soft_r], MERGED_MM, (shape.held_mm, outer)), lambda r: cell_mm * sqrt(r / outer))
+    narrow = min([o.inner_mm for o in shape.openings], default=outer)
+    angles = _merged([*hard_a, 0.0, *soft_a], MERGED_MM / narrow, (-half, half))
+    return radii, _filled(angles, lambda _: cell_mm / outer)
+
+
+def _merged(wished: Iterable[float], apart: float, ends: tuple[float, float]) -> list[float]:
+    """The values between ``ends``, without those that lie close to one that stands before them."""
+    kept = list(ends)
+    for value in wished:
+        if ends[0] < value < ends[1] and min(abs(value - other) for other in kept) > apart:
+            kept.append(value)
+    return sorted(kept)
+
+
+def _filled(lines: Sequence[float], longest: Callable[[float], float]) -> Floats:
+    """The lines with others between them, at most ``longest`` of the middle apart."""
+    pieces = [np.linspace(a, b, max(1, ceil((b - a) / longest((a + b) / 2))) + 1)[1:] for a, b in pairwise(lines)]
+    return np.concatenate([lines[:1], *pieces])
+
+
+def _depth(o: Opening, r: Floats, a: Floats) -> Floats:
+    """How far a point lies inside an opening (mm), negative outside."""
+    across = np.minimum(r - o.inner_mm, o.outer_mm - r)
+    along = np.minimum(a - o.start_rad, o.end_rad - a) * r
+    corner = o.corner_mm
+    off = np.hypot(corner - np.minimum(across, corner), corner - np.minimum(along, corner))
+    return np.where((across < corner) & (along < corner), corner - off, np.minimum(across, along))
+
+
+def _cut(shape: SectorShape, r: Floats, a: Floats, corner: Ints) -> tuple[Ints, Bools]:
+    """Corners of the cells with triangles where an edge halves one, and which of them are metal."""
+    metal = np.ones(len(corner), dtype=bool)
+    corner = corner.copy()
+    for o in shape.openings:
+        near = (r[corner].max(axis=1) > o.inner_mm) & (r[corner].min(axis=1) < o.outer_mm)
+        near &= (a[corner].max(axis=1) > o.start_rad) & (a[corner].min(axis=1) < o.end_rad)
+        cells = np.flatnonzero(near & metal)
+        inside = _depth(o, r[corner[cells]], a[corner[cells]]) > ON_EDGE * o.corner_mm
+        count = inside.sum(axis=1)
+        middle = _depth(o, r[corner[cells]].mean(axis=1), a[corner[cells]].mean(axis=1)) > 0.0
+        halved = (count == 1) & middle
+        metal[cells] = (count == 0) & ~middle | halved | (count == 1) & ~middle
+        for cell, gone in zip(cells[halved], np.argmax(inside[halved], axis=1), strict=True):
+            left = np.roll(corner[cell], -int(gone))[1:]
+            corner[cell] = [*left, left[-1]]
+    return corner, metal
+
+
+def _floor(
+    pockets: Sequence[Pocket], lines: tuple[Floats, Floats], cells: tuple[Ints, Ints], ends: tuple[Floats, Floats]
+) -> Floats:
+    """Mean height (n,) at which the metal of each cell starts; ``lines`` and ``cells`` are (radial, angular)."""
+    (radii, angles), (j, i), (start, end) = lines, cells, ends
+    at = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    r = radii[j][:, None, None] + np.diff(radii)[j][:, None, None] * at[None, :, None]
+    a = angles[i][:, None, None] + np.diff(angles)[i][:, None, None] * at[None, None, :]
+    floor = np.broadcast_to(start[:, None, None], np.broadcast_shapes(r.shape, a.shape)).copy()
+    for p in pockets:
+        turn = p.side * a - p.at_rad
+        out, along = r * np.cos(turn) - p.radius_mm, r * np.sin(turn)
+        inside = (along > p.along_mm[0]) & (along < p.along_mm[1]) & (out > p.out_mm[0]) & (out < p.out_mm[1])
+        np.maximum(floor, p.floor_mm, out=floor, where=inside)
+    return np.asarray(np.minimum(floor, end[:, None, None]).mean(axis=(1, 2)))

@@ -1,0 +1,186 @@
+"""Solid finite elements of a drawn part: its STEP meshed by gmsh, quadratic tetrahedra of scikit-fem, solved directly.
+
+Shares nothing with the package but the part's STEP file. Units: mm, N, MPa.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import gmsh
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+from numpy.typing import NDArray
+from skfem import Basis, ElementTetP2, ElementVector, FacetBasis, Functional, LinearForm, MeshTet, asm
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+# Above this number of tetrahedra the mesh is made coarser: the direct solution takes minutes.
+MOST_TETS = 34_000
+COARSER = 1.25
+# Radial springs that stand for a rigid guide, N/mm a node: far above those of any part here.
+RIGID_N_MM = 1e9
+
+
+def tetrahedra(step: Path, size_mm: float, least_mm: float = 0.3) -> MeshTet:
+    """Tetrahedra of at most about ``size_mm``; smaller on curved faces, eight for a full turn."""
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.model.occ.importShapes(str(step))
+        gmsh.model.occ.synchronize()
+        settings = {"MeshSizeMin": least_mm, "MeshSizeFromCurvature": 8, "Algorithm3D": 10}
+        for name, value in settings.items():
+            gmsh.option.setNumber(f"Mesh.{name}", value)
+        while True:
+            gmsh.option.setNumber("Mesh.MeshSizeMax", size_mm)
+            gmsh.model.mesh.generate(3)
+            tags, places, _ = gmsh.model.mesh.getNodes()
+            kinds, _, corners = gmsh.model.mesh.getElements(3)
+            corner = corners[list(kinds).index(4)].reshape(-1, 4)
+            if len(corner) <= MOST_TETS or least_mm > size_mm:
+                break
+            size_mm, least_mm = size_mm * COARSER, least_mm * COARSER
+            gmsh.option.setNumber("Mesh.MeshSizeMin", least_mm)
+            gmsh.model.mesh.clear()
+    finally:
+        gmsh.finalize()
+    number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    number[tags] = np.arange(len(tags))
+    used, inverse = np.unique(corner, return_inverse=True)
+    return MeshTet(places.reshape(-1, 3)[number[used]].T.copy(), inverse.reshape(-1, 4).T.copy())
+
+
+@dataclass(eq=False)
+class Solid:
+    """A meshed part: its stiffness, and the place (3, n) and direction (n,) of each freedom."""
+
+    mesh: MeshTet
+    modulus_MPa: float
+    poisson: float
+
+    def __post_init__(self) -> None:
+        self.basis = Basis(self.mesh, ElementVector(ElementTetP2()), intorder=2)
+        self.stiffness = asm(linear_elasticity(*lame_parameters(self.modulus_MPa, self.poisson)), self.basis).tocsr()
+        self.place = self.basis.doflocs
+        self.direction = np.zeros(self.place.shape[1], dtype=np.int64)
+        for axis in range(3):
+            self.direction[self.basis.nodal_dofs[axis]] = axis
+            self.direction[self.basis.edge_dofs[axis]] = axis
+        bounding = np.zeros(self.mesh.facets.shape[1], dtype=bool)
+        bounding[self.mesh.boundary_facets()] = True
+        self.bounding = bounding
+
+    def facets(self, on: Callable[[Floats], NDArray[np.bool_]]) -> Ints:
+        """Facets of the surface with all corners (3, 3, n) where ``on`` of (3, n) says so."""
+        corners = self.mesh.p[:, self.mesh.facets]
+        return np.flatnonzero(self.bounding & np.all([on(corners[:, k]) for k in range(3)], axis=0))
+
+    def traction(self, facets: Ints, of: Callable[[Floats], tuple[Floats, ...]]) -> Floats:
+        """Forces of a traction (N/mm^2), three components of the places (3, ...)."""
+        basis = FacetBasis(self.mesh, ElementVector(ElementTetP2()), facets=facets, intorder=4)
+        return np.asarray(LinearForm(lambda v, w: sum(f * v[k] for k, f in enumerate(of(w.x)))).assemble(basis))
+
+    def area(self, facets: Ints, where: Callable[[Floats], Floats]) -> float:
+        """Area of facets, weighted."""
+        basis = FacetBasis(self.mesh, ElementVector(ElementTetP2()), facets=facets, intorder=4)
+        return float(Functional(lambda w: where(w.x)).assemble(basis))
+
+    def guided(self, freedoms: Ints) -> sp.csr_matrix:
+        """Springs that hold these freedoms radially about the Y axis only."""
+        x, z = (freedoms[self.direction[freedoms] == axis] for axis in (0, 2))
+        x, z = (k[np.lexsort(self.place[:, k].round(7))] for k in (x, z))
+        assert np.allclose(self.place[:, x], self.place[:, z])
+        out = self.place[[0, 2]][:, x] / np.hypot(*self.place[[0, 2]][:, x])
+        pairs = np.stack([x, z])
+        rows, columns = np.broadcast_arrays(pairs[:, None], pairs[None, :])
+        values = RIGID_N_MM * out[:, None] * out[None, :]
+        return sp.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=self.stiffness.shape)
+
+    def moved(self, load: Floats, held: Ints, springs: sp.csr_matrix | None = None) -> Floats:
+        """Displacements under a load with some freedoms held."""
+        free = np.setdiff1d(np.arange(len(load)), held)
+        whole = self.stiffness if springs is None else self.stiffness + springs
+        factors = spla.splu(
+            whole[free][:, free].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        answer = np.zeros(len(load))
+        answer[free] = factors.solve(load[free])
+        return answer
+
+    def von_mises_MPa(self, moved: Floats) -> tuple[Floats, Floats]:
+        """Equivalent stress (n, q) at the points of the elements, and their places (3, n, q)."""
+        gradient = self.basis.interpolate(moved).grad
+        strain = (gradient + np.swapaxes(gradient, 0, 1)) / 2.0
+        lam, mu = lame_parameters(self.modulus_MPa, self.poisson)
+        stress = 2.0 * mu * strain
+        for k in range(3):
+            stress[k, k] += lam * (strain[0, 0] + strain[1, 1] + strain[2, 2])
+        mean = (stress[0, 0] + stress[1, 1] + stress[2, 2]) / 3.0
+        square = sum((stress[i, j] - (mean if i == j else 0.0)) ** 2 for i in range(3) for j in range(3))
+        return np.sqrt(1.5 * square), self.basis.global_coordinates().value
+
+
+def about_y_Nmm(solid: Solid, load: Floats) -> float:
+    """Moment of nodal forces about the Y axis."""
+    x, z = (solid.direction == axis for axis in (0, 2))
+    return float((load[x] * solid.place[2, x]).sum() - (load[z] * solid.place[0, z]).sum())
+
+
+@dataclass(frozen=True)
+class Pull:
+    """A cable on a land of a drum: side, surface radius and y range of the land, y of the cable, wrap, torque share."""
+
+    side: int
+    surface_mm: float
+    land_y_mm: tuple[float, float]
+    cable_y_mm: float
+    wrap_rad: float
+    share: float
+
+
+def drum_load(solid: Solid, pulls: Sequence[Pull]) -> Floats:
+    """Forces of the changes of tension for 1 N m: on strips of the lands two millimetres to each side of the cables.
+
+    The change falls evenly along the land: pressure inwards, and friction along the land.
+    """
+    load = np.zeros(solid.place.shape[1])
+    for pull in pulls:
+        low, high = pull.land_y_mm
+        low, high = max(low, pull.cable_y_mm - 2.0) - 1e-6, min(high, pull.cable_y_mm + 2.0) + 1e-6
+
+        def on_land(p: Floats, pull: Pull = pull, low: float = low, high: float = high) -> NDArray[np.bool_]:
+            return (np.abs(np.hypot(p[0], p[2]) - pull.surface_mm) < 0.03) & (p[1] > low) & (p[1] < high)
+
+        facets = solid.facets(on_land)
+        if len(facets) < 10:
+            # No row of facets lies between these heights: the whole land carries the cable.
+            low, high = pull.land_y_mm[0] - 1e-6, pull.land_y_mm[1] + 1e-6
+            facets = solid.facets(lambda p, f=on_land, a=low, b=high: f(p, low=a, high=b))
+
+        def angle(p: Floats, pull: Pull = pull) -> tuple[Floats, Floats]:
+            at = pull.side * np.arctan2(p[0], p[2])
+            return at, ((at >= 0.0) & (at < pull.wrap_rad)) * 1.0
+
+        change = pull.side * pull.share * 1e3 / pull.surface_mm
+        area = solid.area(facets, lambda p, f=angle: f(p)[1])
+
+        def pressed(
+            p: Floats, pull: Pull = pull, change: float = change, area: float = area, f: Callable = angle
+        ) -> tuple[Floats, Floats, Floats]:
+            at, on = f(p)
+            r = np.hypot(p[0], p[2])
+            inwards = -change * (1.0 - at / pull.wrap_rad) * on * pull.wrap_rad / area
+            along = -pull.side * change * on / area
+            return inwards * p[0] / r + along * p[2] / r, 0.0 * r, inwards * p[2] / r - along * p[0] / r
+
+        load += solid.traction(facets, pressed)
+    return load * (-1e3 * sum(pull.share for pull in pulls) / about_y_Nmm(solid, load))

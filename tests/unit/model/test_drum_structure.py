@@ -1,0 +1,107 @@
+"""The drum's own turn and stress: elements against beams, a full ring against its closed form, laws, and published FE.
+
+Solid finite elements of the drawn STEP are compared in tests/acceptance/test_drum_solid.py.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbcdm_cad.layouts.loader import load_design, load_text, new_design_text
+from mbcdm_cad.model.structure.drum_sector import Hub, Isotropic, LandPull, SectorStudy, sector_study
+from mbcdm_cad.model.structure.plane_stress import elements, solve
+from mbcdm_cad.model.structure.sector_mesh import RimStep, SectorShape
+from mbcdm_cad.parts.drum_sector.structure import hub, land_pulls, sector_shape
+from mbcdm_cad.report.analysis_report import analyse_design
+
+METAL = Isotropic(71_700.0, 0.33)
+PARAMS = Path(__file__).parents[3] / "params"
+HUB = Hub(10.0, 4.0, 0.0, 10.0, 5.0, 0.0, 0, 0.0, 0, 7.0, 0.0)
+
+
+def study(cells: float = 28.0, windows: bool = True, material: Isotropic = METAL) -> SectorStudy:
+    """The drum of the reference design, each cable with a quarter of the torque."""
+    drive = load_design(PARAMS / "mbcdm.yaml").drive
+    dims = drive.layout.drum
+    names = [cable.name for cable in drive.cables]
+    pulls = land_pulls(dims, dict.fromkeys(names, 0.25), dict.fromkeys(names, 70.0))
+    shape = sector_shape(dims)
+    shape = shape if windows else replace(shape, openings=())
+    return sector_study(shape, hub(dims, 2.5), pulls, material, cells)
+
+
+def test_a_cantilever_of_elements_bends_as_a_beam() -> None:
+    """One element across the height, as across a spoke: deflection F l^3 / (3 E I) and shear 6 F l / (5 G A)."""
+    length, height, thick, force, count = 40.0, 4.0, 2.0, 10.0, 20
+    x = np.repeat(np.linspace(0.0, length, count + 1), 2)
+    node = np.stack([x, np.tile([0.0, height], count + 1)], axis=1)
+    low = 2 * np.arange(count)
+    corner = np.stack([low, low + 2, low + 3, low + 1], axis=1)
+    found = elements(node, corner, np.full(count, thick), METAL.modulus_MPa, METAL.poisson)
+    stiffness = found.stiffness.copy()
+    stiffness[0, [0, 1, 6, 7], [0, 1, 6, 7]] += 1e12
+    load = np.zeros((2 * len(node), 1))
+    load[[-3, -1], 0] = force / 2.0
+    moved = float(solve(corner, np.arange(len(node)) // 2, stiffness, load)[-1, 0])
+    inertia = thick * height**3 / 12.0
+    beam = force * length**3 / (3.0 * METAL.modulus_MPa * inertia)
+    beam += 1.2 * force * length / (METAL.shear_MPa * thick * height)
+    assert moved == pytest.approx(beam, rel=0.01), f"{moved} mm, beam {beam} mm"
+
+
+def test_a_full_ring_turns_as_its_closed_form() -> None:
+    """A disc from a to b under the same shear all round: T / (4 pi G t) (1/a^2 - 1/b^2), the cables all round it."""
+    a, b, thick = 10.0, 50.0, 2.0
+    shape = SectorShape(pi - 1e-6, a, (RimStep(b, 0.0, thick),))
+    pulls = tuple(LandPull(side, b, pi - 1e-3, 0.5, 0.0) for side in (1, -1))
+    found = sector_study(shape, HUB, pulls, METAL, 40.0)
+    root, _ = HUB.root_mm2_N(METAL, (0.0, thick))
+    ring = 1e9 / (4.0 * pi * METAL.shear_MPa * thick) * (1.0 / a**2 - 1.0 / b**2)
+    ring += 1e9 * root / (2.0 * pi * a**3)
+    # The change of tension is largest at the transfer and presses inwards there: a little more than pure shear.
+    assert ring < found.web_urad_Nm < 1.6 * ring, f"{found.web_urad_Nm:.1f} urad/N m, ring {ring:.1f}"
+
+
+def test_windows_make_the_reference_soft_as_solid_elements_found() -> None:
+    """Two independent programs: 621 (3D) and 665 (plane stress, sharp corners) urad/N m; without windows 33 to 47."""
+    found = study()
+    whole = found.web_urad_Nm + found.hub_to_screws_urad_Nm + found.hub_to_face_urad_Nm
+    assert whole == pytest.approx(621.0, rel=0.10), f"{whole:.0f} urad/N m"
+    full = study(windows=False).web_urad_Nm
+    assert 25.0 < full < 60.0, f"{full:.0f} urad/N m without windows"
+
+
+def test_a_finer_mesh_changes_little() -> None:
+    coarse, fine = study().web_urad_Nm, study(56.0).web_urad_Nm
+    assert fine == pytest.approx(coarse, rel=0.02), f"{coarse:.1f} and {fine:.1f} urad/N m"
+
+
+def test_turn_is_inverse_to_the_modulus_and_stress_does_not_depend_on_it() -> None:
+    stiff, soft = study(), study(material=Isotropic(METAL.modulus_MPa / 20.0, METAL.poisson))
+    for name in ("web_urad_Nm", "hub_to_screws_urad_Nm", "hub_to_face_urad_Nm"):
+        assert getattr(soft, name) == pytest.approx(20.0 * getattr(stiff, name), rel=1e-6), name
+    np.testing.assert_allclose(soft.von_mises_MPa(2.0), stiff.von_mises_MPa(2.0), rtol=1e-5)
+
+
+@pytest.mark.parametrize("layout", ["mbcdm", "siso_bevel", "siso_spur", "miso_spur"])
+def test_analyse_says_what_the_drum_adds(layout: str) -> None:
+    report = analyse_design(load_design(PARAMS / f"{layout}.yaml").drive)
+    found = report.to_dict()["structure"]
+    parts = [found[name] for name in ("web_urad_Nm", "hub_to_screws_urad_Nm", "hub_to_face_urad_Nm")]
+    assert found["drum_urad_Nm"] == pytest.approx(sum(parts)) and min(parts) > 0.0, found
+    assert found["drum_over_cables"] == pytest.approx(found["drum_urad_Nm"] / found["cables_urad_Nm"]), found
+    assert f"{found['drum_urad_Nm']:.0f} urad/N m from its" in report.text(), report.text()
+
+
+def test_a_printed_drum_under_too_much_torque_is_above_its_yield_stress() -> None:
+    text = new_design_text("weak", "siso_spur").replace("material: aluminium-7075", "material: pla", 1)
+    drive = load_text(text).drive
+    heavy = replace(drive, loads=replace(drive.loads, peak_torque_Nm=8.0))
+    found = analyse_design(heavy).structure
+    assert found is not None and found.peak_stress_MPa > found.yield_MPa, found
+    assert "above the yield stress" in analyse_design(heavy).text()
