@@ -265,6 +265,12 @@ VOLUMES: dict[str, Volume] = {
 
 
 def estimated_mm3(spec: PartSpec, own: Mapping[str, Volume]) -> float:
-    """Volume of a part, by its maker; ``own`` are a configuration's parts. Raises ``KeyError`` for one unknown."""
+    """Volume of a part, by its maker; ``own`` are a layout's parts. Raises ``LookupError`` for one without a volume."""
+    volume = own.get(spec.maker) or VOLUMES.get(spec.maker)
+    if volume is None:
+        raise LookupError(
+            f"{spec.name}: no volume for {spec.maker}; every made part has one, in VOLUMES of parts/volume.py or in "
+            "support/volume.py of its layout"
+        )
     args: tuple[Any, ...] = spec.args
-    return float({**VOLUMES, **own}[spec.maker](*args))
+    return float(volume(*args))
