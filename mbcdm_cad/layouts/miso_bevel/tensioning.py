@@ -1,34 +1,13 @@
-"""Take-up of the terminals of the drum, from slack to the highest preload, and the plan to set the preloads."""
+"""The plan to set the preloads."""
 
 from __future__ import annotations
 
-from math import hypot, pi, radians, tau
-from typing import TYPE_CHECKING
+from math import radians, tau
 
 from mbcdm_cad.layouts.miso_bevel.cable_path import winding
-from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
+from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.model.tensioning_plan import TensionedCable, TensioningPlan, tensioning_plan
-from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, furthest_anchor_rad
-from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope, terminal_travel_mm
-
-if TYPE_CHECKING:  # the layout asks this module for the terminals' travel
-    from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-
-
-def longest_mm(drive: BevelDrive, cable: BevelRun, anchor_rad: float) -> float:
-    """Length of a cable that leaves its land at ``anchor_rad``, by its pieces; slightly more than the drawn path."""
-    w = winding(drive, cable)
-    turns = tau * drive.dead_turns + w.reduction * radians(drive.half_travel_deg)
-    helix = turns * hypot(cable.input_radius_mm, drive.helix_lead_mm / tau)
-    # The bend inward to the stop and the straight end in the terminal: a quarter turn and three diameters each.
-    ends = pi / 2 * cable.input_radius_mm + 6.0 * drive.cable.diameter_mm
-    return helix + w.free_span_mm + cable.guide_radius_mm * w.guide_wrap_rad + cable.drum_radius_mm * anchor_rad + ends
-
-
-def terminal_way(drive: BevelDrive) -> TerminalWay:
-    """Take-up of all terminals, and the part of it that each uses, mm, for cables anchored as far out as possible."""
-    furthest = furthest_anchor_rad(drive)
-    return terminal_travel_mm(drive, {c.name: longest_mm(drive, c, furthest) for c in drive.cables})
+from mbcdm_cad.parts.terminal.take_up import highest_preload_N, tensioned_rope
 
 
 def plan(layout: BevelLayout) -> TensioningPlan:
