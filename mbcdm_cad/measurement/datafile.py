@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, time
 from pathlib import Path
 
@@ -31,6 +31,12 @@ _FIRST_DAY = datetime(2000, 1, 1)
 _DATE = re.compile(r"\d{1,4}[-/:.]\d{1,2}[-/:.]\d{1,4}|\d{1,2}:\d\d")
 DECIMALS = (
     "decimal commas and commas between columns look alike: export with semicolons or tabs, and set decimal: comma"
+)
+EMPTY_CELL = shortened("")
+# What exports of topics with time stamps of their own look like.
+ONE_CHANNEL_A_ROW = (
+    "the rows have empty cells, as where each holds one channel with its own time: fill the table first, in pandas "
+    'with frame.set_index("time").interpolate("index").dropna(), then name the filled file'
 )
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?\Z")
 
@@ -57,6 +63,13 @@ class DataTable:
                 return line
             line = moved
 
+    def only(self, kept: NDArray[np.bool_]) -> DataTable:
+        """The table with the rows ``kept`` (n,) alone."""
+        lines = np.arange(self.begin_line, self.begin_line + kept.size + self.skipped_lines.size)
+        of_rows = np.setdiff1d(lines, self.skipped_lines)[: kept.size]
+        skipped = np.union1d(self.skipped_lines, of_rows[~kept])
+        return replace(self, values=self.values[:, kept], skipped_lines=skipped)
+
 
 def clock_s(text: str) -> float:
     """Seconds of a date and time, or of a time of day, as ISO 8601 writes them. Raises ValueError for other text."""
@@ -78,6 +91,9 @@ def read_table(
     parts = [reader.block(first_line, text) for first_line, text in _blocks(path, layout.begin_line)]
     kept = sum(part.shape[0] for part in parts)
     if reader.broken > MOST_BROKEN * (kept + reader.broken):
+        remedy = f"the first has {reader.first_fault}; check delimiter, decimal, comment, skip_rows and columns"
+        if reader.empty_cells > 0.5 * reader.broken:
+            remedy = ONE_CHANNEL_A_ROW
         raise InputError(
             [
                 Problem(
@@ -87,7 +103,7 @@ def read_table(
                     "too many broken rows",
                     f"{reader.broken} of {kept + reader.broken}",
                     f"{MOST_BROKEN:.0%} of the rows",
-                    f"the first has {reader.first_fault}; check delimiter, decimal, comment, skip_rows and columns",
+                    remedy,
                 )
             ]
         )
@@ -131,6 +147,7 @@ class _Reader:
         self.broken = 0
         self.broken_lines: list[int] = []
         self.first_fault = ""
+        self.empty_cells = 0
         self.skipped: list[int] = []
 
     def block(self, first_line: int, text: str) -> Floats:
@@ -173,6 +190,7 @@ class _Reader:
                 self.broken += 1
                 self.skipped.append(number)
                 self.first_fault = self.first_fault or error.problems[0].what
+                self.empty_cells += error.problems[0].value == EMPTY_CELL
                 if len(self.broken_lines) < LISTED_LINES:
                     self.broken_lines.append(number)
         return np.array(rows, dtype=float).reshape(-1, len(self.columns))

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from mbcdm_cad.errors import InputError, Problem
-from mbcdm_cad.measurement.datafile import clock_s, read_table
+from mbcdm_cad.measurement.datafile import ONE_CHANNEL_A_ROW, clock_s, read_table
 from mbcdm_cad.measurement.logformat import Format, find_format, split, title_lines
 from mbcdm_cad.measurement.reading import FULL_SENSE
 from mbcdm_cad.measurement.roles import COUNTS_SOLD, MET, Expected, Guess, assign, stated_unit, ways
@@ -25,6 +25,8 @@ from mbcdm_cad.routes import Floats
 
 # Rows that are tested for figures, and the share of them that must have one.
 TRIED_ROWS, LEAST_FIGURES = 300, 0.9
+# Share of empty cells from which a table holds one channel a row.
+LEAST_EMPTY = 0.2
 # A column that turns by less than this share of the design's travel is hardly the drum.
 LEAST_TRAVEL = 0.02
 # A word of names of columns whose figures are turns: pos_estimate.
@@ -76,6 +78,8 @@ def _columns(data: Path) -> tuple[_Table, list[Guess]]:
         layout, chosen = found_table.layout, found_table.chosen
         if len(chosen) < 2:
             remedy = "give the logger's CSV: a header and rows of figures"
+            if _empty_share(_tried_rows(data, layout)) > LEAST_EMPTY:
+                remedy = ONE_CHANNEL_A_ROW
             raise InputError([Problem(str(data), 1, "", "fewer than two columns of figures", remedy=remedy)])
         table = read_table(data, layout, list(chosen), True, found_table.clock)
     except OSError as error:
@@ -99,6 +103,12 @@ def _table(data: Path, decimal: str) -> _Table:
     dates = (k for k in range(layout.fields) if k not in figures and _share(rows, k, layout, clock_s) >= LEAST_FIGURES)
     clock = next(dates, None)
     return _Table(layout, skipped, tuple(figures if clock is None else sorted([*figures, clock])), clock)
+
+
+def _empty_share(rows: list[list[str]]) -> float:
+    """Share of the cells that are empty."""
+    cells = [cell for row in rows for cell in row]
+    return sum(not cell for cell in cells) / max(len(cells), 1)
 
 
 def _tried_rows(data: Path, layout: Format) -> list[list[str]]:

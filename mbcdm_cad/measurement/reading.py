@@ -32,6 +32,8 @@ MOST_BACK = 0.05
 # A figure that lies beyond the others by this many times their span is wrong, if at most so many rows are like it.
 SPIKE_SPANS = 3.0
 LONGEST_SPIKE = 5
+# Largest share of the rows that a device which was not ready yet may fill.
+LONGEST_STARTUP = 0.2
 
 
 def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> None:
@@ -54,14 +56,37 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
         remedy = (
             "sort the rows, or cut the file where a new run begins"
             if step < 0.0
-            else "log the time with more digits, or leave out doubled rows"
+            else "log the time with more digits, or set broken_rows: skip, which leaves out rows that repeat the time"
         )
         if back.size > MOST_BACK * count:
             remedy = f"so do {back.size} of {count} steps: is this column the time? Correct columns.time, or {remedy}"
         raise InputError([Problem(str(data), table.line_of(row), "", what, f"step {step:.6g} s", "over 0", remedy)])
-    problems = _far_off(file, run, table, data) or _not_moved(file, run)
+    problems = _startup(run, table, data) or _far_off(file, run, table, data) or _not_moved(file, run)
     if problems:
         raise InputError(problems)
+
+
+def _startup(run: Run, table: DataTable, data: Path) -> list[Problem]:
+    """Problems for a block of one figure at the start that is far from all others: a device that was not ready."""
+    signals = [
+        (f"input {n}".removesuffix(" input"), row) for n, row in zip(run.input_names, run.input_rad, strict=True)
+    ]
+    problems = []
+    for name, values in [*signals, ("output", run.output_rad)]:
+        changed = np.flatnonzero(values != values[0])
+        count = int(changed[0]) if changed.size else values.size
+        rest = values[count:]
+        if count == values.size or count > LONGEST_STARTUP * values.size:
+            continue
+        # A drive that rests first leaves its place step by step; this one jumps.
+        if abs(float(rest[0] - values[0])) <= SPIKE_SPANS * float(np.ptp(rest)):
+            continue
+        first, last = table.line_of(0), table.line_of(count - 1)
+        what = f"lines {first} to {last} hold one figure of the {name}, far from all others"
+        figure, limit = f"{values[0]:.6g} in SI", f"others {rest.min():.4g} to {rest.max():.4g}"
+        remedy = "remove these lines: the device was not ready yet"
+        problems.append(Problem(str(data), first, "", what, figure, limit, remedy))
+    return problems
 
 
 def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> list[Problem]:
@@ -166,6 +191,12 @@ def read_run(file: MeasurementFile) -> Reading:
         indices = [_index(file, quantity, column, layout, data) for quantity, column in asked.items()]
         clock = indices[0] if content.columns.time.unit.strip() == ISO_CLOCK else None
         table = read_table(data, layout, indices, content.broken_rows == "skip", clock)
+        repeated = 0
+        if content.broken_rows == "skip":
+            # A logger that is faster than its device writes each sample several times.
+            new = np.append(True, np.diff(table.values[0]) != 0.0)
+            repeated = int(np.count_nonzero(~new))
+            table = table.only(new) if repeated else table
         sha256 = _sha256(data)
     except OSError as error:
         problem = file.problem(
@@ -180,6 +211,8 @@ def read_run(file: MeasurementFile) -> Reading:
     refuse_unusable(file, run, table, data)
     notes = _notes_on_columns(asked, layout, indices, data)
     notes += [note for note in turns if note]
+    if repeated:
+        notes.append(f"{repeated} rows of {data.name} repeat the time of the row before: left out")
     if table.broken:
         lines = ", ".join(str(line) for line in table.broken_lines)
         more = ", ..." if table.broken > len(table.broken_lines) else ""

@@ -238,7 +238,8 @@ class Measurement(Block):
         default="auto",
     )
     broken_rows: Literal["refuse", "skip"] = choice(
-        "rows of another length, with text or with NaN: refuse the file, or skip up to one row in fifty and report it",
+        "rows of another length, with text or with NaN: refuse the file, or skip up to one row in fifty and report it; "
+        "skip also leaves out rows that repeat the time of the row before",
         source=LOGGER,
         example="skip",
         default="refuse",

@@ -62,7 +62,9 @@ def column_findings(run: Run, ratio: float, travel_rad: float | None, d: DriveSI
         size = _load_size(run, d)
         too_large = any(finding.level == "refused" for finding in size)
         return _travel(run, travel_rad) or (size if too_large else [*size, *_load_sign(run, ratio, d)])
-    swapped = _swapped(run, ratio)
+    # At a ratio of 1 the exchange of the columns gives the same slope, and would not help.
+    as_declared = all(factor is not None and abs(abs(factor) - 1.0) <= NEAR for factor in factors)
+    swapped = None if as_declared else _swapped(run, ratio)
     if swapped:
         return [swapped]
     found = []

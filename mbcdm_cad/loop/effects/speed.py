@@ -45,14 +45,14 @@ def offer(d: DriveSI | None, p: Prepared) -> list[Effect]:
     late = Effect(
         "delay",
         "late sensor",
-        "the output is read late: an error in proportion to speed",
+        "the output is read later than the input (earlier, if negative): an error in proportion to speed",
         "filters and time stamps of the logger",
         "an output sensor of known latency, or none of its filters",
         (Parameter("delay_s", 1e-5),),
         _late,
         hangs_on="speed",
         generic=True,
-        plain="the output is read {delay_s} too late",
+        plain="the output is read {delay_s} later than the input",
     )
     bias = "a constant bias torque: friction keeps to the speed, lash and the cables to the torque"
     if d is not None and p.load_Nm is None:

@@ -70,13 +70,11 @@ def test_an_own_entry_that_lacks_a_field_is_told_with_line_and_field(kind: str, 
 
 
 @pytest.mark.parametrize(
-    ("kind", "block", "named"),
-    [("ropes", "rope", "type"), ("bearings", "drum", "bearing"), ("gearheads", "drive", "gearhead")],
+    ("kind", "block", "named", "like"),
+    [("ropes", "rope", "type", "7x7-1.0"), ("gearheads", "drive", "gearhead", "gearhead-76-16")],
 )
-def test_an_entry_with_its_required_fields_alone_is_enough(kind: str, block: str, named: str) -> None:
-    entry = {
-        name: value for name, value in next(iter(package_entries(kind).values())).items() if name in _required(kind)
-    }
+def test_an_entry_with_its_required_fields_alone_is_enough(kind: str, block: str, named: str, like: str) -> None:
+    entry = {name: value for name, value in package_entries(kind)[like].items() if name in _required(kind)}
     text = yaml.safe_dump({**SHORT, block: {named: "mine"}, "catalogue": {kind: {"mine": entry}}}, sort_keys=False)
     assert load_text(text).drive.name == "short"
 
