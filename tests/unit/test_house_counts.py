@@ -24,7 +24,7 @@ LIMITS = {
     "circles": 2,
     "arrows back": 0,
     "repeating pairs": 196,
-    "lines": 69700,
+    "lines": 69900,
 }
 
 
