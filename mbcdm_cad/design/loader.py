@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -63,18 +64,33 @@ def resolved(
     """
     tree, sigmas = _split(tree, str(path), file)
     sizing = _sized(tree, str(path), file, moved or {}, similar)
-    given, tree = tree, tree if sizing is None else Tree(sizing.data, tree.lines)
-    try:
-        design = _validated(tree, str(path), file)
-    except InputError as error:
-        if sizing is None or moved is not None:
-            raise
-        problems = blame_requirements(list(error.problems), given, sizing, lambda other: _fits(other, path, file))
-        raise InputError(problems) from None
+    tree = tree if sizing is None else Tree(sizing.data, tree.lines)
+    design = _validated(tree, str(path), file)
     catalogue = Catalogue(design)
     broken = every_broken_rule(design, catalogue, file.rules(design), file.named(design))
     _refuse_broken_rules(broken, tree, str(path))
     return Resolved(design, with_as_built(file.drive(design, catalogue, sigmas), as_built(design)), sizing)
+
+
+def blamed(error: InputError, tree: Tree, path: Path, file: DesignFile) -> InputError:
+    """``error`` of a file for its reader: a derived value out of bounds is told as of the requirement behind it.
+
+    A value of the requirement that works is found by sizing the drive some ten times, so that searches, which only ask
+    whether a file is valid, do without it.
+    """
+    try:
+        given, _ = _split(tree, str(path), file)
+        sizing = _sized(given, str(path), file, {}, None)
+    except (InputError, SizingError):
+        return error
+    if sizing is None:
+        return error
+    try:
+        _validated(Tree(sizing.data, given.lines), str(path), file)
+    except InputError as bounds:
+        fits = partial(_fits, path=path, file=file)
+        return InputError(blame_requirements(list(bounds.problems), given, sizing, fits))
+    return error
 
 
 def _split(tree: Tree, path: str, file: DesignFile) -> tuple[Tree, dict[FieldPath, float]]:

@@ -15,7 +15,7 @@ from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.design.loader import open_data
 from mbcdm_cad.design.sigmas import SIGMA, VALUE
 from mbcdm_cad.errors import InputError, MbcdmError, Problem, shortened
-from mbcdm_cad.layouts.loader import design_file_of, load_tree, resolve_tree
+from mbcdm_cad.layouts.loader import design_file_of, load_for_reader, resolve_tree
 from mbcdm_cad.layouts.one_by_one import sized_one_by_one
 from mbcdm_cad.sizing.bulk import Alike
 
@@ -33,7 +33,7 @@ def with_changes(loaded: LoadedDesign, changes: Mapping[str, Any]) -> LoadedDesi
     tree = yamltree.parse(loaded.text, str(loaded.path))
     data = _changed(tree.data, changes, loaded)
     text = yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
-    return load_tree(yamltree.Tree(data, tree.lines), text, loaded.path)
+    return load_for_reader(yamltree.Tree(data, tree.lines), text, loaded.path)
 
 
 def changed_drives(loaded: LoadedDesign, rows: Iterable[Mapping[str, Any]]) -> Iterator[Drive]:

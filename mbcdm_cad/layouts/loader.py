@@ -9,7 +9,7 @@ from typing import Any
 from mbcdm_cad.design.design_file import DesignFile
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.design.loaded import LoadedDesign
-from mbcdm_cad.design.loader import loaded, resolved
+from mbcdm_cad.design.loader import blamed, loaded, resolved
 from mbcdm_cad.design.problems import at_most_listed
 from mbcdm_cad.design.source import read_text
 from mbcdm_cad.design.template import new_text, reference_values, with_derived
@@ -22,6 +22,7 @@ __all__ = [
     "design_file",
     "design_file_of",
     "load_design",
+    "load_for_reader",
     "load_text",
     "load_tree",
     "new_design_text",
@@ -39,11 +40,20 @@ def load_design(path: str | Path) -> LoadedDesign:
 
 def load_text(text: str, path: str | Path = "<text>") -> LoadedDesign:
     """As :func:`load_design`, from the text of a file; ``path`` names it in errors."""
-    return load_tree(parse(text, str(path)), text, path)
+    return load_for_reader(parse(text, str(path)), text, path)
+
+
+def load_for_reader(tree: Tree, text: str, path: str | Path) -> LoadedDesign:
+    """As :func:`load_text`, from a tree that was read from ``text`` or has the same values."""
+    file = design_file_of(tree, str(path))
+    try:
+        return loaded(tree, text, Path(path), file)
+    except InputError as error:
+        raise blamed(error, tree, Path(path), file) from None
 
 
 def load_tree(tree: Tree, text: str, path: str | Path) -> LoadedDesign:
-    """As :func:`load_text`, from a tree that was read from ``text`` or has the same values."""
+    """As :func:`load_for_reader`, for searches: a derived value out of bounds is not traced to its requirement."""
     return loaded(tree, text, Path(path), design_file_of(tree, str(path)))
 
 
