@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, Protocol
 
-from mbcdm_cad.layouts.base import Layout
+from mbcdm_cad.layouts.base import Layout, dimensions
 from mbcdm_cad.parts.collar.dims import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
+from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
 from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
@@ -66,15 +67,15 @@ class SectorLayout(Layout):
     def drum(self) -> DrumDims:
         """Drum sector."""
 
-    @property
-    @abstractmethod
+    @dimensions
     def drum_shaft(self) -> DrumShaftDims:
         """Shaft of the drum."""
+        return drum_shaft(self.drive, self.levels)
 
-    @property
-    @abstractmethod
+    @dimensions
     def preload_spring(self) -> PreloadSpringDims:
         """Wave spring of the drum's bearings."""
+        return preload_spring(self.drive, self.drum_shaft)
 
     @property
     @abstractmethod

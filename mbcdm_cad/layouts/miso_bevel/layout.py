@@ -22,8 +22,6 @@ from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.axle.dims import AxleDims
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.routes.cable_path import CablePath
@@ -132,16 +130,6 @@ class BevelLayout(SectorLayout):
     def drum(self) -> DrumDims:
         """Drum sector."""
         return drum(self.drive, self.levels)
-
-    @dimensions
-    def drum_shaft(self) -> DrumShaftDims:
-        """Shaft of the drum."""
-        return drum_shaft(self.drive, self.levels)
-
-    @dimensions
-    def preload_spring(self) -> PreloadSpringDims:
-        """Wave spring of the drum's bearings."""
-        return preload_spring(self.drive, self.drum_shaft)
 
     @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:

@@ -20,8 +20,7 @@ from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, drum_shaft, furthest_anchor_rad, preload_spring
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, head
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
@@ -109,19 +108,9 @@ class DirectLayout(HeadLayout):
         return drum(self.drive, self.levels, self.frame.stop_pin_z, self.terminal_way)
 
     @dimensions
-    def drum_shaft(self) -> DrumShaftDims:
-        """Shaft of the drum."""
-        return drum_shaft(self.drive, self.levels)
-
-    @dimensions
     def frame(self) -> ColumnDims:
         """The frame."""
         return column(self.drive, self.levels, self.drum_shaft)
-
-    @dimensions
-    def preload_spring(self) -> PreloadSpringDims:
-        """Wave spring of the drum's bearings."""
-        return preload_spring(self.drive, self.drum_shaft)
 
     @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:

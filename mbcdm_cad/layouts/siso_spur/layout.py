@@ -21,8 +21,7 @@ from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
 from mbcdm_cad.parts.collar.dims import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, drum_shaft, furthest_anchor_rad, preload_spring
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import Flange, HeadDims, head
 from mbcdm_cad.parts.terminal.take_up import terminal_travel_mm
@@ -127,16 +126,6 @@ class SpurLayout(HeadLayout):
     def drum(self) -> DrumDims:
         """Drum sector."""
         return drum(_at_level_0(self.drive), self.levels, self.frame.stop_pin_z, self.terminal_way)
-
-    @dimensions
-    def drum_shaft(self) -> DrumShaftDims:
-        """Shaft of the drum."""
-        return drum_shaft(self.drive, self.levels)
-
-    @dimensions
-    def preload_spring(self) -> PreloadSpringDims:
-        """Wave spring of the drum's bearings."""
-        return preload_spring(self.drive, self.drum_shaft)
 
     @dimensions
     def inputs(self) -> tuple[InputPulleyDims, ...]:
