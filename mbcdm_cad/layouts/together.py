@@ -18,6 +18,7 @@ from mbcdm_cad.checks.result import failed
 from mbcdm_cad.checks.run import run_all
 from mbcdm_cad.design import yamltree
 from mbcdm_cad.design.describe import flow
+from mbcdm_cad.design.dotted import put
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.errors import InputError
 from mbcdm_cad.layouts.loader import load_tree
@@ -82,7 +83,7 @@ def together(
             _remove(tried, field)
         wanted = {path: float(f"{offer.value:.6g}") for path, offer in moved.items() if path not in gone}
         for path, value in wanted.items():
-            _set(tried, path, value)
+            put(tried, path, value)
         try:
             design = load_tree(yamltree.Tree(copy.deepcopy(tried), tree.lines), loaded.text, loaded.path)
         except InputError:
@@ -109,15 +110,6 @@ def _merged(offers: Mapping[str, Sequence[Offer]], pins: Mapping[str, Sequence[s
         if other is None or (other.sense == offer.sense and offer.sense * (offer.value - other.value) > 0):
             found[offer.path] = offer
     return found
-
-
-def _set(data: dict[str, Any], path: str, value: float) -> None:
-    *blocks, last = path.split(".")
-    for block in blocks:
-        if not isinstance(data.get(block), dict):
-            data[block] = {}
-        data = data[block]
-    data[last] = value
 
 
 def _remove(data: dict[str, Any], path: str) -> None:

@@ -66,13 +66,16 @@ def refuse_unusable(file: MeasurementFile, run: Run, table: DataTable, data: Pat
         raise InputError(problems)
 
 
+def _angles(run: Run) -> list[tuple[str, Floats]]:
+    """Name and angle of each shaft that an encoder reads."""
+    names = [f"input {name}".removesuffix(" input") for name in run.input_names]
+    return [*zip(names, run.input_rad, strict=True), ("output", run.output_rad)]
+
+
 def _startup(run: Run, table: DataTable, data: Path) -> list[Problem]:
     """Problems for a block of one figure at the start that is far from all others: a device that was not ready."""
-    signals = [
-        (f"input {n}".removesuffix(" input"), row) for n, row in zip(run.input_names, run.input_rad, strict=True)
-    ]
     problems = []
-    for name, values in [*signals, ("output", run.output_rad)]:
+    for name, values in _angles(run):
         changed = np.flatnonzero(values != values[0])
         count = int(changed[0]) if changed.size else values.size
         rest = values[count:]
@@ -91,12 +94,8 @@ def _startup(run: Run, table: DataTable, data: Path) -> list[Problem]:
 
 def _far_off(file: MeasurementFile, run: Run, table: DataTable, data: Path) -> list[Problem]:
     """Problems for single figures far from all others, as from a short failure of a sensor or a bus."""
-    signals = [
-        (f"input {n}".removesuffix(" input"), row) for n, row in zip(run.input_names, run.input_rad, strict=True)
-    ]
-    signals += [("output", run.output_rad)] + ([] if run.load_Nm is None else [("load torque", run.load_Nm)])
     problems = []
-    for name, values in signals:
+    for name, values in _angles(run) + ([] if run.load_Nm is None else [("load torque", run.load_Nm)]):
         low, high = (float(v) for v in np.percentile(values, (1.0, 99.0)))
         # An angle may be far from zero; the span of a constant load is only that of its noise.
         reach = SPIKE_SPANS * (max(high - low, abs(low), abs(high)) if name == "load torque" else high - low)

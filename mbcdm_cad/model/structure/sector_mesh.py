@@ -16,9 +16,9 @@ from math import ceil, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mbcdm_cad.model.structure.plane_stress import Ints
 from mbcdm_cad.routes import Floats
 
-Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 # Straight pieces along the quarter circle of a corner.
