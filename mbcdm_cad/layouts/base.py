@@ -183,7 +183,7 @@ class Layout(ABC):
 
     @cached_property
     def routed(self) -> RoutedDrive:
-        """Routes of the cables, on which model, rig and identification work."""
+        """Routes of the cables, on which model, rig and loop work."""
         found: RoutedDrive = self._module("routes").routed(self.drive)
         return found
 
