@@ -15,13 +15,14 @@ import mbcdm_cad
 from mbcdm_cad.build.assembly_sheet import assembly_sheet
 from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.build.mass import assembly_mass
-from mbcdm_cad.build.store import MadePart, Progress
+from mbcdm_cad.build.store import Progress, StoredPart
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
-from mbcdm_cad.parts.bill import Bill, PartSpec
+from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.parts.cable import CableRod
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_module, sheet_of
+from mbcdm_cad.parts.part import MadePart, Part
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
 from mbcdm_cad.storage.manifest import versions
@@ -35,7 +36,6 @@ FORMATS = ("dxf", "pdf", "svg")
 _LIBRARIES = ("ezdxf", "matplotlib")
 # The name of the sheet of the whole drive.
 ASSEMBLY = "assembly"
-_CABLES = "mbcdm_cad.parts.cable:"
 
 
 def drawings_folder(out: Path, name: str) -> Path:
@@ -43,14 +43,10 @@ def drawings_folder(out: Path, name: str) -> Path:
     return out / f"{name}-drawings"
 
 
-def _shown(spec: PartSpec, made: MadePart) -> Any:
-    """The kernel's shape of a part for its drawing: as made, or simplified if its sheet says so."""
-    if has_sheet(spec.maker):
-        simplified = sheet_of(spec.name, spec.maker, spec.args).simplified
-        if simplified is not None:
-            from mbcdm_cad.parts.make import make
-
-            return make(spec.maker, simplified).wrapped
+def _shown(part: Part, made: StoredPart) -> Any:
+    """The kernel's shape of a part for its drawing: as made, or simplified if it says so."""
+    if isinstance(part, MadePart) and (simple := part.in_views()) != part:
+        return simple.solid().wrapped
     return made.solid()
 
 
@@ -69,19 +65,20 @@ def _facts(drive: Drive, material: str, mass_g: float) -> PartFacts:
 class _Job:
     """One sheet to make."""
 
-    spec: PartSpec
+    name: str
+    part: MadePart
     material: Material
-    made: MadePart
+    made: StoredPart
     drive: Drive
 
     @property
     def key(self) -> str:
         """Names all that the sheet follows from."""
-        source = source_hash(sheet_module(self.spec.maker), "mbcdm_cad.drawings.draw")
+        source = source_hash(type(self.part).__module__, "mbcdm_cad.drawings.draw")
         with_libraries = versions() | {name: metadata.version(name) for name in _LIBRARIES}
         return content_key(
             "drawing",
-            (self.spec, self.material, self.made.key, *_stated(self.drive)),
+            (self.name, self.part, self.material, self.made.key, *_stated(self.drive)),
             source,
             with_libraries,
         )
@@ -92,8 +89,8 @@ class _Job:
 
         mass = self.material.density_g_cm3 * self.made.files.shape.volume_mm3 / 1e3
         facts = _facts(self.drive, self.material.name, mass)
-        sheet = sheet_of(self.spec.name, self.spec.maker, self.spec.args)
-        return draw_sheet(sheet, _shown(self.spec, self.made), facts)
+        sheet = self.part.sheet(self.name)
+        return draw_sheet(sheet, _shown(self.part, self.made), facts)
 
 
 @dataclass(frozen=True)
@@ -101,13 +98,13 @@ class _Assembly:
     """The sheet of the whole drive without its cables, which are not made parts."""
 
     posed: Bill
-    parts: dict[str, MadePart]
+    parts: dict[str, StoredPart]
     drive: Drive
 
     @property
     def items(self) -> tuple[Item, ...]:
         """Items that are drawn."""
-        return tuple(item for item in self.posed.items if not self.posed.parts[item.part].maker.startswith(_CABLES))
+        return tuple(item for item in self.posed.items if not isinstance(self.posed.parts[item.part].part, CableRod))
 
     @property
     def key(self) -> str:
@@ -132,7 +129,7 @@ class _Assembly:
         shapes = {name: made.files.shape for name, made in self.parts.items()}
         boxes = {name: (shape.low_mm, shape.high_mm) for name, shape in shapes.items()}
         names = {item.part for item in self.items}
-        solids = {name: cq.Shape.cast(_shown(self.posed.parts[name], self.parts[name])) for name in names}
+        solids = {name: cq.Shape.cast(_shown(self.posed.parts[name].part, self.parts[name])) for name in names}
         whole = cq.Compound.makeCompound(
             [cq.Shape.cast(solids[i.part].wrapped.Moved(location(i.location))) for i in self.items]
         )
@@ -149,9 +146,7 @@ def _centred(drive: Drive) -> Bill:
 
 def drawn_parts(drive: Drive) -> tuple[str, ...]:
     """Names of the made parts that have a sheet."""
-    whole = _centred(drive)
-    made = dict.fromkeys(item.part for item in whole.items if item.kind == "made")
-    return tuple(name for name in made if has_sheet(whole.parts[name].maker))
+    return tuple(_centred(drive).made)
 
 
 def drawings_of(
@@ -178,7 +173,7 @@ def drawings_of(
     wanted: dict[str, _Job | _Assembly] = {
         name: _Assembly(posed, parts, drive)
         if name == ASSEMBLY
-        else _Job(posed.parts[name], materials[name], parts[name], drive)
+        else _Job(name, posed.made[name], materials[name], parts[name], drive)
         for name in ((part,) if part else names)
     }
     sheets = {name: cache.get(job.key) for name, job in wanted.items()}

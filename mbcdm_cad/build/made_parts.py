@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable
 
-from mbcdm_cad.build.store import MadePart, Progress, Store
+from mbcdm_cad.build.store import Progress, Store, StoredPart
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.parts.bill import Bill, PartSpec
@@ -16,7 +16,7 @@ from mbcdm_cad.storage.cache import Cache
 
 def drawn(
     drive: Drive, angle_deg: float, cache: Cache, progress: Progress
-) -> tuple[tuple[Item, ...], dict[str, MadePart]]:
+) -> tuple[tuple[Item, ...], dict[str, StoredPart]]:
     """Items and parts with the drum at ``angle_deg``, without checks: for pictures."""
     refuse_angle(drive, angle_deg)
     posed = drive.layout.bill(angle_deg)
@@ -25,22 +25,20 @@ def drawn(
 
 def made_parts(
     store: Store, posed: Bill, mesh_tolerance_mm: float, jobs: int, meanwhile: Callable[[], None] | None = None
-) -> dict[str, MadePart]:
+) -> dict[str, StoredPart]:
     """All parts of a bill; ``meanwhile`` as in :meth:`Store.parts`."""
     materials = {item.part: item.material for item in posed.items}
     return store.parts(posed.parts, materials, mesh_tolerance_mm, jobs, meanwhile)
 
 
 def exported_parts(
-    store: Store, posed: Bill, parts: dict[str, MadePart], drive: Drive, jobs: int
-) -> dict[str, MadePart]:
+    store: Store, posed: Bill, parts: dict[str, StoredPart], drive: Drive, jobs: int
+) -> dict[str, StoredPart]:
     """The parts as in their single files: tapped holes according to ``export.threads``."""
     if drive.export.threads == "major":
         return parts
     materials = {item.part: item.material for item in posed.items}
-    drilled = {
-        name: PartSpec(name, spec.maker, spec.drilled) for name, spec in posed.parts.items() if spec.drilled is not None
-    }
+    drilled = {name: PartSpec(name, spec.drilled) for name, spec in posed.parts.items() if spec.drilled is not None}
     return parts | store.parts(drilled, materials, drive.export.mesh_tolerance_mm, jobs)
 
 

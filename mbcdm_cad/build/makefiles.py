@@ -13,7 +13,6 @@ from mbcdm_cad.build.validate import validate_solid
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.errors import GeometryError
 from mbcdm_cad.parts.bill import PartSpec
-from mbcdm_cad.parts.make import make
 
 # Called with a part's name and its STEP file as soon as the file exists, before its mesh is made.
 OnStep = Callable[[str, bytes], None]
@@ -31,7 +30,7 @@ def drawn_part(
     Raises ``GeometryError``, naming the part, if the result is not one valid solid.
     """
     try:
-        solid = make(spec.maker, spec.args)
+        solid = spec.part.solid()
     except Exception as error:  # the kernel raises its own types, with texts such as StdFail_NotDone
         raise GeometryError(f"{spec.name}: cannot be drawn with these dimensions") from error
     return make_part_files(spec.name, solid, material, mesh_tolerance_mm, on_step)

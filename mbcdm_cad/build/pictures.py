@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mbcdm_cad.build.made_parts import drawn
-from mbcdm_cad.build.store import MadePart, Progress
+from mbcdm_cad.build.store import Progress, StoredPart
 from mbcdm_cad.build.trianglemesh import FloatArray, TriangleMesh
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
@@ -68,13 +68,13 @@ def pictures_of(
     return {f"{name}.png": blobs["png"] for name, blobs in found.items() if blobs is not None}
 
 
-def _key(shown: Sequence[Item], parts: Mapping[str, MadePart], how: dict[str, Any], code: str) -> str:
+def _key(shown: Sequence[Item], parts: Mapping[str, StoredPart], how: dict[str, Any], code: str) -> str:
     keys = {item.part: parts[item.part].key for item in shown}
     plain = {key: sorted(value) if isinstance(value, frozenset) else value for key, value in how.items()}
     return content_key("picture for the builder", (shown, keys, plain), code, versions())
 
 
-def _png(parts: Mapping[str, MadePart], shown: Sequence[Item], how: dict[str, Any]) -> bytes:
+def _png(parts: Mapping[str, StoredPart], shown: Sequence[Item], how: dict[str, Any]) -> bytes:
     from mbcdm_cad.build.export.picture import CutPlane, picture_png
 
     meshes = {item.part: parts[item.part].files.mesh for item in shown}

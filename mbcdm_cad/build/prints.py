@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from mbcdm_cad.build.made_parts import drawn, exported_parts
-from mbcdm_cad.build.store import MadePart, Progress, Store
+from mbcdm_cad.build.store import Progress, Store, StoredPart
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.storage.cache import Cache
 from mbcdm_cad.storage.keys import content_key, source_hash
@@ -36,7 +36,7 @@ def prints_of(drive: Drive, cache: Cache, progress: Progress = lambda name: None
     return found
 
 
-def _threemf(name: str, part: MadePart, wider_mm: float, mesh_tolerance_mm: float) -> bytes:
+def _threemf(name: str, part: StoredPart, wider_mm: float, mesh_tolerance_mm: float) -> bytes:
     from mbcdm_cad.build.export.threemf import threemf_bytes
 
     if not wider_mm:

@@ -9,7 +9,6 @@ from mbcdm_cad.build.made_parts import drawn
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.errors import MbcdmError, did_you_mean
 from mbcdm_cad.layouts.base import NoFigureError
-from mbcdm_cad.parts.make import make
 from mbcdm_cad.storage.cache import Cache, cache_folder
 
 
@@ -23,7 +22,8 @@ def part_solid(drive: Drive, name: str) -> cq.Solid:
     parts = _bill(drive).parts
     if name not in parts:
         raise MbcdmError(f"{name}: no such part; {did_you_mean(name, parts)}")
-    return make(parts[name].maker, parts[name].args)
+    solid: cq.Solid = parts[name].part.solid()
+    return solid
 
 
 def assembled(drive: Drive, angle_deg: float) -> cq.Assembly:

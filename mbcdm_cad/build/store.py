@@ -34,7 +34,7 @@ _MOST_NAMED = 6
 
 
 @dataclass(frozen=True)
-class MadePart:
+class StoredPart:
     """One part's files; ``key`` identifies their content."""
 
     key: str
@@ -54,7 +54,7 @@ class Store:
         self._cache = cache
         self._progress = progress
         self._solids: dict[str, Any] = {}
-        self._held: dict[str, MadePart] = {}
+        self._held: dict[str, StoredPart] = {}
         self._assemblies: dict[str, dict[str, bytes]] = {}
         self._sources: dict[str, str] | None = None
         self.made: list[str] = []
@@ -66,7 +66,7 @@ class Store:
         mesh_tolerance_mm: float,
         jobs: int,
         meanwhile: Callable[[], None] | None = None,
-    ) -> dict[str, MadePart]:
+    ) -> dict[str, StoredPart]:
         """All parts; only those that the cache lacks for these dimensions, material and code are drawn.
 
         ``meanwhile`` is called, if anything is drawn, while other processes draw; an error in drawing comes before one
@@ -94,31 +94,31 @@ class Store:
         """The cache key of each part, from dimensions, material, tolerance and code."""
         keys = {}
         for name, spec in specs.items():
-            source = self._source(spec.maker.partition(":")[0], "mbcdm_cad.build.makefiles")
+            source = self._source(type(spec.part).__module__, "mbcdm_cad.build.makefiles")
             keys[name] = content_key("part", (spec, materials[name], mesh_tolerance_mm), source, versions())
         return keys
 
-    def known(self, keys: Mapping[str, str]) -> dict[str, MadePart]:
+    def known(self, keys: Mapping[str, str]) -> dict[str, StoredPart]:
         """The parts by name that need not be drawn; the last ones read stay in memory."""
-        found: dict[str, MadePart] = {}
+        found: dict[str, StoredPart] = {}
         for name, key in keys.items():
             if key in self._held:
                 found[name] = self._held[key]
             elif (blobs := self._cache.get(key)) is not None:
-                found[name] = MadePart(key, PartFiles.from_blobs(name, blobs))
+                found[name] = StoredPart(key, PartFiles.from_blobs(name, blobs))
         self._held = {part.key: part for part in found.values()}
         return found
 
-    def keep(self, keys: Mapping[str, str], drawn: Iterable[PartFiles]) -> dict[str, MadePart]:
+    def keep(self, keys: Mapping[str, str], drawn: Iterable[PartFiles]) -> dict[str, StoredPart]:
         """Store the parts that were drawn."""
-        made = {files.name: MadePart(keys[files.name], files) for files in drawn}
+        made = {files.name: StoredPart(keys[files.name], files) for files in drawn}
         for part in made.values():
             self._cache.put(part.key, part.files.to_blobs())
             self._held[part.key] = part
         return made
 
     def assembly(
-        self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str = ""
+        self, items: tuple[Item, ...], parts: dict[str, StoredPart], name: str, note: str = ""
     ) -> dict[str, bytes]:
         """STEP and GLB of the assembly, by these names; both carry ``note``."""
         key, make = self._assembly(items, parts, name, note)
@@ -132,7 +132,7 @@ class Store:
         self._cache.put(key, files)
 
     def _assembly(
-        self, items: tuple[Item, ...], parts: dict[str, MadePart], name: str, note: str
+        self, items: tuple[Item, ...], parts: dict[str, StoredPart], name: str, note: str
     ) -> tuple[str, Callable[[], dict[str, bytes]]]:
         """The key of an assembly's files, which are read if the cache has them, and the function that makes them."""
         source = self._source("mbcdm_cad.build.export.step", "mbcdm_cad.build.export.glb")
@@ -154,7 +154,7 @@ class Store:
     def judged(
         self,
         layout: Layout,
-        parts: dict[str, MadePart],
+        parts: dict[str, StoredPart],
         poses_deg: tuple[float, ...],
         jobs: int,
         assembly: tuple[Item, ...] = (),
@@ -193,7 +193,7 @@ class Store:
         known.add({key: found[key] for key in missing}, run.tests)
         return run.clashes(known), FrameCompliance(**json.loads(frame["compliance"])) if frame else None
 
-    def solids(self, parts: dict[str, MadePart]) -> dict[str, Any]:
+    def solids(self, parts: dict[str, StoredPart]) -> dict[str, Any]:
         """Kernel shapes of ``parts``, each read once."""
         for name, part in parts.items():
             if name not in self._solids:
@@ -222,19 +222,19 @@ class Store:
         self._progress(", ".join(names) if few else f"{len(names)} parts, {names[0]} to {names[-1]}")
 
 
-def _interference_run(layout: Layout, parts: dict[str, MadePart], poses_deg: tuple[float, ...]) -> InterferenceRun:
+def _interference_run(layout: Layout, parts: dict[str, StoredPart], poses_deg: tuple[float, ...]) -> InterferenceRun:
     bodies = {name: _body(part) for name, part in parts.items() if not name.startswith(CABLE)}
     half = layout.drive.half_travel_deg
     seen = scenes(layout, (0.0, -half, half, *poses_deg))
     return interference_run(seen, bodies, poses_deg, half, layout.drive.cable.diameter_mm)
 
 
-def _body(part: MadePart) -> PartShape:
+def _body(part: StoredPart) -> PartShape:
     """A part for the interference run. Its key depends on the solid only, so a new material or mesh repeats no test."""
     shape = part.files.shape
     key = hashlib.sha256(part.files.brep).hexdigest()
     return PartShape(key, np.array([shape.low_mm, shape.high_mm]), part.solid, part.files.mesh)
 
 
-def _keys(parts: dict[str, MadePart]) -> dict[str, str]:
+def _keys(parts: dict[str, StoredPart]) -> dict[str, str]:
     return {name: part.key for name, part in parts.items()}

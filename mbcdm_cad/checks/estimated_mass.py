@@ -2,37 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from mbcdm_cad.checks.comparison import Check, Comparison, at_most, noted
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.parts.bill import Bill
-from mbcdm_cad.parts.volume import Volume, estimated_mm3
 
 BillOf = Callable[[Any], Bill]
 
 
-def estimated_mass_g(bill: Bill, own: Mapping[str, Volume]) -> float:
-    """Mass of all items, g: bought parts as in the catalogue, made ones by closed forms of their volume.
-
-    ``own``: volumes of a configuration's parts, by maker.
-    """
-    volumes: dict[str, float] = {}
-    for item in bill.items:
-        if item.mass_g is None and item.part not in volumes:
-            volumes[item.part] = estimated_mm3(bill.parts[item.part], own)
+def estimated_mass_g(bill: Bill) -> float:
+    """Mass of all items, g: bought parts as in the catalogue, made ones by closed forms of their volume."""
+    volumes = {name: part.volume_mm3() for name, part in bill.made.items()}
     return sum(
         volumes[item.part] * item.material.density_g_cm3 * 1e-3 if item.mass_g is None else item.mass_g
         for item in bill.items
     )
 
 
-def _mass(bill_of: BillOf, own: Mapping[str, Volume], s: Any) -> Comparison:
+def _mass(bill_of: BillOf, s: Any) -> Comparison:
     """Mass of all parts from their dimensions, within 1 % of the mass of the solids, which the build computes."""
     try:
-        mass, targets = estimated_mass_g(bill_of(s), own), s.drive.targets
+        mass, targets = estimated_mass_g(bill_of(s)), s.drive.targets
     except (ValueError, ZeroDivisionError) as error:
         raise NoFigureError(f"a part of this design has no volume: {error}") from None
     if targets.mass_g is None:
@@ -41,13 +34,13 @@ def _mass(bill_of: BillOf, own: Mapping[str, Volume], s: Any) -> Comparison:
     return at_most(what, abs(mass - targets.mass_g), targets.mass_tolerance_g, "g")
 
 
-def mass_check(bill_of: BillOf, own: Mapping[str, Volume]) -> Check:
+def mass_check(bill_of: BillOf) -> Check:
     """The check of the estimated mass. It only warns, because the build judges the mass of the solids."""
     return Check(
         "mass_estimate",
         "Estimated mass",
         "targets.mass_g; volumes in closed form",
-        partial(_mass, bill_of, own),
+        partial(_mass, bill_of),
         "warn",
         advice="set targets.mass_g to the required mass, or change walls of the frame where their limits allow",
     )

@@ -11,7 +11,7 @@ from mbcdm_cad.checks.strength import rated_input_Nm
 from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.collar.dims import CollarDims
+from mbcdm_cad.parts.collar import CollarDims
 
 # Screws of property class 8.8, tightened to seven tenths of their yield; steel on steel, dry (usual values).
 SCREW_YIELD_MPA = 640.0

@@ -14,7 +14,7 @@ from mbcdm_cad.build.export.stl import with_note
 from mbcdm_cad.build.made_parts import exported_parts, made_parts, refuse_angle
 from mbcdm_cad.build.printability import overhang_mm2, thinnest_wall
 from mbcdm_cad.build.scene import travel_poses
-from mbcdm_cad.build.store import MadePart, Progress, Store
+from mbcdm_cad.build.store import Progress, Store, StoredPart
 from mbcdm_cad.checks.built import (
     envelope_check,
     frame_windup_check,
@@ -125,7 +125,7 @@ def _frame_checks(
     return [frame_windup_check(drive, found.windup_mrad(drive.loads.test_torque_Nm), study.advice, asked=asked)]
 
 
-def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, MadePart]) -> list[CheckResult]:
+def _printing_checks(drive: Drive, items: Sequence[Item], parts: dict[str, StoredPart]) -> list[CheckResult]:
     """Checks of the meshes of printed parts; empty if nothing is printed."""
     printed = {item.part: item.material for item in items if item.kind == "made" and item.material.printed}
     walls = []
@@ -175,8 +175,8 @@ def _write(
     loaded: LoadedDesign,
     manifest: Manifest,
     items: tuple[Item, ...],
-    parts: dict[str, MadePart],
-    files: dict[str, MadePart],
+    parts: dict[str, StoredPart],
+    files: dict[str, StoredPart],
     store: Store,
     data: dict[str, Any],
 ) -> None:

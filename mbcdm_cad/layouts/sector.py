@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from mbcdm_cad.layouts.base import Layout, dimensions
-from mbcdm_cad.parts.collar.dims import CollarDims
+from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import drum_shaft, preload_spring
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive
 from mbcdm_cad.parts.terminal.dims import Tensioner

@@ -11,13 +11,14 @@ from pathlib import Path
 from mbcdm_cad.build.makefiles import drawn_part
 from mbcdm_cad.build.mass import rod_shape
 from mbcdm_cad.build.partfiles import PartFiles
-from mbcdm_cad.build.store import MadePart, Store
+from mbcdm_cad.build.store import Store, StoredPart
 from mbcdm_cad.build.trianglemesh import TriangleMesh
 from mbcdm_cad.checks.built import envelope_check, mass_check
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.design.loaded import LoadedDesign
 from mbcdm_cad.parts.bill import CABLE, PartSpec
+from mbcdm_cad.parts.cable import CableRod
 from mbcdm_cad.report.data import Tested, checks_data, design_figures, report_data
 from mbcdm_cad.report.explain import fields_data
 from mbcdm_cad.report.page import PAGE
@@ -40,7 +41,7 @@ class _Drawn:
     """Parts drawn for the newest design, and the content of its page that needs no parts."""
 
     design_sha256: str
-    parts: dict[str, MadePart]
+    parts: dict[str, StoredPart]
     figures: PageFigures
 
 
@@ -52,10 +53,11 @@ class _Cable:
     material: Material
     key: str
 
-    def undrawn(self) -> MadePart:
+    def undrawn(self) -> StoredPart:
         """The cable without files, with the figures that its centre line gives."""
-        none = TriangleMesh.empty()
-        return MadePart(self.key, PartFiles(self.spec.name, b"", b"", none, rod_shape(*self.spec.args)))
+        none, rod = TriangleMesh.empty(), self.spec.part
+        assert isinstance(rod, CableRod), f"{self.spec.name} is no cable"
+        return StoredPart(self.key, PartFiles(self.spec.name, b"", b"", none, rod_shape(rod.pieces, rod.radius)))
 
 
 class Previewer:
@@ -133,7 +135,7 @@ class Previewer:
 
         with forked(draw, self._cables, os.cpu_count() or 1) as results:
             drawn = results(self._look)
-        self._write({c.spec.name: MadePart(c.key, files) for c, files in zip(self._cables, drawn, strict=True)})
+        self._write({c.spec.name: StoredPart(c.key, files) for c, files in zip(self._cables, drawn, strict=True)})
         self._cables = []
 
     def complete(self, loaded: LoadedDesign, built: Path, checks: Sequence[CheckResult]) -> bytes:
@@ -163,7 +165,7 @@ class Previewer:
         for ending in (".step", ".stl"):
             self._stem(name).with_suffix(ending).unlink(missing_ok=True)
 
-    def _write(self, parts: Mapping[str, MadePart]) -> None:
+    def _write(self, parts: Mapping[str, StoredPart]) -> None:
         """Write STEP and STL of the parts; for a part without a mesh an old STL is removed."""
         for name, part in parts.items():
             stem = self._stem(name)

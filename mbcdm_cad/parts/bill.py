@@ -1,4 +1,4 @@
-"""The bill of an assembly: parts with the functions that draw them, instances with their places, moving bodies.
+"""The bill of an assembly: parts, instances with their places, moving bodies.
 
 This module needs no CAD kernel: if all parts are in the cache, a build draws nothing.
 """
@@ -6,11 +6,13 @@ This module needs no CAD kernel: if all parts are in the cache, a build draws no
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from mbcdm_cad.design.bought import Bearing, InsertSpec, Material, Screw
+from mbcdm_cad.parts.bought.bodies import BearingBody, InsertBody, ScrewBody
 from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.part import MadePart, Part
 from mbcdm_cad.parts.placement import Placement, Vector
 
 CABLE = "cable_"
@@ -19,15 +21,11 @@ FIXED = "fixed"
 
 @dataclass(frozen=True)
 class PartSpec:
-    """The function that draws one part, ``module:function``, and its arguments (plain data only).
-
-    ``drilled``: the arguments that draw its tapped holes at their tap drills; None if it has no tapped holes.
-    """
+    """A part with the name of its files. ``drilled``: it with its tapped holes at their tap drills, if it has any."""
 
     name: str
-    maker: str
-    args: tuple[Any, ...]
-    drilled: tuple[Any, ...] | None = None
+    part: Part
+    drilled: Part | None = None
 
 
 @dataclass(frozen=True)
@@ -65,6 +63,18 @@ class Bill:
     parts: dict[str, PartSpec]
     items: tuple[Item, ...]
 
+    @property
+    def made(self) -> dict[str, MadePart]:
+        """The made parts by name, in the order of their first instance; those of a plain :class:`Part` are left out."""
+        names = dict.fromkeys(item.part for item in self.items if item.kind == "made")
+        found = {name: self.parts[name].part for name in names}
+        return {name: part for name, part in found.items() if isinstance(part, MadePart)}
+
+    def holes(self) -> dict[str, list[dict[str, Any]]]:
+        """The holes of each made part that has some, as its sheet's table gives them, by the part's name."""
+        found = {name: part.holes(name) for name, part in self.made.items()}
+        return {name: holes for name, holes in found.items() if holes}
+
 
 @dataclass(frozen=True)
 class AssemblyStep:
@@ -95,31 +105,29 @@ class BillBuilder:
     def add(
         self,
         name: str,
-        maker: str,
-        args: tuple[Any, ...],
+        what: Part,
         *,
         part: str | None = None,
+        drilled: Part | None = None,
         material: Material,
         group: str = FIXED,
         place: Placement | None = None,
         mass_g: float | None = None,
     ) -> None:
-        """An instance called ``name`` of ``part`` (of its own name if not given); bought where it has a mass."""
+        """An instance of ``what``, called ``name``, with files called ``part`` (as the instance if not given).
+
+        It is bought where it has a mass; ``drilled`` as in :class:`PartSpec`.
+        """
         stem = part or name
-        self.parts.setdefault(stem, PartSpec(stem, maker, args))
+        self.parts.setdefault(stem, PartSpec(stem, what, drilled))
         location = self.motions[group] @ (place or Placement.identity())
         self.items.append(Item(name, stem, material, "made" if mass_g is None else "bought", location, group, mass_g))
-
-    def drilled(self, part: str, *args: Any) -> None:
-        """The arguments that draw ``part``, which was added, with its tapped holes at their tap drills."""
-        self.parts[part] = replace(self.parts[part], drilled=args)
 
     def screw(self, name: str, screw: Screw, material: Material, place: Placement, group: str = FIXED) -> None:
         """A screw of the catalogue."""
         self.add(
             name,
-            "mbcdm_cad.parts.bought.draw:create_screw",
-            (screw,),
+            ScrewBody(screw),
             part=f"screw_{screw.name}",
             material=material,
             group=group,
@@ -131,8 +139,7 @@ class BillBuilder:
         """A heat-set insert of the catalogue, below z = 0 of its place."""
         self.add(
             name,
-            "mbcdm_cad.parts.bought.draw:create_insert",
-            (insert,),
+            InsertBody(insert),
             part=f"insert_{insert.name}",
             material=brass,
             group=group,
@@ -144,8 +151,7 @@ class BillBuilder:
         """A bearing of the catalogue."""
         self.add(
             name,
-            "mbcdm_cad.parts.bought.draw:create_bearing",
-            (bearing,),
+            BearingBody(bearing),
             part="bearing_" + bearing.name.replace("/", "-"),
             material=material,
             group=group,

@@ -2,24 +2,151 @@
 
 from __future__ import annotations
 
-import cadquery as cq
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import TYPE_CHECKING
 
-from mbcdm_cad.parts.shapes import cut, cylinder_z, hexagon_z, turned
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.turned import ALONG_Z
+from mbcdm_cad.parts.sheets.words import mm
+from mbcdm_cad.parts.threads import thread
+from mbcdm_cad.parts.volume import ring_mm3
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 
-def create_sleeve(bore_radius: float, radius: float, length: float) -> cq.Solid:
-    """Sleeve: the stop swaged on a cable's end."""
-    return turned([(bore_radius, 0.0), (radius, 0.0), (radius, length), (bore_radius, length)], "sleeve")
+@dataclass(frozen=True)
+class Sleeve(MadePart):
+    """Stop swaged on a cable's end; sizes in mm."""
+
+    bore_radius: float
+    radius: float
+    length: float
+
+    def solid(self) -> cq.Solid:
+        """Sleeve: the stop swaged on a cable's end."""
+        from mbcdm_cad.parts.shapes import turned
+
+        bore_radius, radius, length = self.bore_radius, self.radius, self.length
+        return turned([(bore_radius, 0.0), (radius, 0.0), (radius, length), (bore_radius, length)], "sleeve")
+
+    def volume_mm3(self) -> float:
+        """Sleeve."""
+        bore_radius, radius, length = self.bore_radius, self.radius, self.length
+        return ring_mm3(radius, bore_radius, length)
+
+    def sheet(self, part: str) -> Sheet:
+        """Stop, after it is swaged on the cable's end."""
+        bore_radius, radius, length = self.bore_radius, self.radius, self.length
+        return Sheet(
+            part=part,
+            title="Cable stop, swaged",
+            views=(ALONG_Z.view(0.0, length, section=True),),
+            dimensions=(
+                ALONG_Z.diameter(bore_radius, 0.0, "left"),
+                ALONG_Z.diameter(radius, length, "right", decimals=3),
+                ALONG_Z.length(0.0, length, "below", (radius, radius), decimals=3),
+            ),
+            notes=("Sizes after swaging on the cable; the sleeve before swaging is that of the rope's maker.",),
+        )
 
 
-def create_nut(across_flats: float, height: float, thread: float) -> cq.Solid:
-    """Hexagon nut; the thread is a plain bore at the nominal diameter."""
-    return cut(hexagon_z(across_flats, 0.0, height), [cylinder_z(thread / 2, 0, 0, -1.0, height + 1.0)], "nut")
+@dataclass(frozen=True)
+class Nut(MadePart):
+    """Hexagon nut; sizes in mm, the thread a plain bore at its diameter."""
+
+    across_flats: float
+    height: float
+    thread: float
+
+    def solid(self) -> cq.Solid:
+        """Hexagon nut; the thread is a plain bore at the nominal diameter."""
+        from mbcdm_cad.parts.shapes import cut, cylinder_z, hexagon_z
+
+        across_flats, height, thread = self.across_flats, self.height, self.thread
+        return cut(hexagon_z(across_flats, 0.0, height), [cylinder_z(thread / 2, 0, 0, -1.0, height + 1.0)], "nut")
+
+    def volume_mm3(self) -> float:
+        """Hexagon nut."""
+        across_flats, height, thread = self.across_flats, self.height, self.thread
+        return sqrt(3) / 2 * across_flats**2 * height - ring_mm3(thread / 2, 0.0, height)
+
+    def sheet(self, part: str) -> Sheet:
+        """Hexagon nut from the side and along its axis."""
+        across_flats, height, thread_mm = self.across_flats, self.height, self.thread
+        corner = across_flats / 3**0.5
+        screw = thread(thread_mm)
+        r = thread_mm / 2
+        side = View("main", right=Z, up=Y, cut=(0.0, 0.0, 0.0), axes=(((0.0, 0.0, 0.0), (0.0, 0.0, height)),))
+        end = View(
+            "end",
+            right=minus(X),
+            up=Y,
+            column=1,
+            axes=(
+                ((-corner, 0.0, 0.0), (corner, 0.0, 0.0)),
+                ((0.0, -across_flats / 2, 0.0), (0.0, across_flats / 2, 0.0)),
+            ),
+        )
+        return Sheet(
+            part=part,
+            title="Hexagon nut",
+            views=(side, end),
+            dimensions=(
+                Linear("main", (0.0, -across_flats / 2, 0.0), (0.0, -across_flats / 2, height), height, "below"),
+                Linear(
+                    "end", (0.0, -across_flats / 2, 0.0), (0.0, across_flats / 2, 0.0), across_flats, "right", "AF "
+                ),
+                Linear("main", (0.0, -r, 0.0), (0.0, r, 0.0), thread_mm, "left", "M", "-6H"),
+            ),
+            notes=(
+                f"{screw.name}: pitch {mm(screw.pitch_mm)}, drilled %%c{mm(screw.tap_drill_mm)}.",
+                "A nut of ISO 4032 or ISO 4035 in this size may take its place.",
+            ),
+        )
 
 
-def create_pin(radius: float, length: float) -> cq.Solid:
-    """Dowel pin with chamfered ends."""
-    c = min(0.3, radius / 3)
-    return turned(
-        [(0.0, 0.0), (radius - c, 0.0), (radius, c), (radius, length - c), (radius - c, length), (0.0, length)], "pin"
-    )
+@dataclass(frozen=True)
+class Pin(MadePart):
+    """Dowel pin with chamfered ends; sizes in mm."""
+
+    radius: float
+    length: float
+
+    def solid(self) -> cq.Solid:
+        """Dowel pin with chamfered ends."""
+        from mbcdm_cad.parts.shapes import turned
+
+        radius, length = self.radius, self.length
+        c = min(0.3, radius / 3)
+        return turned(
+            [(0.0, 0.0), (radius - c, 0.0), (radius, c), (radius, length - c), (radius - c, length), (0.0, length)],
+            "pin",
+        )
+
+    def volume_mm3(self) -> float:
+        """Pin with chamfered ends."""
+        radius, length = self.radius, self.length
+        c = min(0.3, radius / 3)
+        return ring_mm3(radius, 0.0, length) - 2 * pi * c**2 * (radius - c / 3)
+
+    def sheet(self, part: str) -> Sheet:
+        """Parallel pin."""
+        radius, length = self.radius, self.length
+        chamfer = min(0.3, radius / 3)
+        fit = FITS["pin"].code
+        return Sheet(
+            part=part,
+            title="Parallel pin",
+            views=(ALONG_Z.view(0.0, length, section=False),),
+            dimensions=(
+                ALONG_Z.diameter(radius, chamfer, "left", fit=fit),
+                ALONG_Z.length(0.0, length, "below", (radius - chamfer, radius - chamfer)),
+                ALONG_Z.chamfer(chamfer, radius, length, -1.0, "above", count=2),
+            ),
+            fits=(FitLine(2 * radius, fit, "pin"),),
+            notes=("A parallel pin of ISO 2338 or ISO 8734 in this size may take its place.",),
+        )

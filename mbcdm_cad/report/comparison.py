@@ -18,7 +18,6 @@ from typing import Any
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.model.backlash import drum_backlash
 from mbcdm_cad.model.si import to_si
-from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_of
 from mbcdm_cad.report.table import ReportTable
 
 # Units for which the margin over the limit is a reserve of load.
@@ -125,9 +124,8 @@ def _fits(drive: Drive) -> tuple[int, int]:
     """Fits on the drawings of all kinds of made parts, and how many kinds have no drawing."""
     bill = drive.layout.bill()
     made = {item.part for item in bill.items if item.mass_g is None}
-    drawn = [name for name in made if has_sheet(bill.parts[name].maker)]
-    fits = sum(len(sheet_of(name, bill.parts[name].maker, bill.parts[name].args).fits) for name in drawn)
-    return fits, len(made) - len(drawn)
+    fits = sum(len(part.sheet(name).fits) for name, part in bill.made.items())
+    return fits, len(made) - len(bill.made)
 
 
 def comparison_data(designs: Sequence[ComparedDesign]) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mbcdm_cad.build.clash import Clash
 from mbcdm_cad.build.mass import MassProperties, combined
-from mbcdm_cad.build.store import MadePart
+from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.checks.result import CheckResult
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Conventions, FrameCompliance, Layout
@@ -19,7 +19,6 @@ from mbcdm_cad.model.bulk import preload_table
 from mbcdm_cad.model.stack_up import stack_data
 from mbcdm_cad.model.tensioning_plan import TensioningPlan
 from mbcdm_cad.parts.bill import Bill
-from mbcdm_cad.parts.sheets.lookup import holes_of
 from mbcdm_cad.report.masses import (
     Box,
     bill_lines,
@@ -124,7 +123,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
         "analysis": analysis.to_dict(),
         "paths": path_data(layout),
         "tolerance_stacks": [stack_data(stack) for stack in layout.tolerance_stacks],
-        "holes": holes_of(centred),
+        "holes": centred.holes(),
         "asked_torque_Nm": drive.loads.peak_torque_Nm,
         "reached_preloads": [asdict(row) | {"holds_Nm": row.holds_Nm} for row in preload_table(drive)],
         "tensioning": _tensioning(layout.tensioning),
@@ -139,7 +138,7 @@ def design_figures(layout: Layout, centred: Bill) -> DesignFigures:
 def report_data(
     layout: Layout,
     centred: Bill,
-    parts: Mapping[str, MadePart],
+    parts: Mapping[str, StoredPart],
     tested: Tested,
     *,
     drum_angle_deg: float,

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from mbcdm_cad.build.bodies import bodies
 from mbcdm_cad.build.mass import MassProperties, combined, item_mass
-from mbcdm_cad.build.store import MadePart
+from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.base import Layout
 from mbcdm_cad.parts.bill import CABLE, Bill
 from mbcdm_cad.parts.item import Item
+from mbcdm_cad.parts.part import BoughtPart
 
 # One sigma of a mass that the catalogue calls an estimate, of one with a maker's figure, and of a machined part
 # (density of the alloy and machining tolerances). Parts of one kind have the same error, different kinds independent
@@ -69,8 +70,8 @@ def _source(item: Item, parts_list: Bill, drive: Drive) -> str:
         return f"volume x {item.material.density_g_cm3:g} g/cm^3 ({item.material.source})"
     if item.name.startswith(CABLE):
         return drive.cable.source
-    entry = parts_list.parts[item.part].args[0]
-    return str(entry.source)
+    body = parts_list.parts[item.part].part
+    return body.entry.source if isinstance(body, BoughtPart) else ""
 
 
 def mass_is_estimated(source: str) -> bool:
@@ -89,7 +90,7 @@ def _sigma(kind: str, source: str) -> float:
     return ESTIMATE_SIGMA if mass_is_estimated(source) else CATALOGUE_SIGMA
 
 
-def bill_lines(centred: Bill, parts: Mapping[str, MadePart], drive: Drive) -> tuple[BillLine, ...]:
+def bill_lines(centred: Bill, parts: Mapping[str, StoredPart], drive: Drive) -> tuple[BillLine, ...]:
     """Bill of materials, heaviest line first."""
     by_part: dict[str, list[Item]] = {}
     for item in centred.items:
@@ -120,7 +121,7 @@ def total_sigma_g(lines: tuple[BillLine, ...]) -> float:
     return float(np.sqrt(sum(line.sigma_g**2 for line in lines)))
 
 
-def masses_by_item(centred: Bill, parts: Mapping[str, MadePart]) -> dict[str, MassProperties]:
+def masses_by_item(centred: Bill, parts: Mapping[str, StoredPart]) -> dict[str, MassProperties]:
     """Mass properties of every item at its place."""
     return {item.name: item_mass(item, parts[item.part].files.shape) for item in centred.items}
 
@@ -176,7 +177,7 @@ def cable_boxes_mm(layout: Layout, drum_angles_deg: Sequence[float]) -> list[Box
 def boxes_mm(
     layout: Layout,
     centred: Bill,
-    parts: Mapping[str, MadePart],
+    parts: Mapping[str, StoredPart],
     drum_angles_deg: Sequence[float],
     cables: Sequence[Box],
 ) -> list[Box]:

@@ -14,9 +14,7 @@ from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.checks.envelope import box_mm
 from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bill import CABLE
-from mbcdm_cad.parts.make import make
 from tests.support.interference_of_solids import body, run_of
 
 MESH_MM = 0.05
@@ -36,7 +34,7 @@ def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> No
     )
     dims = BevelLayout(drive)
     centred = bill(dims)
-    solids = {name: make(spec.maker, spec.args) for name, spec in centred.parts.items() if not name.startswith(CABLE)}
+    solids = {name: spec.part.solid() for name, spec in centred.parts.items() if not name.startswith(CABLE)}
     for name in ("frame", "top_plate", "gearhead", "input_pulley_left", "input_pulley_right"):
         validate_solid(name, solids[name])
         validate_faces(name, solids[name])
@@ -45,7 +43,7 @@ def test_all_choices_together_clash_nowhere_and_weigh_what_was_estimated() -> No
         for item in centred.items
     )
     design = BevelLayout(drive)
-    assert estimated_mass_g(centred, VOLUMES) == pytest.approx(mass, rel=0.01)
+    assert estimated_mass_g(centred) == pytest.approx(mass, rel=0.01)
     assert box_mm(design)[2] == pytest.approx(drive.drum.hub_face_y_mm - drive.support.back_y_mm)
     run = run_of(dims, {name: body(name, solid, MESH_MM) for name, solid in solids.items()}, (-35.0, 35.0))
     clashes = run.clashes(answers(run, {}, 1))

@@ -23,8 +23,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.support.dims import MOUNT_SCREW_HEAD_MM, MOUNT_SCREW_KEY_MM
 from mbcdm_cad.parts.bill import CABLE, AssemblyStep, cable_item
-from mbcdm_cad.parts.cable import create_cable
-from mbcdm_cad.parts.make import make
+from mbcdm_cad.parts.cable import CableRod
 from tests.support.motors_above import ABOVE
 
 pytestmark = pytest.mark.slow
@@ -131,8 +130,10 @@ class Workshop:
         b = bill(dims, drum_deg)
         self.dims = dims
         self.items = {item.name: item for item in b.items}
-        self.screws = {i.name: s for i in b.items if isinstance(s := b.parts[i.part].args[0], Screw)}
-        solids = {n: make(s.maker, s.args) for n, s in b.parts.items() if not n.startswith(CABLE)}
+        self.screws = {
+            i.name: s for i in b.items if isinstance(s := getattr(b.parts[i.part].part, "entry", None), Screw)
+        }
+        solids = {n: s.part.solid() for n, s in b.parts.items() if not n.startswith(CABLE)}
         self.shapes = {
             i.name: cq.Shape.cast(kernel_shape(solids[i.part]).Moved(location(i.location)))
             for i in b.items
@@ -141,7 +142,7 @@ class Workshop:
         radius = dims.drive.cable.diameter_mm / 2 - 0.005
         # What is wound on the pulleys moves with them, what lies on the drum is not there yet.
         self.shapes |= {
-            cable_item(p.cable.name): create_cable(p.only(FREE).line, radius) for p in dims.cable_paths(0.0)
+            cable_item(p.cable.name): CableRod(p.only(FREE).line, radius).solid() for p in dims.cable_paths(0.0)
         }
         self.placed: list[str] = []
 

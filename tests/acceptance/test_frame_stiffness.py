@@ -83,11 +83,10 @@ def test_brick_stores_nothing_in_rigid_motion_and_bends_as_a_beam() -> None:
 @pytest.mark.slow
 def test_shape_of_the_elements_is_that_of_the_parts() -> None:
     from mbcdm_cad.layouts.miso_bevel.bill import bill
-    from mbcdm_cad.parts.make import make
 
     dims = dims_of()
     parts = bill(dims, 0.0).parts
-    drawn = sum(make(parts[n].maker, parts[n].args).Volume() for n in ("frame", "top_plate"))
+    drawn = sum(parts[n].part.solid().Volume() for n in ("frame", "top_plate"))
     found = SupportFE(dims, COARSE_MM).volume_mm3
     # Holes with screws, pins and dowels in them count as full here: 1 % of the volume.
     assert 0.0 < found / drawn - 1.0 < 0.015, f"elements {found:.0f} mm^3, parts {drawn:.0f} mm^3"

@@ -11,7 +11,6 @@ from mbcdm_cad.build.kernel import location
 from mbcdm_cad.layouts.loader import load_text, new_design_text
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.shapes import cylinder
 
@@ -28,7 +27,7 @@ def dims():
 @pytest.fixture(scope="module")
 def solids(dims):
     specs = bill(dims).parts
-    return {name: make(specs[name].maker, specs[name].args) for name in ("drum", "terminal", "nut")}
+    return {name: specs[name].part.solid() for name in ("drum", "terminal", "nut")}
 
 
 def _place(t, s: float) -> Placement:

@@ -21,11 +21,10 @@ from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.errors import MbcdmError
 from mbcdm_cad.parts.bill import CABLE, Bill
-from mbcdm_cad.parts.make import make
+from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.shapes import cylinder
 from mbcdm_cad.parts.sheets.description import Linear, Sheet
-from mbcdm_cad.parts.sheets.lookup import has_sheet, sheet_of
 from tests.support.drawing_reader import dimensions, document, texts_on_texts, texts_outside
 from tests.support.rebuilt import LARGE, OTHERS, SMALL, pulley
 
@@ -142,11 +141,12 @@ def workshop(dims: Any, bill: Bill, solids: dict[str, cq.Solid], undrawn: tuple[
     yield from take_up(dims, solids)
     for name, item in {item.part: item for item in bill.items if item.kind == "made"}.items():
         spec, solid = bill.parts[name], solids[name]
-        if not has_sheet(spec.maker):
+        if not isinstance(spec.part, MadePart):
             yield "drawing", f"{name}: has no sheet"
             continue
-        sheet = sheet_of(name, spec.maker, spec.args)
-        shown = solid if sheet.simplified is None else make(spec.maker, sheet.simplified)
+        sheet = spec.part.sheet(name)
+        simple = spec.part.in_views()
+        shown = solid if simple == spec.part else simple.solid()
         if name not in undrawn:
             yield from drawing(name, sheet, shown, drive)
         yield from printed(name, solid, drive.printing.hole_allowance_mm if item.material.printed else 0.0)
@@ -198,4 +198,4 @@ def forced_parts(drive: Drive, what: str) -> Failures:
 def at_rest(bill: Bill) -> dict[str, cq.Solid]:
     """Solids of all made parts of a bill."""
     made = dict.fromkeys(item.part for item in bill.items if item.kind == "made")
-    return {name: make(bill.parts[name].maker, bill.parts[name].args) for name in made}
+    return {name: bill.parts[name].part.solid() for name in made}

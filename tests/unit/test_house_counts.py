@@ -13,18 +13,18 @@ TREE = Path(__file__).parents[2]
 LIMITS = {
     "class families a layout": 6,
     "registry calls": 2,
-    "maker strings": 52,
+    "maker strings": 0,
     "fields declared twice": 185,
     "files of miso_bevel": 61,
     "files of siso_bevel": 37,
     "files of siso_spur": 37,
     "files of miso_spur": 27,
-    "files": 620,
-    "imports, share of lines in %": 8.1,
+    "files": 610,
+    "imports, share of lines in %": 8.2,
     "circles": 2,
     "arrows back": 0,
-    "repeating pairs": 196,
-    "lines": 69900,
+    "repeating pairs": 199,
+    "lines": 70200,
 }
 
 

@@ -13,13 +13,18 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.plate_screws import plate_screw_of
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_SUNK_MM, dowel_length_mm
+from mbcdm_cad.layouts.miso_bevel.support.parts import Frame, TopPlate
+from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
+from mbcdm_cad.parts.bought.bodies import EncoderBody
 from mbcdm_cad.parts.bought.dims import screw_places
 from mbcdm_cad.parts.bought.train import add_train
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
+from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import Pin
 
 _X: tuple[float, float, float] = (1.0, 0.0, 0.0)
 _Y: tuple[float, float, float] = (0.0, 1.0, 0.0)
@@ -81,7 +86,6 @@ def _support(b: _Builder) -> None:
     lay, drive, v = b.layout, b.drive, b.layout.levels
     metal = drive.support.material
     head = drive.screw(drive.encoder.screw)
-    b.add("frame", "mbcdm_cad.layouts.miso_bevel.support.frame:create_frame", (lay.frame,), material=metal)
     insert = lay.frame.plate_insert
     tapped = replace(
         lay.frame,
@@ -89,29 +93,26 @@ def _support(b: _Builder) -> None:
         plate_screw_radius=lay.frame.plate_screw_radius if insert else plate_screw_of(drive).tap_drill_mm / 2,
         encoder_screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2,
     )
-    b.drilled("frame", tapped)
+    b.add("frame", Frame(lay.frame), drilled=Frame(tapped), material=metal)
     b.add(
         "top_plate",
-        "mbcdm_cad.layouts.miso_bevel.support.top_plate:create_top_plate",
-        (lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2),
+        TopPlate(lay.top_plate, head.head_diameter_mm / 2 + 0.1, head.head_height_mm + 0.2),
         material=metal,
     )
     steel = drive.guide.axle_material
-    b.add("guide_axle", "mbcdm_cad.parts.axle.draw:create_axle", (lay.axle,), material=steel)
-    b.add("guide_spacer", "mbcdm_cad.parts.axle.draw:create_spacer", (lay.axle,), material=steel)
+    b.add("guide_axle", Axle(lay.axle), material=steel)
+    b.add("guide_spacer", Spacer(lay.axle), material=steel)
     pin_length = lay.drum.web_end_y + 0.5 - lay.frame.stop_pin_start_y
     b.add(
         "stop_pin",
-        "mbcdm_cad.parts.ring:create_pin",
-        (lay.frame.stop_pin_radius, pin_length),
+        Pin(lay.frame.stop_pin_radius, pin_length),
         material=drive.material("steel"),
         place=_at(0.0, lay.frame.stop_pin_start_y, lay.frame.stop_pin_z) @ _ALONG_Y,
     )
     for n, (x, y) in enumerate(lay.frame.dowels, 1):
         b.add(
             f"dowel_{n}",
-            "mbcdm_cad.parts.ring:create_pin",
-            (lay.frame.dowel_radius, dowel_length_mm(drive)),
+            Pin(lay.frame.dowel_radius, dowel_length_mm(drive)),
             part="dowel",
             material=drive.material("steel"),
             place=_at(x, y, v.top_plate_top_z - dowel_length_mm(drive)),
@@ -162,8 +163,7 @@ def _drives(b: _Builder) -> None:
         add_train(b, drive, p.name, gear_depth, at_input @ _at(0.0, 0.0, v.motor_shelf_bottom_z), turn)
         b.add(
             f"encoder_{p.name}",
-            "mbcdm_cad.parts.bought.draw:create_encoder",
-            (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_depth),
+            EncoderBody(encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_depth),
             part="encoder",
             material=replace(body, colour=ENCODER_COLOUR),
             place=at_input @ _at(0.0, 0.0, v.top_plate_top_z),
@@ -193,8 +193,7 @@ def _pulleys(b: _Builder) -> None:
     lay, drive = b.layout, b.drive
     b.add(
         "guide",
-        "mbcdm_cad.parts.idler_pulley.draw:create_idler_pulley",
-        (lay.guide,),
+        IdlerPulley(lay.guide),
         material=drive.guide.material,
         group="guide",
     )

@@ -19,10 +19,10 @@ from mbcdm_cad.layouts.miso_bevel.pulleys import axle, guide, input_pulley
 from mbcdm_cad.layouts.miso_bevel.stack import Stack, stack
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims, TopPlateDims, frame, top_plate
 from mbcdm_cad.layouts.sector import SectorLayout
-from mbcdm_cad.parts.axle.dims import AxleDims
-from mbcdm_cad.parts.collar.dims import CollarDims, collar
+from mbcdm_cad.parts.axle import AxleDims
+from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
-from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
+from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.routes.cable_path import CablePath
 

@@ -17,9 +17,9 @@ from math import pi, radians, tau
 from mbcdm_cad.layouts.miso_bevel.cable_path import stop_of, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.stack import END_PLAY_MM, Band, Stack, band, outward_of
-from mbcdm_cad.parts.axle.dims import AxleDims
-from mbcdm_cad.parts.collar.dims import collar_width_mm
-from mbcdm_cad.parts.idler_pulley.dims import IdlerDims
+from mbcdm_cad.parts.axle import AxleDims
+from mbcdm_cad.parts.collar import collar_width_mm
+from mbcdm_cad.parts.idler_pulley import IdlerDims
 from mbcdm_cad.parts.input_pulley.dims import (
     ENCODER_INSERTION_MM,
     GROOVE_LEAD,

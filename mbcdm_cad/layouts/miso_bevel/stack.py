@@ -22,7 +22,7 @@ from math import radians, sqrt
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, guide_landing_walk_mm
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, BevelRun
 from mbcdm_cad.layouts.miso_bevel.plate_screws import Edges, beside_box_mm
-from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.sizes import nut_corner_radius_mm
 from mbcdm_cad.parts.input_pulley.stop import helix_stop_land_mm
 

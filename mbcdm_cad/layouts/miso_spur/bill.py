@@ -7,15 +7,16 @@ from math import cos, degrees, radians, sin
 
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
+from mbcdm_cad.layouts.miso_spur.support.parts import Star
 from mbcdm_cad.layouts.siso_spur.bill import ALONG_Y, add_drum_bearings, add_own_input, add_stop_pin, tapped
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
-from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder, add_output, add_terminals
+from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum_encoder, add_output, add_terminals, drilled_drum
+from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
 from mbcdm_cad.parts.placement import Placement
-from mbcdm_cad.parts.threads import thread
+from mbcdm_cad.parts.ring import Pin
 
 _Y, _BACK = (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
-_FRAME = "mbcdm_cad.layouts.miso_spur.support.frame:create_star"
 
 
 def moving_bodies(lay: RoundDrumLayout) -> tuple[MovingBody, ...]:
@@ -37,23 +38,20 @@ def _sectors(b: BillBuilder, lay: RoundDrumLayout, drive: RoundDrumDrive, turns:
     for unit, stand, name in zip(lay.units, stands, drive.input_names, strict=True):
         b.add(
             f"drum_{name}",
-            "mbcdm_cad.parts.drum_sector.draw:create_drum",
-            (d, screw.thread_mm),
+            DrumSector(d, screw.thread_mm),
             part="drum",
+            drilled=drilled_drum(d, screw),
             material=drive.drum.material,
             group="drum",
             place=stand,
         )
         add_terminals(b, drive, unit.drum, stand)
-    payload = thread(d.payload_screw_thread).tap_drill_mm
-    b.drilled("drum", replace(d, payload_screw_thread=payload), screw.tap_drill_mm)
     pins = lay.dowels
     for stand, name in zip(stands[:-1], drive.input_names[:-1], strict=True):
         for n, (x, z) in enumerate(pins.places(pins.face_angles_deg), 1):
             b.add(
                 f"hub_dowel_{name}_{n}",
-                "mbcdm_cad.parts.ring:create_pin",
-                (pins.radius, pins.length),
+                Pin(pins.radius, pins.length),
                 part="hub_dowel",
                 material=steel,
                 group="drum",
@@ -67,8 +65,8 @@ def bill(lay: RoundDrumLayout, drum_angle_deg: float = 0.0) -> Bill:
     drive, star, frame = lay.drive, lay.star, lay.frame
     b = BillBuilder(moving_bodies(lay), drum_angle_deg)
     turns = [Placement.about(_Y, degrees(angle)) for angle in drive.angles_rad]
-    b.add("frame", _FRAME, (star,), material=drive.support.material)
-    b.drilled("frame", replace(star, arms=tuple(tapped(drive, arm) for arm in star.arms)))
+    with_drills = replace(star, arms=tuple(tapped(drive, arm) for arm in star.arms))
+    b.add("frame", Star(star), drilled=Star(with_drills), material=drive.support.material)
     add_stop_pin(b, lay.units[0])
     add_drum_bearings(b, lay.units[0])
     add_drum_encoder(b, drive, frame.boss.encoder_pocket_floor_y, frame.boss.screw_circle)

@@ -15,10 +15,10 @@ from mbcdm_cad.layouts.siso_spur.cable_path import side_length_mm
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.parts.collar.dims import CollarDims
+from mbcdm_cad.parts.collar import CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims, HubDowels
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.drum_shaft import DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims
 from mbcdm_cad.parts.motor_head.dims import HeadDims
 from mbcdm_cad.parts.terminal.dims import Tensioner

@@ -7,6 +7,7 @@ from math import radians
 
 from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
+from mbcdm_cad.layouts.siso_bevel.support.parts import ColumnFrame
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import UPRIGHT, add_input_pulley
@@ -19,12 +20,12 @@ from mbcdm_cad.parts.motor_head.items import (
     add_motor_head,
 )
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import Pin
 
 _X, _Y, _DOWN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)
 _ALONG_Y = Placement.about(_X, -90.0)
 # Parts of the input are drawn with the gearhead below.
 _UPSIDE_DOWN = Placement.about(_X, 180.0)
-_SUPPORT = "mbcdm_cad.layouts.siso_bevel.support"
 
 
 def moving_bodies(lay: DirectLayout) -> tuple[MovingBody, ...]:
@@ -48,19 +49,17 @@ def _shelf(lay: DirectLayout) -> EncoderShelf:
 
 def _support(b: BillBuilder, lay: DirectLayout, drive: DirectDrive) -> None:
     steel, metal, frame = drive.material("steel"), drive.support.material, lay.frame
-    b.add("frame", f"{_SUPPORT}.frame:create_column", (frame,), material=metal)
     insert = frame.flange_insert
     tapped = replace(
         frame,
         flange_screw_radius=frame.flange_screw_radius if insert else flange_screw(drive).tap_drill_mm / 2,
         boss=replace(frame.boss, screw_radius=drive.screw(drive.drum_encoder.screw).tap_drill_mm / 2),
     )
-    b.drilled("frame", tapped)
+    b.add("frame", ColumnFrame(frame), drilled=ColumnFrame(tapped), material=metal)
     add_motor_head(b, drive, lay.head, UPRIGHT)
     b.add(
         "stop_pin",
-        "mbcdm_cad.parts.ring:create_pin",
-        (frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - frame.stop_pin_start_y),
+        Pin(frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - frame.stop_pin_start_y),
         material=steel,
         place=_at(0.0, frame.stop_pin_start_y, frame.stop_pin_z) @ _ALONG_Y,
     )

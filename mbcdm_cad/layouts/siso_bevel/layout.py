@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.siso_bevel.drive import DirectDrive, DirectRun
 from mbcdm_cad.layouts.siso_bevel.pulley import input_pulley
 from mbcdm_cad.layouts.siso_bevel.stack import DirectStack, direct_stack
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims, column, flange
-from mbcdm_cad.parts.collar.dims import CollarDims, collar
+from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims

@@ -8,6 +8,7 @@ from math import radians
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive
 from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.dims import MOUNT_SCREW, YokeDims
+from mbcdm_cad.layouts.siso_spur.support.parts import Yoke
 from mbcdm_cad.parts.bill import Bill, BillBuilder, MovingBody
 from mbcdm_cad.parts.drum_sector.items import add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.input_pulley.items import add_input_pulley
@@ -20,12 +21,12 @@ from mbcdm_cad.parts.motor_head.items import (
     add_motor_head,
 )
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import Pin
 
 _X, _Y, _BACK = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
 # Parts on the drum's axis and on the input's axis are drawn along Z with the gearhead below.
 ALONG_Y = Placement.about(_X, -90.0)
 _TO_BACK = Placement.about(_X, 90.0)
-_SUPPORT = "mbcdm_cad.layouts.siso_spur.support"
 
 
 def moving_bodies(lay: SpurLayout) -> tuple[MovingBody, ...]:
@@ -59,8 +60,7 @@ def add_stop_pin(b: BillBuilder, lay: SpurLayout) -> None:
     v, frame = lay.levels, lay.frame
     b.add(
         "stop_pin",
-        "mbcdm_cad.parts.ring:create_pin",
-        (frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - v.plate_back_y),
+        Pin(frame.stop_pin_radius, lay.drum.web_end_y + 0.5 - v.plate_back_y),
         material=lay.drive.material("steel"),
         place=_at(0.0, v.plate_back_y, frame.stop_pin_z) @ ALONG_Y,
     )
@@ -99,8 +99,7 @@ def bill(lay: SpurLayout, drum_angle_deg: float = 0.0) -> Bill:
     """All parts and instances with the drum at ``drum_angle_deg``."""
     drive, f = lay.drive, lay.frame
     b = BillBuilder(moving_bodies(lay), drum_angle_deg)
-    b.add("frame", f"{_SUPPORT}.frame:create_yoke", (f,), material=drive.support.material)
-    b.drilled("frame", tapped(drive, f))
+    b.add("frame", Yoke(f), drilled=Yoke(tapped(drive, f)), material=drive.support.material)
     add_stop_pin(b, lay)
     add_drum_bearings(b, lay)
     add_own_input(b, lay, Placement.identity())

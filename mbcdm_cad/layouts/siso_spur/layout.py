@@ -18,7 +18,7 @@ from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, SpurRun, laid, spur
 from mbcdm_cad.layouts.siso_spur.pulley import input_pulley
 from mbcdm_cad.layouts.siso_spur.stack import SpurStack, spur_stack
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims, flange, yoke
-from mbcdm_cad.parts.collar.dims import CollarDims, collar
+from mbcdm_cad.parts.collar import CollarDims, collar
 from mbcdm_cad.parts.drum_sector.design import SectorRun
 from mbcdm_cad.parts.drum_sector.dims import DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import TerminalWay, drum, furthest_anchor_rad

@@ -15,7 +15,7 @@ from mbcdm_cad.design.bought import Bearing
 from mbcdm_cad.layouts.siso_spur.cable_path import stop_of
 from mbcdm_cad.layouts.siso_spur.drive import SpurDrive, contact_rad, groove_depth_mm, groove_run_out_rad
 from mbcdm_cad.layouts.siso_spur.stack import END_PLAY_MM, SpurStack
-from mbcdm_cad.parts.collar.dims import collar_width_mm
+from mbcdm_cad.parts.collar import collar_width_mm
 from mbcdm_cad.parts.input_pulley.dims import (
     ENCODER_INSERTION_MM,
     GROOVE_RADIUS,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.sizes import SPRING_HEIGHT_MM
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims
+from mbcdm_cad.parts.drum_shaft import DrumShaftDims
 
 BEARING_WALL_MM = 3.0
 EAR_WALL_MM = 1.2

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.parts.bill import BillBuilder
+from mbcdm_cad.parts.bought.bodies import GearheadBody, MotorBody, MotorWithShaft
 from mbcdm_cad.parts.placement import Placement
 
 # Linear RGB.
@@ -24,8 +25,7 @@ def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, fac
     if gear.absent:
         b.add(
             f"motor_{name}",
-            "mbcdm_cad.parts.bought.draw:create_motor_with_shaft",
-            (motor, gear, screw, hole_depth_mm),
+            MotorWithShaft(motor, gear, screw, hole_depth_mm),
             part="motor",
             material=black,
             place=face,
@@ -34,8 +34,7 @@ def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, fac
         return
     b.add(
         f"gearhead_{name}",
-        "mbcdm_cad.parts.bought.draw:create_gearhead",
-        (gear, screw, hole_depth_mm),
+        GearheadBody(gear, screw, hole_depth_mm),
         part="gearhead",
         material=replace(body, colour=_GEARHEAD_COLOUR),
         place=face,
@@ -43,8 +42,7 @@ def add_train(b: BillBuilder, drive: Drive, name: str, hole_depth_mm: float, fac
     )
     b.add(
         f"motor_{name}",
-        "mbcdm_cad.parts.bought.draw:create_motor",
-        (motor,),
+        MotorBody(motor),
         part="motor",
         material=black,
         place=face @ Placement.translation(0.0, 0.0, -gear.length_mm),

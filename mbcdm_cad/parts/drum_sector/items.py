@@ -7,12 +7,18 @@ from dataclasses import replace
 from math import atan2, cos, degrees, pi, radians, sin
 from typing import Any
 
+from mbcdm_cad.design.bought import Screw
 from mbcdm_cad.parts.bill import BillBuilder, cable_item
+from mbcdm_cad.parts.bought.bodies import RingEncoderBody, WaveSpring
+from mbcdm_cad.parts.cable import CableRod
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.drum_sector.dims import SET_SCREW_ANGLES_DEG, DrumDims
-from mbcdm_cad.parts.drum_shaft.dims import DrumShaftDims, PreloadSpringDims
+from mbcdm_cad.parts.drum_sector.part import DrumSector
+from mbcdm_cad.parts.drum_shaft import DrumShaft, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import Nut
 from mbcdm_cad.parts.terminal.dims import TerminalDims
+from mbcdm_cad.parts.terminal.part import ThreadedTerminal
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.routes.cable_path import CablePath
 
@@ -34,16 +40,19 @@ def add_drum(b: BillBuilder, drive: SectorDrive, d: DrumDims, shaft: DrumShaftDi
     set_screw = drive.screw(d.set_screw)
     b.add(
         "drum",
-        "mbcdm_cad.parts.drum_sector.draw:create_drum",
-        (d, set_screw.thread_mm),
+        DrumSector(d, set_screw.thread_mm),
         material=drive.drum.material,
         group="drum",
-    )
-    b.drilled(
-        "drum", replace(d, payload_screw_thread=thread(d.payload_screw_thread).tap_drill_mm), set_screw.tap_drill_mm
+        drilled=drilled_drum(d, set_screw),
     )
     add_output(b, drive, d, shaft)
     add_terminals(b, drive, d)
+
+
+def drilled_drum(d: DrumDims, set_screw: Screw) -> DrumSector:
+    """The sector with its tapped holes at their tap drills."""
+    tapped = replace(d, payload_screw_thread=thread(d.payload_screw_thread).tap_drill_mm)
+    return DrumSector(tapped, set_screw.tap_drill_mm)
 
 
 def add_output(
@@ -60,8 +69,7 @@ def add_output(
             b.insert(f"payload_insert_{n}", d.payload_insert, drive.material("brass"), place, "drum")
     b.add(
         "drum_shaft",
-        "mbcdm_cad.parts.drum_shaft.draw:create_drum_shaft",
-        (shaft,),
+        DrumShaft(shaft),
         material=drive.drum.shaft_material,
         group="drum",
     )
@@ -97,8 +105,7 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
         )
         b.add(
             f"terminal_{p.cable_name}",
-            "mbcdm_cad.parts.terminal.draw:create_terminal",
-            (slack,),
+            ThreadedTerminal(slack),
             part="terminal",
             material=steel,
             group="drum",
@@ -108,8 +115,7 @@ def add_terminals(b: BillBuilder, drive: SectorDrive, d: DrumDims, stand: Placem
         for n in range(2):
             b.add(
                 f"nut_{p.cable_name}_{n + 1}",
-                "mbcdm_cad.parts.ring:create_nut",
-                (t.nut_across_flats_mm, t.nut_height_mm, t.thread_mm),
+                Nut(t.nut_across_flats_mm, t.nut_height_mm, t.thread_mm),
                 part="nut",
                 material=steel,
                 group="drum",
@@ -123,8 +129,7 @@ def add_preload_spring(b: BillBuilder, drive: SectorDrive, spring: PreloadSpring
     volume = pi * (spring.outer_radius**2 - spring.inner_radius**2) * spring.height
     b.add(
         "drum_preload_spring",
-        "mbcdm_cad.parts.bought.draw:create_preload_spring",
-        (spring,),
+        WaveSpring(spring),
         part="wave_spring",
         material=steel,
         place=Placement.translation(0.0, spring.start_y, 0.0) @ _ALONG_Y,
@@ -138,8 +143,7 @@ def add_drum_encoder(b: BillBuilder, drive: SectorDrive, floor_y: float, screw_c
     screw = drive.screw(ring.screw)
     b.add(
         "drum_encoder",
-        "mbcdm_cad.parts.bought.draw:create_ring_encoder",
-        (ring, screw, RING_ENCODER_GRIP_MM),
+        RingEncoderBody(ring, screw, RING_ENCODER_GRIP_MM),
         material=replace(drive.material("stainless"), colour=ENCODER_COLOUR),
         place=Placement.translation(0.0, floor_y, 0.0) @ _AGAINST_Y,
         mass_g=ring.mass_g,
@@ -155,8 +159,7 @@ def add_cables(b: BillBuilder, drive: SectorDrive, paths: Iterable[CablePath]) -
     for k, path in enumerate(paths):
         b.add(
             cable_item(path.cable.name),
-            "mbcdm_cad.parts.cable:create_cable",
-            (path.line, drive.cable.diameter_mm / 2),
+            CableRod(path.line, drive.cable.diameter_mm / 2),
             material=replace(wire, colour=_CABLE_COLOURS[k % len(_CABLE_COLOURS)]),
             mass_g=drive.cable.mass_g_m * path.length_mm / 1e3,
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import acos, degrees, hypot, sqrt, tau
 
+from mbcdm_cad.parts.volume import segment_mm2
 from mbcdm_cad.routes.curves import Helix
 
 ENCODER_INSERTION_MM = 10.0
@@ -102,6 +103,15 @@ class Groove:
     def helix(self, radius_mm: float) -> Helix:
         """The centre line of the groove at a radius."""
         return Helix((0.0, 0.0), radius_mm, self.start_angle_rad, self.end_angle_rad, self.start_z, self.end_z)
+
+    @property
+    def volume_mm3(self) -> float:
+        """Pappus: the area of the groove, a segment of its circle, along the helix of the area's centroid."""
+        r, half = self.radius, self.half_width
+        area = segment_mm2(r, r - self.depth)
+        middle = self.root_radius + r - (2 * half) ** 3 / (12 * area)
+        turned = abs(self.end_angle_rad - self.start_angle_rad)
+        return area * turned * hypot(middle, self.lead / tau)
 
     @property
     def right_handed(self) -> bool:

@@ -12,7 +12,6 @@ import cadquery as cq
 from mbcdm_cad.parts.input_pulley.dims import CHAMFER_MM, STOP_PLAY_MM, Groove, InputPulleyDims, StopSlot
 from mbcdm_cad.parts.rod import edge_of
 from mbcdm_cad.parts.shapes import Point2, block, cut, cylinder_z, fuse, one_solid, turned
-from mbcdm_cad.parts.volume import groove_mm3
 
 
 @dataclass(frozen=True)
@@ -115,7 +114,7 @@ def _grooved(land: InputLand, dims: InputPulleyDims, name: str) -> cq.Solid:
     for groove in dims.grooves:
         if not land.bottom_z <= (groove.start_z + groove.end_z) / 2 <= land.top_z:
             continue
-        wanted = groove_mm3(groove)
+        wanted = groove.volume_mm3
         for turns in _PIECE_TURNS:
             left = body
             # The kernel may also cut a groove through the whole land.

@@ -6,10 +6,12 @@ from math import cos, degrees, sin
 
 from mbcdm_cad.design.bought import Material
 from mbcdm_cad.parts.bill import BillBuilder
-from mbcdm_cad.parts.collar.dims import CollarDims
+from mbcdm_cad.parts.collar import Collar, CollarDims
 from mbcdm_cad.parts.drum_sector.design import SectorDrive
 from mbcdm_cad.parts.input_pulley.dims import InputPulleyDims, StopSlot
+from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import Sleeve
 
 _ALONG_Y = Placement.about((1.0, 0.0, 0.0), -90.0)
 UPRIGHT = Placement.identity()
@@ -41,29 +43,26 @@ def add_input_pulley(
     screw = drive.screw(collar.screw)
     b.add(
         f"input_pulley_{pulley.name}",
-        "mbcdm_cad.parts.input_pulley.draw:create_input_pulley",
-        (pulley,),
+        InputPulley(pulley),
         material=drive.input_pulleys.material,
         group=group,
         place=stand,
     )
     b.add(
         f"collar_{pulley.name}",
-        "mbcdm_cad.parts.collar.draw:create_collar",
-        (collar, screw.thread_mm, screw.clearance_mm, screw.head_diameter_mm),
+        Collar(collar, screw.thread_mm, screw.clearance_mm, screw.head_diameter_mm),
         part="collar",
+        drilled=Collar(collar, screw.tap_drill_mm, screw.clearance_mm, screw.head_diameter_mm),
         material=collar_metal,
         group=group,
         place=stand,
     )
-    b.drilled("collar", collar, screw.tap_drill_mm, screw.clearance_mm, screw.head_diameter_mm)
     middle = Placement.translation(collar.screw_offset, collar.head_seat, (collar.bottom_z + collar.top_z) / 2)
     b.screw(f"collar_screw_{pulley.name}", screw, drive.material("steel"), stand @ middle @ _ALONG_Y, group)
     for slot in pulley.slots:
         b.add(
             f"stop_{slot.cable_name}",
-            "mbcdm_cad.parts.ring:create_sleeve",
-            (drive.cable.diameter_mm / 2, slot.stop_radius, slot.stop_start - slot.stop_end),
+            Sleeve(drive.cable.diameter_mm / 2, slot.stop_radius, slot.stop_start - slot.stop_end),
             part="stop",
             material=drive.material("stainless"),
             group=group,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import cos, degrees, sin, tau
 
 from mbcdm_cad.parts.fits import FITS
@@ -112,11 +111,6 @@ def _slot_table(d: InputPulleyDims) -> Table:
     return Table("Slots of the cable stops", ("", *_NAMES[: len(columns)]), rows)
 
 
-def _without_grooves(d: InputPulleyDims) -> InputPulleyDims:
-    """The pulley with plain lands as wide as the crests."""
-    return replace(d, grooves=(), lower_surface_radius=d.lower_land_radius, upper_surface_radius=d.upper_land_radius)
-
-
 def _groove_table(d: InputPulleyDims) -> Table:
     """Helical grooves, a column each; angles as in the end views."""
     heads = (
@@ -222,8 +216,6 @@ def input_pulley_sheet(part: str, d: InputPulleyDims) -> Sheet:
             ),
         ),
         labels=tuple(labels),
-        # Hidden lines of a helical groove take minutes to compute, and the table already states the groove.
-        simplified=(_without_grooves(d),) if d.grooves else None,
         tables=(*([_slot_table(d)] if d.slots else ()), *([_groove_table(d)] if d.grooves else ())),
         fits=tuple(FitLine(round(x.value, 6), x.fit, named[x.fit]) for x in diameters if x.fit),
         notes=(

@@ -19,7 +19,7 @@ from typing import Any, Protocol
 
 from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.collar.dims import collar_over_shelf_mm, collar_sweep_mm
+from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import Clearances, SectorBearings, SectorDrive
 
 # Thread of the flange's screws, by the widest body that they carry (estimate).

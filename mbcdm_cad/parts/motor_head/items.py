@@ -9,11 +9,14 @@ from dataclasses import dataclass, replace
 
 from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.parts.bill import BillBuilder
+from mbcdm_cad.parts.bought.bodies import EncoderBody
 from mbcdm_cad.parts.bought.train import add_train
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR
 from mbcdm_cad.parts.input_pulley.dims import ENCODER_INSERTION_MM
 from mbcdm_cad.parts.motor_head.dims import HeadDims, HeadedDrive, dowel_length_mm, flange_screw
+from mbcdm_cad.parts.motor_head.part import MotorHead
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import Pin
 
 _TURNED = Placement.about((1.0, 0.0, 0.0), 180.0)
 
@@ -36,8 +39,7 @@ def add_motor_head(b: BillBuilder, drive: HeadedDrive, head: HeadDims, stand: Pl
     """Add the head. ``mark`` in the names distinguishes its items from those of other heads."""
     b.add(
         f"motor_head{mark}",
-        "mbcdm_cad.parts.motor_head.draw:create_motor_head",
-        (head,),
+        MotorHead(head),
         part="motor_head",
         material=drive.support.material,
         place=stand,
@@ -55,8 +57,7 @@ def add_flange_fixings(
     for n, (x, y) in enumerate(head.flange.dowels, 1):
         b.add(
             f"dowel{mark}_{n}",
-            "mbcdm_cad.parts.ring:create_pin",
-            (head.dowel_radius, pin),
+            Pin(head.dowel_radius, pin),
             part="dowel",
             material=steel,
             place=_at(stand, x, y, top - pin),
@@ -84,8 +85,7 @@ def add_input_line(b: BillBuilder, drive: HeadedDrive, head: HeadDims, shelf: En
     sunk, thick = shelf.head_depth, shelf.top_z - shelf.bottom_z
     b.add(
         f"encoder_{name}",
-        "mbcdm_cad.parts.bought.draw:create_encoder",
-        (encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_screw.length_mm - (thick - sunk) + 0.5),
+        EncoderBody(encoder, encoder_screw, ENCODER_INSERTION_MM + 0.5, encoder_screw.length_mm - (thick - sunk) + 0.5),
         part="encoder",
         material=replace(body, colour=ENCODER_COLOUR),
         place=_at(stand, 0.0, 0.0, shelf.bottom_z) @ _TURNED,

@@ -9,7 +9,7 @@ engine refuses a sheet in which value and points disagree.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from mbcdm_cad.parts.sheets.holes import Holes
@@ -159,8 +159,7 @@ class FitLine:
 class Sheet:
     """The content of one drawing.
 
-    ``simplified``: arguments of the drawing function for the views in place of the part's own, if a feature appears
-    only in the tables, as threads do. ``holes``: those of its table, for the report.
+    ``holes``: those of its table, for the report.
     """
 
     part: str
@@ -174,7 +173,6 @@ class Sheet:
     fits: tuple[FitLine, ...] = ()
     notes: tuple[str, ...] = ()
     paper: Literal["A4", "A3", "A2"] = "A4"
-    simplified: tuple[Any, ...] | None = None
 
     def view(self, name: str) -> View:
         """The view of that name. Raises ``KeyError``."""

@@ -18,7 +18,7 @@ from mbcdm_cad.storage.keys import content_key, package_hash
 from mbcdm_cad.storage.manifest import versions
 
 if TYPE_CHECKING:
-    from mbcdm_cad.build.store import MadePart
+    from mbcdm_cad.build.store import StoredPart
     from mbcdm_cad.design.drive import Drive
     from mbcdm_cad.storage.cache import Cache
 
@@ -42,7 +42,7 @@ def page_figures(drive: Drive, fields: Sequence[Mapping[str, Any]], cache: Cache
 def page_of(
     drive: Drive,
     report: Mapping[str, Any],
-    parts: Mapping[str, MadePart],
+    parts: Mapping[str, StoredPart],
     figures: PageFigures,
     drawings: Path | None = None,
 ) -> bytes:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import radians
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.bill import AssemblyStep, Bill, BillBuilder, MovingBody, cable_item
+from mbcdm_cad.parts.bought.bodies import MotorBody
+from mbcdm_cad.parts.cable import CableRod
+from mbcdm_cad.parts.part import Part
 from mbcdm_cad.parts.placement import Placement
 
 if TYPE_CHECKING:
@@ -13,21 +17,36 @@ if TYPE_CHECKING:
 
     from parallel_drive.layout import ParallelLayout
 
-_PARTS = "parallel_drive.parts"
+
+@dataclass(frozen=True)
+class Cylinder(Part):
+    """Cylinder along Y about the middle; sizes in mm."""
+
+    radius: float
+    half_width: float
+
+    def solid(self) -> cq.Solid:
+        """From -half_width to half_width."""
+        import cadquery as cq
+
+        low, along = cq.Vector(0, -self.half_width, 0), cq.Vector(0, 1, 0)
+        return cq.Solid.makeCylinder(self.radius, 2 * self.half_width, low, along)
 
 
-def create_cylinder(radius: float, half_width: float) -> cq.Solid:
-    """Cylinder along Y about the middle."""
-    import cadquery as cq
+@dataclass(frozen=True)
+class Base(Part):
+    """Box below y = 0; sizes in mm."""
 
-    return cq.Solid.makeCylinder(radius, 2 * half_width, cq.Vector(0, -half_width, 0), cq.Vector(0, 1, 0))
+    length: float
+    thickness: float
+    width: float
 
+    def solid(self) -> cq.Solid:
+        """Its middle at x = z = 0."""
+        import cadquery as cq
 
-def create_base(length: float, thickness: float, width: float) -> cq.Solid:
-    """Box below y = 0."""
-    import cadquery as cq
-
-    return cq.Solid.makeBox(length, thickness, width, cq.Vector(-length / 2, -thickness, -width / 2))
+        corner = cq.Vector(-self.length / 2, -self.thickness, -self.width / 2)
+        return cq.Solid.makeBox(self.length, self.thickness, self.width, corner)
 
 
 def moving_bodies(lay: ParallelLayout) -> tuple[MovingBody, ...]:
@@ -53,15 +72,14 @@ def bill(lay: ParallelLayout, drum_angle_deg: float = 0.0) -> Bill:
     b = BillBuilder(lay.moving_bodies, drum_angle_deg)
     name, distance = drive.input_names[0], drive.centre_distance_mm
     size = (4 * lay.drum_radius, lay.base_thickness, 3 * lay.drum_radius)
-    b.add("base", f"{_PARTS}:create_base", size, material=metal, place=Placement.translation(0.0, lay.base_top, 0.0))
+    b.add("base", Base(*size), material=metal, place=Placement.translation(0.0, lay.base_top, 0.0))
     width = lay.half_width
-    b.add("drum", f"{_PARTS}:create_cylinder", (lay.drum_radius, width), material=metal, group="drum")
+    b.add("drum", Cylinder(lay.drum_radius, width), material=metal, group="drum")
     pulley = (lay.input_radius, width)
-    b.add(f"input_pulley_{name}", f"{_PARTS}:create_cylinder", pulley, material=metal, group=f"input_{name}")
+    b.add(f"input_pulley_{name}", Cylinder(*pulley), material=metal, group=f"input_{name}")
     b.add(
         f"motor_{name}",
-        "mbcdm_cad.parts.bought.draw:create_motor",
-        (drive.motor,),
+        MotorBody(drive.motor),
         part="motor",
         material=drive.material("stainless"),
         place=Placement.translation(distance, lay.base_top - lay.base_thickness, 0.0)
@@ -72,8 +90,7 @@ def bill(lay: ParallelLayout, drum_angle_deg: float = 0.0) -> Bill:
     for path in lay.cable_paths(radians(drum_angle_deg)):
         b.add(
             cable_item(path.cable.name),
-            "mbcdm_cad.parts.cable:create_cable",
-            (path.line, drive.cable.diameter_mm / 2),
+            CableRod(path.line, drive.cable.diameter_mm / 2),
             material=rope,
             mass_g=drive.cable.mass_g_m * path.length_mm / 1e3,
         )

@@ -11,7 +11,6 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE
-from mbcdm_cad.parts.make import make
 
 ROOT = Path(__file__).parents[3]
 
@@ -26,4 +25,4 @@ def dims() -> BevelLayout:
 def solids(dims: BevelLayout) -> dict[str, Any]:
     """Part name to solid, the cables left out: the interference run draws them itself."""
     parts = bill(dims).parts
-    return {name: make(spec.maker, spec.args) for name, spec in parts.items() if not name.startswith(CABLE)}
+    return {name: spec.part.solid() for name, spec in parts.items() if not name.startswith(CABLE)}

@@ -20,9 +20,11 @@ from mbcdm_cad.build.scene import travel_poses
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import CABLE, Bill
+from mbcdm_cad.parts.bought.bodies import ScrewBody
+from mbcdm_cad.parts.idler_pulley import IdlerPulley
 from mbcdm_cad.parts.item import Item
-from mbcdm_cad.parts.make import make
 from mbcdm_cad.parts.placement import Placement
+from mbcdm_cad.parts.ring import Nut, Pin
 from mbcdm_cad.storage import parallel
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "support"))
@@ -86,7 +88,7 @@ def test_a_thicker_guide_meets_the_drum_and_its_cables(
     grown = 0.3
     radii = dims.guide.surface_radii
     thick = replace(dims.guide, surface_radii=(radii[0] + grown, *radii[1:]))
-    drawn = {**solids, "guide": make("mbcdm_cad.parts.idler_pulley.draw:create_idler_pulley", (thick,))}
+    drawn = {**solids, "guide": IdlerPulley(thick).solid()}
     found = interferences(dims, drawn, (dims.drive.half_travel_deg,), known=known)
     assert pairs(found) == {("drum", "guide"), ("cable_1", "guide")}
     (clash,) = [c for c in found if "drum" in (c.first, c.second)]
@@ -128,7 +130,7 @@ def test_a_thicker_rope_uses_up_the_flank_gap(dims: BevelLayout) -> None:
         )
         thick = BevelLayout(drive)
         parts = bill(thick).parts
-        only = {name: make(parts[name].maker, parts[name].args) for name in ("drum", "guide")}
+        only = {name: parts[name].part.solid() for name in ("drum", "guide")}
         found = interferences(thick, only, (0.0,))
         expected = {(f"cable_{k}", "drum") for k in (1, 2, 3)} if clash else set()
         assert pairs(found) == expected, f"d = {diameter}: " + "\n".join(map(str, found))
@@ -172,7 +174,7 @@ def test_a_thicker_stop_pin_meets_frame_and_drum(
 ) -> None:
     """Radius 1.8: a ring of 0.3 mm in the frame's hole; and 0.15 mm into both sides of the slot."""
     length = dims.drum.web_end_y + 0.5 - dims.frame.stop_pin_start_y
-    thick = make("mbcdm_cad.parts.ring:create_pin", (1.8, length))
+    thick = Pin(1.8, length).solid()
     few = {name: solids[name] for name in ("drum", "frame")} | {"stop_pin": thick}
     found = interferences(dims, few, (0.0,), known=known)
     assert pairs(found) == {("frame", "stop_pin"), ("drum", "stop_pin")}
@@ -205,7 +207,7 @@ def test_a_nut_turned_into_its_pockets_wall(
     """A nut may stand at any angle; one with corners 0.6 mm too far out may not."""
     move({"nut_cable_1_1": Placement.about((0.0, 0.0, 1.0), 30.0), "nut_cable_2_2": Placement.about((0, 0, 1), 15.0)})
     assert not interferences(dims, on_drum(solids), (0.0,), known=known)
-    large = make("mbcdm_cad.parts.ring:create_nut", (dims.drive.tensioner.nut_across_flats_mm + 2.2, 1.3, 1.6))
+    large = Nut(dims.drive.tensioner.nut_across_flats_mm + 2.2, 1.3, 1.6).solid()
     found = interferences(dims, {**on_drum(solids), "nut": large}, (0.0,), known=known)
     assert ("drum", "nut_cable_2_1") in pairs(found)
 
@@ -213,7 +215,7 @@ def test_a_nut_turned_into_its_pockets_wall(
 def test_a_screw_one_size_too_long(dims: BevelLayout, solids: dict[str, Any]) -> None:
     """M2x8 in holes drilled for M2x6: 1.5 mm of thread in solid frame, four times."""
     drive = dims.drive
-    longer = make("mbcdm_cad.parts.bought.draw:create_screw", (replace(drive.screw("M2x8"), name="M2x6"),))
+    longer = ScrewBody(replace(drive.screw("M2x8"), name="M2x6")).solid()
     found = interferences(dims, {"screw_M2x6": longer, "frame": solids["frame"]}, (0.0,))
     plate = [c for c in found if "plate_screw" in c.first + c.second]
     assert len(plate) == 4

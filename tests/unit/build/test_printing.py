@@ -16,8 +16,6 @@ from mbcdm_cad.build.wider_holes import round_holes, with_wider_holes
 from mbcdm_cad.checks.built import overhang_check, printed_walls_check
 from mbcdm_cad.layouts.check_design import run_checks
 from mbcdm_cad.layouts.loader import load_design, load_text
-from mbcdm_cad.parts.make import make
-from mbcdm_cad.parts.sheets.lookup import sheet_of
 
 ROOT = Path(__file__).parents[3]
 PRINTED = (ROOT / "params/gallery/printed.yaml").read_text("utf-8")
@@ -58,7 +56,7 @@ def test_holes_are_wider_by_the_allowance_and_nothing_else_changes() -> None:
 @pytest.mark.parametrize("name", ["top_plate", "collar"])
 def test_every_bore_of_a_part_is_wider(printed, name: str) -> None:
     spec = printed[2].parts[name]
-    solid = make(spec.maker, spec.args)
+    solid = spec.part.solid()
     drawn, wider = round_holes(solid.wrapped), round_holes(with_wider_holes(name, solid.wrapped, 0.2))
     assert len(drawn) >= 3
     assert [(h.foot_mm, pytest.approx(h.radius_mm + 0.1, abs=1e-4)) for h in drawn] == [
@@ -111,15 +109,15 @@ def test_inserts_stand_in_hole_bill_order_and_table(printed) -> None:
     solids = {}
     for part, hole, diameter in (("frame", "D", 3.2), ("drum", "P", 4.0)):
         spec = bill.parts[part]
-        (group,) = (g for g in sheet_of(part, spec.maker, spec.args).holes if g.letter == hole)
+        (group,) = (g for g in spec.part.sheet(part).holes if g.letter == hole)
         assert (group.row()[2], group.row()[3]) == (f"{diameter:g}", f"insert {group.insert.name}")
         assert group.depth >= group.insert.depth_mm
-        solids[part] = make(spec.maker, spec.args)
+        solids[part] = spec.part.solid()
         bores = [h for h in round_holes(solids[part].wrapped) if abs(h.radius_mm - diameter / 2) < 1e-6]
         assert len(bores) == 4
     for item in inserts:
         spec = bill.parts[item.part]
-        bush = make(spec.maker, spec.args).moved(_location(item))
+        bush = spec.part.solid().moved(_location(item))
         solid = solids["frame" if item.group == "fixed" else "drum"]
         assert abs(bush.intersect(solid).Volume()) < 1e-3, item.name
         grown = cq.Solid.makeBox(*(2.0,) * 3).moved(cq.Location(cq.Vector(*bush.Center().toTuple())))
@@ -157,7 +155,7 @@ def test_walls_of_filament_follow_the_nozzle() -> None:
 @pytest.mark.slow
 def test_wider_parts_are_sound_for_a_printer(printed) -> None:
     spec = printed[2].parts["top_plate"]
-    solid = with_wider_holes("top_plate", make(spec.maker, spec.args).wrapped, 0.2)
+    solid = with_wider_holes("top_plate", spec.part.solid().wrapped, 0.2)
     mesh = mesh_solid("top_plate", solid, 0.01)
     found = trimesh.Trimesh(mesh.points_mm, mesh.triangles)
     found.merge_vertices()

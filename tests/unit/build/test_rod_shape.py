@@ -12,7 +12,6 @@ from mbcdm_cad.build.kernel import measure
 from mbcdm_cad.build.mass import rod_shape
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.parts.bill import CABLE
-from mbcdm_cad.parts.make import make
 from mbcdm_cad.routes.curves import Arc, Line
 
 PARAMS = Path(__file__).parents[3] / "params"
@@ -46,7 +45,7 @@ def test_cable_has_the_mass_that_the_kernel_finds(design: str) -> None:
     drive = load_design(PARAMS / f"{design}.yaml").drive
     parts = drive.layout.bill().parts
     spec = next(spec for name, spec in parts.items() if name.startswith(CABLE))
-    line, solid = rod_shape(*spec.args), measure(make(spec.maker, spec.args))
+    line, solid = rod_shape(spec.part.pieces, spec.part.radius), measure(spec.part.solid())
     assert line.volume_mm3 == pytest.approx(solid.volume_mm3, rel=1e-5)
     assert line.centroid_mm == pytest.approx(solid.centroid_mm, abs=0.01)
     assert np.diag(line.inertia_mm5) == pytest.approx(np.diag(solid.inertia_mm5), rel=0.002)

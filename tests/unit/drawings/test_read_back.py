@@ -9,8 +9,6 @@ import pytest
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.parts.make import make
-from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import DoubledDimensionError, MissingDimensionError, dimensions, document
 from tests.support.rebuilt import SMALL, turned
 
@@ -28,8 +26,8 @@ def parts() -> dict[str, tuple[cq.Solid, bytes]]:
     made = {}
     for name in SMALL:
         spec = specs[name]
-        solid = make(spec.maker, spec.args)
-        sheet = sheet_of(name, spec.maker, spec.args)
+        solid = spec.part.solid()
+        sheet = spec.part.sheet(name)
         made[name] = (solid, draw_sheet(sheet, solid, PartFacts("mbcdm", "metal", 1.0, "0", 0.02))["dxf"])
     return made
 

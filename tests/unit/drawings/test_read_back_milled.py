@@ -10,8 +10,6 @@ from ezdxf.document import Drawing
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.parts.make import make
-from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import (
     DoubledDimensionError,
     MissingDimensionError,
@@ -48,8 +46,8 @@ def sheets() -> Sheets:
         specs = drive.layout.bill().parts
         for name in parts:
             spec = specs[name]
-            solid = make(spec.maker, spec.args)
-            data = draw_sheet(sheet_of(name, spec.maker, spec.args), solid, PartFacts(file, "metal", 1.0, "0", 0.02))
+            solid = spec.part.solid()
+            data = draw_sheet(spec.part.sheet(name), solid, PartFacts(file, "metal", 1.0, "0", 0.02))
             made[f"{file}/{name}"] = (solid.Volume(), document(data["dxf"]))
     return made
 

@@ -13,8 +13,6 @@ import pytest
 
 from mbcdm_cad.drawings.draw import PartFacts, draw_sheet
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.parts.make import make
-from mbcdm_cad.parts.sheets.lookup import sheet_of
 from tests.support.drawing_reader import document, table, texts_on_texts, texts_outside
 
 pytestmark = pytest.mark.slow
@@ -31,8 +29,8 @@ def drawn() -> dict[str, tuple[cq.Solid, dict[str, bytes]]]:
     made = {}
     for name in MADE:
         spec = _BILL.parts[name]
-        solid = make(spec.maker, spec.args)
-        made[name] = (solid, draw_sheet(sheet_of(name, spec.maker, spec.args), solid, _FACTS))
+        solid = spec.part.solid()
+        made[name] = (solid, draw_sheet(spec.part.sheet(name), solid, _FACTS))
     return made
 
 
@@ -49,8 +47,8 @@ def test_audit_finds_nothing(drawn: Drawn, name: str) -> None:
 @pytest.mark.parametrize("name", ["input_pulley_left", "collar", "top_plate"])
 def test_the_same_bytes_twice(drawn: Drawn, name: str) -> None:
     spec = _BILL.parts[name]
-    solid = make(spec.maker, spec.args)
-    again = draw_sheet(sheet_of(name, spec.maker, spec.args), solid, _FACTS)
+    solid = spec.part.solid()
+    again = draw_sheet(spec.part.sheet(name), solid, _FACTS)
     for kind, data in drawn[name][1].items():
         assert again[kind] == data, kind
 

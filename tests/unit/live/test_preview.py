@@ -7,7 +7,7 @@ from pathlib import Path
 import cadquery as cq
 
 from mbcdm_cad.build.makefiles import make_part_files
-from mbcdm_cad.build.store import MadePart
+from mbcdm_cad.build.store import StoredPart
 from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.live.preview import Previewer
 from mbcdm_cad.storage.cache import Cache
@@ -28,9 +28,9 @@ def test_step_is_there_before_the_mesh_and_no_stl_of_an_older_state_stays(tmp_pa
     solid = cq.Solid.makeBox(1, 2, 3)
     meshed = make_part_files("rope", solid, metal, 0.01, on_step=previewer._write_step)
     assert [path.name for path in (tmp_path / "parts").iterdir()] == ["rope.step"]
-    previewer._write({"rope": MadePart("key", meshed)})
+    previewer._write({"rope": StoredPart("key", meshed)})
     assert sorted(path.name for path in (tmp_path / "parts").iterdir()) == ["rope.step", "rope.stl"]
     bare = make_part_files("rope", solid, metal, None)
-    previewer._write({"rope": MadePart("other key", bare)})
+    previewer._write({"rope": StoredPart("other key", bare)})
     assert [path.name for path in (tmp_path / "parts").iterdir()] == ["rope.step"]
     assert bare.step == meshed.step and bare.shape == meshed.shape and bare.mesh.is_empty

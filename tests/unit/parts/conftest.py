@@ -12,7 +12,6 @@ from mbcdm_cad.layouts.loader import load_design
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.parts.bill import Bill
-from mbcdm_cad.parts.make import make
 
 ROOT = Path(__file__).parents[3]
 
@@ -38,4 +37,4 @@ def centred(dims: BevelLayout) -> Bill:
 @pytest.fixture(scope="session")
 def solids(centred: Bill) -> dict[str, cq.Solid]:
     """Part name to solid."""
-    return {name: make(spec.maker, spec.args) for name, spec in centred.parts.items()}
+    return {name: spec.part.solid() for name, spec in centred.parts.items()}

@@ -22,11 +22,10 @@ def _write() -> None:
     from mbcdm_cad.layouts.loader import load_design
     from mbcdm_cad.layouts.miso_bevel.bill import bill
     from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-    from mbcdm_cad.parts.make import make
 
     drive = load_design(Path(__file__).parents[3] / "params" / "mbcdm.yaml").drive
     parts = bill(BevelLayout(drive)).parts
-    volumes = {name: round(make(spec.maker, spec.args).Volume(), 6) for name, spec in sorted(parts.items())}
+    volumes = {name: round(spec.part.solid().Volume(), 6) for name, spec in sorted(parts.items())}
     FILE.write_text(json.dumps(volumes, indent=1) + "\n", "utf-8")
 
 

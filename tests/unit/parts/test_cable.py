@@ -11,7 +11,7 @@ import pytest
 from mbcdm_cad.build.kernel import bounding_box
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.cable import create_cable
+from mbcdm_cad.parts.cable import CableRod
 from mbcdm_cad.routes.curves import Arc, Coil, Line
 
 
@@ -19,7 +19,7 @@ from mbcdm_cad.routes.curves import Arc, Coil, Line
 def test_volume_is_section_times_length(dims: BevelLayout, angle_deg: float) -> None:
     radius = dims.drive.cable.diameter_mm / 2
     for path in dims.cable_paths(radians(angle_deg)):
-        rod = create_cable(path.line, radius)
+        rod = CableRod(path.line, radius).solid()
         assert rod.isValid()
         error = rod.Volume() / (pi * radius**2 * path.length_mm) - 1
         assert abs(error) < 1e-5, f"{path.cable.name} at {angle_deg:+g} deg: {error:+.2e}"
@@ -50,15 +50,15 @@ def test_a_bend_tighter_than_the_rope_is_refused() -> None:
     """The kernel would sweep it into a solid that crosses itself, on which a mesh never becomes fine enough."""
     straight = Line((0.0, 0.0, -5.0), (0.0, 0.0, 0.0))
     bend = Arc((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0), 1.0, 0.0, pi / 2)
-    assert create_cable((straight, bend), 0.99).Volume() == pytest.approx(pi * 0.99**2 * (5.0 + pi / 2), rel=1e-6)
+    assert CableRod((straight, bend), 0.99).solid().Volume() == pytest.approx(pi * 0.99**2 * (5.0 + pi / 2), rel=1e-6)
     with pytest.raises(ValueError, match="a bend of 1 mm is too tight for a rod of 1 mm radius"):
-        create_cable((straight, bend), 1.0)
+        CableRod((straight, bend), 1.0).solid()
 
 
 def test_a_long_winding_is_drawn_in_parts_that_can_be_meshed() -> None:
     """One winding of this length, drawn as one face, kept the mesher busy without end (a drum of 104 mm radius)."""
     winding = Coil((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), 103.9, 1.609, 0.182, -3.95, -2.44)
-    rod = create_cable((winding,), 0.405)
+    rod = CableRod((winding,), 0.405).solid()
     walls = [face for face in rod.Faces() if face.geomType() != "PLANE"]
     assert len(walls) == 4, f"{len(walls)} faces along {winding.length_mm:.0f} mm"
     volume = mesh_solid("cable", rod, 0.02).volume_mm3

@@ -12,8 +12,6 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.GeomAbs import GeomAbs_Cylinder
 
 from mbcdm_cad.parts.bill import Bill
-from mbcdm_cad.parts.make import make
-from mbcdm_cad.parts.sheets.lookup import holes_of
 
 PARTS = ("collar", "drum", "frame", "top_plate")
 # Round holes of these that a table of another kind gives: bores that are dimensioned in a view.
@@ -60,7 +58,7 @@ def _passes(bore: tuple[float, ...], radius: float, place: np.ndarray) -> bool:
 
 @pytest.mark.parametrize("part", PARTS)
 def test_holes_told_are_the_solid_s(part: str, centred: Bill, solids: dict[str, cq.Solid]) -> None:
-    bores, told = _bores(solids[part]), _told(holes_of(centred)[part])
+    bores, told = _bores(solids[part]), _told(centred.holes()[part])
     for name, radius, place in told:
         assert any(_passes(bore, radius, place) for bore in bores), f"{part} {name}: no hole of {2 * radius:g} there"
     # Other holes may cut into one; corners of pockets go a quarter round.
@@ -70,7 +68,7 @@ def test_holes_told_are_the_solid_s(part: str, centred: Bill, solids: dict[str, 
 
 
 def test_each_tapped_hole_has_its_drill(centred: Bill) -> None:
-    for part, groups in holes_of(centred).items():
+    for part, groups in centred.holes().items():
         for group in groups:
             if group["thread"]:
                 assert 0.6 < group["tap_drill_mm"] / group["diameter_mm"] < 0.9, (part, group)
@@ -80,8 +78,8 @@ def test_each_tapped_hole_has_its_drill(centred: Bill) -> None:
 def test_drilled_for_tapping_the_holes_have_the_drill_s_diameter(part: str, centred: Bill) -> None:
     spec = centred.parts[part]
     assert spec.drilled is not None
-    bores = _bores(make(spec.maker, spec.drilled))
-    for group in holes_of(centred)[part]:
+    bores = _bores(spec.drilled.solid())
+    for group in centred.holes()[part]:
         if group["thread"]:
             for place in group["places_mm"]:
                 drill, major = group["tap_drill_mm"] / 2, group["diameter_mm"] / 2
@@ -90,5 +88,5 @@ def test_drilled_for_tapping_the_holes_have_the_drill_s_diameter(part: str, cent
 
 
 def test_every_part_with_a_tapped_hole_can_be_drilled(centred: Bill) -> None:
-    tapped = {part for part, groups in holes_of(centred).items() if any(group["thread"] for group in groups)}
+    tapped = {part for part, groups in centred.holes().items() if any(group["thread"] for group in groups)}
     assert tapped == {name for name, spec in centred.parts.items() if spec.drilled is not None}

@@ -10,7 +10,7 @@ import yaml
 
 from mbcdm_cad.layouts.loader import load_text
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.motor_head.dims import HeadDims
+from mbcdm_cad.parts.motor_head.part import MotorHead
 
 PARAMS = Path(__file__).parents[3] / "params"
 
@@ -31,8 +31,9 @@ def test_threads_are_behind_the_holes(name: str, turn: float) -> None:
     threads = np.concatenate([item.location.apply(np.array(local)) for item in mounted])
     holes = []
     for item in heads:
-        (dims,) = bill.parts[item.part].args
-        assert isinstance(dims, HeadDims)
+        head = bill.parts[item.part].part
+        assert isinstance(head, MotorHead)
+        dims = head.dims
         holes.append(item.location.apply(np.array([(x, y, dims.top_z) for x, y in dims.gear_screws])))
     apart = np.linalg.norm(threads[:, None] - np.concatenate(holes)[None], axis=2).min(axis=1)
     assert apart.max() < 1e-6, apart

@@ -11,7 +11,6 @@ from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
@@ -74,5 +73,5 @@ _Z: tuple[Adjustment, ...] = (
 _Y: tuple[Adjustment, ...] = (down("drum.hub_face_y_mm"), up("drum.hub_face_y_mm"), up("support.back_y_mm"))
 CHECKS = (
     *box_checks(box_mm, _SOURCE, (_X, _Z, _Y)),
-    mass_check(bill, VOLUMES),
+    mass_check(bill),
 )

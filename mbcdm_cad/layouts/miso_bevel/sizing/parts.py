@@ -27,7 +27,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.picking import (
 )
 from mbcdm_cad.layouts.miso_bevel.sizing.radii import least_step_mm, take_up_mm, take_up_with_mm
 from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, DOWEL_LENGTHS_MM, DOWEL_MM
-from mbcdm_cad.parts.collar.dims import collar
+from mbcdm_cad.parts.collar import collar
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
 from mbcdm_cad.parts.input_pulley.stop import neck_mm
 from mbcdm_cad.sizing.arithmetic import greatest, least, number

@@ -30,7 +30,7 @@ from mbcdm_cad.layouts.miso_bevel.sizing.known import (
 )
 from mbcdm_cad.layouts.miso_bevel.support.dims import BEARING_WALL_MM, EAR_WALL_MM, STOP_WEB_MM
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.collar.dims import collar_sweep_mm
+from mbcdm_cad.parts.collar import collar_sweep_mm
 from mbcdm_cad.parts.motor_head.dims import KEY_PLAY_MM
 from mbcdm_cad.sizing.arithmetic import greatest, hypot, index_of_greatest, least, number, sqrt
 from mbcdm_cad.sizing.rule import Found, Rule, driver_of, largest, rounded_down, rounded_up

@@ -8,7 +8,6 @@ from mbcdm_cad.checks.box import box_checks
 from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.layouts.miso_spur.bill import bill
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
-from mbcdm_cad.layouts.miso_spur.support.volume import VOLUMES
 from mbcdm_cad.layouts.siso_spur.checks.room import BOX_ADJUSTMENTS, ROOM, outline
 
 
@@ -34,5 +33,5 @@ def box_mm(s: RoundDrumLayout) -> tuple[float, float, float]:
 CHECKS = (
     *ROOM,
     *box_checks(box_mm, "targets.envelope_mm", BOX_ADJUSTMENTS),
-    mass_check(bill, VOLUMES),
+    mass_check(bill),
 )

@@ -15,7 +15,6 @@ from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_bevel.bill import bill
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.layouts.siso_bevel.support.volume import VOLUMES
 from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
 
 
@@ -99,5 +98,5 @@ CHECKS = (
         adjust=(up("all radii of transmission"), down("rope diameter_mm")),
     ),
     *box_checks(box_mm, "targets.envelope_mm", (_X, _Z, _Y)),
-    mass_check(bill, VOLUMES),
+    mass_check(bill),
 )

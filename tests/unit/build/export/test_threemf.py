@@ -14,7 +14,6 @@ import trimesh
 from mbcdm_cad.build.export.threemf import lying, threemf_bytes
 from mbcdm_cad.build.meshing import mesh_solid
 from mbcdm_cad.layouts.loader import load_design
-from mbcdm_cad.parts.make import make
 
 ROOT = Path(__file__).parents[4]
 _DRIVE = load_design(ROOT / "params" / "mbcdm.yaml").drive
@@ -25,7 +24,7 @@ MADE = tuple(dict.fromkeys(item.part for item in _BILL.items if item.kind == "ma
 @pytest.mark.parametrize("name", MADE)
 def test_read_back(name: str) -> None:
     spec = _BILL.parts[name]
-    solid = make(spec.maker, spec.args)
+    solid = spec.part.solid()
     data = threemf_bytes(name, mesh_solid(name, solid.wrapped, 0.02))
     assert data == threemf_bytes(name, mesh_solid(name, solid.copy(mesh=False).wrapped, 0.02))
     scene = trimesh.load(io.BytesIO(data), file_type="3mf")

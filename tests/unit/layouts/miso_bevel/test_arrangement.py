@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
 from mbcdm_cad.parts.bought.dims import screw_places
-from mbcdm_cad.parts.input_pulley.sheet import input_pulley_sheet
+from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.routes.curves import Arc, Line
 from mbcdm_cad.routes.route import Span, Wrap
 
@@ -195,10 +195,10 @@ def test_terminals_of_a_wide_sector_stand_at_its_ends(reference: BevelDrive) -> 
 
 def test_the_sheet_of_a_grooved_pulley_gives_grooves_as_a_table_and_draws_none(reference: BevelDrive) -> None:
     plain, cut = (BevelLayout(drive).inputs[0] for drive in (reference, grooved(reference)))
-    assert input_pulley_sheet("p", plain).simplified is None
-    sheet = input_pulley_sheet("p", cut)
-    assert sheet.simplified is not None and sheet.simplified[0].grooves == ()
-    assert sheet.simplified[0].lower_land_radius == cut.lower_land_radius > plain.lower_land_radius
+    assert InputPulley(plain).in_views() == InputPulley(plain)
+    sheet, shown = InputPulley(cut).sheet("p"), InputPulley(cut).in_views().dims
+    assert shown.grooves == ()
+    assert shown.lower_land_radius == cut.lower_land_radius > plain.lower_land_radius
     table = {row[0]: row[1:] for row in next(t for t in sheet.tables if t.title == "Helical grooves").rows}
     assert table["lead"] == ("0.89", "0.89") and table["root %%c"] == ("11.19", "11.99")
     assert table["hand of the helix"] == ("right", "right")

@@ -19,10 +19,7 @@ from mbcdm_cad.layouts.miso_spur.checks.sectors import CHECKS as SECTORS
 from mbcdm_cad.layouts.miso_spur.drive import RoundDrumDrive
 from mbcdm_cad.layouts.miso_spur.layout import RoundDrumLayout
 from mbcdm_cad.layouts.miso_spur.support.stiffness import frame_compliance
-from mbcdm_cad.layouts.miso_spur.support.volume import VOLUMES
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance as compliance_of_one
-from mbcdm_cad.parts.make import make
-from mbcdm_cad.parts.volume import estimated_mm3
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
@@ -170,8 +167,8 @@ def test_frame_and_drum_as_heavy_as_drawn(with_inputs: Made) -> None:
     """With three inputs, whose arms share metal next to the axis."""
     parts = bill(RoundDrumLayout(with_inputs(3))).parts
     for name in ("frame", "drum"):
-        drawn = make(parts[name].maker, parts[name].args).Volume()
-        assert estimated_mm3(parts[name], VOLUMES) == pytest.approx(drawn, rel=0.01), name
+        drawn = parts[name].part.solid().Volume()
+        assert parts[name].part.volume_mm3() == pytest.approx(drawn, rel=0.01), name
 
 
 @pytest.mark.slow

@@ -28,7 +28,6 @@ from mbcdm_cad.layouts.siso_bevel.stack import pocket_corner_radius_mm
 from mbcdm_cad.layouts.siso_bevel.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.parts.make import make
 from tests.support.smooth_path import assert_joined
 
 ROOT = Path(__file__).parents[4]
@@ -56,7 +55,7 @@ def test_outlines_of_the_terminals_reach_as_far_as_their_solids(drive: DirectDri
     for t in dims.drum.tensioners:
         (item,) = (item for item in own.items if item.name == f"terminal_{t.cable_name}")
         spec = own.parts[item.part]
-        low, high = bounding_box(make(spec.maker, spec.args), item.location)
+        low, high = bounding_box(spec.part.solid(), item.location)
         ends = {name: outline for name, outline, _, _ in bodies_of(design, t, moved=False)}["stud"]
         foreseen, drawn = t.side * ends[:, 0], (high if t.side > 0 else low)[0] * t.side
         assert foreseen.max() == pytest.approx(drawn, abs=0.01), f"{t.cable_name}: {foreseen.max()}, drawn {drawn}"

@@ -24,7 +24,7 @@ from mbcdm_cad.layouts.siso_spur.layout import SpurLayout
 from mbcdm_cad.layouts.siso_spur.support.stiffness import frame_compliance, seat_forces
 from mbcdm_cad.model.si import to_si
 from mbcdm_cad.model.stiffness import unit_tensions_N
-from mbcdm_cad.parts.make import make
+from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.parts.shapes import cut
 from tests.support.smooth_path import assert_joined
 
@@ -64,7 +64,6 @@ def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
     dims: SpurLayout, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The kernel cut a pulley of 10 turns into 3 bodies; here the first cut of 1.2 turns is made to fail so."""
-    (item,) = (part for name, part in bill(dims).parts.items() if name.startswith("input_pulley"))
     (groove,) = dims.inputs[0].grooves
     share = 1.2 * 2 * pi / (groove.end_angle_rad - groove.start_angle_rad)
     short = replace(
@@ -72,8 +71,8 @@ def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
         end_angle_rad=groove.start_angle_rad + 1.2 * 2 * pi,
         end_z=groove.start_z + share * (groove.end_z - groove.start_z),
     )
-    args, tools = (replace(dims.inputs[0], grooves=(short,)),), list[object]()
-    whole = make(item.maker, args).Volume()
+    pulley, tools = InputPulley(replace(dims.inputs[0], grooves=(short,))), list[object]()
+    whole = pulley.solid().Volume()
 
     def cut_through(body: object, cutters: list[object], name: str) -> object:
         tools.append(cutters)
@@ -82,7 +81,7 @@ def test_a_groove_that_the_kernel_cuts_through_the_pulley_is_cut_turn_by_turn(
         return cut(body, cutters, name)  # type: ignore[arg-type]
 
     monkeypatch.setattr("mbcdm_cad.parts.input_pulley.draw.cut", cut_through)
-    in_turns = make(item.maker, args).Volume()
+    in_turns = pulley.solid().Volume()
     assert len(tools) > 2 and in_turns == pytest.approx(whole, rel=1e-4), f"{in_turns} for {whole} mm^3"
 
 

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sqrt
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import EncoderHoles, FrameDims, TopPlateDims
-from mbcdm_cad.parts.volume import CORNER, Volume, coupling_box_mm3, pocket_mm3, ring_mm3, segment_mm2
+from mbcdm_cad.parts.motor_head.part import coupling_box_mm3
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.volume import CORNER, pocket_mm3, ring_mm3, segment_mm2
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from mbcdm_cad.parts.sheets.description import Sheet
 
 
 def frame_mm3(d: FrameDims) -> float:
@@ -108,7 +117,49 @@ def top_plate_mm3(d: TopPlateDims, encoder_head_radius: float, encoder_head_dept
     )
 
 
-VOLUMES: dict[str, Volume] = {
-    "mbcdm_cad.layouts.miso_bevel.support.frame:create_frame": frame_mm3,
-    "mbcdm_cad.layouts.miso_bevel.support.top_plate:create_top_plate": top_plate_mm3,
-}
+@dataclass(frozen=True)
+class Frame(MadePart):
+    """Frame where it stands in the assembly."""
+
+    dims: FrameDims
+
+    def solid(self) -> cq.Solid:
+        """Drawn by ``frame.py`` beside this module."""
+        from mbcdm_cad.layouts.miso_bevel.support.frame import create_frame
+
+        return create_frame(self.dims)
+
+    def volume_mm3(self) -> float:
+        """Closed form, mm^3."""
+        return frame_mm3(self.dims)
+
+    def sheet(self, part: str) -> Sheet:
+        """Described by ``frame_sheet.py`` beside this module."""
+        from mbcdm_cad.layouts.miso_bevel.support.frame_sheet import frame_sheet
+
+        return frame_sheet(part, self.dims)
+
+
+@dataclass(frozen=True)
+class TopPlate(MadePart):
+    """Top plate where it stands in the assembly; counterbores of the encoders' screws in mm."""
+
+    dims: TopPlateDims
+    encoder_head_radius: float
+    encoder_head_depth: float
+
+    def solid(self) -> cq.Solid:
+        """Drawn by ``top_plate.py`` beside this module."""
+        from mbcdm_cad.layouts.miso_bevel.support.top_plate import create_top_plate
+
+        return create_top_plate(self.dims, self.encoder_head_radius, self.encoder_head_depth)
+
+    def volume_mm3(self) -> float:
+        """Closed form, mm^3."""
+        return top_plate_mm3(self.dims, self.encoder_head_radius, self.encoder_head_depth)
+
+    def sheet(self, part: str) -> Sheet:
+        """Described by ``top_plate_sheet.py`` beside this module."""
+        from mbcdm_cad.layouts.miso_bevel.support.top_plate_sheet import top_plate_sheet
+
+        return top_plate_sheet(part, self.dims, self.encoder_head_radius, self.encoder_head_depth)

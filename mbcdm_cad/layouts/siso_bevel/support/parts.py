@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sqrt
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_bevel.support.dims import ColumnDims
-from mbcdm_cad.parts.volume import CORNER, Volume, pocket_mm3, ring_mm3, segment_mm2
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.volume import CORNER, pocket_mm3, ring_mm3, segment_mm2
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from mbcdm_cad.parts.sheets.description import Sheet
 
 
 def column_mm3(d: ColumnDims) -> float:
@@ -66,6 +74,24 @@ def _holes_mm3(d: ColumnDims) -> float:
     )
 
 
-VOLUMES: dict[str, Volume] = {
-    "mbcdm_cad.layouts.siso_bevel.support.frame:create_column": column_mm3,
-}
+@dataclass(frozen=True)
+class ColumnFrame(MadePart):
+    """Frame where it stands in the assembly."""
+
+    dims: ColumnDims
+
+    def solid(self) -> cq.Solid:
+        """Drawn by ``frame.py`` beside this module."""
+        from mbcdm_cad.layouts.siso_bevel.support.frame import create_column
+
+        return create_column(self.dims)
+
+    def volume_mm3(self) -> float:
+        """Closed form, mm^3."""
+        return column_mm3(self.dims)
+
+    def sheet(self, part: str) -> Sheet:
+        """Described by ``frame_sheet.py`` beside this module."""
+        from mbcdm_cad.layouts.siso_bevel.support.frame_sheet import column_sheet
+
+        return column_sheet(part, self.dims)

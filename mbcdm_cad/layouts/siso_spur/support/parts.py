@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
-from mbcdm_cad.parts.volume import CORNER, Volume, ring_mm3
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.volume import CORNER, ring_mm3
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from mbcdm_cad.parts.sheets.description import Sheet
 
 
 def yoke_mm3(d: YokeDims) -> float:
@@ -63,4 +71,24 @@ def _holes_mm3(d: YokeDims) -> float:
     )
 
 
-VOLUMES: dict[str, Volume] = {"mbcdm_cad.layouts.siso_spur.support.frame:create_yoke": yoke_mm3}
+@dataclass(frozen=True)
+class Yoke(MadePart):
+    """Frame where it stands in the assembly."""
+
+    dims: YokeDims
+
+    def solid(self) -> cq.Solid:
+        """Drawn by ``frame.py`` beside this module."""
+        from mbcdm_cad.layouts.siso_spur.support.frame import create_yoke
+
+        return create_yoke(self.dims)
+
+    def volume_mm3(self) -> float:
+        """Closed form, mm^3."""
+        return yoke_mm3(self.dims)
+
+    def sheet(self, part: str) -> Sheet:
+        """Described by ``frame_sheet.py`` beside this module."""
+        from mbcdm_cad.layouts.siso_spur.support.frame_sheet import yoke_sheet
+
+        return yoke_sheet(part, self.dims)

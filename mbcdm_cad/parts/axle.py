@@ -1,0 +1,132 @@
+"""Axle of an idler, with the collar that carries the lower bearing's inner ring, and the spacer above it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.sheets.description import FitLine, Sheet
+from mbcdm_cad.parts.sheets.turned import ALONG_Z
+from mbcdm_cad.parts.volume import ring_mm3
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+# At 45 degrees, on both ends of the axle.
+CHAMFER_MM = 0.3
+
+
+@dataclass(frozen=True)
+class AxleDims:
+    """Guide axle: held by a set screw in the bearing shelf, located in the top plate; collar below the bearing."""
+
+    radius: float
+    bottom_z: float
+    top_z: float
+    collar_radius: float
+    collar_bottom_z: float
+    collar_top_z: float
+    spacer_bottom_z: float
+    spacer_top_z: float
+
+
+@dataclass(frozen=True)
+class Axle(MadePart):
+    """Axle where it stands in the assembly, axis Z."""
+
+    dims: AxleDims
+
+    def solid(self) -> cq.Solid:
+        """Axle where it stands in the assembly, axis Z."""
+        from mbcdm_cad.parts.shapes import turned
+
+        dims = self.dims
+        c = CHAMFER_MM
+        return turned(
+            [
+                (0.0, dims.bottom_z),
+                (dims.radius - c, dims.bottom_z),
+                (dims.radius, dims.bottom_z + c),
+                (dims.radius, dims.collar_bottom_z),
+                (dims.collar_radius, dims.collar_bottom_z),
+                (dims.collar_radius, dims.collar_top_z),
+                (dims.radius, dims.collar_top_z),
+                (dims.radius, dims.top_z - c),
+                (dims.radius - c, dims.top_z),
+                (0.0, dims.top_z),
+            ],
+            "axle",
+        )
+
+    def volume_mm3(self) -> float:
+        """Axle of an idler with its collar."""
+        d = self.dims
+        collar = ring_mm3(d.collar_radius, d.radius, d.collar_top_z - d.collar_bottom_z)
+        return Pin(d.radius, d.top_z - d.bottom_z).volume_mm3() + collar
+
+    def sheet(self, part: str) -> Sheet:
+        """View from the side; the axle is solid, so it is not cut."""
+        dims = self.dims
+        low, high, r, collar = dims.bottom_z, dims.top_z, dims.radius, dims.collar_radius
+        fit = FITS["idler_axle"].code
+        return Sheet(
+            part=part,
+            title="Guide axle",
+            views=(ALONG_Z.view(low, high, section=False),),
+            dimensions=(
+                ALONG_Z.diameter(r, low + CHAMFER_MM, "left", fit=fit, count=2),
+                ALONG_Z.diameter(collar, dims.collar_top_z, "right"),
+                ALONG_Z.length(low, dims.collar_bottom_z, "below", (r - CHAMFER_MM, collar)),
+                ALONG_Z.length(dims.collar_bottom_z, dims.collar_top_z, "below", (collar, collar), decimals=3),
+                ALONG_Z.length(low, high, "below", (r - CHAMFER_MM, r - CHAMFER_MM), decimals=3),
+                ALONG_Z.chamfer(CHAMFER_MM, r, high, -1.0, "above", count=2),
+            ),
+            fits=(FitLine(2 * r, fit, "bearings, shelf, top plate"),),
+            notes=("Bearing journals Ra 0.8; shoulders square to the axis within 0.01.",),
+        )
+
+
+@dataclass(frozen=True)
+class Spacer(MadePart):
+    """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
+
+    dims: AxleDims
+
+    def solid(self) -> cq.Solid:
+        """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
+        from mbcdm_cad.parts.shapes import turned
+
+        dims = self.dims
+        low, high = dims.spacer_bottom_z, dims.spacer_top_z
+        return turned(
+            [(dims.radius, low), (dims.collar_radius, low), (dims.collar_radius, high), (dims.radius, high)],
+            "spacer",
+        )
+
+    def volume_mm3(self) -> float:
+        """Spacer on an idler's axle."""
+        d = self.dims
+        return ring_mm3(d.collar_radius, d.radius, d.spacer_top_z - d.spacer_bottom_z)
+
+    def sheet(self, part: str) -> Sheet:
+        """Section along the axis."""
+        dims = self.dims
+        low, high = dims.spacer_bottom_z, dims.spacer_top_z
+        fit = FITS["spacer_bore"].code
+        return Sheet(
+            part=part,
+            title="Guide spacer",
+            views=(ALONG_Z.view(low, high, section=True),),
+            dimensions=(
+                ALONG_Z.diameter(dims.radius, low, "left", fit=fit),
+                ALONG_Z.diameter(dims.collar_radius, high, "right"),
+                ALONG_Z.length(low, high, "below", (dims.collar_radius, dims.collar_radius), decimals=3),
+            ),
+            fits=(FitLine(2 * dims.radius, fit, "bore"),),
+            notes=(
+                "End faces parallel within 0.01, ground to the length that leaves the guide's bearings free of play.",
+            ),
+        )

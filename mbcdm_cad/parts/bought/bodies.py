@@ -1,0 +1,243 @@
+"""Bought parts as simplified solids: outside, mounting face, bores and holes are true to the catalogue.
+
+Their masses come from the catalogue's ``entry``, not from the solids. Each is drawn along +Z from its mounting face or
+seat at z = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+from typing import TYPE_CHECKING
+
+from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw
+from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS, first_screw_rad
+from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
+from mbcdm_cad.parts.part import BoughtPart
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+_EDGE = 0.3
+
+
+def _circle(count: int, radius: float, first_rad: float = 0.0) -> list[tuple[float, float]]:
+    angles = [first_rad + 2 * pi * k / count for k in range(count)]
+    return [(radius * cos(a), radius * sin(a)) for a in angles]
+
+
+def _with_face(
+    gearhead: Gearhead, screw: Screw, hole_depth: float, back: list[tuple[float, float]], name: str
+) -> cq.Solid:
+    """A turned body whose outline begins at its ``back``, with the face, pilot, shaft and threads of ``gearhead``."""
+    from mbcdm_cad.parts.shapes import cut, cylinder_z, turned
+
+    r = gearhead.diameter_mm / 2
+    body = turned(
+        [
+            *back,
+            (r, -_EDGE),
+            (r - _EDGE, 0.0),
+            (gearhead.pilot_diameter_mm / 2, 0.0),
+            (gearhead.pilot_diameter_mm / 2, gearhead.pilot_height_mm),
+            (gearhead.shaft_diameter_mm / 2, gearhead.pilot_height_mm),
+            (gearhead.shaft_diameter_mm / 2, gearhead.shaft_length_mm),
+            (0.0, gearhead.shaft_length_mm),
+        ],
+        name,
+    )
+    holes = [
+        cylinder_z(screw.thread_mm / 2, x, y, -hole_depth, 1.0)
+        for x, y in _circle(gearhead.screw_count, gearhead.bolt_circle_mm / 2, first_screw_rad(gearhead.screw_count))
+    ]
+    return cut(body, holes, name)
+
+
+@dataclass(frozen=True)
+class BearingBody(BoughtPart):
+    """Bearing from z = 0, both rings in one body."""
+
+    entry: Bearing
+
+    def solid(self) -> cq.Solid:
+        """Both rings in one body, the shield set back between them."""
+        from mbcdm_cad.parts.shapes import turned
+
+        bearing = self.entry
+        d, outer, width = bearing.bore_mm / 2, bearing.outer_diameter_mm / 2, bearing.width_mm
+        inner_ring, outer_ring = bearing.inner_shoulder_mm / 2, bearing.outer_shoulder_mm / 2
+        back = min(0.2, width / 8)
+        return turned(
+            [
+                (d, 0.0),
+                (inner_ring, 0.0),
+                (inner_ring, back),
+                (outer_ring, back),
+                (outer_ring, 0.0),
+                (outer, 0.0),
+                (outer, width),
+                (outer_ring, width),
+                (outer_ring, width - back),
+                (inner_ring, width - back),
+                (inner_ring, width),
+                (d, width),
+            ],
+            f"bearing {bearing.name}",
+        )
+
+
+@dataclass(frozen=True)
+class InsertBody(BoughtPart):
+    """Heat-set insert below z = 0."""
+
+    entry: InsertSpec
+
+    def solid(self) -> cq.Solid:
+        """Insert from z = -length to 0 after setting: as wide as its hole, thread as a plain bore at its diameter."""
+        from mbcdm_cad.parts.shapes import turned
+
+        insert = self.entry
+        thread, hole, length = insert.thread_mm / 2, insert.hole_mm / 2, insert.length_mm
+        return turned([(thread, -length), (hole, -length), (hole, 0.0), (thread, 0.0)], f"insert {insert.name}")
+
+
+@dataclass(frozen=True)
+class MotorBody(BoughtPart):
+    """Motor below the gearhead's back at z = 0."""
+
+    entry: Motor
+
+    def solid(self) -> cq.Solid:
+        """Motor can, from the gearhead's back (z = 0) downwards to z = -length."""
+        from mbcdm_cad.parts.shapes import turned
+
+        motor = self.entry
+        r = motor.diameter_mm / 2
+        return turned(
+            [
+                (0.0, -motor.length_mm),
+                (r - _EDGE, -motor.length_mm),
+                (r, _EDGE - motor.length_mm),
+                (r, 0.0),
+                (0.0, 0.0),
+            ],
+            "motor",
+        )
+
+
+@dataclass(frozen=True)
+class MotorWithShaft(BoughtPart):
+    """Motor without a gearhead, below its face at z = 0; depth of its tapped holes in mm."""
+
+    entry: Motor
+    face: Gearhead
+    screw: Screw
+    hole_depth: float
+
+    def solid(self) -> cq.Solid:
+        """Motor without a gearhead, below its face at z = 0, pilot and shaft above it, tapped holes for its screws."""
+        motor, face, screw, hole_depth = self.entry, self.face, self.screw, self.hole_depth
+        r, length = motor.diameter_mm / 2, motor.length_mm
+        return _with_face(face, screw, hole_depth, [(0.0, -length), (r - _EDGE, -length), (r, _EDGE - length)], "motor")
+
+
+@dataclass(frozen=True)
+class GearheadBody(BoughtPart):
+    """Gearhead below its face at z = 0; depth of its tapped holes in mm."""
+
+    entry: Gearhead
+    screw: Screw
+    hole_depth: float
+
+    def solid(self) -> cq.Solid:
+        """Gearhead below its face at z = 0, pilot and shaft above it, tapped holes for its screws."""
+        gearhead, screw, hole_depth = self.entry, self.screw, self.hole_depth
+        r = gearhead.diameter_mm / 2
+        back = [(0.0, -gearhead.length_mm), (r, -gearhead.length_mm)]
+        return _with_face(gearhead, screw, hole_depth, back, "gearhead")
+
+
+@dataclass(frozen=True)
+class EncoderBody(BoughtPart):
+    """Encoder on a shaft's end, base at z = 0; depths of bore and tapped holes in mm."""
+
+    entry: Encoder
+    screw: Screw
+    bore_depth: float
+    hole_depth: float
+
+    def solid(self) -> cq.Solid:
+        """Encoder on a shaft's end: base at z = 0, blind bore, tapped holes in the base."""
+        from mbcdm_cad.parts.shapes import cut, cylinder_z, turned
+
+        encoder, screw, bore_depth, hole_depth = self.entry, self.screw, self.bore_depth, self.hole_depth
+        r = encoder.diameter_mm / 2
+        top = encoder.length_mm
+        body = turned([(0.0, 0.0), (r, 0.0), (r, top - _EDGE), (r - _EDGE, top), (0.0, top)], "encoder")
+        tools: list[cq.Shape] = [cylinder_z(encoder.bore_mm / 2, 0, 0, -1.0, bore_depth)]
+        tools += [
+            cylinder_z(screw.thread_mm / 2, x, y, -1.0, hole_depth)
+            for x, y in _circle(encoder.screw_count, encoder.bolt_circle_mm / 2)
+        ]
+        return cut(body, tools, "encoder")
+
+
+@dataclass(frozen=True)
+class RingEncoderBody(BoughtPart):
+    """Ring encoder, seat at z = 0; its screw heads lie ``grip`` mm above the seat."""
+
+    entry: Encoder
+    screw: Screw
+    grip: float
+
+    def solid(self) -> cq.Solid:
+        """Ring encoder screwed on from behind: seat at z = 0, hollow, screw heads sunk ``grip`` above the seat."""
+        from mbcdm_cad.parts.shapes import block, cut, cylinder_z, turned
+
+        encoder, screw, grip = self.entry, self.screw, self.grip
+        r, top = encoder.diameter_mm / 2, encoder.length_mm
+        bore = encoder.bore_mm / 2
+        body = turned([(bore, 0.0), (r, 0.0), (r, top - _EDGE), (r - _EDGE, top), (bore, top)], "ring encoder")
+        flat = RING_ENCODER_FLATS * r
+        tools: list[cq.Shape] = [
+            block((-r - 1.0, r + 1.0), side, (-1.0, top + 1.0)) for side in ((flat, r + 1.0), (-r - 1.0, -flat))
+        ]
+        for x, y in _circle(encoder.screw_count, encoder.bolt_circle_mm / 2):
+            tools.append(cylinder_z(screw.clearance_mm / 2, x, y, -1.0, top + 1.0))
+            tools.append(cylinder_z(screw.head_diameter_mm / 2 + 0.1, x, y, grip, top + 1.0))
+        return cut(body, tools, "ring encoder")
+
+
+@dataclass(frozen=True)
+class ScrewBody(BoughtPart):
+    """Screw, its head's seat at z = 0."""
+
+    entry: Screw
+
+    def solid(self) -> cq.Solid:
+        """Socket screw: head's seat at z = 0, head above, thread below (a plain cylinder). Set screws lie at z <= 0."""
+        from mbcdm_cad.parts.shapes import cut, cylinder_z, fuse, hexagon_z
+
+        screw = self.entry
+        thread = cylinder_z(screw.thread_mm / 2, 0, 0, -screw.length_mm, 0.0)
+        if screw.head_height_mm == 0.0:
+            depth = min(0.5 * screw.length_mm, screw.key_mm)
+            return cut(thread, [hexagon_z(screw.key_mm, -depth, 1.0)], screw.name)
+        head = cylinder_z(screw.head_diameter_mm / 2, 0, 0, 0.0, screw.head_height_mm)
+        socket = hexagon_z(screw.key_mm, screw.head_height_mm / 2, screw.head_height_mm + 1.0)
+        return cut(fuse([head, thread], screw.name), [socket], screw.name)
+
+
+@dataclass(frozen=True)
+class WaveSpring(BoughtPart):
+    """The compressed spring as a plain ring from z = 0."""
+
+    entry: PreloadSpringDims
+
+    def solid(self) -> cq.Solid:
+        """The compressed wave spring as a plain ring, axis Z from z = 0."""
+        from mbcdm_cad.parts.shapes import turned
+
+        dims = self.entry
+        inner, outer, height = dims.inner_radius, dims.outer_radius, dims.height
+        return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")

@@ -1,0 +1,103 @@
+"""Idler: a stepped pulley that cables pass, smooth and without flanges, with a bearing in each end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.sheets.description import FitLine, Label, Sheet, Table
+from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
+from mbcdm_cad.parts.sheets.words import mm, mm3
+from mbcdm_cad.parts.volume import ring_mm3
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+
+@dataclass(frozen=True)
+class IdlerDims:
+    """Idler pulley: smooth steps, a bearing in each end."""
+
+    bottom_z: float
+    top_z: float
+    surface_radii: tuple[float, ...]
+    walls_z: tuple[float, ...]
+    seat_radius: float
+    seat_depth: float
+    shoulder_radius: float
+
+
+@dataclass(frozen=True)
+class IdlerPulley(MadePart):
+    """Idler pulley where it stands in the assembly, axis Z."""
+
+    dims: IdlerDims
+
+    def solid(self) -> cq.Solid:
+        """Idler pulley where it stands in the assembly, axis Z."""
+        from mbcdm_cad.parts.shapes import Point2, turned
+
+        dims = self.dims
+        levels = [dims.bottom_z, *dims.walls_z, dims.top_z]
+        outside: list[Point2] = []
+        for radius, low, high in zip(dims.surface_radii, levels[:-1], levels[1:], strict=True):
+            outside += [(radius, low), (radius, high)]
+        inside: list[Point2] = [
+            (dims.seat_radius, dims.top_z),
+            (dims.seat_radius, dims.top_z - dims.seat_depth),
+            (dims.shoulder_radius, dims.top_z - dims.seat_depth),
+            (dims.shoulder_radius, dims.bottom_z + dims.seat_depth),
+            (dims.seat_radius, dims.bottom_z + dims.seat_depth),
+            (dims.seat_radius, dims.bottom_z),
+        ]
+        return turned(outside + inside, "idler pulley")
+
+    def volume_mm3(self) -> float:
+        """Idler pulley: its steps less seats and bore."""
+        d = self.dims
+        levels = [d.bottom_z, *d.walls_z, d.top_z]
+        steps = sum(ring_mm3(r, 0.0, b - a) for r, a, b in zip(d.surface_radii, levels[:-1], levels[1:], strict=True))
+        seats = 2 * ring_mm3(d.seat_radius, 0.0, d.seat_depth)
+        return steps - seats - ring_mm3(d.shoulder_radius, 0.0, d.top_z - d.bottom_z - 2 * d.seat_depth)
+
+    def sheet(self, part: str) -> Sheet:
+        """Section along the axis; the steps as a table from end A, the lower end."""
+        dims = self.dims
+        low, high = dims.bottom_z, dims.top_z
+        levels = (low, *dims.walls_z, high)
+        seat, land = FITS["idler_seat"].code, FITS["land"].code
+        largest = max(dims.surface_radii)
+        dimensions = (
+            ALONG_Z.diameter(dims.seat_radius, low, "left", fit=seat, count=2),
+            ALONG_Z.diameter(dims.shoulder_radius, high - dims.seat_depth, "right"),
+            ALONG_Z.length(low, low + dims.seat_depth, "below", (dims.surface_radii[0], dims.seat_radius), count=2),
+            ALONG_Z.length(low, high, "below", (dims.surface_radii[0], dims.surface_radii[-1]), decimals=3),
+        )
+        labels = tuple(
+            Label(MAIN, ALONG_Z.point(radius, (a + b) / 2), str(n), leader=True)
+            for n, (radius, (a, b)) in enumerate(zip(dims.surface_radii, pairwise(levels), strict=True), 1)
+        )
+        rows = tuple(
+            (str(n), mm3(2 * radius), land, "end" if end == high else mm3(end - low))
+            for n, (radius, end) in enumerate(zip(dims.surface_radii, levels[1:], strict=True), 1)
+        )
+        return Sheet(
+            part=part,
+            title="Guide pulley",
+            views=(ALONG_Z.view(low, high, section=True),),
+            dimensions=dimensions,
+            labels=(*labels, Label(MAIN, ALONG_Z.point(-(dims.seat_radius + largest) / 2, low), "A", leader=True)),
+            tables=(Table("Steps, ends measured from face A", ("Step", "%%c", "Fit", "ends at"), rows),),
+            fits=(
+                FitLine(2 * dims.seat_radius, seat, "bearing seats"),
+                *(FitLine(round(2 * r, 6), land, f"step {n}") for n, r in enumerate(dims.surface_radii, 1)),
+            ),
+            notes=(
+                "Steps: Ra 0.8, no flanges; corner between two steps at most R0.05.",
+                "Run-out of the steps to the common axis of both bearing seats: 0.01.",
+                f"Shoulders of the seats {mm(dims.seat_depth)} deep, square to the axis within 0.01.",
+            ),
+        )

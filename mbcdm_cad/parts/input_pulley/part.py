@@ -1,0 +1,76 @@
+"""The input pulley as a part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import asin, pi, sqrt
+from typing import TYPE_CHECKING
+
+from mbcdm_cad.parts.input_pulley.dims import STOP_PLAY_MM, InputPulleyDims, StopSlot
+from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.volume import ring_mm3
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from mbcdm_cad.parts.sheets.description import Sheet
+
+
+def _strip_mm2(radius: float, width: float) -> float:
+    """Area of a strip through the middle of a circle."""
+    h = min(width / 2, radius)
+    return 2 * (h * sqrt(radius**2 - h**2) + radius**2 * asin(h / radius)) if radius > 0.0 else 0.0
+
+
+def _slot_mm3(slot: StopSlot) -> float:
+    """Slot of a cable's stop: a quarter of a ring and a straight piece of the slot's depth, the pocket deeper."""
+    depth = abs(slot.end_z - slot.face_z) + slot.width / 2
+    reach = slot.stop_radius + STOP_PLAY_MM
+    pocket = abs(slot.chord_z - slot.face_z) + reach
+    length = slot.stop_start - slot.stop_end + 2 * STOP_PLAY_MM
+    straight = max(slot.pitch_radius - slot.bend_radius - slot.stop_start, 0.0)
+    return slot.width * depth * (pi / 2 * slot.bend_radius + straight) + 2 * reach * length * pocket
+
+
+@dataclass(frozen=True)
+class InputPulley(MadePart):
+    """Input pulley about its own axis, heights as in the assembly, turned as with the drum centred."""
+
+    dims: InputPulleyDims
+
+    def solid(self) -> cq.Solid:
+        """Drawn by ``draw.py`` beside this module."""
+        from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
+
+        return create_input_pulley(self.dims)
+
+    def volume_mm3(self) -> float:
+        """Journals, necks and steps less bore, slit, slots and grooves."""
+        d = self.dims
+        body = (
+            ring_mm3(d.lower_journal_radius, 0.0, d.lower_neck_bottom_z - d.journal_bottom_z)
+            + ring_mm3(d.lower_neck_radius, 0.0, d.land_bottom_z - d.lower_neck_bottom_z)
+            + ring_mm3(d.lower_land_radius, 0.0, d.wall_z - d.land_bottom_z)
+            + ring_mm3(d.upper_land_radius, 0.0, d.land_top_z - d.wall_z)
+            + ring_mm3(d.upper_neck_radius, 0.0, d.upper_neck_top_z - d.land_top_z)
+            + ring_mm3(d.upper_journal_radius, 0.0, d.journal_top_z - d.upper_neck_top_z)
+        )
+        bore = ring_mm3(d.bore_radius, 0.0, d.bore_top_z - d.journal_bottom_z)
+        both = _strip_mm2(d.lower_journal_radius, d.slit_width)
+        slit = both * (d.slit_top_z - d.journal_bottom_z)
+        slit -= _strip_mm2(d.bore_radius, d.slit_width) * max(d.bore_top_z - d.journal_bottom_z, 0.0)
+        return body - bore - slit - sum(map(_slot_mm3, d.slots)) - sum(groove.volume_mm3 for groove in d.grooves)
+
+    def in_views(self) -> InputPulley:
+        """With plain lands as wide as the crests: hidden lines of a helical groove take minutes to compute."""
+        d = self.dims
+        if not d.grooves:
+            return self
+        lower, upper = d.lower_land_radius, d.upper_land_radius
+        return InputPulley(replace(d, grooves=(), lower_surface_radius=lower, upper_surface_radius=upper))
+
+    def sheet(self, part: str) -> Sheet:
+        """Described by ``sheet.py`` beside this module."""
+        from mbcdm_cad.parts.input_pulley.sheet import input_pulley_sheet
+
+        return input_pulley_sheet(part, self.dims)

@@ -1,0 +1,56 @@
+"""What a part of the drive is: an object with its dimensions that draws itself; a made one has volume and sheet too."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from mbcdm_cad.parts.sheets.description import Sheet
+
+
+class Part(ABC):
+    """A frozen dataclass of plain data from which one solid follows. Parts are equal if their solids are.
+
+    ``solid`` imports the kernel inside, so that checks and analysis start without it.
+    """
+
+    @abstractmethod
+    def solid(self) -> cq.Solid:
+        """One solid in the part's own frame, mm. Raises ``ValueError`` where the dimensions give none."""
+
+
+class HasSource(Protocol):
+    """An entry of the catalogue."""
+
+    @property
+    def source(self) -> str:
+        """Where its figures come from."""
+
+
+class BoughtPart(Part):
+    """A part that is bought; the body is a simple one, its figures are those of its entry."""
+
+    entry: HasSource
+
+
+class MadePart(Part):
+    """A part that is made, not bought."""
+
+    @abstractmethod
+    def volume_mm3(self) -> float:
+        """Volume in closed form from the same dimensions, within 1 % of the solid's."""
+
+    @abstractmethod
+    def sheet(self, part: str) -> Sheet:
+        """Content of its drawing under the name ``part``."""
+
+    def in_views(self) -> MadePart:
+        """What the views of its sheet show: the part itself, or without a feature that only the tables state."""
+        return self
+
+    def holes(self, part: str) -> list[dict[str, Any]]:
+        """The holes of the sheet's table as plain data; an empty list if it has none."""
+        return [group.data() for group in self.sheet(part).holes]

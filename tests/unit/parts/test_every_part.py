@@ -1,0 +1,66 @@
+"""Every made part of every layout: one valid solid, closed mesh, volume as it says of itself, a complete sheet."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from mbcdm_cad.build.meshing import mesh_solid
+from mbcdm_cad.build.validate import validate_solid
+from mbcdm_cad.layouts import registry
+from mbcdm_cad.layouts.loader import load_design
+from mbcdm_cad.parts.bill import Bill
+from mbcdm_cad.parts.part import BoughtPart, MadePart
+
+PARAMS = Path(__file__).parents[3] / "params"
+FILES = {"miso_bevel": "mbcdm", "siso_bevel": "siso_bevel", "siso_spur": "siso_spur", "miso_spur": "miso_spur"}
+
+
+@cache
+def bill_of(layout: str) -> Bill:
+    """Bill of the reference design of a layout."""
+    found: Bill = load_design(PARAMS / f"{FILES[layout]}.yaml").drive.layout.bill()
+    return found
+
+
+def test_every_layout_has_its_reference_here() -> None:
+    assert set(FILES) == set(registry.names())
+
+
+EVERY = [(layout, name) for layout in FILES for name, part in bill_of(layout).made.items()]
+
+
+@pytest.mark.parametrize("layout", FILES)
+def test_every_part_is_made_or_bought_as_its_items_say(layout: str) -> None:
+    bill = bill_of(layout)
+    for item in bill.items:
+        part = bill.parts[item.part].part
+        assert isinstance(part, MadePart) == (item.mass_g is None), f"{item.name}: {type(part).__name__}"
+        assert not isinstance(part, BoughtPart) or part.entry.source, f"{item.name}: no source"
+
+
+@pytest.mark.parametrize(("layout", "name"), EVERY)
+def test_a_made_part_is_what_it_says_of_itself(layout: str, name: str) -> None:
+    part = bill_of(layout).made[name]
+    solid = part.solid()
+    validate_solid(name, solid)
+    drawn, said = solid.Volume(), part.volume_mm3()
+    assert said == pytest.approx(drawn, rel=0.01), f"{name}: {said:.2f} mm^3, drawn {drawn:.2f}"
+    mesh = mesh_solid(name, solid, 0.05)
+    assert len(mesh.open_edges_mm()) == 0 and mesh.volume_mm3 == pytest.approx(drawn, rel=0.02), mesh.volume_mm3
+
+
+@pytest.mark.parametrize(("layout", "name"), EVERY)
+def test_the_sheet_of_a_made_part_is_complete(layout: str, name: str) -> None:
+    part = bill_of(layout).made[name]
+    sheet = part.sheet(name)
+    views = {view.name for view in sheet.views}
+    assert sheet.part == name and sheet.title
+    assert len(views) == len(sheet.views) >= 1, views
+    assert len(sheet.dimensions) >= 2, sheet.dimensions
+    assert {d.view for d in sheet.dimensions} | {label.view for label in sheet.labels} <= views
+    assert part.holes(name) == [group.data() for group in sheet.holes]
+    spec = bill_of(layout).parts[name]
+    assert (spec.drilled is not None) == any(hole["thread"] for hole in part.holes(name)), name
