@@ -16,7 +16,7 @@ from mbcdm_cad.layouts.base import NoFigureError
 from mbcdm_cad.layouts.sector import SectorLayout
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
 from mbcdm_cad.parts.drum_sector.sizes import SWAGE_FLOOR_MM
-from mbcdm_cad.parts.terminal.dims import CHAMFER_MM, Tensioner
+from mbcdm_cad.parts.terminal.part import CHAMFER_MM, Tensioner
 
 # Gap between two terminals, and between terminal and cable (estimate: no tool between them, nothing moves).
 TERMINAL_GAP_MM = 0.1

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
 from mbcdm_cad.parts.ring import Pin
+from mbcdm_cad.parts.shapes import turned
 from mbcdm_cad.parts.sheets.description import FitLine, Sheet
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
 from mbcdm_cad.parts.volume import ring_mm3
@@ -41,8 +42,6 @@ class Axle(MadePart):
 
     def solid(self) -> cq.Solid:
         """Axle where it stands in the assembly, axis Z."""
-        from mbcdm_cad.parts.shapes import turned
-
         dims = self.dims
         c = CHAMFER_MM
         return turned(
@@ -97,8 +96,6 @@ class Spacer(MadePart):
 
     def solid(self) -> cq.Solid:
         """Spacer above the upper bearing's inner ring, where it stands in the assembly, axis Z."""
-        from mbcdm_cad.parts.shapes import turned
-
         dims = self.dims
         low, high = dims.spacer_bottom_z, dims.spacer_top_z
         return turned(

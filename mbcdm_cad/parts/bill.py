@@ -17,6 +17,7 @@ from mbcdm_cad.parts.placement import Placement, Vector
 
 CABLE = "cable_"
 FIXED = "fixed"
+_Body = ScrewBody | InsertBody | BearingBody
 
 
 @dataclass(frozen=True)
@@ -125,39 +126,19 @@ class BillBuilder:
 
     def screw(self, name: str, screw: Screw, material: Material, place: Placement, group: str = FIXED) -> None:
         """A screw of the catalogue."""
-        self.add(
-            name,
-            ScrewBody(screw),
-            part=f"screw_{screw.name}",
-            material=material,
-            group=group,
-            place=place,
-            mass_g=screw.mass_g,
-        )
+        self._bought(name, ScrewBody(screw), f"screw_{screw.name}", material, place, group)
 
     def insert(self, name: str, insert: InsertSpec, brass: Material, place: Placement, group: str = FIXED) -> None:
         """A heat-set insert of the catalogue, below z = 0 of its place."""
-        self.add(
-            name,
-            InsertBody(insert),
-            part=f"insert_{insert.name}",
-            material=brass,
-            group=group,
-            place=place,
-            mass_g=insert.mass_g,
-        )
+        self._bought(name, InsertBody(insert), f"insert_{insert.name}", brass, place, group)
 
     def bearing(self, name: str, bearing: Bearing, material: Material, place: Placement, group: str = FIXED) -> None:
         """A bearing of the catalogue."""
-        self.add(
-            name,
-            BearingBody(bearing),
-            part="bearing_" + bearing.name.replace("/", "-"),
-            material=material,
-            group=group,
-            place=place,
-            mass_g=bearing.mass_g,
-        )
+        stem = "bearing_" + bearing.name.replace("/", "-")
+        self._bought(name, BearingBody(bearing), stem, material, place, group)
+
+    def _bought(self, name: str, body: _Body, stem: str, material: Material, place: Placement, group: str) -> None:
+        self.add(name, body, part=stem, material=material, group=group, place=place, mass_g=body.entry.mass_g)
 
     def bill(self) -> Bill:
         """The bill with all parts and items that were added."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.part import Part
+from mbcdm_cad.parts.shapes import one_solid
 from mbcdm_cad.routes.curves import Piece
 
 if TYPE_CHECKING:
@@ -24,6 +25,5 @@ class CableRod(Part):
         import cadquery as cq
 
         from mbcdm_cad.parts.rod import swept_rod
-        from mbcdm_cad.parts.shapes import one_solid
 
         return one_solid(cq.Shape.cast(swept_rod(self.pieces, self.radius)), "cable")

@@ -14,8 +14,9 @@ import numpy as np
 from mbcdm_cad.design.bought import Gearhead, Screw
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, View, X, Y, Z, minus
-from mbcdm_cad.parts.sheets.holes import Holes, hole_labels, hole_table
+from mbcdm_cad.parts.shapes import block, cut, cylinder, turned
+from mbcdm_cad.parts.sheets.description import FitLine, Holes, Linear, Sheet, View, X, Y, Z, minus
+from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table
 from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.parts.volume import ring_mm3
@@ -122,8 +123,6 @@ class Collar(MadePart):
 
     def solid(self) -> cq.Solid:
         """Collar about its own axis, heights as in the assembly; slit towards +X, screw along Y with its head at +Y."""
-        from mbcdm_cad.parts.shapes import block, cut, cylinder, turned
-
         dims = self.dims
         screw_thread, screw_clearance, head_diameter = self.screw_thread, self.screw_clearance, self.head_diameter
         ring = turned(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.shapes import cut, turned_about_y
 from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, Vector, View, Y, minus
 from mbcdm_cad.parts.sheets.turned import ALONG_Y
 from mbcdm_cad.parts.volume import ring_mm3, segment_mm2
@@ -102,8 +103,6 @@ class DrumShaft(MadePart):
     def solid(self) -> cq.Solid:
         """Drum shaft where it stands in the assembly, axis Y."""
         import cadquery as cq
-
-        from mbcdm_cad.parts.shapes import cut, turned_about_y
 
         dims = self.dims
         c, r = CHAMFER_MM, dims.radius

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.shapes import Point2, turned
 from mbcdm_cad.parts.sheets.description import FitLine, Label, Sheet, Table
 from mbcdm_cad.parts.sheets.turned import ALONG_Z, MAIN
 from mbcdm_cad.parts.sheets.words import mm, mm3
@@ -38,8 +39,6 @@ class IdlerPulley(MadePart):
 
     def solid(self) -> cq.Solid:
         """Idler pulley where it stands in the assembly, axis Z."""
-        from mbcdm_cad.parts.shapes import Point2, turned
-
         dims = self.dims
         levels = [dims.bottom_z, *dims.walls_z, dims.top_z]
         outside: list[Point2] = []

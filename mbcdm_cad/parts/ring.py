@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.shapes import cut, cylinder_z, hexagon_z, turned
 from mbcdm_cad.parts.sheets.description import FitLine, Linear, Sheet, View, X, Y, Z, minus
 from mbcdm_cad.parts.sheets.turned import ALONG_Z
 from mbcdm_cad.parts.sheets.words import mm
@@ -28,8 +29,6 @@ class Sleeve(MadePart):
 
     def solid(self) -> cq.Solid:
         """Sleeve: the stop swaged on a cable's end."""
-        from mbcdm_cad.parts.shapes import turned
-
         bore_radius, radius, length = self.bore_radius, self.radius, self.length
         return turned([(bore_radius, 0.0), (radius, 0.0), (radius, length), (bore_radius, length)], "sleeve")
 
@@ -64,8 +63,6 @@ class Nut(MadePart):
 
     def solid(self) -> cq.Solid:
         """Hexagon nut; the thread is a plain bore at the nominal diameter."""
-        from mbcdm_cad.parts.shapes import cut, cylinder_z, hexagon_z
-
         across_flats, height, thread = self.across_flats, self.height, self.thread
         return cut(hexagon_z(across_flats, 0.0, height), [cylinder_z(thread / 2, 0, 0, -1.0, height + 1.0)], "nut")
 
@@ -118,8 +115,6 @@ class Pin(MadePart):
 
     def solid(self) -> cq.Solid:
         """Dowel pin with chamfered ends."""
-        from mbcdm_cad.parts.shapes import turned
-
         radius, length = self.radius, self.length
         c = min(0.3, radius / 3)
         return turned(

@@ -27,4 +27,13 @@ def pocket_mm3(x: float, y: float, z: float, radius: float, corners: int = 4) ->
     """Box milled along y, some of its edges rounded; nothing where it has no extent."""
     if min(x, y, z) <= 0.0:
         return 0.0
-    return (x * z - corners * CORNER * min(radius, 0.49 * min(x, z)) ** 2) * y
+    return (x * z - corners * CORNER * pocket_corner_mm(radius, x, z) ** 2) * y
+
+
+# The end mill is a little thinner than the pocket, so that the shorter side of the pocket has a straight part.
+_SHARE = 0.49
+
+
+def pocket_corner_mm(radius_mm: float, width_mm: float, height_mm: float) -> float:
+    """Corner radius of a pocket, mm: ``radius_mm``, or less if the pocket is narrow."""
+    return min(radius_mm, _SHARE * min(width_mm, height_mm))

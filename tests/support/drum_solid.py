@@ -40,10 +40,10 @@ def drum_by_solids(
     d: DrumDims, material: Material, set_screw_thread_mm: float, share: dict[str, float], folder: Path
 ) -> DrumBySolids:
     """Draw the drum, write it as STEP, mesh that and solve."""
-    from mbcdm_cad.parts.drum_sector.draw import create_drum
+    from mbcdm_cad.parts.drum_sector.part import DrumSector
 
     step = folder / "drum.step"
-    create_drum(d, set_screw_thread_mm).exportStep(str(step))
+    DrumSector(d, set_screw_thread_mm).solid().exportStep(str(step))
     solid = Solid(
         tetrahedra(step, SIZE * d.lands[-1].surface_radius_mm),
         material.youngs_modulus_GPa * 1e3,

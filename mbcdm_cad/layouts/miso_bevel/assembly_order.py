@@ -12,8 +12,8 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, MOUNT_SCREW, M
 from mbcdm_cad.layouts.miso_bevel.tensioning import plan
 from mbcdm_cad.parts.bill import AssemblyStep, cable_item
 from mbcdm_cad.parts.inserts import insert_items, insert_words
-from mbcdm_cad.parts.terminal.dims import Tensioner
 from mbcdm_cad.parts.terminal.instructions import terminal_steps
+from mbcdm_cad.parts.terminal.part import Tensioner
 
 
 def assembly_order(layout: BevelLayout) -> tuple[AssemblyStep, ...]:

@@ -16,8 +16,7 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import AXLE_SCREW, ENCODER_HEAD_S
 from mbcdm_cad.layouts.miso_bevel.support.parts import Frame, TopPlate
 from mbcdm_cad.parts.axle import Axle, Spacer
 from mbcdm_cad.parts.bill import FIXED, Bill, BillBuilder, MovingBody
-from mbcdm_cad.parts.bought.bodies import EncoderBody
-from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.bought.bodies import EncoderBody, screw_places
 from mbcdm_cad.parts.bought.train import add_train
 from mbcdm_cad.parts.drum_sector.items import ENCODER_COLOUR, add_cables, add_drum, add_drum_encoder, add_preload_spring
 from mbcdm_cad.parts.idler_pulley import IdlerPulley

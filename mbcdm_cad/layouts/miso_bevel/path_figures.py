@@ -12,7 +12,7 @@ import numpy as np
 from mbcdm_cad.layouts.miso_bevel.cable_path import axial_walk_mm, fleet_angle_at_deg, winding
 from mbcdm_cad.layouts.miso_bevel.drive import BevelRun
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.routes.cable_path import CablePath
 from mbcdm_cad.routes.curves import Arc, Helix, Piece, Triple
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from mbcdm_cad.layouts.siso_bevel.cable_path import full_input_turn_deg, input_wrap_rad
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.routes.cable_path import EndOfTravel
 
 STATIONS = 9

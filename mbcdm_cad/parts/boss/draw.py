@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import cadquery as cq
+from typing import TYPE_CHECKING
 
 from mbcdm_cad.parts.boss.dims import BossDims
 from mbcdm_cad.parts.shapes import block, cylinder_y
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 
 def boss_bodies(d: BossDims) -> list[cq.Solid]:

@@ -11,12 +11,32 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.design.bought import Bearing, Encoder, Gearhead, InsertSpec, Motor, Screw
-from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS, first_screw_rad
 from mbcdm_cad.parts.drum_shaft import PreloadSpringDims
 from mbcdm_cad.parts.part import BoughtPart
+from mbcdm_cad.parts.shapes import block, cut, cylinder_z, fuse, hexagon_z, turned
 
 if TYPE_CHECKING:
     import cadquery as cq
+
+
+# Width across the ring encoder's two flats over its diameter.
+RING_ENCODER_FLATS = 22.0 / 24.0
+# Screws of a flange begin at this angle from X. Y points to the front of the frame, where its shelves end: two screws
+# lie along X, of three one is at the back, four lie on the diagonals.
+_FIRST_SCREW_DEG = {2: 0.0, 3: -90.0, 4: 45.0}
+
+
+def first_screw_rad(count: int) -> float:
+    """Angle of a flange's first screw from X, seen along -Z."""
+    return _FIRST_SCREW_DEG.get(count, 0.0) * pi / 180.0
+
+
+def screw_places(count: int, radius_mm: float, turn_deg: float = 0.0) -> tuple[tuple[float, float], ...]:
+    """(x, y) of the screws of a flange from its axis, mm, sorted; ``turn_deg``: how far it is turned from X to Y."""
+    angles = [first_screw_rad(count) + turn_deg * pi / 180.0 + 2 * pi * k / count for k in range(count)]
+    # Rounded to a picometre, so that a point on an axis has a coordinate of exactly 0.
+    return tuple(sorted((round(radius_mm * cos(a), 9) + 0.0, round(radius_mm * sin(a), 9) + 0.0) for a in angles))
+
 
 _EDGE = 0.3
 
@@ -30,8 +50,6 @@ def _with_face(
     gearhead: Gearhead, screw: Screw, hole_depth: float, back: list[tuple[float, float]], name: str
 ) -> cq.Solid:
     """A turned body whose outline begins at its ``back``, with the face, pilot, shaft and threads of ``gearhead``."""
-    from mbcdm_cad.parts.shapes import cut, cylinder_z, turned
-
     r = gearhead.diameter_mm / 2
     body = turned(
         [
@@ -61,8 +79,6 @@ class BearingBody(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """Both rings in one body, the shield set back between them."""
-        from mbcdm_cad.parts.shapes import turned
-
         bearing = self.entry
         d, outer, width = bearing.bore_mm / 2, bearing.outer_diameter_mm / 2, bearing.width_mm
         inner_ring, outer_ring = bearing.inner_shoulder_mm / 2, bearing.outer_shoulder_mm / 2
@@ -94,8 +110,6 @@ class InsertBody(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """Insert from z = -length to 0 after setting: as wide as its hole, thread as a plain bore at its diameter."""
-        from mbcdm_cad.parts.shapes import turned
-
         insert = self.entry
         thread, hole, length = insert.thread_mm / 2, insert.hole_mm / 2, insert.length_mm
         return turned([(thread, -length), (hole, -length), (hole, 0.0), (thread, 0.0)], f"insert {insert.name}")
@@ -109,8 +123,6 @@ class MotorBody(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """Motor can, from the gearhead's back (z = 0) downwards to z = -length."""
-        from mbcdm_cad.parts.shapes import turned
-
         motor = self.entry
         r = motor.diameter_mm / 2
         return turned(
@@ -168,8 +180,6 @@ class EncoderBody(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """Encoder on a shaft's end: base at z = 0, blind bore, tapped holes in the base."""
-        from mbcdm_cad.parts.shapes import cut, cylinder_z, turned
-
         encoder, screw, bore_depth, hole_depth = self.entry, self.screw, self.bore_depth, self.hole_depth
         r = encoder.diameter_mm / 2
         top = encoder.length_mm
@@ -192,8 +202,6 @@ class RingEncoderBody(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """Ring encoder screwed on from behind: seat at z = 0, hollow, screw heads sunk ``grip`` above the seat."""
-        from mbcdm_cad.parts.shapes import block, cut, cylinder_z, turned
-
         encoder, screw, grip = self.entry, self.screw, self.grip
         r, top = encoder.diameter_mm / 2, encoder.length_mm
         bore = encoder.bore_mm / 2
@@ -216,8 +224,6 @@ class ScrewBody(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """Socket screw: head's seat at z = 0, head above, thread below (a plain cylinder). Set screws lie at z <= 0."""
-        from mbcdm_cad.parts.shapes import cut, cylinder_z, fuse, hexagon_z
-
         screw = self.entry
         thread = cylinder_z(screw.thread_mm / 2, 0, 0, -screw.length_mm, 0.0)
         if screw.head_height_mm == 0.0:
@@ -236,8 +242,6 @@ class WaveSpring(BoughtPart):
 
     def solid(self) -> cq.Solid:
         """The compressed wave spring as a plain ring, axis Z from z = 0."""
-        from mbcdm_cad.parts.shapes import turned
-
         dims = self.entry
         inner, outer, height = dims.inner_radius, dims.outer_radius, dims.height
         return turned([(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)], "wave spring")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import cos, radians, sin, sqrt
 
 from mbcdm_cad.design.bought import InsertSpec
-from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.parts.terminal.part import Tensioner
 
 # Directions of the hub's two set screws, from +Z towards +X.
 SET_SCREW_ANGLES_DEG = (45.0, 135.0)

@@ -17,8 +17,7 @@ from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.drum_shaft import DrumShaft, DrumShaftDims, PreloadSpringDims
 from mbcdm_cad.parts.placement import Placement
 from mbcdm_cad.parts.ring import Nut
-from mbcdm_cad.parts.terminal.dims import TerminalDims
-from mbcdm_cad.parts.terminal.part import ThreadedTerminal
+from mbcdm_cad.parts.terminal.part import TerminalDims, ThreadedTerminal
 from mbcdm_cad.parts.threads import thread
 from mbcdm_cad.routes.cable_path import CablePath
 

@@ -1,16 +1,26 @@
-"""The drum sector as a part; the pockets of its rim are summed over a grid."""
+"""Drum sector: stepped rim, web with windows and the stop's slot, clamped hub that is the output, lugs at both ends."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, radians
+from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, DrumDims
+from mbcdm_cad.parts.drum_sector.dims import CHAMFER_MM, POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
 from mbcdm_cad.parts.part import MadePart
-from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.parts.shapes import (
+    cut,
+    cylinder,
+    cylinder_y,
+    extruded_y,
+    fuse,
+    prism_y,
+    sector_outline,
+    turned_about_y,
+)
+from mbcdm_cad.parts.terminal.part import Tensioner
 from mbcdm_cad.parts.volume import CORNER, ring_mm3
 
 if TYPE_CHECKING:
@@ -60,6 +70,135 @@ def _lug_mm3(d: DrumDims, t: Tensioner) -> float:
     return length * ((d.flat_wall + d.lug_half_width) * depth - slot)
 
 
+def _sector(dims: DrumDims) -> cq.Solid:
+    lands = dims.lands
+    profile = [(dims.rim_inner_radius, lands[0].y_start)]
+    for land in lands:
+        profile += [(land.surface_radius_mm, land.y_start), (land.surface_radius_mm, land.y_end)]
+    profile.append((dims.rim_inner_radius, lands[-1].y_end))
+    half = dims.half_angle_deg
+    rim = turned_about_y(profile, -half, 2 * half, "drum rim")
+    y = dims.web_start_y
+    # The web is drawn with its openings: to cut them out of the drum takes the kernel a quarter of all its time for it.
+    openings = [
+        sector_outline(w.r_inner, w.r_outer, w.start_deg, w.end_deg, y, dims.corner_radius) for w in dims.windows
+    ]
+    outline = sector_outline(dims.hub_radius - 1.0, dims.rim_inner_radius + 1.0, -half, half, y)
+    web = extruded_y(outline, dims.web_end_y - y, [*openings, _stop_slot(dims, y)])
+    hub_profile = [
+        (dims.bore_radius, dims.spigot_y),
+        (dims.spigot_radius, dims.spigot_y),
+        (dims.spigot_radius, dims.hub_start_y),
+        (dims.hub_radius, dims.hub_start_y),
+        (dims.hub_radius, dims.hub_face_y - CHAMFER_MM),
+        (dims.hub_radius - CHAMFER_MM, dims.hub_face_y),
+        (dims.bore_radius, dims.hub_face_y),
+    ]
+    hub = turned_about_y(hub_profile, 0.0, 360.0, "drum hub")
+    return fuse([rim, web, hub], "drum")
+
+
+def _box(
+    t: Tensioner, s: tuple[float, float], n: tuple[float, float], y: tuple[float, float], radius: float = 0.0
+) -> cq.Solid:
+    """Between limits along the terminal and across it; with ``radius`` the corners an end mill along Y leaves."""
+    corners = [t.at(s[0], n[0]), t.at(s[1], n[0]), t.at(s[1], n[1]), t.at(s[0], n[1])]
+    return prism_y(corners, *y, radius)
+
+
+def _pocket(dims: DrumDims, t: Tensioner) -> cq.Solid:
+    """Room for the swage before the lug and for the nuts behind it, open towards the drum's inner face."""
+    inner = dims.lands[0].y_start - 1.0
+    outer = dims.lands[-1].y_end + 1.0
+
+    def depth(half: float) -> float:
+        return outer if t.cut_through else t.y_mm + half
+
+    swage, nuts, top, r = dims.swage_pocket, dims.nut_pocket, t.pocket_top, dims.pocket_radius
+    low = -dims.flat_wall
+    rooms = [
+        _box(t, (t.slack_start - POCKET_LEAD_MM, t.lug_start), (low, top), (inner, depth(swage)), r),
+        _box(t, (t.lug_end, t.pocket_end), (-nuts, top), (inner, depth(nuts)), r),
+        # Around the lug, which is added again later; outside it the cutter passes through and leaves no corners.
+        _box(t, (t.lug_start, t.lug_end), (low, top), (inner, depth(swage))),
+        _box(t, (t.lug_start - r, t.lug_end + r), (dims.lug_half_width, top), (inner, depth(swage))),
+    ]
+    # One tool, because the kernel fails with tools that touch each other in one boolean.
+    return fuse(rooms, f"pocket of {t.cable_name}")
+
+
+def _lug(dims: DrumDims, t: Tensioner) -> cq.Solid:
+    outer = dims.lands[-1].y_end
+    return _box(
+        t,
+        (t.lug_start, t.lug_end),
+        # It reaches into the rim but no deeper, because the cable of the next land may run below.
+        (-dims.lug_root(t), dims.lug_half_width),
+        (t.y_mm - dims.lug_half_width, outer),
+    )
+
+
+def _stud_slot(dims: DrumDims, t: Tensioner) -> cq.Solid:
+    """Slot of the lug, open towards the inner face: the stud is inserted sideways, and the cable holds it there."""
+    import cadquery as cq
+
+    r, start = dims.stud_hole_radius, t.lug_start - 0.5
+
+    def at(n: float, y: float) -> cq.Vector:
+        x, z = t.at(start, n)
+        return cq.Vector(x, y, z)
+
+    inner = t.y_mm - dims.nut_pocket - 1.0
+    outline = cq.Wire.assembleEdges(
+        [
+            cq.Edge.makeThreePointArc(at(-r, t.y_mm), at(0.0, t.y_mm + r), at(r, t.y_mm)),
+            cq.Edge.makeLine(at(r, t.y_mm), at(r, inner)),
+            cq.Edge.makeLine(at(r, inner), at(-r, inner)),
+            cq.Edge.makeLine(at(-r, inner), at(-r, t.y_mm)),
+        ]
+    )
+    along = cq.Vector(t.side * cos(t.anchor_rad), 0.0, -sin(t.anchor_rad))
+    return cq.Solid.extrudeLinear(outline, [], along * (t.lug_end - t.lug_start + 1.0))
+
+
+def _stop_slot(dims: DrumDims, y: float) -> cq.Wire:
+    """Outline at ``y`` of the slot along an arc, its ends round."""
+    import cadquery as cq
+
+    half, end = dims.stop_slot_width / 2, dims.stop_slot_end_deg
+
+    def at(radius: float, deg: float) -> cq.Vector:
+        return cq.Vector(radius * sin(radians(deg)), y, radius * cos(radians(deg)))
+
+    def round_end(deg: float, sense: float) -> tuple[cq.Vector, cq.Vector, cq.Vector]:
+        tip = at(dims.stop_radius, deg) + cq.Vector(cos(radians(deg)), 0.0, -sin(radians(deg))) * (sense * half)
+        return at(dims.stop_radius - half, deg), tip, at(dims.stop_radius + half, deg)
+
+    first, last = round_end(-end, -1.0), round_end(end, 1.0)
+    return cq.Wire.assembleEdges(
+        [
+            cq.Edge.makeThreePointArc(first[2], at(dims.stop_radius + half, 0.0), last[2]),
+            cq.Edge.makeThreePointArc(last[2], last[1], last[0]),
+            cq.Edge.makeThreePointArc(last[0], at(dims.stop_radius - half, 0.0), first[0]),
+            cq.Edge.makeThreePointArc(first[0], first[1], first[2]),
+        ]
+    )
+
+
+def _hub_holes(dims: DrumDims, set_screw_thread: float) -> list[cq.Shape]:
+    tools: list[cq.Shape] = []
+    for x, z in dims.payload_places:
+        tools.append(cylinder_y(dims.payload_hole / 2, x, z, dims.hub_face_y - dims.payload_depth, dims.hub_face_y + 1))
+    if dims.dowels is not None:
+        d, face, back = dims.dowels, dims.hub_face_y, dims.hub_start_y
+        tools += [cylinder_y(d.radius, x, z, face - d.face_depth, face + 1) for x, z in d.places(d.face_angles_deg)]
+        tools += [cylinder_y(d.radius, x, z, back - 1, back + d.back_depth) for x, z in d.places(d.back_angles_deg)]
+    for deg in SET_SCREW_ANGLES_DEG:
+        direction = (sin(radians(deg)), 0.0, cos(radians(deg)))
+        tools.append(cylinder(set_screw_thread / 2, (0.0, dims.set_screw_y, 0.0), direction, dims.hub_radius + 1.0))
+    return tools
+
+
 @dataclass(frozen=True)
 class DrumSector(MadePart):
     """Drum sector about +Y with the drum at 0; the thread of its set screws in mm."""
@@ -68,10 +207,16 @@ class DrumSector(MadePart):
     set_screw_thread: float
 
     def solid(self) -> cq.Solid:
-        """Drawn by ``draw.py`` beside this module."""
-        from mbcdm_cad.parts.drum_sector.draw import create_drum
-
-        return create_drum(self.dims, self.set_screw_thread)
+        """Drum sector, one solid, where it stands with the drum centred. ``set_screw_thread`` in mm."""
+        dims, set_screw_thread = self.dims, self.set_screw_thread
+        body: cq.Shape = _sector(dims)
+        tools: list[cq.Shape] = []
+        if dims.tensioners:
+            body = body.cut(*(_pocket(dims, t) for t in dims.tensioners))
+            body = body.fuse(*(_lug(dims, t) for t in dims.tensioners)).clean()
+        tools += [_stud_slot(dims, t) for t in dims.tensioners]
+        tools += _hub_holes(dims, set_screw_thread)
+        return cut(body, tools, "drum")
 
     def volume_mm3(self) -> float:
         """Rim, web and hub less windows, slot and holes; pockets by a sum over a grid of the rim."""

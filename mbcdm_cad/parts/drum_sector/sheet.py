@@ -9,6 +9,7 @@ from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import (
     Angle,
     FitLine,
+    Holes,
     Label,
     Linear,
     Radius,
@@ -22,7 +23,7 @@ from mbcdm_cad.parts.sheets.description import (
     Z,
     minus,
 )
-from mbcdm_cad.parts.sheets.holes import Holes, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.holes import hole_labels, hole_table, position_table
 from mbcdm_cad.parts.sheets.words import mm, mm3
 
 _REAR, _SECTION, _HUB = "rear", "section", "hub"

@@ -13,7 +13,7 @@ from math import asin, atan2, degrees, hypot, radians, sin, sqrt, tan
 from mbcdm_cad.parts.drum_sector.design import SectorDrive, SectorLevels, SectorRun
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims, Land, Window
 from mbcdm_cad.parts.drum_shaft import FLAT_DEPTH_MM, DrumShaftDims, PreloadSpringDims
-from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.parts.terminal.part import Tensioner
 
 # Clamps the hub on the shaft, twice.
 HUB_SCREW = "M3x5-set"

@@ -8,7 +8,7 @@ from math import radians
 from mbcdm_cad.model.structure.drum_sector import Hub, LandPull
 from mbcdm_cad.model.structure.sector_mesh import Opening, Pocket, RimStep, SectorShape
 from mbcdm_cad.parts.drum_sector.dims import POCKET_LEAD_MM, SET_SCREW_ANGLES_DEG, DrumDims
-from mbcdm_cad.parts.terminal.dims import Tensioner
+from mbcdm_cad.parts.terminal.part import Tensioner
 
 
 def sector_shape(d: DrumDims) -> SectorShape:

@@ -1,4 +1,4 @@
-"""The input pulley as a part."""
+"""Input pulley: two steps, smooth or grooved, journals for bearings and encoder, slit bore for the gearhead."""
 
 from __future__ import annotations
 

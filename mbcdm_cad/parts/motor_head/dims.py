@@ -18,7 +18,7 @@ from math import sqrt
 from typing import Any, Protocol
 
 from mbcdm_cad.design.bought import Gearhead, Material, Motor, Screw
-from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.collar import collar_over_shelf_mm, collar_sweep_mm
 from mbcdm_cad.parts.drum_sector.design import Clearances, SectorBearings, SectorDrive
 

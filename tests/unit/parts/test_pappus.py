@@ -10,8 +10,8 @@ import numpy as np
 
 from mbcdm_cad.design.drive import Drive
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.layouts.miso_bevel.support.top_plate import create_top_plate
-from mbcdm_cad.parts.drum_sector.draw import create_drum
+from mbcdm_cad.layouts.miso_bevel.support.parts import TopPlate
+from mbcdm_cad.parts.drum_sector.part import DrumSector
 from mbcdm_cad.parts.input_pulley.draw import create_input_pulley
 
 TOLERANCE = 1e-9
@@ -185,7 +185,7 @@ def test_top_plate(drive: Drive, dims: BevelLayout) -> None:
     head = ring(t.screw_head_radius, 0.0, t.screw_head_depth)
     holes += len(t.screws) * (ring(t.screw_clearance, 0.0, thick - t.screw_head_depth) + head)
     holes += len(t.dowels) * ring(t.dowel_radius, 0.0, thick)
-    close(create_top_plate(t, head_radius, head_depth), area * thick - holes, "top plate")
+    close(TopPlate(t, head_radius, head_depth).solid(), area * thick - holes, "top plate")
 
 
 def radial_hole(radius: float, inner: float, outer: float) -> float:
@@ -210,5 +210,5 @@ def test_drum_without_terminals_and_windows(dims: BevelLayout) -> None:
     holes = slot_area * (d.web_end_y - d.web_start_y)
     holes += 4 * ring(d.payload_hole / 2, 0.0, d.payload_depth)
     holes += 2 * radial_hole(thread / 2, d.bore_radius, d.hub_radius)
-    error = create_drum(d, thread).Volume() / (share * (rim + web) + hub - holes) - 1
+    error = DrumSector(d, thread).solid().Volume() / (share * (rim + web) + hub - holes) - 1
     assert abs(error) < 1e-6, f"{error:+.2e}"

@@ -11,7 +11,7 @@ from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.miso_bevel.bill import bill
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
-from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 
 
 def box_mm(s: BevelLayout) -> tuple[float, float, float]:

@@ -16,8 +16,8 @@ from mbcdm_cad.layouts.miso_bevel.support.dims import (
     HEAD_ROOM_MM,
     dowel_length_mm,
 )
-from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.motor_head.dims import CouplingBox
+from mbcdm_cad.parts.volume import pocket_corner_mm
 
 # A screw's head may overlap the pocket's rounded corner by its own edge rounding (ISO 4762: under-head edge).
 HEAD_EDGE_MM = 0.02

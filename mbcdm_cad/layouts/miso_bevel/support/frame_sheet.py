@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import FrameDims
-from mbcdm_cad.parts.corners import pocket_corner_mm
 from mbcdm_cad.parts.fits import FITS
 from mbcdm_cad.parts.sheets.description import (
     CuttingLine,
     FitLine,
+    Holes,
     Linear,
     Radius,
     Sheet,
@@ -20,8 +20,9 @@ from mbcdm_cad.parts.sheets.description import (
     Z,
     minus,
 )
-from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, outside_bore, position_table
+from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
 from mbcdm_cad.parts.sheets.words import mm
+from mbcdm_cad.parts.volume import pocket_corner_mm
 
 
 def _from_above(d: FrameDims) -> tuple[Holes, ...]:

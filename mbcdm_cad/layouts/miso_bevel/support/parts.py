@@ -1,4 +1,9 @@
-"""Volumes of frame and top plate in closed form, for the estimate of mass."""
+"""Frame and top plate of the support.
+
+The frame is one block, milled from the front in four pockets, bored for the drum's shaft along Y. The plate holds the
+upper bearings of the input pulleys from below, located by dowels; on it are the encoders or, with motors above, a
+coupling box for each gearhead, in one piece with the plate.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +12,15 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from mbcdm_cad.layouts.miso_bevel.support.dims import EncoderHoles, FrameDims, TopPlateDims
-from mbcdm_cad.parts.motor_head.part import coupling_box_mm3
+from mbcdm_cad.parts.motor_head.part import box_body, box_tools, coupling_box_mm3, rounded
 from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.shapes import block, cut, cylinder, cylinder_y, cylinder_z, fuse, pocket_y
 from mbcdm_cad.parts.volume import CORNER, pocket_mm3, ring_mm3, segment_mm2
 
 if TYPE_CHECKING:
     import cadquery as cq
 
     from mbcdm_cad.parts.sheets.description import Sheet
-
-
-def frame_mm3(d: FrameDims) -> float:
-    """Block, column and boss less pockets, bores and holes."""
-    return _body_mm3(d) - _pockets_mm3(d) - _drum_bores_mm3(d) - _holes_mm3(d)
 
 
 def _body_mm3(d: FrameDims) -> float:
@@ -97,24 +98,102 @@ def _sunk_mm3(d: EncoderHoles, thick: float) -> float:
     return ring_mm3(d.clearance, 0.0, thick) + ring_mm3(d.head_radius, d.clearance, d.head_depth)
 
 
-def top_plate_mm3(d: TopPlateDims, encoder_head_radius: float, encoder_head_depth: float) -> float:
-    """Plate less seats and holes, with the coupling boxes on it."""
+def _body(d: FrameDims) -> cq.Solid:
+    import cadquery as cq
+
     v = d.levels
-    t = v.top_plate_top_z - v.top_plate_bottom_z
-    area = 2 * v.side_outer_x * (v.front_y - v.back_y) - 4 * CORNER * d.corner_radius**2
-    at_input = ring_mm3(d.shoulder_radius, 0.0, t) + ring_mm3(d.seat_radius, d.shoulder_radius, d.seat_depth)
-    encoder = ring_mm3(d.encoder_screw_clearance, 0.0, t)
-    encoder += ring_mm3(encoder_head_radius, d.encoder_screw_clearance, encoder_head_depth)
-    screw = ring_mm3(d.screw_clearance, 0.0, t) + ring_mm3(d.screw_head_radius, d.screw_clearance, d.screw_head_depth)
-    if d.box is not None:
-        at_input = -coupling_box_mm3(d.box)
-    return (
-        area * t
-        - ring_mm3(d.axle_radius, 0.0, t)
-        - len(d.input_x) * (at_input + d.encoder_screw_count * encoder)
-        - len(d.screws) * screw
-        - len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, t)
+    upper = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (v.shelf_bottom_z, v.top_plate_bottom_z))
+    upper = cq.Workplane(obj=upper).edges("|Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
+    column = block((-d.boss_radius, d.boss_radius), (v.back_y, v.front_y), (0.0, v.shelf_bottom_z))
+    boss = cylinder_y(d.boss_radius, 0.0, 0.0, d.encoder_pocket_floor_y, v.boss_front_y)
+    ears = block(
+        (-d.ear_reach, d.ear_reach),
+        (d.encoder_pocket_floor_y, d.ear_front_y),
+        (-d.ear_half_height, d.ear_half_height),
     )
+    return fuse([upper, column, boss, ears], "frame")
+
+
+def _pockets(d: FrameDims) -> list[cq.Shape]:
+    v = d.levels
+    y = (v.pocket_floor_y, v.front_y + 1.0)
+    r = d.corner_radius
+    side = v.side_inner_x
+    tools: list[cq.Shape] = [
+        # Open at the top: the rounded corners there fall outside the block.
+        pocket_y(
+            (-side, side), (d.upper_floor_y, y[1]), (v.bearing_shelf_top_z, v.top_plate_bottom_z + 2 * r + 1.0), r
+        ),
+        pocket_y((d.web_half_width, side), y, (v.shelf_top_z, v.bearing_shelf_bottom_z), r),
+        pocket_y((-side, -d.web_half_width), y, (v.shelf_top_z, v.bearing_shelf_bottom_z), r),
+    ]
+    if d.has_column_pocket:
+        inner = d.boss_radius - d.rib_thickness
+        tools.append(pocket_y((-inner, inner), y, (d.column_pocket_bottom_z, v.shelf_bottom_z), r))
+    return tools
+
+
+def _drum_bores(d: FrameDims) -> list[cq.Shape]:
+    v = d.levels
+    across = d.boss_radius + 1.0
+    tools: list[cq.Shape] = [
+        block((-across, across), (v.back_y - 1.0, d.encoder_pocket_floor_y), (-across, d.column_start_z)),
+        cylinder_y(d.encoder_pocket_radius, 0, 0, v.back_y - 1.0, d.encoder_pocket_floor_y),
+        cylinder_y(d.drum_seat_radius, 0, 0, v.back_y - 1.0, d.rear_seat_end_y),
+        cylinder_y(d.drum_shoulder_radius, 0, 0, d.rear_seat_end_y - 1.0, d.front_seat_start_y + 1.0),
+        cylinder_y(d.drum_seat_radius, 0, 0, d.front_seat_start_y, v.boss_front_y + 1.0),
+    ]
+    for sign in (-1, 1):
+        x = sign * d.encoder_screw_circle
+        start = d.encoder_pocket_floor_y - 1.0
+        tools.append(cylinder_y(d.encoder_screw_radius, x, 0, start, start + 1.0 + d.encoder_screw_depth))
+    return tools
+
+
+def _input_holes(d: FrameDims) -> list[cq.Shape]:
+    v = d.levels
+    tools: list[cq.Shape] = []
+    below, above = v.shelf_bottom_z - 1.0, v.shelf_top_z + 1.0
+    for x in d.input_x:
+        y = d.input_y
+        if d.carries_drives:
+            tools.append(cylinder_z(d.pilot_radius, x, y, below, above))
+        tools.append(cylinder_z(d.seat_shoulder_radius, x, y, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
+        tools.append(cylinder_z(d.seat_radius, x, y, v.bearing_shelf_top_z - d.seat_depth, v.bearing_shelf_top_z + 1.0))
+        if d.encoder_holes is not None:
+            tools += _encoder_holes(d, d.encoder_holes, x)
+            continue
+        for at in d.gear_screws_at(x):
+            tools.append(cylinder_z(d.gear_screw_clearance, *at, below, above))
+            tools.append(cylinder_z(d.key_hole_radius, *at, v.bearing_shelf_bottom_z - 1.0, v.bearing_shelf_top_z))
+    return tools
+
+
+def _encoder_holes(d: FrameDims, holes: EncoderHoles, x: float) -> list[cq.Shape]:
+    """In the bearing shelf, heads sunk from above."""
+    low, high = d.levels.bearing_shelf_bottom_z - 1.0, d.levels.bearing_shelf_top_z
+    tools: list[cq.Shape] = []
+    for at in holes.places(x):
+        tools.append(cylinder_z(holes.clearance, at, d.input_y, low, high + 1.0))
+        tools.append(cylinder_z(holes.head_radius, at, d.input_y, high - holes.head_depth, high + 1.0))
+    return tools
+
+
+def _fixing_holes(d: FrameDims) -> list[cq.Shape]:
+    v = d.levels
+    shelf_z = (v.bearing_shelf_bottom_z + v.bearing_shelf_top_z) / 2
+    tools: list[cq.Shape] = [
+        cylinder_z(d.axle_radius, 0, 0, v.bearing_shelf_bottom_z, v.bearing_shelf_top_z + 1.0),
+        cylinder(d.axle_screw_radius, (0, 0, shelf_z), (0, 1, 0), v.front_y + 1.0),
+        cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, d.stop_pin_start_y, v.front_y + 1.0),
+    ]
+    top = v.top_plate_bottom_z
+    tools += [cylinder_z(d.plate_screw_radius, x, y, top - d.plate_screw_depth, top + 1.0) for x, y in d.plate_screws]
+    tools += [cylinder_z(d.dowel_radius, x, y, top - d.dowel_depth, top + 1.0) for x, y in d.dowels]
+    for x, z in d.mounts:
+        tools.append(cylinder_y(d.mount_radius, x, z, v.back_y - 1.0, v.pocket_floor_y + 1.0))
+        tools.append(cylinder_y(d.mount_head_radius, x, z, d.mount_seat_y, v.pocket_floor_y + 1.0))
+    return tools
 
 
 @dataclass(frozen=True)
@@ -124,14 +203,14 @@ class Frame(MadePart):
     dims: FrameDims
 
     def solid(self) -> cq.Solid:
-        """Drawn by ``frame.py`` beside this module."""
-        from mbcdm_cad.layouts.miso_bevel.support.frame import create_frame
-
-        return create_frame(self.dims)
+        """Frame in its position in the assembly."""
+        dims = self.dims
+        return cut(_body(dims), _pockets(dims) + _drum_bores(dims) + _input_holes(dims) + _fixing_holes(dims), "frame")
 
     def volume_mm3(self) -> float:
-        """Closed form, mm^3."""
-        return frame_mm3(self.dims)
+        """Block, column and boss less pockets, bores and holes."""
+        d = self.dims
+        return _body_mm3(d) - _pockets_mm3(d) - _drum_bores_mm3(d) - _holes_mm3(d)
 
     def sheet(self, part: str) -> Sheet:
         """Described by ``frame_sheet.py`` beside this module."""
@@ -149,14 +228,52 @@ class TopPlate(MadePart):
     encoder_head_depth: float
 
     def solid(self) -> cq.Solid:
-        """Drawn by ``top_plate.py`` beside this module."""
-        from mbcdm_cad.layouts.miso_bevel.support.top_plate import create_top_plate
-
-        return create_top_plate(self.dims, self.encoder_head_radius, self.encoder_head_depth)
+        """Top plate where it stands in the assembly; the encoders' screws are sunk in its underside."""
+        dims, encoder_head_radius, encoder_head_depth = self.dims, self.encoder_head_radius, self.encoder_head_depth
+        v = dims.levels
+        low, high = v.top_plate_bottom_z, v.top_plate_top_z
+        plate = block((-v.side_outer_x, v.side_outer_x), (v.back_y, v.front_y), (low, high))
+        body = rounded(plate, dims.corner_radius)
+        tools: list[cq.Shape] = [cylinder_z(dims.axle_radius, 0, 0, low - 1.0, high + 1.0)]
+        if dims.boxes:
+            body = fuse(
+                [body, *(box_body(box).translate((x, dims.input_y, 0.0)) for x, box in dims.boxes)], "top plate"
+            )
+            tools += [tool.translate((x, dims.input_y, 0.0)) for x, box in dims.boxes for tool in box_tools(box)]
+        for x in dims.input_x if dims.box is None else ():
+            tools.append(cylinder_z(dims.seat_radius, x, dims.input_y, low - 1.0, low + dims.seat_depth))
+            tools.append(cylinder_z(dims.shoulder_radius, x, dims.input_y, low, high + 1.0))
+            for sign in (-1, 1):
+                hole_x = x + sign * dims.encoder_circle_radius
+                tools.append(cylinder_z(dims.encoder_screw_clearance, hole_x, dims.input_y, low - 1.0, high + 1.0))
+                tools.append(cylinder_z(encoder_head_radius, hole_x, dims.input_y, low - 1.0, low + encoder_head_depth))
+        for x, y in dims.screws:
+            tools.append(cylinder_z(dims.screw_clearance, x, y, low - 1.0, high + 1.0))
+            tools.append(cylinder_z(dims.screw_head_radius, x, y, high - dims.screw_head_depth, high + 1.0))
+        tools += [cylinder_z(dims.dowel_radius, x, y, low - 1.0, high + 1.0) for x, y in dims.dowels]
+        return cut(body, tools, "top plate")
 
     def volume_mm3(self) -> float:
-        """Closed form, mm^3."""
-        return top_plate_mm3(self.dims, self.encoder_head_radius, self.encoder_head_depth)
+        """Plate less seats and holes, with the coupling boxes on it."""
+        d, encoder_head_radius, encoder_head_depth = self.dims, self.encoder_head_radius, self.encoder_head_depth
+        v = d.levels
+        t = v.top_plate_top_z - v.top_plate_bottom_z
+        area = 2 * v.side_outer_x * (v.front_y - v.back_y) - 4 * CORNER * d.corner_radius**2
+        at_input = ring_mm3(d.shoulder_radius, 0.0, t) + ring_mm3(d.seat_radius, d.shoulder_radius, d.seat_depth)
+        encoder = ring_mm3(d.encoder_screw_clearance, 0.0, t)
+        encoder += ring_mm3(encoder_head_radius, d.encoder_screw_clearance, encoder_head_depth)
+        screw = ring_mm3(d.screw_clearance, 0.0, t) + ring_mm3(
+            d.screw_head_radius, d.screw_clearance, d.screw_head_depth
+        )
+        if d.box is not None:
+            at_input = -coupling_box_mm3(d.box)
+        return (
+            area * t
+            - ring_mm3(d.axle_radius, 0.0, t)
+            - len(d.input_x) * (at_input + d.encoder_screw_count * encoder)
+            - len(d.screws) * screw
+            - len(d.dowels) * ring_mm3(d.dowel_radius, 0.0, t)
+        )
 
     def sheet(self, part: str) -> Sheet:
         """Described by ``top_plate_sheet.py`` beside this module."""

@@ -1,13 +1,171 @@
-"""Sheet of the top plate."""
+"""Sheet of the top plate, plain or with a coupling box for each gearhead."""
 
 from __future__ import annotations
 
-from mbcdm_cad.layouts.miso_bevel.support.boxed_plate_sheet import boxed_plate_sheet
 from mbcdm_cad.layouts.miso_bevel.support.dims import TopPlateDims
-from mbcdm_cad.layouts.miso_bevel.support.plate_holes import mounting_holes
 from mbcdm_cad.parts.fits import FITS
-from mbcdm_cad.parts.sheets.description import CuttingLine, Linear, Radius, Sheet, View, X, Y, Z
-from mbcdm_cad.parts.sheets.holes import THROUGH, Holes, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.motor_head.dims import CouplingBox
+from mbcdm_cad.parts.sheets.description import CuttingLine, Holes, Linear, Radius, Sheet, Side, View, X, Y, Z
+from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, outside_bore, position_table
+from mbcdm_cad.parts.sheets.words import mm
+from mbcdm_cad.parts.volume import pocket_corner_mm
+
+
+def mounting_holes(d: TopPlateDims) -> tuple[Holes, Holes, Holes]:
+    """Holes A for the guide's axle, D for the screws and E for the dowels, drilled along Z from the top."""
+    high = d.levels.top_plate_top_z
+    return (
+        Holes("A", 2 * d.axle_radius, THROUGH, ((0.0, 0.0, high),), "top", "guide axle", fit=FITS["axle_bore"].code),
+        Holes(
+            "D",
+            2 * d.screw_clearance,
+            THROUGH,
+            tuple((x, y, high) for x, y in d.screws),
+            "top",
+            "screws",
+            counterbore=(2 * d.screw_head_radius, d.screw_head_depth, ""),
+        ),
+        Holes(
+            "E",
+            2 * d.dowel_radius,
+            THROUGH,
+            tuple((x, y, high) for x, y in d.dowels),
+            "top",
+            "dowels",
+            fit=FITS["pin_slide"].code,
+        ),
+    )
+
+
+def _boxed_holes(d: TopPlateDims, box: CouplingBox) -> tuple[Holes, ...]:
+    """All along Z, from the faces that they are drilled from."""
+    gear_screws = tuple((x + dx, d.input_y + dy) for x, at in d.boxes for dx, dy in at.gear_screws)
+    keys = tuple(
+        (x + dx, d.input_y + dy, z)
+        for x, at in d.boxes
+        for dx, dy, z in outside_bore(
+            tuple((dx, dy, box.bottom_z) for dx, dy in at.gear_screws),
+            box.gear_bolt_circle + box.key_hole_radius,
+            box.shoulder_radius,
+        )
+    )
+    axle, screws, dowels = mounting_holes(d)
+    groups = (
+        axle,
+        Holes(
+            "B",
+            2 * box.shoulder_radius,
+            THROUGH,
+            tuple((x, d.input_y, box.bottom_z) for x in d.input_x),
+            "below",
+            "bearing seats",
+            counterbore=(2 * box.seat_radius, box.seat_depth, FITS["input_seat"].code),
+        ),
+        Holes("C", 2 * box.key_hole_radius, THROUGH, keys, "below", "key for gearhead screws"),
+        screws,
+        dowels,
+        Holes(
+            "F",
+            2 * box.pilot_radius,
+            THROUGH,
+            tuple((x, d.input_y, box.top_z) for x in d.input_x),
+            "motor shelf",
+            "gearheads",
+            fit=FITS["pilot"].code,
+        ),
+        Holes(
+            "G",
+            2 * box.gear_screw_clearance,
+            THROUGH,
+            tuple((x, y, box.top_z) for x, y in gear_screws),
+            "motor shelf",
+            "gearhead screws",
+        ),
+    )
+    return tuple(group for group in groups if group.places)
+
+
+def boxed_plate_sheet(part: str, d: TopPlateDims, box: CouplingBox) -> Sheet:
+    """From above, and a section through the inputs' axes with all heights from the lower face."""
+    v, holes = d.levels, _boxed_holes(d, box)
+    low, high, x, r = v.top_plate_bottom_z, v.top_plate_top_z, v.side_outer_x, d.corner_radius
+    at, y, edge, half = max(d.input_x), d.input_y, box.corner_radius, 0.5**0.5
+    inner_corner = pocket_corner_mm(box.corner_radius, 2 * box.inner_x, box.shelf_bottom_z - box.flange_top_z)
+    marks = []
+    for group in holes:
+        reach = group.reach + 0.8
+        for px, py, pz in group.places:
+            marks += [((px - reach, py, pz), (px + reach, py, pz)), ((px, py - reach, pz), (px, py + reach, pz))]
+
+    def tall(top: float, start_x: float) -> Linear:
+        return Linear("section", (-x, y, low), (start_x, y, top), top - low, "left", decimals=3)
+
+    def wide(half_width: float, z: float, side: Side, what: str) -> Linear:
+        ends = ((at - half_width, y, z), (at + half_width, y, z))
+        return Linear("section", *ends, 2 * half_width, side, suffix=what)
+
+    def deep(from_y: float, what: str) -> Linear:
+        """To the front of the boxes."""
+        left = -at - box.outer_x + edge
+        ends = ((left, from_y, high), (left, front, high))
+        return Linear("top", *ends, front - from_y, "left", suffix=what, decimals=3)
+
+    front, back = y + box.front_y, y + box.back_y
+    return Sheet(
+        part=part,
+        title="Top plate",
+        paper="A3",
+        views=(
+            View(
+                "section",
+                right=X,
+                up=Z,
+                row=1,
+                title="A-A",
+                cut=(0.0, y, 0.0),
+                axes=tuple(((px, y, low), (px, y, box.top_z)) for px in d.input_x),
+            ),
+            View("top", right=X, up=Y, hidden=True, axes=tuple(marks)),
+        ),
+        dimensions=(
+            tall(high, -x),
+            tall(box.shelf_bottom_z, -at - box.inner_x),
+            tall(box.top_z, -at - box.outer_x),
+            wide(box.outer_x, box.top_z, "above", " box"),
+            wide(box.inner_x, box.shelf_bottom_z, "above", " pocket"),
+            Linear("top", (-x, v.back_y + r, high), (x, v.back_y + r, high), 2 * x, "below"),
+            Linear("top", (-x, v.back_y + r, high), (0.0, 0.0, high), x, "below"),
+            Linear("top", (x - r, v.back_y, high), (x - r, v.front_y, high), v.front_y - v.back_y, "right", decimals=3),
+            Linear("top", (0.0, 0.0, high), (x - r, v.front_y, high), v.front_y, "right", decimals=3),
+            deep(back, " boxes"),
+            deep(v.back_y, " front of boxes"),
+            Radius(
+                "top",
+                (r - x, v.front_y - r, high),
+                (r - x - half * r, v.front_y - r + half * r, high),
+                r,
+                prefix="4x ",
+            ),
+            Radius(
+                "top",
+                (at - box.outer_x + edge, back + edge, box.top_z),
+                (at - box.outer_x + edge - half * edge, back + edge - half * edge, box.top_z),
+                edge,
+                prefix="8x ",
+            ),
+        ),
+        labels=hole_labels(tuple(group for group in holes if group.letter != "C"), "top"),
+        cutting_lines=(CuttingLine("top", (-x - 4.0, y, low), (x + 4.0, y, low), "A", Y),),
+        tables=(hole_table(holes), position_table(holes, (0, 1), "Positions from the axis of hole A")),
+        holes=holes,
+        fits=tuple(line for group in holes for line in group.fit_lines()),
+        notes=(
+            "Plate and boxes in one piece; each box and its pocket symmetrical to the axis of B.",
+            f"Pockets from the front, {mm(box.inner_x)} behind the axes of B; their corners R{mm(inner_corner, 3)}.",
+            "F on the axis of B within 0.02. Bearing seats Ra 0.8, their shoulders flat within 0.01 to the lower face.",
+            "Lower face and motor shelf Ra 1.6, parallel within 0.02.",
+        ),
+    )
 
 
 def _holes(d: TopPlateDims, head_radius: float, head_depth: float) -> tuple[Holes, ...]:

@@ -15,7 +15,7 @@ from mbcdm_cad.checks.estimated_mass import mass_check
 from mbcdm_cad.checks.terminals import bodies_of
 from mbcdm_cad.layouts.siso_bevel.bill import bill
 from mbcdm_cad.layouts.siso_bevel.layout import DirectLayout
-from mbcdm_cad.parts.bought.dims import RING_ENCODER_FLATS
+from mbcdm_cad.parts.bought.bodies import RING_ENCODER_FLATS
 
 
 def frame_front(s: DirectLayout) -> Comparison:

@@ -1,25 +1,38 @@
-"""Volume of the frame in closed form, for the estimate of mass."""
+"""Frame: plate with boss and yoke, milled from one block, with bores from behind for drum and input."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from mbcdm_cad.design.bought import InsertSpec
 from mbcdm_cad.layouts.siso_spur.support.dims import YokeDims
+from mbcdm_cad.parts.boss.draw import boss_bodies, boss_tools
+from mbcdm_cad.parts.fits import FITS
+from mbcdm_cad.parts.motor_head.dims import Places
 from mbcdm_cad.parts.part import MadePart
+from mbcdm_cad.parts.shapes import block, cut, cylinder_y, fuse
+from mbcdm_cad.parts.sheets.description import (
+    CuttingLine,
+    FitLine,
+    Holes,
+    Linear,
+    Radius,
+    Sheet,
+    Side,
+    View,
+    X,
+    Y,
+    Z,
+    minus,
+)
+from mbcdm_cad.parts.sheets.holes import THROUGH, hole_labels, hole_table, position_table
+from mbcdm_cad.parts.sheets.words import mm
 from mbcdm_cad.parts.volume import CORNER, ring_mm3
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-    from mbcdm_cad.parts.sheets.description import Sheet
-
-
-def yoke_mm3(d: YokeDims) -> float:
-    """Plate, boss and yoke less bores and holes."""
-    thick = d.levels.front_y - d.levels.plate_back_y
-    return arm_mm3(d) + pi * d.half_width**2 / 2 * thick + boss_mm3(d)
 
 
 def arm_mm3(d: YokeDims) -> float:
@@ -71,6 +84,145 @@ def _holes_mm3(d: YokeDims) -> float:
     )
 
 
+def yoke_bodies(d: YokeDims) -> list[cq.Shape]:
+    """Plate from the drum's axis past the input, and the yoke on it."""
+    import cadquery as cq
+
+    v, x, shelf = d.levels, d.half_width, d.shelf_half_width
+    plate = block((-x, x), (v.plate_back_y, v.front_y), (0.0, d.top_z))
+    plate = cq.Workplane(obj=plate).edges("|Y and >Z").fillet(d.corner_radius).val()  # type: ignore[assignment]
+    bridge = block((-shelf, shelf), (v.plate_back_y, v.top_plate_top_z), (d.bridge_bottom_z, d.top_z))
+    bearing = block((-shelf, shelf), (v.top_plate_bottom_z, v.top_plate_top_z), (d.shelf_bottom_z, d.top_z))
+    rounded = cq.Workplane(obj=fuse([bridge, bearing], "yoke")).edges("|Y").edges("<Z or >Z")
+    return [plate, rounded.fillet(d.corner_radius).val()]  # type: ignore[list-item]
+
+
+def centre_bodies(d: YokeDims) -> list[cq.Shape]:
+    """Rounded end of the plate about the drum's axis, and the boss."""
+    return [cylinder_y(d.half_width, 0.0, 0.0, d.levels.plate_back_y, d.levels.front_y), *boss_bodies(d.boss)]
+
+
+def _input_holes(d: YokeDims) -> list[cq.Shape]:
+    v, z = d.levels, d.axis_z
+    near, far = v.top_plate_bottom_z, v.top_plate_top_z
+    tools: list[cq.Shape] = [
+        cylinder_y(d.opening_radius, 0, z, v.plate_back_y - 1.0, v.front_y + 1.0),
+        cylinder_y(d.seat_shoulder_radius, 0, z, near, far + 1.0),
+        cylinder_y(d.seat_radius, 0, z, near - 1.0, near + d.seat_depth),
+    ]
+    for sign in (-1, 1):
+        x = sign * d.encoder_circle_radius
+        tools.append(cylinder_y(d.encoder_screw_clearance, x, z, near, far + 1.0))
+        tools.append(cylinder_y(d.encoder_head_radius, x, z, near - 1.0, near + d.encoder_head_depth))
+    return tools
+
+
+def yoke_tools(d: YokeDims) -> list[cq.Shape]:
+    """Bores for the input, and holes of the parts that are screwed on."""
+    back, front = d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0
+    tools = _input_holes(d)
+    tools += [cylinder_y(d.flange_screw_radius, x, z, back, front) for x, z in d.flange_screws]
+    tools += [cylinder_y(d.dowel_radius, x, z, back, back + 1.0 + d.dowel_depth) for x, z in d.dowels]
+    tools += [cylinder_y(d.mount_radius, x, z, back, front) for x, z in d.mounts]
+    return tools
+
+
+def centre_tools(d: YokeDims) -> list[cq.Shape]:
+    """Bores of the boss, and the stop pin's hole."""
+    pin = cylinder_y(d.stop_pin_radius, 0, d.stop_pin_z, d.levels.plate_back_y - 1.0, d.levels.front_y + 1.0)
+    return [*boss_tools(d.boss), pin]
+
+
+def _thread(insert: InsertSpec | None) -> dict[str, Any]:
+    """Arguments of a hole for a thread, or for an insert."""
+    return {"threaded": insert is None, "insert": insert}
+
+
+def frame_holes(d: YokeDims) -> tuple[Holes, ...]:
+    """Holes along Y: first those of the plate, from behind, then those of the shelf and of the drum's encoder."""
+    v, b, z = d.levels, d.boss, d.axis_z
+    back, near, floor = v.plate_back_y, v.top_plate_bottom_z, b.encoder_pocket_floor_y
+    pressed = FITS["pin_press"].code
+
+    def on(y: float, places: Places) -> tuple[tuple[float, float, float], ...]:
+        return tuple((x, y, height) for x, height in places)
+
+    axis = ((0.0, z),)
+    beside = tuple((s * d.encoder_circle_radius, z) for s in (-1, 1))
+    encoder = tuple((s * b.screw_circle, 0.0) for s in (-1, 1))
+    seat = (2 * d.seat_radius, d.seat_depth, FITS["input_seat"].code)
+    sunk = (2 * d.encoder_head_radius, d.encoder_head_depth, "")
+    screw, passing = 2 * d.flange_screw_radius, 2 * d.encoder_screw_clearance
+    pin = on(back, ((0.0, d.stop_pin_z),))
+    return (
+        Holes("A", 2 * d.opening_radius, THROUGH, on(back, axis), "plate", "input pulley"),
+        Holes("B", screw, THROUGH, on(back, d.flange_screws), "plate", "motor head", **_thread(d.flange_insert)),
+        Holes("C", 2 * d.dowel_radius, d.dowel_depth, on(back, d.dowels), "behind", "dowels", fit=pressed),
+        Holes(
+            "D", 2 * d.mount_radius, THROUGH, on(back, d.mounts), "plate", "mounting screws", **_thread(d.mount_insert)
+        ),
+        Holes("E", 2 * d.stop_pin_radius, THROUGH, pin, "plate", "stop pin", fit=pressed),
+        Holes("F", 2 * d.seat_shoulder_radius, THROUGH, on(near, axis), "shelf", "bearing", counterbore=seat),
+        Holes("G", passing, THROUGH, on(near, beside), "shelf", "encoder screws", counterbore=sunk),
+        Holes("H", 2 * b.screw_radius, b.screw_depth, on(floor, encoder), "boss", "drum encoder", threaded=True),
+    )
+
+
+def _from_behind(d: YokeDims) -> tuple[Linear, ...]:
+    """Widths, and heights from the drum's axis."""
+    y, x, b = d.levels.plate_back_y, d.half_width, d.boss
+
+    def wide(half: float, z: float, side: Side, what: str = "") -> Linear:
+        return Linear("rear", (-half, y, z), (half, y, z), 2 * half, side, suffix=what)
+
+    return (
+        wide(x, d.top_z, "above"),
+        wide(b.radius, 0.0, "below", " = %%c boss"),
+        wide(b.ear_reach, 0.0, "below", " ears"),
+        Linear("rear", (0.0, y, 0.0), (x, y, d.top_z), d.top_z, "right", decimals=3),
+        Linear("rear", (0.0, y, 0.0), (0.0, y, d.axis_z), d.axis_z, "left", decimals=3),
+    )
+
+
+def _in_front(d: YokeDims) -> tuple[Linear, ...]:
+    y, wide = d.levels.top_plate_top_z, d.shelf_half_width
+    return (
+        Linear("front", (-wide, y, d.top_z), (wide, y, d.top_z), 2 * wide, "above", suffix=" yoke"),
+        Linear("front", (0.0, y, 0.0), (wide, y, d.shelf_bottom_z), d.shelf_bottom_z, "left", decimals=3),
+    )
+
+
+def _in_section(d: YokeDims) -> tuple[Linear, ...]:
+    """Depths from the end of the boss and from the plate's back, and the bores of the drum's shaft."""
+    v, b = d.levels, d.boss
+    end, back, top = b.encoder_pocket_floor_y, v.plate_back_y, d.top_z
+    near, far, under = v.top_plate_bottom_z, v.top_plate_top_z, d.bridge_bottom_z
+
+    def deep(y: float, z: float, what: str = "") -> Linear:
+        ends = ((0.0, end, -b.radius), (0.0, y, z))
+        return Linear("section", *ends, y - end, "below", suffix=what, decimals=3)
+
+    def over(y: float, z: float) -> Linear:
+        return Linear("section", (0.0, back, top), (0.0, y, z), y - back, "above", decimals=3)
+
+    def bore(radius: float, y: float, fit: str = "", count: str = "") -> Linear:
+        return Linear("section", (0.0, y, -radius), (0.0, y, radius), 2 * radius, "right", f"{count}%%c", fit=fit)
+
+    return (
+        deep(b.rear_seat_end_y, -b.seat_radius),
+        deep(back, -d.half_width),
+        deep(b.front_seat_start_y, -b.seat_radius),
+        deep(v.front_y, -d.half_width),
+        deep(b.front_y, -b.radius),
+        deep(b.ear_front_y, -b.ear_half_height, " ears"),
+        over(near, under),
+        over(far, top),
+        Linear("section", (0.0, near, under), (0.0, far, top), top - under, "right", decimals=3),
+        bore(b.seat_radius, b.front_y, FITS["drum_seat"].code, "2x "),
+        bore(b.shoulder_radius, b.front_seat_start_y),
+    )
+
+
 @dataclass(frozen=True)
 class Yoke(MadePart):
     """Frame where it stands in the assembly."""
@@ -78,17 +230,61 @@ class Yoke(MadePart):
     dims: YokeDims
 
     def solid(self) -> cq.Solid:
-        """Drawn by ``frame.py`` beside this module."""
-        from mbcdm_cad.layouts.siso_spur.support.frame import create_yoke
-
-        return create_yoke(self.dims)
+        """Frame in its position in the assembly."""
+        dims = self.dims
+        return cut(
+            fuse([*yoke_bodies(dims), *centre_bodies(dims)], "frame"), [*centre_tools(dims), *yoke_tools(dims)], "frame"
+        )
 
     def volume_mm3(self) -> float:
-        """Closed form, mm^3."""
-        return yoke_mm3(self.dims)
+        """Plate, boss and yoke less bores and holes."""
+        d = self.dims
+        thick = d.levels.front_y - d.levels.plate_back_y
+        return arm_mm3(d) + pi * d.half_width**2 / 2 * thick + boss_mm3(d)
 
     def sheet(self, part: str) -> Sheet:
-        """Described by ``frame_sheet.py`` beside this module."""
-        from mbcdm_cad.layouts.siso_spur.support.frame_sheet import yoke_sheet
-
-        return yoke_sheet(part, self.dims)
+        """Rear, middle section and front."""
+        d = self.dims
+        v, b, r = d.levels, d.boss, d.corner_radius
+        holes = frame_holes(d)
+        behind = tuple(group for group in holes if group.letter in "ABCDEH")
+        half, y = 0.5**0.5 * r, v.plate_back_y
+        corner = Radius(
+            "rear",
+            (d.half_width - r, y, d.top_z - r),
+            (d.half_width - r + half, y, d.top_z - r + half),
+            r,
+            prefix="2x ",
+        )
+        axes = (
+            ((0.0, b.encoder_pocket_floor_y, 0.0), (0.0, b.front_y, 0.0)),
+            ((0.0, y, d.axis_z), (0.0, v.top_plate_top_z, d.axis_z)),
+        )
+        return Sheet(
+            part=part,
+            title="Frame",
+            paper="A2",
+            views=(
+                View("rear", X, Z),
+                View("section", Y, Z, column=1, title="A-A", cut=(0.0, 0.0, 0.0), axes=axes),
+                View("front", minus(X), Z, column=2),
+            ),
+            dimensions=(*_from_behind(d), *_in_section(d), *_in_front(d), corner),
+            labels=(*hole_labels(behind, "rear"),),
+            cutting_lines=(CuttingLine("rear", (0.0, y, -d.half_width - 2.0), (0.0, y, d.top_z + 2.0), "A", minus(X)),),
+            holes=holes,
+            tables=(
+                hole_table(holes),
+                position_table(holes, (0, 2), "Positions from the drum's axis"),
+            ),
+            fits=(
+                FitLine(2 * b.seat_radius, FITS["drum_seat"].code, "drum bearing seats"),
+                *(line for group in holes for line in group.fit_lines()),
+            ),
+            notes=(
+                "Milled from one block. X to the right in the rear view, Y to the front, Z up from the drum's axis.",
+                "F parallel to the drum's axis within 0.02; both drum seats on one axis within 0.005.",
+                f"Outer corners of plate and yoke R{mm(r)}; lower end of the plate rounded about the drum's axis.",
+                f"Ears {mm(2 * b.ear_half_height)} high. Seats Ra 0.8, elsewhere Ra 3.2.",
+            ),
+        )

@@ -15,7 +15,7 @@ from mbcdm_cad.layouts.miso_bevel.bill import bill, moving_bodies
 from mbcdm_cad.layouts.miso_bevel.drive import BevelDrive, bevel
 from mbcdm_cad.layouts.miso_bevel.layout import BevelLayout
 from mbcdm_cad.layouts.miso_bevel.routes import GUIDE, routed
-from mbcdm_cad.parts.bought.dims import screw_places
+from mbcdm_cad.parts.bought.bodies import screw_places
 from mbcdm_cad.parts.input_pulley.part import InputPulley
 from mbcdm_cad.routes.curves import Arc, Line
 from mbcdm_cad.routes.route import Span, Wrap
